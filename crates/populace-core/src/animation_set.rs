@@ -1,0 +1,44 @@
+//! The clips that a crowd shares.
+
+use std::sync::Arc;
+
+use crate::Clip;
+
+/// Index of a clip in an [`AnimationSet`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ClipIndex(pub u32);
+
+/// Clips shared by all members and tied to none of their models (Lister & Day 2012, section 3). Clips can be added at
+/// any time.
+#[derive(Clone, Debug, Default)]
+pub struct AnimationSet {
+    clips: Vec<Arc<Clip>>,
+}
+
+impl AnimationSet {
+    /// Adds a clip; the same clip again gives the same index.
+    ///
+    /// # Panics
+    ///
+    /// At more than 2^32 clips.
+    pub fn add(&mut self, clip: &Arc<Clip>) -> ClipIndex {
+        let known = self.clips.iter().position(|c| Arc::ptr_eq(c, clip));
+        let index = known.unwrap_or_else(|| {
+            self.clips.push(Arc::clone(clip));
+            self.clips.len() - 1
+        });
+        ClipIndex(u32::try_from(index).expect("fewer than 2^32 clips"))
+    }
+
+    /// The clip of an index.
+    #[must_use]
+    pub fn get(&self, clip: ClipIndex) -> Option<&Arc<Clip>> {
+        self.clips.get(clip.0 as usize)
+    }
+
+    /// All clips, in the order they were added.
+    #[must_use]
+    pub fn clips(&self) -> &[Arc<Clip>] {
+        &self.clips
+    }
+}

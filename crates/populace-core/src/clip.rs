@@ -1,0 +1,267 @@
+//! Clips: motions as rows of poses, and their binding to skeletons.
+
+mod curves;
+mod ground;
+mod rows;
+
+use std::collections::HashMap;
+
+use crate::layout::{JOINT_BLOCK, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE};
+use crate::{ClipSource, Error, JointIndex, Property, Skeleton, Trs};
+use rows::Rows;
+
+/// One motion, stored as rows: poses of all joints of the clip's own skeleton, at the union of the tracks' key times,
+/// with more between them wherever interpolating rows would stray from the source curves by more than the bound.
+///
+/// The bound, in model space on the clip's own skeleton at points 3 cm from each joint, is 0.3 mm for a body of 1.8 m,
+/// in proportion for others. Between rows devices interpolate translations and scales linearly and rotations by
+/// normalised linear interpolation. A STEP key is two rows at one time.
+///
+/// A row holds blocks of 16 joints ("columns", in the level order of the clip's own skeleton), component by component,
+/// joints fastest: `x y z w` of rotations, then `x y z` of translations, then of scales. Blocks in which nothing moves
+/// are left out; what they hold is in [`Binding::base_pose`].
+#[derive(Clone, Debug)]
+pub struct Clip {
+    source: ClipSource,
+    columns: HashMap<String, u32>,
+    rows: Rows,
+    ground_speed: Option<f32>,
+}
+
+/// What loading found out about a clip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClipStats {
+    /// Rows stored.
+    pub row_count: usize,
+    /// Whether rows are evenly spaced, so that a time's row is found by a multiplication.
+    pub evenly_spaced: bool,
+    /// Bytes of rows, times and buckets.
+    pub row_bytes: usize,
+    /// Bytes of the source's key times and values.
+    pub key_bytes: usize,
+    /// No point 3 cm from a joint strays further from the source than this, in metres; in proportion for bodies that
+    /// are not 1.8 m.
+    pub error_bound_m: f32,
+    /// The bound asked for, in metres.
+    pub tolerance_m: f32,
+    /// Mean backward speed of the planted foot in metres per second, where feet are known by name.
+    pub ground_speed_m_per_sec: Option<f32>,
+}
+
+impl Clip {
+    /// Turns a motion into rows. `skeleton` is the clip's own: that of the file it comes from. Tracks of joints that
+    /// the skeleton lacks are kept in the source and drive nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadTrack`] or [`Error::DuplicateTrack`].
+    pub fn new(source: ClipSource, skeleton: &Skeleton) -> Result<Self, Error> {
+        let curves = curves::Curves::new(&source, skeleton)?;
+        let rows = Rows::new(&curves, skeleton);
+        let ground_speed = ground::ground_speed(&rows, skeleton);
+        let columns = skeleton
+            .joints()
+            .map(|j| (skeleton.name(j).to_owned(), j.0))
+            .collect();
+        Ok(Self {
+            source,
+            columns,
+            rows,
+            ground_speed,
+        })
+    }
+
+    /// The clip's name; may be empty.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.source.name
+    }
+
+    /// The motion as the file states it.
+    #[must_use]
+    pub fn source(&self) -> &ClipSource {
+        &self.source
+    }
+
+    /// Time of the first key on the clip's own axis, in seconds.
+    #[must_use]
+    pub fn start_secs(&self) -> f32 {
+        self.rows.times[0]
+    }
+
+    /// From the first key to the last, in seconds; may be 0.
+    #[must_use]
+    pub fn duration_secs(&self) -> f32 {
+        self.rows.times[self.rows.times.len() - 1] - self.rows.times[0]
+    }
+
+    /// What loading found out.
+    #[must_use]
+    pub fn stats(&self) -> ClipStats {
+        let rows = &self.rows;
+        let keys = self
+            .source
+            .tracks
+            .iter()
+            .map(|t| t.times.len() + t.values.len())
+            .sum::<usize>();
+        ClipStats {
+            row_count: rows.times.len(),
+            evenly_spaced: rows.buckets.is_empty(),
+            row_bytes: 4 * (rows.data.len() + rows.buckets.len() + self.row_times().len()),
+            key_bytes: 4 * keys,
+            error_bound_m: rows.error_bound_m,
+            tolerance_m: rows.tolerance_m,
+            ground_speed_m_per_sec: self.ground_speed,
+        }
+    }
+
+    /// The largest distance, over `points` times between each two rows, between a point 3 cm from a joint of the
+    /// clip's own skeleton as the source curves move it and as the rows do; metres, in proportion for bodies that are
+    /// not 1.8 m.
+    ///
+    /// # Panics
+    ///
+    /// If `skeleton` is not the one that the clip was made with.
+    #[must_use]
+    pub fn measured_error_m(&self, skeleton: &Skeleton, points: usize) -> f32 {
+        assert_eq!(
+            self.columns.len(),
+            skeleton.joint_count(),
+            "not the clip's own skeleton"
+        );
+        let curves = curves::Curves::new(&self.source, skeleton).expect("checked by `new`");
+        self.rows.measured_error_m(&curves, skeleton, points)
+    }
+
+    /// All rows, one after the other.
+    pub(crate) fn rows(&self) -> &[f32] {
+        &self.rows.data
+    }
+
+    pub(crate) fn row_stride(&self) -> usize {
+        self.rows.stride
+    }
+
+    pub(crate) fn row_count(&self) -> usize {
+        self.rows.times.len()
+    }
+
+    /// Rows per second where they are evenly spaced, else 0.
+    pub(crate) fn rows_per_sec(&self) -> f32 {
+        self.rows.rows_per_sec
+    }
+
+    pub(crate) fn row_times(&self) -> &[f32] {
+        if self.rows.buckets.is_empty() {
+            &[]
+        } else {
+            &self.rows.times
+        }
+    }
+
+    /// For each bucket a row at or before its start, and buckets per second; empty where rows are evenly spaced.
+    pub(crate) fn buckets(&self) -> (&[u32], f32) {
+        (&self.rows.buckets, self.rows.buckets_per_sec)
+    }
+
+    /// Three for each block of 16 columns: where in a row its rotations, translations and scales stand, or `NONE`.
+    pub(crate) fn block_offsets(&self) -> &[u32] {
+        &self.rows.block_offsets
+    }
+}
+
+/// A clip bound to a skeleton by joint names: which column each joint follows, and what stands still.
+///
+/// Joints and properties that the clip does not drive keep the rest of the skeleton bound to, whatever the clip's own
+/// skeleton says there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Binding {
+    joint_map: Vec<u32>,
+    base_pose: Vec<Trs>,
+    bound_joint_count: usize,
+}
+
+impl Binding {
+    /// Binds by name.
+    #[must_use]
+    pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
+        let mut binding = Self {
+            joint_map: Vec::new(),
+            base_pose: Vec::new(),
+            bound_joint_count: 0,
+        };
+        for joint in skeleton.joints() {
+            let (map, pose) = match clip.columns.get(skeleton.name(joint)) {
+                Some(&column) if clip.rows.drives(column) => {
+                    binding.bound_joint_count += 1;
+                    clip.rows.bind(column, skeleton.rest(joint))
+                }
+                _ => (0, *skeleton.rest(joint)),
+            };
+            binding.joint_map.push(map);
+            binding.base_pose.push(pose);
+        }
+        binding
+    }
+
+    /// For each joint, in level order, the clip's column and `MAP_` flags of what its rows drive.
+    #[must_use]
+    pub fn joint_map(&self) -> &[u32] {
+        &self.joint_map
+    }
+
+    /// For each joint what the rows do not drive: the clip's constants, else the skeleton's rest.
+    #[must_use]
+    pub fn base_pose(&self) -> &[Trs] {
+        &self.base_pose
+    }
+
+    /// Joints that the clip drives, moving or not.
+    #[must_use]
+    pub fn bound_joint_count(&self) -> usize {
+        self.bound_joint_count
+    }
+}
+
+impl Rows {
+    /// Whether any track drives a column.
+    fn drives(&self, column: u32) -> bool {
+        self.driven[column as usize].iter().any(|driven| *driven)
+    }
+
+    /// The joint map and base pose of a joint that follows `column`.
+    fn bind(&self, column: u32, rest: &Trs) -> (u32, Trs) {
+        let mut map = column;
+        let mut pose = *rest;
+        let first = self.first_pose[column as usize];
+        for property in [Property::Rotation, Property::Translation, Property::Scale] {
+            if !self.driven[column as usize][property as usize] {
+                continue;
+            }
+            let moving = self.moving[column as usize][property as usize];
+            match property {
+                Property::Rotation => {
+                    (map, pose.rotation) = (map | flag(moving, MAP_ROTATION), first.rotation)
+                }
+                Property::Translation => {
+                    (map, pose.translation) = (map | flag(moving, MAP_TRANSLATION), first.translation);
+                }
+                Property::Scale => (map, pose.scale) = (map | flag(moving, MAP_SCALE), first.scale),
+            }
+        }
+        (map, pose)
+    }
+}
+
+const fn flag(set: bool, bit: u32) -> u32 {
+    if set { bit } else { 0 }
+}
+
+const BLOCK: usize = JOINT_BLOCK as usize;
+const NOT_MOVING: u32 = NONE;
+
+/// Parents as [`crate::f64math`] takes them.
+fn parents(skeleton: &Skeleton) -> Vec<Option<JointIndex>> {
+    skeleton.joints().map(|j| skeleton.parent(j)).collect()
+}

@@ -1,0 +1,432 @@
+//! From source curves to rows within the bound.
+
+use glam::{DAffine3, DQuat, DVec3};
+
+use super::curves::{Curves, Local, Side};
+use super::{BLOCK, NOT_MOVING, parents};
+use crate::{Interpolation, JointIndex, Property, Skeleton, Trs, f64math};
+
+/// The bound for a body of 1.8 m.
+const TOLERANCE_M: f64 = 0.000_3;
+const TOLERANCE_BODY_M: f64 = 1.8;
+/// Where it is measured: this far from each joint.
+const PROBE_M: f64 = 0.03;
+/// A gap between keys is halved at most this often.
+const MAX_HALVINGS: u32 = 12;
+/// Rows count as evenly spaced when none is off by more than this part of the spacing.
+const EVEN_SPACING: f64 = 1e-4;
+
+/// The rows of a clip; see [`super::Clip`] for their layout.
+#[derive(Clone, Debug)]
+pub(super) struct Rows {
+    pub(super) times: Vec<f32>,
+    pub(super) data: Vec<f32>,
+    pub(super) stride: usize,
+    pub(super) block_offsets: Vec<u32>,
+    pub(super) buckets: Vec<u32>,
+    pub(super) buckets_per_sec: f32,
+    pub(super) rows_per_sec: f32,
+    /// Per column and [`Property`]: whether a track drives it.
+    pub(super) driven: Vec<[bool; 3]>,
+    /// Per column and [`Property`]: whether its value differs between rows.
+    pub(super) moving: Vec<[bool; 3]>,
+    pub(super) first_pose: Vec<Trs>,
+    pub(super) error_bound_m: f32,
+    pub(super) tolerance_m: f32,
+}
+
+/// A row: all joints at one time, on one side of it.
+struct Row {
+    secs: f32,
+    side: Side,
+    pose: Vec<Local>,
+}
+
+impl Row {
+    fn new(curves: &Curves, skeleton: &Skeleton, secs: f32, side: Side) -> Self {
+        let pose = skeleton
+            .joints()
+            .map(|j| curves.local(j, f64::from(secs), side))
+            .collect();
+        Self { secs, side, pose }
+    }
+}
+
+impl Rows {
+    pub(super) fn new(curves: &Curves, skeleton: &Skeleton) -> Self {
+        let scale = f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
+        let tolerance = TOLERANCE_M * scale;
+        let reach = reaches(skeleton, PROBE_M * scale);
+        let mut rows = Vec::new();
+        let mut worst: f64 = 0.0;
+        for (secs, jumps) in key_times(curves) {
+            let row = Row::new(
+                curves,
+                skeleton,
+                secs,
+                if jumps { Side::Before } else { Side::After },
+            );
+            if let Some(last) = rows.pop() {
+                let gap = Gap {
+                    curves,
+                    skeleton,
+                    reach: &reach,
+                    tolerance,
+                };
+                worst = worst.max(gap.fill(last, &row, MAX_HALVINGS, &mut rows));
+            }
+            rows.push(row);
+            if jumps {
+                rows.push(Row::new(curves, skeleton, secs, Side::After));
+            }
+        }
+        let driven: Vec<_> = skeleton
+            .joints()
+            .map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some()))
+            .collect();
+        let [error_bound_m, tolerance_m] = f64math::to_f32([worst, tolerance]);
+        store(&rows, driven, error_bound_m, tolerance_m)
+    }
+
+    /// See [`super::Clip::measured_error_m`].
+    pub(super) fn measured_error_m(&self, curves: &Curves, skeleton: &Skeleton, points: usize) -> f32 {
+        let probe = PROBE_M * f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
+        let parents = parents(skeleton);
+        let mut worst: f64 = 0.0;
+        for at in 0..self.times.len() - 1 {
+            let (from, to) = (f64::from(self.times[at]), f64::from(self.times[at + 1]));
+            for point in 0..=if from < to { points } else { 0 } {
+                let u = point as f64 / (points + 1) as f64;
+                let secs = from + (to - from) * u;
+                let exact = skeleton
+                    .joints()
+                    .map(|j| curves.local(j, secs, Side::After).affine());
+                let exact = f64math::model_from_joints(&parents, exact);
+                let stored = skeleton.joints().map(|j| self.local(j, at, u).affine());
+                let stored = f64math::model_from_joints(&parents, stored);
+                for (a, b) in exact.iter().zip(&stored) {
+                    worst = worst.max(distance_at_probes(a, b, probe));
+                }
+            }
+        }
+        f64math::to_f32([worst])[0]
+    }
+
+    /// A joint's local transform between two stored rows, as devices interpolate it.
+    pub(super) fn local(&self, joint: JointIndex, row: usize, u: f64) -> Local {
+        let next = (row + 1).min(self.times.len() - 1);
+        let (block, lane) = (joint.index() / BLOCK, joint.index() % BLOCK);
+        let fetch = |property: Property, component: usize| -> Option<f64> {
+            let offset = self.block_offsets[block * 3 + PLACE[property as usize]];
+            let at = |row: usize| {
+                f64::from(self.data[row * self.stride + offset as usize + component * BLOCK + lane])
+            };
+            (offset != NOT_MOVING).then(|| at(row) * (1.0 - u) + at(next) * u)
+        };
+        let first = &self.first_pose[joint.index()];
+        let vector = |property, still: [f32; 3]| {
+            DVec3::from_array(std::array::from_fn(|c| {
+                fetch(property, c).unwrap_or(f64::from(still[c]))
+            }))
+        };
+        let rotation =
+            std::array::from_fn(|c| fetch(Property::Rotation, c).unwrap_or(f64::from(first.rotation[c])));
+        Local {
+            rotation: DQuat::from_array(rotation).normalize(),
+            translation: vector(Property::Translation, first.translation),
+            scale: vector(Property::Scale, first.scale),
+        }
+    }
+}
+
+/// All properties, indexed by themselves.
+const PROPERTIES: [Property; 3] = [Property::Translation, Property::Rotation, Property::Scale];
+/// Where in a row's blocks, and in `block_offsets`, a [`Property`] stands: rotations first.
+const PLACE: [usize; 3] = [1, 0, 2];
+
+/// The union of the key times, each with whether a STEP track jumps there. A clip without keys has one time, 0.
+fn key_times(curves: &Curves) -> Vec<(f32, bool)> {
+    let mut times = Vec::new();
+    for track in curves.all_tracks() {
+        let step = track.interpolation == Interpolation::Step;
+        for (key, &secs) in track.times.iter().enumerate() {
+            times.push((secs, step && key > 0 && track.value(key) != track.value(key - 1)));
+        }
+    }
+    if times.is_empty() {
+        // Keys of joints that the skeleton lacks still give the clip its length.
+        let (start, end) = curves.source.time_range_secs();
+        times = vec![(start, false), (end, false)];
+    }
+    times.sort_by(|a, b| a.0.total_cmp(&b.0));
+    times.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        kept.1 |= same && next.1;
+        same
+    });
+    times
+}
+
+/// For each joint how far from it, at rest, a probe of the joint or of one that hangs on it can be.
+fn reaches(skeleton: &Skeleton, probe: f64) -> Vec<f64> {
+    let parents = parents(skeleton);
+    let locals = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
+    let models = f64math::model_from_joints(&parents, locals);
+    let mut reach = vec![probe; parents.len()];
+    for joint in (0..parents.len()).rev() {
+        if let Some(parent) = parents[joint] {
+            let bone = models[joint]
+                .translation
+                .distance(models[parent.index()].translation);
+            reach[parent.index()] = reach[parent.index()].max(reach[joint] + bone);
+        }
+    }
+    reach
+}
+
+/// What is needed to judge and fill the gap between two rows.
+struct Gap<'a> {
+    curves: &'a Curves<'a>,
+    skeleton: &'a Skeleton,
+    reach: &'a [f64],
+    tolerance: f64,
+}
+
+impl Gap<'_> {
+    /// Pushes `from` and the rows that are needed between it and `to`, which is left out; returns the bound that holds.
+    fn fill(&self, from: Row, to: &Row, halvings: u32, rows: &mut Vec<Row>) -> f64 {
+        let bound = self.error_bound(&from, to);
+        let middle = from.secs + (to.secs - from.secs) / 2.0;
+        if bound <= self.tolerance || halvings == 0 || middle <= from.secs || middle >= to.secs {
+            rows.push(from);
+            return bound;
+        }
+        let middle = Row::new(self.curves, self.skeleton, middle, Side::After);
+        let first = self.fill(from, &middle, halvings - 1, rows);
+        first.max(self.fill(middle, to, halvings - 1, rows))
+    }
+
+    /// An upper bound on how far a probe strays between two rows: each joint's own deviation moves what hangs on it
+    /// by at most its angle times reach, and deviations add up along the chain.
+    fn error_bound(&self, from: &Row, to: &Row) -> f64 {
+        let mut totals = Vec::with_capacity(self.reach.len());
+        let mut worst: f64 = 0.0;
+        for joint in self.skeleton.joints() {
+            let above = self
+                .skeleton
+                .parent(joint)
+                .map_or(0.0, |p: JointIndex| totals[p.index()]);
+            let total = above + self.deviation(joint, from, to);
+            worst = worst.max(total);
+            totals.push(total);
+        }
+        worst
+    }
+
+    fn deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
+        let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
+        let kind = |property| {
+            self.curves
+                .track(joint, property)
+                .map(|track| track.interpolation)
+        };
+        let reach = self.reach[joint.index()];
+        let cubic = PROPERTIES
+            .iter()
+            .any(|&p| kind(p) == Some(Interpolation::CubicSpline));
+        if cubic {
+            return self.sampled_deviation(joint, from, to);
+        }
+        if kind(Property::Rotation) == Some(Interpolation::Linear) {
+            return nlerp_error_rad(a.rotation, b.rotation) * reach;
+        }
+        0.0
+    }
+
+    /// A spline minus a straight line is a cubic that is 0 at both ends; its largest value is at most 1.1 times the
+    /// largest of seven evenly spaced ones.
+    fn sampled_deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
+        let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
+        let reach = self.reach[joint.index()];
+        let worst = (1..8).map(|point| {
+            let u = f64::from(point) / 8.0;
+            let secs = f64::from(from.secs) + (f64::from(to.secs) - f64::from(from.secs)) * u;
+            let exact = self.curves.local(joint, secs, Side::After);
+            let rotation = nlerp(a.rotation, b.rotation, u);
+            exact.rotation.angle_between(rotation) * reach
+                + exact.translation.distance(a.translation.lerp(b.translation, u))
+                + (exact.scale - a.scale.lerp(b.scale, u)).abs().max_element() * reach
+        });
+        1.1 * worst.fold(0.0, f64::max)
+    }
+}
+
+fn nlerp(a: DQuat, b: DQuat, u: f64) -> DQuat {
+    let b = if a.dot(b) < 0.0 { -b } else { b };
+    (a * (1.0 - u) + b * u).normalize()
+}
+
+/// The largest angle between slerp and normalised linear interpolation of two rotations: at 0.2113 of the way
+/// (1/2 - 1/sqrt(12), where their series first differ most), with 2% for larger angles, where the place moves.
+fn nlerp_error_rad(a: DQuat, b: DQuat) -> f64 {
+    let half_angle = a.dot(b).abs().min(1.0).acos();
+    let u = 0.211_324_865;
+    let nlerp = (u * half_angle.sin()).atan2(1.0 - u + u * half_angle.cos());
+    1.02 * 2.0 * (u * half_angle - nlerp).abs()
+}
+
+/// How far apart two transforms take the worse of the probes on the joint's axes.
+fn distance_at_probes(a: &DAffine3, b: &DAffine3, probe: f64) -> f64 {
+    let centre = a.translation - b.translation;
+    let axis = |x: DVec3, y: DVec3| (centre + (x - y) * (probe / x.length().max(1e-9))).length();
+    let (m, n) = (&a.matrix3, &b.matrix3);
+    axis(m.x_axis, n.x_axis)
+        .max(axis(m.y_axis, n.y_axis))
+        .max(axis(m.z_axis, n.z_axis))
+}
+
+fn store(rows: &[Row], driven: Vec<[bool; 3]>, error_bound_m: f32, tolerance_m: f32) -> Rows {
+    let poses = rounded(rows);
+    let moving: Vec<[bool; 3]> = (0..driven.len())
+        .map(|column| {
+            let first = poses[0][column];
+            let moves =
+                |differs: fn(&Trs, &Trs) -> bool| poses.iter().any(|pose| differs(&pose[column], &first));
+            [
+                moves(|a, b| a.translation != b.translation),
+                moves(|a, b| a.rotation != b.rotation),
+                moves(|a, b| a.scale != b.scale),
+            ]
+        })
+        .collect();
+    let (block_offsets, stride) = lay_out(&moving);
+    let mut data = vec![0.0; stride * rows.len()];
+    for (pose, row) in poses.iter().zip(data.chunks_mut(stride.max(1))) {
+        for (column, trs) in pose.iter().enumerate() {
+            let (block, lane) = (column / BLOCK, column % BLOCK);
+            let mut put = |property: Property, values: &[f32]| {
+                let offset = block_offsets[block * 3 + PLACE[property as usize]];
+                if offset != NOT_MOVING {
+                    for (component, value) in values.iter().enumerate() {
+                        row[offset as usize + component * BLOCK + lane] = *value;
+                    }
+                }
+            };
+            put(Property::Rotation, &trs.rotation);
+            put(Property::Translation, &trs.translation);
+            put(Property::Scale, &trs.scale);
+        }
+    }
+    let times: Vec<f32> = rows.iter().map(|row| row.secs).collect();
+    debug_assert!(
+        rows.windows(2)
+            .all(|w| w[0].secs < w[1].secs || w[0].side < w[1].side)
+    );
+    let rows_per_sec = even_rate(&times);
+    let (buckets, buckets_per_sec) = if rows_per_sec > 0.0 || times.len() < 2 {
+        (Vec::new(), 0.0)
+    } else {
+        buckets(&times)
+    };
+    let first_pose = poses.into_iter().next().unwrap_or_default();
+    Rows {
+        times,
+        data,
+        stride,
+        block_offsets,
+        buckets,
+        buckets_per_sec,
+        rows_per_sec,
+        driven,
+        moving,
+        first_pose,
+        error_bound_m,
+        tolerance_m,
+    }
+}
+
+/// The rows in single precision, each rotation in the hemisphere of the row before.
+fn rounded(rows: &[Row]) -> Vec<Vec<Trs>> {
+    let mut poses: Vec<Vec<Trs>> = Vec::with_capacity(rows.len());
+    for row in rows {
+        let mut pose = Vec::with_capacity(row.pose.len());
+        for (column, local) in row.pose.iter().enumerate() {
+            let mut rotation = f64math::to_f32(local.rotation.to_array());
+            let before = poses.last().map(|last| last[column].rotation);
+            if before.is_some_and(|b| crate::math::quat::dot(b, rotation) < 0.0) {
+                rotation = rotation.map(|v| -v);
+            }
+            pose.push(Trs {
+                translation: f64math::to_f32(local.translation.to_array()),
+                rotation,
+                scale: f64math::to_f32(local.scale.to_array()),
+            });
+        }
+        poses.push(pose);
+    }
+    poses
+}
+
+/// Where each block's rotations, translations and scales stand in a row, and the row's length, both in floats.
+fn lay_out(moving: &[[bool; 3]]) -> (Vec<u32>, usize) {
+    let block_count = moving.len().div_ceil(BLOCK);
+    let mut offsets = vec![NOT_MOVING; block_count * 3];
+    let mut stride = 0;
+    for property in [Property::Rotation, Property::Translation, Property::Scale] {
+        for (block, columns) in moving.chunks(BLOCK).enumerate() {
+            if columns.iter().any(|moves| moves[property as usize]) {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "skeletons have fewer than 2^28 joints"
+                )]
+                let offset = stride as u32;
+                offsets[block * 3 + PLACE[property as usize]] = offset;
+                stride += property.width() * BLOCK;
+            }
+        }
+    }
+    (offsets, stride)
+}
+
+/// Rows per second where rows are evenly spaced, else 0.
+fn even_rate(times: &[f32]) -> f32 {
+    let last = times.len() - 1;
+    let start = f64::from(times[0]);
+    let span = f64::from(times[last]) - start;
+    if last == 0 || span <= 0.0 {
+        return 0.0;
+    }
+    let spacing = span / last as f64;
+    let even = times
+        .iter()
+        .enumerate()
+        .all(|(row, &t)| (f64::from(t) - start - spacing * row as f64).abs() <= EVEN_SPACING * spacing);
+    if even {
+        f64math::to_f32([1.0 / spacing])[0]
+    } else {
+        0.0
+    }
+}
+
+/// One bucket for each row: the last row at or before the bucket's start, one bucket early so that rounding on a
+/// device cannot skip a row.
+fn buckets(times: &[f32]) -> (Vec<u32>, f32) {
+    let start = f64::from(times[0]);
+    let span = f64::from(times[times.len() - 1]) - start;
+    let count = times.len();
+    let per_sec = if span > 0.0 { count as f64 / span } else { 0.0 };
+    let mut row = 0;
+    let buckets = (0..count).map(|bucket| {
+        let from = start + (bucket as f64 - 0.01) / per_sec.max(1e-30);
+        while row + 1 < count && f64::from(times[row + 1]) <= from {
+            row += 1;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rows are limited by the memory of their keys"
+        )]
+        let row = row as u32;
+        row
+    });
+    (buckets.collect(), f64math::to_f32([per_sec])[0])
+}

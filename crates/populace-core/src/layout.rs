@@ -1,0 +1,358 @@
+//! The structs and constants that host and devices share, each declared once.
+//!
+//! [`device_struct!`] emits a `#[repr(C)]` [`bytemuck::Pod`] type, its OpenCL C twin as text, and the table of its
+//! fields, which a probe kernel's `sizeof` and offsets are compared with in a test. [`device_const!`] emits a constant
+//! and its `#define`. [`opencl_prelude`] joins them all into the head of every OpenCL program.
+//!
+//! `Pod` refuses hidden padding, and there is no three-component vector to declare: it is 16 bytes on a device.
+
+/// Four floats, aligned to 16 bytes as an OpenCL `float4`.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Float4(pub [f32; 4]);
+
+impl Float4 {
+    /// From three components and a fourth of zero.
+    #[must_use]
+    pub const fn from_xyz(v: [f32; 3]) -> Self {
+        Self([v[0], v[1], v[2], 0.0])
+    }
+
+    /// The first three components.
+    #[must_use]
+    pub const fn xyz(self) -> [f32; 3] {
+        [self.0[0], self.0[1], self.0[2]]
+    }
+}
+
+/// A struct that host and devices lay out alike.
+pub trait DeviceStruct: bytemuck::Pod {
+    /// The name in both languages.
+    const NAME: &'static str;
+    /// The declaration in OpenCL C.
+    const OPENCL_C: &'static str;
+    /// Each field's name and offset in bytes.
+    const FIELDS: &'static [(&'static str, usize)];
+}
+
+macro_rules! opencl_type {
+    (f32) => {
+        "float"
+    };
+    (u32) => {
+        "uint"
+    };
+    (u64) => {
+        "ulong"
+    };
+    (Float4) => {
+        "float4"
+    };
+}
+
+macro_rules! device_struct {
+    ($(#[$doc:meta])* pub struct $name:ident { $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)? }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub struct $name { $( $(#[$field_doc])* pub $field: $ty ),* }
+        impl DeviceStruct for $name {
+            const NAME: &'static str = stringify!($name);
+            const OPENCL_C: &'static str = concat!("typedef struct {",
+                $( " ", opencl_type!($ty), " ", stringify!($field), ";", )* " } ", stringify!($name), ";\n");
+            const FIELDS: &'static [(&'static str, usize)] =
+                &[$( (stringify!($field), std::mem::offset_of!($name, $field)) ),*];
+        }
+    };
+}
+
+macro_rules! device_consts {
+    ($( $(#[$doc:meta])* pub const $name:ident : u32 = $value:expr; )*) => {
+        $( $(#[$doc])* pub const $name: u32 = $value; )*
+        const CONSTS: &[(&str, u32)] = &[$( (stringify!($name), $value) ),*];
+    };
+}
+
+device_consts! {
+    /// Stands for "no index": no parent, no mask, no clip, a free place.
+    pub const NONE: u32 = u32::MAX;
+    /// Joints per block. Each member's arrays in the joint buffer are padded to whole blocks: 16 elements of 16 bytes
+    /// are 256 bytes (Lister & Day 2012, section 3, "bone buffer"). Rows of clips are stored in blocks of 16 as well.
+    pub const JOINT_BLOCK: u32 = 16;
+    /// Palette entries per block; each member's palette starts at a whole block.
+    pub const PALETTE_BLOCK: u32 = 4;
+    /// Palette entries per page: 48 MiB a page, within what every OpenCL and OpenGL device allows at once.
+    pub const PAGE_ENTRIES: u32 = 1 << 20;
+    /// [`Slot::mode`]: the clip starts again at its end.
+    pub const SLOT_LOOP: u32 = 0;
+    /// [`Slot::mode`]: the clip holds its end once [`Slot::hold_ticks`] have passed.
+    pub const SLOT_ONCE: u32 = 1;
+    /// [`Slot::mode`]: the clip stands at [`Slot::held_secs`] on its own axis.
+    pub const SLOT_HELD: u32 = 2;
+    /// [`Layer::mode`]: the layer's mix replaces what lies beneath, by weight and mask.
+    pub const LAYER_OVERRIDE: u32 = 0;
+    /// [`Layer::mode`]: the layer's differences from each clip's first row are laid over what lies beneath.
+    pub const LAYER_ADDITIVE: u32 = 1;
+    /// Layers of each member.
+    pub const LAYERS_PER_MEMBER: u32 = 4;
+    /// Flag in a joint map: the rotation comes from the clip's rows.
+    pub const MAP_ROTATION: u32 = 1 << 31;
+    /// Flag in a joint map: the translation comes from the clip's rows.
+    pub const MAP_TRANSLATION: u32 = 1 << 30;
+    /// Flag in a joint map: the scale comes from the clip's rows.
+    pub const MAP_SCALE: u32 = 1 << 29;
+    /// The bits of a joint map that name the clip's column.
+    pub const MAP_COLUMN: u32 = (1 << 29) - 1;
+}
+
+device_struct! {
+    /// A body: a skeleton and the palette entries of the meshes on it. Offsets count elements of the tables named.
+    pub struct Body {
+        /// Into `parents`.
+        pub joint_first: u32,
+        /// Joints.
+        pub joint_count: u32,
+        /// Joints, padded to whole blocks of [`JOINT_BLOCK`].
+        pub padded_count: u32,
+        /// Into `levels`: `level_count + 1` joint indices, the first of each level and the end of the last.
+        pub level_first: u32,
+        /// Levels.
+        pub level_count: u32,
+        /// Into `poses`: the rest pose, ten planes of `padded_count` floats (see [`POSE_PLANES`]).
+        pub rest_first: u32,
+        /// Into `entries`.
+        pub entry_first: u32,
+        /// Palette entries.
+        pub entry_count: u32,
+    }
+}
+
+device_struct! {
+    /// A palette entry: `joint_from_bind` as three rows, for one joint.
+    pub struct Entry {
+        /// First row of `joint_from_bind`.
+        pub row0: Float4,
+        /// Second row.
+        pub row1: Float4,
+        /// Third row.
+        pub row2: Float4,
+        /// The joint, in level order.
+        pub joint: u32,
+        /// Zero.
+        pub unused0: u32,
+        /// Zero.
+        pub unused1: u32,
+        /// Zero.
+        pub unused2: u32,
+    }
+}
+
+device_struct! {
+    /// A clip's rows and where to find the row of a time.
+    pub struct ClipRows {
+        /// Into `rows`, in floats: the first row.
+        pub row_first: u32,
+        /// Floats from one row to the next.
+        pub row_stride: u32,
+        /// Rows, at least one.
+        pub row_count: u32,
+        /// Into `block_offsets`: three for each block of 16 columns, where in a row its rotations, translations and
+        /// scales stand, or [`NONE`] where they do not move.
+        pub block_first: u32,
+        /// Into `row_times`.
+        pub time_first: u32,
+        /// Into `buckets`: for each, a row at or before the bucket's start.
+        pub bucket_first: u32,
+        /// Buckets; 0 where rows are evenly spaced.
+        pub bucket_count: u32,
+        /// Buckets per second.
+        pub buckets_per_sec: f32,
+        /// Time of the first row on the clip's own axis.
+        pub start_secs: f32,
+        /// From the first row to the last.
+        pub duration_secs: f32,
+        /// Rows per second where they are evenly spaced, else 0.
+        pub rows_per_sec: f32,
+        /// Zero.
+        pub unused: u32,
+    }
+}
+
+device_struct! {
+    /// A clip bound to a body.
+    pub struct BoundClip {
+        /// Into `clips`.
+        pub clip: u32,
+        /// Into `joint_maps`: for each joint the clip's column and `MAP_` flags of what its rows drive.
+        pub map_first: u32,
+        /// Into `poses`: what the rows do not drive; the clip's constants and the body's rest.
+        pub base_first: u32,
+        /// Zero.
+        pub unused: u32,
+    }
+}
+
+device_struct! {
+    /// One playing clip of a member, in closed form: devices evaluate it from the clock and never write it.
+    ///
+    /// The phase is a 64-bit fraction of the clip's cycle, `start_phase + elapsed * phase_rate`, wrapping: exact for
+    /// all time, and equal on every device.
+    pub struct Slot {
+        /// The clock when the slot began.
+        pub start_tick: u64,
+        /// Phase at `start_tick`, in 2^-64 of the clip's length.
+        pub start_phase: u64,
+        /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays backwards.
+        pub phase_rate: u64,
+        /// Ticks after which [`SLOT_ONCE`] holds the end.
+        pub hold_ticks: u64,
+        /// Into `bound_clips`, or [`NONE`] for an empty slot.
+        pub bound_clip: u32,
+        /// `SLOT_` mode.
+        pub mode: u32,
+        /// The layer that the slot is mixed in.
+        pub layer: u32,
+        /// The time that [`SLOT_HELD`] stands at, on the clip's own axis, and at which [`SLOT_ONCE`] holds.
+        pub held_secs: f32,
+        /// Weight at `weight_tick`.
+        pub start_weight: f32,
+        /// Weight per second.
+        pub weight_rate: f32,
+        /// Where the weight stops.
+        pub end_weight: f32,
+        /// Zero.
+        pub unused: u32,
+        /// The clock when the weight began to move.
+        pub weight_tick: u64,
+    }
+}
+
+device_struct! {
+    /// One layer of a member.
+    pub struct Layer {
+        /// From 0 to 1; not looked at in layer 0.
+        pub weight: f32,
+        /// Into `masks`: a weight per joint; or [`NONE`] for all joints.
+        pub mask: u32,
+        /// `LAYER_` mode.
+        pub mode: u32,
+        /// Zero.
+        pub unused: u32,
+    }
+}
+
+device_struct! {
+    /// One character of the crowd.
+    pub struct Member {
+        /// Into `bodies`, or [`NONE`] for a free place.
+        pub body: u32,
+        /// Into the joint buffer: the member's first joint, at a whole block.
+        pub joint_first: u32,
+        /// The member's first palette entry: page times [`PAGE_ENTRIES`] plus the place within the page.
+        pub palette_first: u32,
+        /// Layers in use, 1 to [`LAYERS_PER_MEMBER`].
+        pub layer_count: u32,
+    }
+}
+
+device_struct! {
+    /// What the evaluate stage finds for one slot: two neighbouring rows, how far between them, and the weight.
+    pub struct SlotSample {
+        /// Into `rows`, in floats.
+        pub row0: u32,
+        /// Into `rows`, in floats.
+        pub row1: u32,
+        /// 0 at `row0`, 1 at `row1`.
+        pub between: f32,
+        /// The slot's weight now; 0 where the slot is empty.
+        pub weight: f32,
+    }
+}
+
+/// Planes of a stored pose, each of `padded_count` floats with joints varying fastest: rotation x y z w, translation
+/// x y z, scale x y z.
+pub const POSE_PLANES: usize = 10;
+
+/// How Rust lays a shared struct out, for comparison with a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StructLayout {
+    /// The struct's name.
+    pub name: &'static str,
+    /// Its size in bytes.
+    pub size: usize,
+    /// Each field's name and offset in bytes.
+    pub fields: &'static [(&'static str, usize)],
+}
+
+/// The layout of every shared struct.
+#[must_use]
+pub fn device_structs() -> Vec<StructLayout> {
+    fn of<T: DeviceStruct>() -> StructLayout {
+        StructLayout {
+            name: T::NAME,
+            size: size_of::<T>(),
+            fields: T::FIELDS,
+        }
+    }
+    vec![
+        of::<Body>(),
+        of::<Entry>(),
+        of::<ClipRows>(),
+        of::<BoundClip>(),
+        of::<Slot>(),
+        of::<Layer>(),
+        of::<Member>(),
+        of::<SlotSample>(),
+    ]
+}
+
+/// All constants and structs as OpenCL C, to stand before the kernels.
+#[must_use]
+pub fn opencl_prelude() -> String {
+    let mut text: String = CONSTS
+        .iter()
+        .map(|(name, value)| format!("#define {name} {value}u\n"))
+        .collect();
+    text += &format!("#define TICK_SECS {:.12e}f\n", crate::playback::TICK_SECS);
+    for declaration in [
+        Body::OPENCL_C,
+        Entry::OPENCL_C,
+        ClipRows::OPENCL_C,
+        BoundClip::OPENCL_C,
+        Slot::OPENCL_C,
+        Layer::OPENCL_C,
+        Member::OPENCL_C,
+        SlotSample::OPENCL_C,
+    ] {
+        text += declaration;
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_opencl_text_declares_what_rust_declares() {
+        assert_eq!(
+            Member::OPENCL_C,
+            "typedef struct { uint body; uint joint_first; uint palette_first; uint layer_count; } Member;\n"
+        );
+        assert!(opencl_prelude().contains("#define JOINT_BLOCK 16u\n"));
+    }
+
+    #[test]
+    fn the_tick_reads_the_same_in_both_languages() {
+        let text = opencl_prelude();
+        let line = text.lines().find(|l| l.starts_with("#define TICK_SECS")).unwrap();
+        let value: f32 = line
+            .split(' ')
+            .next_back()
+            .unwrap()
+            .trim_end_matches('f')
+            .parse()
+            .unwrap();
+        assert_eq!(value.to_bits(), crate::playback::TICK_SECS.to_bits());
+    }
+}

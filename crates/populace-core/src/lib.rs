@@ -1,0 +1,51 @@
+//! What an animated crowd is, as plain data: [`Skeleton`], [`Clip`], [`AnimationSet`], [`Character`], slots, layers
+//! and masks, the struct layouts that host and devices share ([`layout`]), the tables that a device evaluates
+//! ([`Tables`]) and the trait that every device implements ([`Backend`]).
+//!
+//! Spaces and units: right-handed, Y up, +Z front, metres, seconds, radians, quaternions `x y z w`, as glTF 2.0. A
+//! transform is named `to_from`, so that inner names cancel: `model_from_bind = model_from_joint * joint_from_bind`.
+//! *Local* space is relative to the parent joint, *model* space to the character's root, *world* space to the scene.
+//!
+//! ```
+//! use populace_core::{JointSource, Skeleton, Trs};
+//!
+//! let joint = |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
+//! let skeleton = Skeleton::new(&[joint("head", Some(1)), joint("hips", None)])?;
+//! assert_eq!(skeleton.name(skeleton.joint_from_source(0)), "head");
+//! assert_eq!(skeleton.parent(skeleton.joint_from_source(0)), Some(skeleton.joint_from_source(1)));
+//!
+//! let cyclic = Skeleton::new(&[joint("a", Some(1)), joint("b", Some(0))]);
+//! assert!(cyclic.unwrap_err().to_string().contains("its own ancestor"));
+//! # Ok::<(), populace_core::Error>(())
+//! ```
+//!
+//! The main decision: skeletons are sorted breadth first on the way in ("level order"), so that on every device a
+//! parent's transform is ready before its children ask for it, and all joints of one depth form one contiguous range
+//! (Lister & Day 2012, section 3).
+
+mod animation_set;
+pub mod backend;
+mod character;
+mod clip;
+mod error;
+mod f64math;
+pub mod layout;
+pub mod math;
+mod playback;
+mod skeleton;
+mod tables;
+mod track;
+
+pub use animation_set::{AnimationSet, ClipIndex};
+pub use backend::{Backend, BackendError, Frame, Stage, StageBuffer};
+pub use character::{
+    AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry, Part,
+    SkinInstance, Texture, TextureFilter, Wrap,
+};
+pub use clip::{Binding, Clip, ClipStats};
+pub use error::Error;
+pub use math::{Affine, Trs};
+pub use playback::{LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs};
+pub use skeleton::{JointIndex, JointSource, Skeleton};
+pub use tables::{BodyIndex, Table, Tables};
+pub use track::{ClipSource, Interpolation, Property, Track};

@@ -1,0 +1,101 @@
+//! Affine transforms as three rows of four; the twin of `kernels/affine.cl`.
+
+use super::Trs;
+
+/// A 3x4 matrix, row-major: `rows[r][c]`. The missing fourth row is `0 0 0 1`.
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Affine {
+    /// Three rows; the last column is the translation.
+    pub rows: [[f32; 4]; 3],
+}
+
+impl Affine {
+    /// The transform that changes nothing.
+    pub const IDENTITY: Self = Self {
+        rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+    };
+
+    /// The matrix of translation times rotation times scale (glTF 2.0, section 3.5.3).
+    #[inline]
+    #[must_use]
+    pub fn from_trs(trs: &Trs) -> Self {
+        let [x, y, z, w] = trs.rotation;
+        let [sx, sy, sz] = trs.scale;
+        let [tx, ty, tz] = trs.translation;
+        Self {
+            rows: [
+                [
+                    (1.0 - 2.0 * (y * y + z * z)) * sx,
+                    (2.0 * (x * y - w * z)) * sy,
+                    (2.0 * (x * z + w * y)) * sz,
+                    tx,
+                ],
+                [
+                    (2.0 * (x * y + w * z)) * sx,
+                    (1.0 - 2.0 * (x * x + z * z)) * sy,
+                    (2.0 * (y * z - w * x)) * sz,
+                    ty,
+                ],
+                [
+                    (2.0 * (x * z - w * y)) * sx,
+                    (2.0 * (y * z + w * x)) * sy,
+                    (1.0 - 2.0 * (x * x + y * y)) * sz,
+                    tz,
+                ],
+            ],
+        }
+    }
+
+    /// `self * other`: applies `other` first.
+    #[inline]
+    #[must_use]
+    pub fn mul(&self, other: &Self) -> Self {
+        let b = &other.rows;
+        let row = |a: [f32; 4]| -> [f32; 4] {
+            [
+                a[0] * b[0][0] + a[1] * b[1][0] + a[2] * b[2][0],
+                a[0] * b[0][1] + a[1] * b[1][1] + a[2] * b[2][1],
+                a[0] * b[0][2] + a[1] * b[1][2] + a[2] * b[2][2],
+                a[0] * b[0][3] + a[1] * b[1][3] + a[2] * b[2][3] + a[3],
+            ]
+        };
+        Self {
+            rows: [row(self.rows[0]), row(self.rows[1]), row(self.rows[2])],
+        }
+    }
+
+    /// The image of a point.
+    #[inline]
+    #[must_use]
+    pub fn transform_point(&self, p: [f32; 3]) -> [f32; 3] {
+        self.rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
+    }
+
+    /// The sixteen elements of the 4x4 matrix, column-major, as OpenGL and glTF write them.
+    #[must_use]
+    pub fn to_cols_array(&self) -> [f32; 16] {
+        let [a, b, c] = self.rows;
+        [
+            a[0], b[0], c[0], 0.0, a[1], b[1], c[1], 0.0, a[2], b[2], c[2], 0.0, a[3], b[3], c[3], 1.0,
+        ]
+    }
+
+    /// Builds from the sixteen elements of a 4x4 matrix, column-major; the fourth row is not looked at.
+    #[must_use]
+    pub fn from_cols_array(m: &[f32; 16]) -> Self {
+        Self {
+            rows: [
+                [m[0], m[4], m[8], m[12]],
+                [m[1], m[5], m[9], m[13]],
+                [m[2], m[6], m[10], m[14]],
+            ],
+        }
+    }
+
+    /// Whether every element is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.rows.iter().flatten().all(|v| v.is_finite())
+    }
+}

@@ -1,0 +1,568 @@
+//! The tables that devices evaluate: templates shared by all members, and the members themselves.
+
+use std::ops::Range;
+
+use crate::clip::Binding;
+use crate::layout::{
+    Body, BoundClip, ClipRows, Entry, Float4, JOINT_BLOCK, LAYERS_PER_MEMBER, Layer, Member, NONE,
+    PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES, SLOT_LOOP, Slot,
+};
+use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, Trs};
+
+/// A growing array whose changes since the last look are known.
+#[derive(Clone, Debug)]
+pub struct Table<T> {
+    name: &'static str,
+    data: Vec<T>,
+    dirty: Range<usize>,
+}
+
+impl<T: bytemuck::Pod> Table<T> {
+    fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            data: Vec::new(),
+            dirty: 0..0,
+        }
+    }
+
+    /// The table's name, for errors.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// All elements.
+    #[must_use]
+    pub fn as_slice(&self) -> &[T] {
+        &self.data
+    }
+
+    /// The range of elements that changed since [`Tables::mark_clean`].
+    #[must_use]
+    pub fn dirty(&self) -> Range<usize> {
+        self.dirty.clone()
+    }
+
+    /// Replaces one element.
+    ///
+    /// # Panics
+    ///
+    /// If `index` is past the end.
+    pub fn set(&mut self, index: usize, value: T) {
+        self.data[index] = value;
+        self.touch(index..index + 1);
+    }
+
+    fn touch(&mut self, range: Range<usize>) {
+        self.dirty = if self.dirty.is_empty() {
+            range
+        } else {
+            self.dirty.start.min(range.start)..self.dirty.end.max(range.end)
+        };
+    }
+
+    fn extend(&mut self, values: impl IntoIterator<Item = T>) -> Result<u32, Error> {
+        const LIMIT: usize = NONE as usize;
+        let first = self.data.len();
+        self.data.extend(values);
+        let count = self.data.len();
+        if count > LIMIT {
+            self.data.truncate(first);
+            return Err(Error::TooLarge {
+                what: self.name,
+                count,
+                limit: LIMIT,
+            });
+        }
+        self.touch(first..count);
+        Ok(u32_from(first))
+    }
+
+    fn resize(&mut self, count: usize, value: T) {
+        let first = self.data.len();
+        self.data.resize(count, value);
+        if count > first {
+            self.touch(first..count);
+        }
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "tables refuse to grow past 32 bits"
+)]
+fn u32_from(index: usize) -> u32 {
+    debug_assert!(index <= u32::MAX as usize);
+    index as u32
+}
+
+/// Index of a body (a skeleton with its palette entries) in [`Tables`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyIndex(pub u32);
+
+/// All that a device needs to evaluate a crowd. The host's copy is the truth; devices take over what changed.
+#[derive(Clone, Debug)]
+pub struct Tables {
+    /// Slots of each member, 1 to [`MAX_SLOTS`].
+    slots_per_member: usize,
+    /// Bodies.
+    pub bodies: Table<Body>,
+    /// Parents of the joints of all bodies, in level order within each; [`NONE`] for roots.
+    pub parents: Table<u32>,
+    /// First joint of each level of all bodies, and the end of the last.
+    pub levels: Table<u32>,
+    /// Palette entries of all bodies.
+    pub entries: Table<Entry>,
+    /// Stored poses, [`POSE_PLANES`] planes each: rest poses, and what a bound clip's rows do not drive.
+    pub poses: Table<f32>,
+    /// Clips.
+    pub clips: Table<ClipRows>,
+    /// Rows of all clips.
+    pub rows: Table<f32>,
+    /// Times of the rows of clips that are not evenly spaced, on each clip's own axis.
+    pub row_times: Table<f32>,
+    /// Buckets of such clips.
+    pub buckets: Table<u32>,
+    /// Where in a row each block's rotations, translations and scales stand.
+    pub block_offsets: Table<u32>,
+    /// Clips bound to bodies.
+    pub bound_clips: Table<BoundClip>,
+    /// For each joint of each bound clip its column and `MAP_` flags.
+    pub joint_maps: Table<u32>,
+    /// Masks: a weight per joint.
+    pub masks: Table<f32>,
+    /// Members, by place.
+    pub members: Table<Member>,
+    /// `members x slots_per_member`, slots fastest.
+    pub slots: Table<Slot>,
+    /// `members x LAYERS_PER_MEMBER`, layers fastest.
+    pub layers: Table<Layer>,
+    /// The member of each block of [`JOINT_BLOCK`] joints in the joint buffer, [`NONE`] where it is free.
+    pub joint_blocks: Table<u32>,
+    /// The member of each block of [`PALETTE_BLOCK`] palette entries, [`NONE`] where it is free.
+    pub palette_blocks: Table<u32>,
+    free_members: Vec<u32>,
+    joint_space: Space,
+    palette_space: Space,
+}
+
+impl Tables {
+    /// Empty tables for members of `slots_per_member` slots, held to 1 to [`MAX_SLOTS`].
+    #[must_use]
+    pub fn new(slots_per_member: usize) -> Self {
+        Self {
+            slots_per_member: slots_per_member.clamp(1, MAX_SLOTS),
+            bodies: Table::new("bodies"),
+            parents: Table::new("joint parents"),
+            levels: Table::new("levels"),
+            entries: Table::new("palette entries"),
+            poses: Table::new("stored poses"),
+            clips: Table::new("clips"),
+            rows: Table::new("clip rows"),
+            row_times: Table::new("row times"),
+            buckets: Table::new("row buckets"),
+            block_offsets: Table::new("row block offsets"),
+            bound_clips: Table::new("bound clips"),
+            joint_maps: Table::new("joint maps"),
+            masks: Table::new("masks"),
+            members: Table::new("members"),
+            slots: Table::new("slots"),
+            layers: Table::new("layers"),
+            joint_blocks: Table::new("joint blocks"),
+            palette_blocks: Table::new("palette blocks"),
+            free_members: Vec::new(),
+            joint_space: Space::new(usize::MAX),
+            palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
+        }
+    }
+
+    /// Slots of each member.
+    #[must_use]
+    pub fn slots_per_member(&self) -> usize {
+        self.slots_per_member
+    }
+
+    /// Places for members, taken or free.
+    #[must_use]
+    pub fn member_places(&self) -> usize {
+        self.members.data.len()
+    }
+
+    /// Elements of the joint buffer, padding and free places included.
+    #[must_use]
+    pub fn joint_places(&self) -> usize {
+        self.joint_blocks.data.len() * JOINT_BLOCK as usize
+    }
+
+    /// Palette entries over all pages, up to the last in use.
+    #[must_use]
+    pub fn palette_places(&self) -> usize {
+        self.palette_blocks.data.len() * PALETTE_BLOCK as usize
+    }
+
+    /// The palette entries of each page: all but the last are [`PAGE_ENTRIES`] long.
+    #[must_use]
+    pub fn page_lengths(&self) -> Vec<usize> {
+        let total = self.palette_places();
+        let page = PAGE_ENTRIES as usize;
+        (0..total.div_ceil(page))
+            .map(|p| (total - p * page).min(page))
+            .collect()
+    }
+
+    /// The widest level of any body at each depth.
+    #[must_use]
+    pub fn level_widths(&self) -> Vec<usize> {
+        let mut widths = Vec::new();
+        for body in self.bodies.as_slice() {
+            let first = body.level_first as usize;
+            let ends = &self.levels.data[first..=first + body.level_count as usize];
+            for (depth, level) in ends.windows(2).enumerate() {
+                widths.resize(widths.len().max(depth + 1), 0);
+                widths[depth] = widths[depth].max((level[1] - level[0]) as usize);
+            }
+        }
+        widths
+    }
+
+    /// Adds a body.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] past 32-bit offsets, or a palette larger than a page.
+    pub fn add_body(&mut self, skeleton: &Skeleton, palette: &[PaletteEntry]) -> Result<BodyIndex, Error> {
+        if palette.len() > PAGE_ENTRIES as usize {
+            let limit = PAGE_ENTRIES as usize;
+            return Err(Error::TooLarge {
+                what: "one character's palette",
+                count: palette.len(),
+                limit,
+            });
+        }
+        let joint_first = self.parents.extend(
+            skeleton
+                .joints()
+                .map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)),
+        )?;
+        let levels = skeleton.levels();
+        let starts = levels.iter().map(|l| l.start).chain([skeleton.joint_count()]);
+        let level_first = self.levels.extend(starts.map(u32_from))?;
+        let rest: Vec<Trs> = skeleton.joints().map(|j| *skeleton.rest(j)).collect();
+        let rest_first = self.add_pose(&rest)?;
+        let entry_first = self.entries.extend(palette.iter().map(device_entry))?;
+        let index = self.bodies.extend([Body {
+            joint_first,
+            joint_count: u32_from(skeleton.joint_count()),
+            padded_count: u32_from(padded(skeleton.joint_count())),
+            level_first,
+            level_count: u32_from(levels.len()),
+            rest_first,
+            entry_first,
+            entry_count: u32_from(palette.len()),
+        }])?;
+        Ok(BodyIndex(index))
+    }
+
+    fn add_pose(&mut self, pose: &[Trs]) -> Result<u32, Error> {
+        let mut planes = vec![0.0; POSE_PLANES * padded(pose.len())];
+        for (plane, values) in planes.chunks_mut(padded(pose.len())).enumerate() {
+            for (value, trs) in values.iter_mut().zip(pose) {
+                *value = match plane {
+                    0..4 => trs.rotation[plane],
+                    4..7 => trs.translation[plane - 4],
+                    _ => trs.scale[plane - 7],
+                };
+            }
+        }
+        self.poses.extend(planes)
+    }
+
+    /// Adds a clip's rows and returns its index.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] past 32-bit offsets.
+    pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
+        let row_first = self.rows.extend(clip.rows().iter().copied())?;
+        let block_first = self.block_offsets.extend(clip.block_offsets().iter().copied())?;
+        let (buckets, buckets_per_sec) = clip.buckets();
+        let times = if buckets.is_empty() { &[] } else { clip.row_times() };
+        let time_first = self.row_times.extend(times.iter().copied())?;
+        let bucket_first = self.buckets.extend(buckets.iter().copied())?;
+        self.clips.extend([ClipRows {
+            row_first,
+            row_stride: u32_from(clip.row_stride()),
+            row_count: u32_from(clip.row_count()),
+            block_first,
+            time_first,
+            bucket_first,
+            bucket_count: u32_from(buckets.len()),
+            buckets_per_sec,
+            start_secs: clip.start_secs(),
+            duration_secs: clip.duration_secs(),
+            rows_per_sec: clip.rows_per_sec(),
+            unused: 0,
+        }])
+    }
+
+    /// Binds a clip to a body and returns the index that slots name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] past 32-bit offsets.
+    pub fn add_bound_clip(&mut self, clip: u32, binding: &Binding) -> Result<u32, Error> {
+        let map_first = self.joint_maps.extend(binding.joint_map().iter().copied())?;
+        let base_first = self.add_pose(binding.base_pose())?;
+        self.bound_clips.extend([BoundClip {
+            clip,
+            map_first,
+            base_first,
+            unused: 0,
+        }])
+    }
+
+    /// Adds a mask and returns the offset that layers name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] past 32-bit offsets.
+    pub fn add_mask(&mut self, mask: &Mask) -> Result<u32, Error> {
+        self.masks.extend(mask.weights().iter().copied())
+    }
+
+    /// Gives a member of a body a place, without any clip; returns the place.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] past 32-bit offsets.
+    ///
+    /// # Panics
+    ///
+    /// If the body does not exist.
+    pub fn add_member(&mut self, body: BodyIndex) -> Result<u32, Error> {
+        let Body {
+            padded_count,
+            entry_count,
+            ..
+        } = self.bodies.data[body.0 as usize];
+        let place = match self.free_members.pop() {
+            Some(place) => place,
+            None => self.members.extend([Member {
+                body: NONE,
+                ..Member::default()
+            }])?,
+        };
+        self.slots
+            .resize(self.member_places() * self.slots_per_member, EMPTY_SLOT);
+        self.layers
+            .resize(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
+        let joint_block = self.joint_space.take((padded_count / JOINT_BLOCK) as usize);
+        let palette_block = self.palette_space.take(palette_block_count(entry_count));
+        fill(&mut self.joint_blocks, joint_block, place);
+        fill(&mut self.palette_blocks, palette_block, place);
+        self.reset_playback(place);
+        self.members.set(
+            place as usize,
+            Member {
+                body: body.0,
+                joint_first: u32_from(joint_block.0 * JOINT_BLOCK as usize),
+                palette_first: u32_from(palette_block.0 * PALETTE_BLOCK as usize),
+                layer_count: 1,
+            },
+        );
+        Ok(place)
+    }
+
+    /// Frees a member's place.
+    ///
+    /// # Panics
+    ///
+    /// If the place is not taken.
+    pub fn remove_member(&mut self, place: u32) {
+        let member = self.members.data[place as usize];
+        let Body {
+            padded_count,
+            entry_count,
+            ..
+        } = self.bodies.data[member.body as usize];
+        let joints = (
+            (member.joint_first / JOINT_BLOCK) as usize,
+            (padded_count / JOINT_BLOCK) as usize,
+        );
+        let palette = (
+            (member.palette_first / PALETTE_BLOCK) as usize,
+            palette_block_count(entry_count),
+        );
+        fill(&mut self.joint_blocks, joints, NONE);
+        fill(&mut self.palette_blocks, palette, NONE);
+        self.joint_space.give_back(joints);
+        self.palette_space.give_back(palette);
+        self.reset_playback(place);
+        self.members.set(
+            place as usize,
+            Member {
+                body: NONE,
+                ..Member::default()
+            },
+        );
+        self.free_members.push(place);
+    }
+
+    fn reset_playback(&mut self, place: u32) {
+        for slot in self.slot_range(place) {
+            self.slots.set(slot, EMPTY_SLOT);
+        }
+        for layer in self.layer_range(place) {
+            self.layers.set(layer, PLAIN_LAYER);
+        }
+    }
+
+    /// Where a member's slots stand in [`Tables::slots`].
+    #[must_use]
+    pub fn slot_range(&self, place: u32) -> Range<usize> {
+        let first = place as usize * self.slots_per_member;
+        first..first + self.slots_per_member
+    }
+
+    /// Where a member's layers stand in [`Tables::layers`].
+    #[must_use]
+    pub fn layer_range(&self, place: u32) -> Range<usize> {
+        let first = place as usize * LAYERS_PER_MEMBER as usize;
+        first..first + LAYERS_PER_MEMBER as usize
+    }
+
+    /// Forgets which elements changed; called once every device took them over.
+    pub fn mark_clean(&mut self) {
+        fn clean<T>(table: &mut Table<T>) {
+            table.dirty = 0..0;
+        }
+        clean(&mut self.bodies);
+        clean(&mut self.parents);
+        clean(&mut self.levels);
+        clean(&mut self.entries);
+        clean(&mut self.poses);
+        clean(&mut self.clips);
+        clean(&mut self.rows);
+        clean(&mut self.row_times);
+        clean(&mut self.buckets);
+        clean(&mut self.block_offsets);
+        clean(&mut self.bound_clips);
+        clean(&mut self.joint_maps);
+        clean(&mut self.masks);
+        clean(&mut self.members);
+        clean(&mut self.slots);
+        clean(&mut self.layers);
+        clean(&mut self.joint_blocks);
+        clean(&mut self.palette_blocks);
+    }
+}
+
+const EMPTY_SLOT: Slot = Slot {
+    start_tick: 0,
+    start_phase: 0,
+    phase_rate: 0,
+    hold_ticks: 0,
+    bound_clip: NONE,
+    mode: SLOT_LOOP,
+    layer: 0,
+    held_secs: 0.0,
+    start_weight: 0.0,
+    weight_rate: 0.0,
+    end_weight: 0.0,
+    unused: 0,
+    weight_tick: 0,
+};
+const PLAIN_LAYER: Layer = Layer {
+    weight: 1.0,
+    mask: NONE,
+    mode: crate::layout::LAYER_OVERRIDE,
+    unused: 0,
+};
+
+fn padded(joint_count: usize) -> usize {
+    joint_count.next_multiple_of(JOINT_BLOCK as usize)
+}
+
+fn palette_block_count(entry_count: u32) -> usize {
+    entry_count.div_ceil(PALETTE_BLOCK) as usize
+}
+
+fn device_entry(entry: &PaletteEntry) -> Entry {
+    let [row0, row1, row2] = entry.joint_from_bind.rows.map(Float4);
+    Entry {
+        row0,
+        row1,
+        row2,
+        joint: entry.joint.0,
+        ..Entry::default()
+    }
+}
+
+fn fill(blocks: &mut Table<u32>, (first, count): (usize, usize), place: u32) {
+    blocks.resize(blocks.data.len().max(first + count), NONE);
+    for block in first..first + count {
+        blocks.set(block, place);
+    }
+}
+
+/// Hands out runs of blocks, none across a page's border, and takes them back by length: a crowd has few bodies, so a
+/// run that is given back fits the next member of its kind.
+#[derive(Clone, Debug)]
+struct Space {
+    page_blocks: usize,
+    end: usize,
+    free: Vec<(usize, Vec<usize>)>,
+}
+
+impl Space {
+    fn new(page_blocks: usize) -> Self {
+        Self {
+            page_blocks,
+            end: 0,
+            free: Vec::new(),
+        }
+    }
+
+    fn free_of(&mut self, count: usize) -> &mut Vec<usize> {
+        let at = self
+            .free
+            .iter()
+            .position(|(length, _)| *length == count)
+            .unwrap_or_else(|| {
+                self.free.push((count, Vec::new()));
+                self.free.len() - 1
+            });
+        &mut self.free[at].1
+    }
+
+    fn take(&mut self, count: usize) -> (usize, usize) {
+        if let Some(first) = self.free_of(count).pop() {
+            return (first, count);
+        }
+        let left = self.page_blocks - self.end % self.page_blocks;
+        let first = if count > left { self.end + left } else { self.end };
+        self.end = first + count;
+        (first, count)
+    }
+
+    fn give_back(&mut self, (first, count): (usize, usize)) {
+        self.free_of(count).push(first);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_never_cross_a_page_and_are_used_again() {
+        let mut space = Space::new(10);
+        assert_eq!(space.take(6), (0, 6));
+        assert_eq!(space.take(6), (10, 6));
+        assert_eq!(space.take(4), (16, 4));
+        space.give_back((0, 6));
+        assert_eq!(space.take(5), (20, 5));
+        assert_eq!(space.take(6), (0, 6));
+    }
+}
