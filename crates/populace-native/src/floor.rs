@@ -1,0 +1,21 @@
+//! The floor: palettes written and nothing else.
+
+use std::time::Instant;
+
+use populace_core::layout::Float4;
+use rayon::prelude::*;
+
+/// Writes every palette with a constant in three ways and returns the time of the fastest, in milliseconds.
+pub(crate) fn write(pages: &mut [Vec<Float4>]) -> f64 {
+    let value = Float4([1.0, 2.0, 3.0, 4.0]);
+    let mut best = f64::INFINITY;
+    let mut time = |way: &dyn Fn(&mut [Float4])| {
+        let start = Instant::now();
+        pages.iter_mut().for_each(|page| way(page));
+        best = best.min(start.elapsed().as_secs_f64() * 1e3);
+    };
+    time(&|page| page.fill(value));
+    time(&|page| page.par_chunks_mut(12_288).for_each(|chunk| chunk.fill(value)));
+    time(&|page| page.par_chunks_mut(393_216).for_each(|chunk| chunk.fill(value)));
+    best
+}
