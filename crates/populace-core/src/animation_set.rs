@@ -22,12 +22,16 @@ impl AnimationSet {
     ///
     /// At more than 2^32 clips.
     pub fn add(&mut self, clip: &Arc<Clip>) -> ClipIndex {
-        let known = self.clips.iter().position(|c| Arc::ptr_eq(c, clip));
-        let index = known.unwrap_or_else(|| {
+        self.find(clip).unwrap_or_else(|| {
             self.clips.push(Arc::clone(clip));
-            self.clips.len() - 1
-        });
-        ClipIndex(u32::try_from(index).expect("fewer than 2^32 clips"))
+            index(self.clips.len() - 1)
+        })
+    }
+
+    /// The index of a clip that was added.
+    #[must_use]
+    pub fn find(&self, clip: &Arc<Clip>) -> Option<ClipIndex> {
+        self.clips.iter().position(|c| Arc::ptr_eq(c, clip)).map(index)
     }
 
     /// The clip of an index.
@@ -41,4 +45,8 @@ impl AnimationSet {
     pub fn clips(&self) -> &[Arc<Clip>] {
         &self.clips
     }
+}
+
+fn index(place: usize) -> ClipIndex {
+    ClipIndex(u32::try_from(place).expect("fewer than 2^32 clips"))
 }

@@ -330,30 +330,11 @@ fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {
         influences,
         indices,
     } = &part.mesh;
-    let count = positions.len();
-    let per_vertex = influences.per_vertex;
-    if per_vertex != 4 && per_vertex != 8 {
+    check_lengths(&part.mesh)?;
+    if indices.len() % 3 != 0 || indices.iter().any(|&i| i as usize >= positions.len()) {
         return Err(format!(
-            "{per_vertex} influences per vertex; 4 or 8 are supported"
-        ));
-    }
-    let lengths = [
-        ("normals", normals.len(), count),
-        (
-            "texture coordinates",
-            uvs.len(),
-            if uvs.is_empty() { 0 } else { count },
-        ),
-        ("colours", colors.len(), if colors.is_empty() { 0 } else { count }),
-        ("influences", influences.entries.len(), count * per_vertex),
-        ("weights", influences.weights.len(), count * per_vertex),
-    ];
-    if let Some((what, has, wants)) = lengths.iter().find(|(_, has, wants)| has != wants) {
-        return Err(format!("{has} {what} for {count} vertices; {wants} are needed"));
-    }
-    if indices.len() % 3 != 0 || indices.iter().any(|&i| i as usize >= count) {
-        return Err(format!(
-            "indices must be whole triangles of vertices below {count}"
+            "indices must be whole triangles of vertices below {}",
+            positions.len()
         ));
     }
     if let Some(entry) = influences
@@ -379,4 +360,37 @@ fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {
         return Err("a vertex holds a value that is not a finite number".into());
     }
     Ok(())
+}
+
+fn check_lengths(mesh: &Mesh) -> Result<(), String> {
+    let Mesh {
+        positions,
+        normals,
+        uvs,
+        colors,
+        influences,
+        ..
+    } = mesh;
+    let count = positions.len();
+    let per_vertex = influences.per_vertex;
+    if per_vertex != 4 && per_vertex != 8 {
+        return Err(format!(
+            "{per_vertex} influences per vertex; 4 or 8 are supported"
+        ));
+    }
+    let lengths = [
+        ("normals", normals.len(), count),
+        (
+            "texture coordinates",
+            uvs.len(),
+            if uvs.is_empty() { 0 } else { count },
+        ),
+        ("colours", colors.len(), if colors.is_empty() { 0 } else { count }),
+        ("influences", influences.entries.len(), count * per_vertex),
+        ("weights", influences.weights.len(), count * per_vertex),
+    ];
+    match lengths.iter().find(|(_, has, wants)| has != wants) {
+        Some((what, has, wants)) => Err(format!("{has} {what} for {count} vertices; {wants} are needed")),
+        None => Ok(()),
+    }
 }

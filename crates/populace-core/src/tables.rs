@@ -434,27 +434,20 @@ impl Tables {
 
     /// Forgets which elements changed; called once every device took them over.
     pub fn mark_clean(&mut self) {
-        fn clean<T>(table: &mut Table<T>) {
-            table.dirty = 0..0;
+        self.for_each_table(|_, dirty| *dirty = 0..0);
+    }
+
+    /// Marks every element as changed, for a device that knows nothing yet.
+    pub fn mark_dirty(&mut self) {
+        self.for_each_table(|count, dirty| *dirty = 0..count);
+    }
+
+    fn for_each_table(&mut self, job: impl Fn(usize, &mut Range<usize>)) {
+        macro_rules! each { ($($name:ident)*) => { $(job(self.$name.data.len(), &mut self.$name.dirty);)* }; }
+        each! {
+            bodies parents levels entries poses clips rows row_times buckets block_offsets bound_clips joint_maps masks
+            members slots layers joint_blocks palette_blocks
         }
-        clean(&mut self.bodies);
-        clean(&mut self.parents);
-        clean(&mut self.levels);
-        clean(&mut self.entries);
-        clean(&mut self.poses);
-        clean(&mut self.clips);
-        clean(&mut self.rows);
-        clean(&mut self.row_times);
-        clean(&mut self.buckets);
-        clean(&mut self.block_offsets);
-        clean(&mut self.bound_clips);
-        clean(&mut self.joint_maps);
-        clean(&mut self.masks);
-        clean(&mut self.members);
-        clean(&mut self.slots);
-        clean(&mut self.layers);
-        clean(&mut self.joint_blocks);
-        clean(&mut self.palette_blocks);
     }
 }
 

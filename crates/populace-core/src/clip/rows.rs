@@ -287,36 +287,9 @@ fn distance_at_probes(a: &DAffine3, b: &DAffine3, probe: f64) -> f64 {
 
 fn store(rows: &[Row], driven: Vec<[bool; 3]>, error_bound_m: f32, tolerance_m: f32) -> Rows {
     let poses = rounded(rows);
-    let moving: Vec<[bool; 3]> = (0..driven.len())
-        .map(|column| {
-            let first = poses[0][column];
-            let moves =
-                |differs: fn(&Trs, &Trs) -> bool| poses.iter().any(|pose| differs(&pose[column], &first));
-            [
-                moves(|a, b| a.translation != b.translation),
-                moves(|a, b| a.rotation != b.rotation),
-                moves(|a, b| a.scale != b.scale),
-            ]
-        })
-        .collect();
+    let moving = moving(&poses);
     let (block_offsets, stride) = lay_out(&moving);
-    let mut data = vec![0.0; stride * rows.len()];
-    for (pose, row) in poses.iter().zip(data.chunks_mut(stride.max(1))) {
-        for (column, trs) in pose.iter().enumerate() {
-            let (block, lane) = (column / BLOCK, column % BLOCK);
-            let mut put = |property: Property, values: &[f32]| {
-                let offset = block_offsets[block * 3 + PLACE[property as usize]];
-                if offset != NOT_MOVING {
-                    for (component, value) in values.iter().enumerate() {
-                        row[offset as usize + component * BLOCK + lane] = *value;
-                    }
-                }
-            };
-            put(Property::Rotation, &trs.rotation);
-            put(Property::Translation, &trs.translation);
-            put(Property::Scale, &trs.scale);
-        }
-    }
+    let data = fill(&poses, &block_offsets, stride);
     let times: Vec<f32> = rows.iter().map(|row| row.secs).collect();
     debug_assert!(
         rows.windows(2)
@@ -343,6 +316,44 @@ fn store(rows: &[Row], driven: Vec<[bool; 3]>, error_bound_m: f32, tolerance_m: 
         error_bound_m,
         tolerance_m,
     }
+}
+
+/// Per column and [`Property`] whether its value differs between rows.
+fn moving(poses: &[Vec<Trs>]) -> Vec<[bool; 3]> {
+    let first = poses.first().map_or(&[][..], Vec::as_slice);
+    let moves = |column: usize, differs: fn(&Trs, &Trs) -> bool| {
+        poses.iter().any(|pose| differs(&pose[column], &first[column]))
+    };
+    (0..first.len())
+        .map(|column| {
+            [
+                moves(column, |a, b| a.translation != b.translation),
+                moves(column, |a, b| a.rotation != b.rotation),
+                moves(column, |a, b| a.scale != b.scale),
+            ]
+        })
+        .collect()
+}
+
+fn fill(poses: &[Vec<Trs>], block_offsets: &[u32], stride: usize) -> Vec<f32> {
+    let mut data = vec![0.0; stride * poses.len()];
+    for (pose, row) in poses.iter().zip(data.chunks_mut(stride.max(1))) {
+        for (column, trs) in pose.iter().enumerate() {
+            let (block, lane) = (column / BLOCK, column % BLOCK);
+            let mut put = |property: Property, values: &[f32]| {
+                let offset = block_offsets[block * 3 + PLACE[property as usize]];
+                if offset != NOT_MOVING {
+                    for (component, value) in values.iter().enumerate() {
+                        row[offset as usize + component * BLOCK + lane] = *value;
+                    }
+                }
+            };
+            put(Property::Rotation, &trs.rotation);
+            put(Property::Translation, &trs.translation);
+            put(Property::Scale, &trs.scale);
+        }
+    }
+    data
 }
 
 /// The rows in single precision, each rotation in the hemisphere of the row before.

@@ -1,0 +1,10 @@
+//! `POPULACE_SKIP=opencl` shows the tests that need a device as ignored; without it a missing device fails them.
+
+fn main() {
+    println!("cargo:rustc-check-cfg=cfg(skip_opencl)");
+    println!("cargo:rerun-if-env-changed=POPULACE_SKIP");
+    let skipped = std::env::var("POPULACE_SKIP").unwrap_or_default();
+    if skipped.split(',').any(|word| word.trim() == "opencl") {
+        println!("cargo:rustc-cfg=skip_opencl");
+    }
+}

@@ -1,0 +1,32 @@
+/* transform.cl - Transform: one level of local transforms down the hierarchy (Lister & Day 2012, section 4.2).
+ * NDRange  (joints of the widest level at this depth, members padded to whole work-groups), one enqueue per level
+ * Reads    translations, rotations, scales; the rows that the level above wrote
+ * Writes   row0, row1, row2 of model_from_joint: a rotated child under non-uniform scale shears, so rows, not T R S
+ * Oracle   populace-testkit oracle/transform.rs; twin of populace-native transform.rs */
+
+__kernel void transform(__global const Member *members, __global const Body *bodies, __global const uint *parents,
+                        __global const uint *levels, uint level, uint member_count,
+                        __global const float4 *translations, __global const float4 *rotations,
+                        __global const float4 *scales, __global float4 *row0, __global float4 *row1,
+                        __global float4 *row2)
+{
+    const uint owner = (uint)get_global_id(1);
+    if (owner >= member_count || members[owner].body == NONE) return;
+    const Member member = members[owner];
+    const Body body = bodies[member.body];
+    if (level >= body.level_count) return;
+    const uint joint = levels[body.level_first + level] + (uint)get_global_id(0);
+    if (joint >= levels[body.level_first + level + 1]) return;
+
+    const uint place = member.joint_first + joint, parent = parents[body.joint_first + joint];
+    const Trs trs = { translations[place], rotations[place], scales[place] };
+    Affine model = affine_from_local(trs);
+    if (parent != NONE) {
+        const uint above = member.joint_first + parent;
+        const Affine model_from_parent = { row0[above], row1[above], row2[above] };
+        model = affine_mul(model_from_parent, model);
+    }
+    row0[place] = model.row0;
+    row1[place] = model.row1;
+    row2[place] = model.row2;
+}

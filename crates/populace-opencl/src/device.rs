@@ -1,0 +1,209 @@
+//! OpenCL devices: finding them, and one of them made ready.
+#![expect(
+    unsafe_code,
+    reason = "the OpenCL API is C; creating a command queue is part of the crate's boundary to it"
+)]
+
+use std::sync::Arc;
+
+use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
+use opencl3::context::Context;
+use opencl3::device::{
+    CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_CPU, CL_DEVICE_TYPE_GPU, CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device,
+};
+use opencl3::error_codes::ClError;
+use opencl3::kernel::Kernel;
+use opencl3::platform::get_platforms;
+use opencl3::program::Program;
+use populace_core::BackendError;
+
+use crate::program;
+
+/// What cl3 answers when there is no libOpenCL to load.
+const NO_LIBRARY: i32 = -2000;
+/// `CL_PLATFORM_NOT_FOUND_KHR`: a loader without any driver.
+const NO_PLATFORM: i32 = -1001;
+/// `CL_DEVICE_NOT_FOUND`: a driver without any device.
+const NO_DEVICE: i32 = -1;
+
+/// What a device is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum DeviceKind {
+    /// A graphics processor.
+    Gpu,
+    /// The host's processor.
+    Cpu,
+    /// Anything else.
+    Other,
+}
+
+/// A device for people to choose from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeviceInfo {
+    /// The number that [`OpenClDevice::open`] takes.
+    pub index: usize,
+    /// The device's own name.
+    pub name: String,
+    /// The driver and its version.
+    pub driver: String,
+    /// What it is.
+    pub kind: DeviceKind,
+    /// Compute units.
+    pub compute_units: u32,
+    /// Memory in bytes.
+    pub memory_bytes: u64,
+    /// The most that can be allocated at once, in bytes.
+    pub max_allocation_bytes: u64,
+}
+
+/// All OpenCL devices of this machine, in the order of their platforms.
+///
+/// # Errors
+///
+/// [`BackendError::NoRuntime`] without libOpenCL or without any driver.
+pub fn devices() -> Result<Vec<DeviceInfo>, BackendError> {
+    let found = all_devices()?;
+    found
+        .iter()
+        .enumerate()
+        .map(|(index, device)| info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e)))
+        .collect()
+}
+
+fn all_devices() -> Result<Vec<Device>, BackendError> {
+    let platforms = match get_platforms() {
+        Err(ClError(NO_LIBRARY | NO_PLATFORM)) => return Err(BackendError::NoRuntime),
+        other => other.map_err(|e| failed("OpenCL", "list its platforms", &e))?,
+    };
+    let mut devices = Vec::new();
+    for platform in platforms {
+        match platform.get_devices(CL_DEVICE_TYPE_ALL) {
+            Err(ClError(NO_DEVICE)) => {}
+            found => devices.extend(
+                found
+                    .map_err(|e| failed("OpenCL", "list its devices", &e))?
+                    .into_iter()
+                    .map(Device::new),
+            ),
+        }
+    }
+    if devices.is_empty() {
+        Err(BackendError::NoRuntime)
+    } else {
+        Ok(devices)
+    }
+}
+
+fn info(index: usize, device: &Device) -> Result<DeviceInfo, ClError> {
+    let kind = device.dev_type()?;
+    Ok(DeviceInfo {
+        index,
+        name: device.name()?.trim().to_owned(),
+        driver: format!("{} {}", device.vendor()?.trim(), device.driver_version()?.trim()),
+        kind: if kind & CL_DEVICE_TYPE_GPU != 0 {
+            DeviceKind::Gpu
+        } else if kind & CL_DEVICE_TYPE_CPU != 0 {
+            DeviceKind::Cpu
+        } else {
+            DeviceKind::Other
+        },
+        compute_units: device.max_compute_units()?,
+        memory_bytes: device.global_mem_size()?,
+        max_allocation_bytes: device.max_mem_alloc_size()?,
+    })
+}
+
+/// A device with its context and built program. Crowds on the same device share it.
+#[derive(Debug)]
+pub struct OpenClDevice {
+    pub(crate) info: DeviceInfo,
+    pub(crate) context: Context,
+    pub(crate) device: Device,
+    program: Program,
+}
+
+impl OpenClDevice {
+    /// Makes the device of an index (see [`devices`]) ready: its context, and the kernels built for it.
+    ///
+    /// # Errors
+    ///
+    /// [`BackendError::NoRuntime`], [`BackendError::NoDevice`], or [`BackendError::Failed`] with the compiler's log.
+    pub fn open(index: usize) -> Result<Arc<Self>, BackendError> {
+        Self::open_with(index, &program::source())
+    }
+
+    pub(crate) fn open_with(index: usize, source: &str) -> Result<Arc<Self>, BackendError> {
+        let devices = all_devices()?;
+        let device = *devices.get(index).ok_or(BackendError::NoDevice {
+            index,
+            count: devices.len(),
+        })?;
+        let info = info(index, &device).map_err(|e| failed("OpenCL", "describe a device", &e))?;
+        let fail = |what: &str| {
+            let name = info.name.clone();
+            let what = what.to_owned();
+            move |e: ClError| failed(&name, &what, &e)
+        };
+        let context = Context::from_device(&device).map_err(fail("make a context"))?;
+        let mut program =
+            Program::create_from_source(&context, source).map_err(fail("take the kernels' source"))?;
+        if let Err(error) = program.build(&[device.id()], &options(&device)) {
+            let log = program.get_build_log(device.id()).unwrap_or_default();
+            let cause = format!("{error}\n{}", log.trim());
+            return Err(BackendError::Failed {
+                device: info.name,
+                operation: "build the kernels".into(),
+                cause,
+            });
+        }
+        Ok(Arc::new(Self {
+            info,
+            context,
+            device,
+            program,
+        }))
+    }
+
+    /// What the device is.
+    #[must_use]
+    pub fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    pub(crate) fn kernel(&self, name: &str) -> Result<Kernel, BackendError> {
+        Kernel::create(&self.program, name).map_err(|e| self.failed(&format!("find the kernel {name}"), &e))
+    }
+
+    pub(crate) fn queue(&self) -> Result<CommandQueue, BackendError> {
+        // SAFETY: the device belongs to the context, as `open` made the one from the other; the properties are ones
+        // that every device has.
+        let queue =
+            unsafe { CommandQueue::create(&self.context, self.device.id(), CL_QUEUE_PROFILING_ENABLE) };
+        queue.map_err(|e| self.failed("make a command queue", &e))
+    }
+
+    pub(crate) fn failed(&self, operation: &str, error: &ClError) -> BackendError {
+        failed(&self.info.name, operation, error)
+    }
+}
+
+fn failed(device: &str, operation: &str, error: &ClError) -> BackendError {
+    BackendError::Failed {
+        device: device.into(),
+        operation: operation.into(),
+        cause: error.to_string(),
+    }
+}
+
+/// Correct rounding of `/` and `sqrt`, where the device has it, makes poses equal the native ones bit for bit too.
+fn options(device: &Device) -> String {
+    let rounded = device
+        .single_fp_config()
+        .is_ok_and(|c| c & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0);
+    let rounding = if rounded {
+        " -cl-fp32-correctly-rounded-divide-sqrt"
+    } else {
+        ""
+    };
+    format!("-cl-std=CL1.2 -cl-kernel-arg-info{rounding}")
+}

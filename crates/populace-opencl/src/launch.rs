@@ -1,0 +1,102 @@
+//! Kernel launches whose arguments are checked by name and type against the kernel itself.
+#![expect(
+    unsafe_code,
+    reason = "the OpenCL API is C; arguments and launches are part of the crate's boundary to it"
+)]
+
+use std::ptr;
+
+use opencl3::command_queue::CommandQueue;
+use opencl3::error_codes::ClError;
+use opencl3::event::Event;
+use opencl3::kernel::Kernel;
+
+use crate::buffer::{Buffer, Element};
+
+/// A launch in the making: arguments in the kernel's order, then [`run`](Self::run).
+///
+/// Names and types are compared with what the compiled kernel says of itself wherever debug assertions are on, which
+/// is in every test; a wrong one is a bug of this crate.
+pub(crate) struct Launch<'a> {
+    kernel: &'a Kernel,
+    next: u32,
+    error: Option<ClError>,
+}
+
+impl<'a> Launch<'a> {
+    pub(crate) fn of(kernel: &'a Kernel) -> Self {
+        Self {
+            kernel,
+            next: 0,
+            error: None,
+        }
+    }
+
+    pub(crate) fn buffer<T: Element>(self, name: &str, buffer: &Buffer<T>) -> Self {
+        self.check(name, &format!("{}*", T::TYPE_NAME));
+        self.set(&buffer.handle())
+    }
+
+    pub(crate) fn uint(self, name: &str, value: u32) -> Self {
+        self.check(name, "uint");
+        self.set(&value)
+    }
+
+    pub(crate) fn ulong(self, name: &str, value: u64) -> Self {
+        self.check(name, "ulong");
+        self.set(&value)
+    }
+
+    fn check(&self, name: &str, kind: &str) {
+        if cfg!(debug_assertions) {
+            let has =
+                |what: Result<String, ClError>| what.unwrap_or_default().trim_end_matches('\0').to_owned();
+            let (real, place) = (has(self.kernel.get_arg_name(self.next)), self.next);
+            assert_eq!(
+                real,
+                name,
+                "argument {place} of {:?}",
+                self.kernel.function_name()
+            );
+            let real = has(self.kernel.get_arg_type_name(self.next));
+            assert_eq!(
+                real,
+                kind,
+                "type of argument {name} of {:?}",
+                self.kernel.function_name()
+            );
+        }
+    }
+
+    fn set<A>(mut self, value: &A) -> Self {
+        // SAFETY: `value` is a memory object, a `u32` or a `u64`, as the three callers above have it; the driver copies
+        // it and refuses a size or a place that does not fit the kernel.
+        let result = unsafe { self.kernel.set_arg(self.next, value) };
+        self.error = self.error.or(result.err());
+        self.next += 1;
+        self
+    }
+
+    /// Enqueues the kernel for `global` work-items in groups of `local`, which divides it.
+    pub(crate) fn run(
+        self,
+        queue: &CommandQueue,
+        global: [usize; 2],
+        local: [usize; 2],
+    ) -> Result<Event, ClError> {
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        debug_assert_eq!(
+            self.kernel.num_args(),
+            Ok(self.next),
+            "{:?}",
+            self.kernel.function_name()
+        );
+        let (global, local) = (global.as_ptr(), local.as_ptr());
+        // SAFETY: both sizes have the two dimensions named; every argument was set just now, and buffers are freed
+        // only after the queue is done with them, since the driver counts references. Kernels stay inside their
+        // buffers: each compares its index with a count given as an argument.
+        unsafe { queue.enqueue_nd_range_kernel(self.kernel.get(), 2, ptr::null(), global, local, &[]) }
+    }
+}

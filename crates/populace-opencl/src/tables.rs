@@ -1,0 +1,91 @@
+//! The device's copy of the host's tables.
+
+use opencl3::command_queue::CommandQueue;
+use populace_core::layout::{Body, BoundClip, ClipRows, Entry, Layer, Member, Slot};
+use populace_core::{BackendError, Table, Tables};
+
+use crate::OpenClDevice;
+use crate::buffer::{Buffer, Element};
+
+/// One table on the device, with room to grow.
+pub(crate) struct DeviceTable<T> {
+    pub(crate) buffer: Buffer<T>,
+}
+
+impl<T: Element> DeviceTable<T> {
+    fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
+        Ok(Self {
+            buffer: Buffer::new(device, 0, "an empty table")?,
+        })
+    }
+
+    fn update(
+        &mut self,
+        device: &OpenClDevice,
+        queue: &CommandQueue,
+        table: &Table<T>,
+    ) -> Result<(), BackendError> {
+        let all = table.as_slice();
+        let mut changed = table.dirty();
+        if all.len() > self.buffer.len() {
+            // Half as much again, so that a growing crowd is not copied at every step.
+            let room = if self.buffer.len() == 0 {
+                all.len()
+            } else {
+                all.len().max(self.buffer.len() * 3 / 2)
+            };
+            self.buffer = Buffer::new(device, room, table.name())?;
+            changed = 0..all.len();
+        }
+        let result = self.buffer.write(queue, changed.start, &all[changed]);
+        result.map_err(|e| device.failed(&format!("write {}", table.name()), &e))
+    }
+}
+
+macro_rules! device_tables {
+    ($($name:ident: $element:ty),* $(,)?) => {
+        /// All tables on the device.
+        pub(crate) struct DeviceTables { $(pub(crate) $name: DeviceTable<$element>),* }
+
+        impl DeviceTables {
+            pub(crate) fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
+                Ok(Self { $($name: DeviceTable::new(device)?),* })
+            }
+
+            pub(crate) fn update(
+                &mut self,
+                device: &OpenClDevice,
+                queue: &CommandQueue,
+                tables: &Tables,
+            ) -> Result<(), BackendError> {
+                $(self.$name.update(device, queue, &tables.$name)?;)*
+                Ok(())
+            }
+
+            pub(crate) fn bytes(&self) -> usize {
+                0 $(+ self.$name.buffer.bytes())*
+            }
+        }
+    };
+}
+
+device_tables! {
+    bodies: Body,
+    parents: u32,
+    levels: u32,
+    entries: Entry,
+    poses: f32,
+    clips: ClipRows,
+    rows: f32,
+    row_times: f32,
+    buckets: u32,
+    block_offsets: u32,
+    bound_clips: BoundClip,
+    joint_maps: u32,
+    masks: f32,
+    members: Member,
+    slots: Slot,
+    layers: Layer,
+    joint_blocks: u32,
+    palette_blocks: u32,
+}

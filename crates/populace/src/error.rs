@@ -1,0 +1,100 @@
+//! What can go wrong with a crowd; none of it harms the crowd.
+
+use populace_core::BackendError;
+
+/// Why a call was refused. The crowd is as it was before.
+#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// Data that does not describe a character, clip or mask.
+    #[error(transparent)]
+    Data(#[from] populace_core::Error),
+    /// A device that failed, or is not there.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// A clip name that the character does not have.
+    #[error("\"{character}\" has no clip \"{name}\"{}", did_you_mean(nearest))]
+    UnknownClip {
+        /// The character's name.
+        character: String,
+        /// The name asked for.
+        name: String,
+        /// Names like it, nearest first.
+        nearest: Vec<String>,
+    },
+    /// A device name that means nothing.
+    #[error("there is no device \"{name}\"; devices are native, opencl, and opencl:N")]
+    UnknownDevice {
+        /// The name given.
+        name: String,
+    },
+    /// OpenCL asked for in a build without it.
+    #[error("this build has no OpenCL; build with the feature \"opencl\", or choose the native device")]
+    WithoutOpenCl,
+    /// More members than the crowd was built for.
+    #[error("the crowd is full: it was built for {capacity} members")]
+    Full {
+        /// The capacity.
+        capacity: usize,
+    },
+    /// A handle to a member that was despawned, or of another crowd.
+    #[error("the member handle is stale: its member was despawned")]
+    StaleMember,
+    /// An id that is not of this crowd.
+    #[error("there is no {what} {index} in this crowd")]
+    UnknownId {
+        /// What kind of id.
+        what: &'static str,
+        /// Its number.
+        index: u32,
+    },
+    /// A number that would poison what follows.
+    #[error("{what} is {value}; it must be {rule}")]
+    BadValue {
+        /// What was given.
+        what: &'static str,
+        /// The value.
+        value: f32,
+        /// What is allowed.
+        rule: &'static str,
+    },
+}
+
+fn did_you_mean(nearest: &[String]) -> String {
+    let quoted: Vec<_> = nearest.iter().map(|name| format!("\"{name}\"")).collect();
+    match quoted.as_slice() {
+        [] => String::new(),
+        [one] => format!("; did you mean {one}?"),
+        [most @ .., last] => format!("; did you mean {} or {last}?", most.join(", ")),
+    }
+}
+
+/// The three names most like the one given, nearest first; those with nothing in common are left out.
+#[must_use]
+pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    let wanted = name.to_lowercase();
+    let likeness = |candidate: &str| {
+        let candidate = candidate.to_lowercase();
+        let inside = !wanted.is_empty() && (candidate.contains(&wanted) || wanted.contains(&candidate));
+        strsim::jaro_winkler(&wanted, &candidate) + if inside { 0.5 } else { 0.0 }
+    };
+    let mut scored: Vec<_> = names
+        .into_iter()
+        .map(|n| (likeness(n), n))
+        .filter(|(score, _)| *score > 0.6)
+        .collect();
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+    scored.into_iter().take(3).map(|(_, n)| n.to_owned()).collect()
+}
+
+/// Refuses values that are not finite.
+pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
+    match values.iter().find(|v| !v.is_finite()) {
+        Some(&value) => Err(Error::BadValue {
+            what,
+            value,
+            rule: "a finite number",
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,202 @@
+//! How clips are started and members are placed.
+
+use populace_core::Affine;
+
+use crate::Error;
+use crate::error::finite;
+
+/// How a clip plays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Play {
+    pub(crate) mode: Mode,
+    pub(crate) speed: f32,
+    pub(crate) phase: f32,
+    pub(crate) weight: f32,
+    pub(crate) fade_in_secs: f32,
+    pub(crate) layer: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Mode {
+    Looping,
+    Once,
+    Held { secs: f32 },
+}
+
+impl Play {
+    const fn new(mode: Mode) -> Self {
+        Self {
+            mode,
+            speed: 1.0,
+            phase: 0.0,
+            weight: 1.0,
+            fade_in_secs: 0.0,
+            layer: 0,
+        }
+    }
+
+    /// Again and again.
+    #[must_use]
+    pub const fn looping() -> Self {
+        Self::new(Mode::Looping)
+    }
+
+    /// Once, then holding the end.
+    #[must_use]
+    pub const fn once() -> Self {
+        Self::new(Mode::Once)
+    }
+
+    /// Standing at one time of the clip's own axis, in seconds; the first key holds before it, the last after it.
+    #[must_use]
+    pub const fn held_at_secs(secs: f32) -> Self {
+        Self::new(Mode::Held { secs })
+    }
+
+    /// Times the clip's own pace; negative plays backwards.
+    #[must_use]
+    pub const fn speed(mut self, speed: f32) -> Self {
+        self.speed = speed;
+        self
+    }
+
+    /// Where a looping clip starts, from 0 to 1.
+    #[must_use]
+    pub const fn phase(mut self, phase: f32) -> Self {
+        self.phase = phase;
+        self
+    }
+
+    /// The weight among the clips of its layer, from 0 to 1.
+    #[must_use]
+    pub const fn weight(mut self, weight: f32) -> Self {
+        self.weight = weight;
+        self
+    }
+
+    /// Takes this long to reach its weight. A member's first clip starts at full weight all the same: nobody sees the
+    /// rest pose by accident.
+    #[must_use]
+    pub const fn fade_in_secs(mut self, secs: f32) -> Self {
+        self.fade_in_secs = secs;
+        self
+    }
+
+    /// The layer to play in, 0 to 3.
+    #[must_use]
+    pub const fn on_layer(mut self, layer: usize) -> Self {
+        self.layer = layer;
+        self
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        finite("the speed of a clip", &[self.speed])?;
+        finite("the phase of a clip", &[self.phase])?;
+        if let Mode::Held { secs } = self.mode {
+            finite("the time to hold a clip at", &[secs])?;
+        }
+        check_weight("the weight of a clip", self.weight)?;
+        check_layer(self.layer)?;
+        check_secs("the time to fade in", self.fade_in_secs)
+    }
+}
+
+pub(crate) fn check_weight(what: &'static str, value: f32) -> Result<(), Error> {
+    if (0.0..=1.0).contains(&value) {
+        Ok(())
+    } else {
+        Err(Error::BadValue {
+            what,
+            value,
+            rule: "from 0 to 1",
+        })
+    }
+}
+
+pub(crate) fn check_secs(what: &'static str, value: f32) -> Result<(), Error> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::BadValue {
+            what,
+            value,
+            rule: "finite and not negative",
+        })
+    }
+}
+
+pub(crate) fn check_layer(layer: usize) -> Result<(), Error> {
+    if layer < populace_core::MAX_LAYERS {
+        Ok(())
+    } else {
+        Err(Error::BadValue {
+            what: "the layer",
+            value: layer as f32,
+            rule: "0 to 3",
+        })
+    }
+}
+
+/// Where a member stands in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    pub(crate) position: [f32; 3],
+    pub(crate) yaw_rad: f32,
+    pub(crate) scale: f32,
+}
+
+impl Placement {
+    /// At a point in metres, facing +Z.
+    #[must_use]
+    pub const fn at(position: [f32; 3]) -> Self {
+        Self {
+            position,
+            yaw_rad: 0.0,
+            scale: 1.0,
+        }
+    }
+
+    /// Turned about +Y: 0 faces +Z, a quarter turn faces +X.
+    #[must_use]
+    pub const fn facing(mut self, yaw_rad: f32) -> Self {
+        self.yaw_rad = yaw_rad;
+        self
+    }
+
+    /// Times the character's own size.
+    #[must_use]
+    pub const fn scaled(mut self, scale: f32) -> Self {
+        self.scale = scale;
+        self
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        finite("the position of a member", &self.position)?;
+        finite("the heading of a member", &[self.yaw_rad])?;
+        if self.scale > 0.0 && self.scale.is_finite() {
+            Ok(())
+        } else {
+            let rule = "finite and above zero";
+            Err(Error::BadValue {
+                what: "the scale of a member",
+                value: self.scale,
+                rule,
+            })
+        }
+    }
+
+    /// The placement as a matrix.
+    #[must_use]
+    pub fn world_from_model(&self) -> Affine {
+        let (sin, cos) = f64::from(self.yaw_rad).sin_cos();
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rounding to the nearest f32 is what is wanted"
+        )]
+        let (sin, cos) = (sin as f32 * self.scale, cos as f32 * self.scale);
+        let [x, y, z] = self.position;
+        Affine {
+            rows: [[cos, 0.0, sin, x], [0.0, self.scale, 0.0, y], [-sin, 0.0, cos, z]],
+        }
+    }
+}

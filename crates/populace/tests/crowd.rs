@@ -1,0 +1,293 @@
+//! What a user of [`Crowd`] relies on, on every device.
+
+use std::sync::Arc;
+
+use populace::core::{
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource, PaletteEntry,
+    Property, Skeleton, Track,
+};
+use populace::{Affine, Crowd, Device, Error, LayerMode, LayerSettings, Mask, Member, Placement, Play, Trs};
+
+fn track(joint: &str, height: f32) -> Track {
+    Track {
+        joint: joint.into(),
+        property: Property::Translation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![0.0, height, 0.0, 0.0, height + 1.0, 0.0],
+    }
+}
+
+/// A body of two joints whose clips lift them: "low" from 0 to 1 m, "high" from 10 to 11 m, "tip" the tip alone.
+fn lift() -> Character {
+    let joint = |name: &str, parent| JointSource {
+        name: name.into(),
+        parent,
+        rest: Trs::IDENTITY,
+    };
+    let skeleton = Skeleton::new(&[joint("base", None), joint("tip", Some(0))]).unwrap();
+    let clip = |name: &str, joint: &str, height| {
+        let source = ClipSource {
+            name: name.into(),
+            tracks: vec![track(joint, height)],
+        };
+        Arc::new(Clip::new(source, &skeleton).unwrap())
+    };
+    let clips = vec![
+        clip("low", "base", 0.0),
+        clip("high", "base", 10.0),
+        clip("tip", "tip", 5.0),
+    ];
+    let palette = vec![PaletteEntry {
+        joint: JointIndex(1),
+        joint_from_bind: Affine::IDENTITY,
+    }];
+    let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
+    let name = "lift".into();
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .unwrap()
+}
+
+fn height(crowd: &mut Crowd, member: Member, joint: usize) -> f32 {
+    crowd.model_from_joints(member).unwrap()[joint].rows[1][3]
+}
+
+#[track_caller]
+fn assert_near(value: f32, wanted: f32) {
+    assert!((value - wanted).abs() < 1e-3, "{value} is not {wanted}");
+}
+
+fn crowd_of(device: Device, capacity: usize) -> (Crowd, populace::CharacterId) {
+    let mut crowd = Crowd::builder()
+        .device(device)
+        .capacity(capacity)
+        .build()
+        .unwrap();
+    let id = crowd.add_character(lift()).unwrap();
+    (crowd, id)
+}
+
+fn play_crossfade_and_stop(device: Device) {
+    let (mut crowd, id) = crowd_of(device, 4);
+    let (low, high) = (crowd.clip(id, "low").unwrap(), crowd.clip(id, "high").unwrap());
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    crowd.update(0.1).unwrap();
+    assert_near(height(&mut crowd, member, 0), 0.0); // rest
+
+    // The first clip starts at full weight although it was asked to fade in.
+    crowd
+        .play(member, low, Play::held_at_secs(0.5).fade_in_secs(1.0))
+        .unwrap();
+    crowd.update(0.0).unwrap();
+    assert_near(height(&mut crowd, member, 0), 0.5);
+
+    crowd
+        .play(member, high, Play::held_at_secs(0.5).fade_in_secs(1.0))
+        .unwrap();
+    crowd.update(0.25).unwrap();
+    assert_near(height(&mut crowd, member, 0), 0.75 * 0.5 + 0.25 * 10.5);
+    crowd.update(0.75).unwrap();
+    assert_near(height(&mut crowd, member, 0), 10.5);
+
+    crowd.stop(member, 0, 0.0).unwrap();
+    crowd.update(0.1).unwrap();
+    assert_near(height(&mut crowd, member, 0), 0.0);
+}
+
+fn blends_and_layers(device: Device) {
+    let (mut crowd, id) = crowd_of(device, 4);
+    let [low, high, tip] = ["low", "high", "tip"].map(|name| crowd.clip(id, name).unwrap());
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    crowd
+        .play(member, low, Play::held_at_secs(0.0).weight(0.25))
+        .unwrap();
+    crowd
+        .blend(member, high, Play::held_at_secs(0.0).weight(0.75))
+        .unwrap();
+    crowd.update(0.0).unwrap();
+    assert_near(height(&mut crowd, member, 0), 7.5);
+
+    let skeleton = crowd.character(id).unwrap().skeleton.clone();
+    let on_tip = Mask::subtree(&skeleton, skeleton.find("tip").unwrap());
+    let on_tip = crowd.add_mask(id, &on_tip).unwrap();
+    let half = LayerSettings {
+        mode: LayerMode::Override,
+        weight: 0.5,
+    };
+    crowd
+        .play(member, tip, Play::held_at_secs(0.0).on_layer(1))
+        .unwrap();
+    crowd.set_layer(member, 1, half, Some(on_tip)).unwrap();
+    crowd.update(0.0).unwrap();
+    assert_near(height(&mut crowd, member, 0), 7.5); // masked
+    assert_near(height(&mut crowd, member, 1), 7.5 + 2.5);
+
+    // "tip" rises by 0.4 m from its first row to 0.4 s.
+    crowd
+        .play(member, tip, Play::held_at_secs(0.4).on_layer(2))
+        .unwrap();
+    crowd
+        .set_layer(
+            member,
+            2,
+            LayerSettings {
+                mode: LayerMode::Additive,
+                weight: 1.0,
+            },
+            None,
+        )
+        .unwrap();
+    crowd.update(0.0).unwrap();
+    assert_near(height(&mut crowd, member, 1), 7.5 + 2.5 + 0.4);
+}
+
+fn members_come_and_go(device: Device) {
+    let (mut crowd, id) = crowd_of(device, 3);
+    let [low, high] = ["low", "high"].map(|name| crowd.clip(id, name).unwrap());
+    let spawn = |crowd: &mut Crowd| crowd.spawn(id, Placement::at([0.0; 3]));
+    let members: Vec<_> = (0..3).map(|_| spawn(&mut crowd).unwrap()).collect();
+    assert_eq!(spawn(&mut crowd), Err(Error::Full { capacity: 3 }));
+    for &member in &members {
+        crowd.play(member, high, Play::held_at_secs(0.0)).unwrap();
+    }
+    crowd.update(0.0).unwrap();
+    crowd.despawn(members[1]).unwrap();
+    assert_eq!(crowd.despawn(members[1]), Err(Error::StaleMember));
+
+    let newcomer = spawn(&mut crowd).unwrap();
+    assert_eq!(
+        crowd.place(members[1], Placement::at([1.0; 3])),
+        Err(Error::StaleMember)
+    );
+    crowd.play(newcomer, low, Play::held_at_secs(1.0)).unwrap();
+    crowd.update(0.0).unwrap();
+    assert_near(height(&mut crowd, newcomer, 0), 1.0);
+    assert_near(height(&mut crowd, members[0], 0), 10.0);
+    assert_near(height(&mut crowd, members[2], 0), 10.0);
+    assert_eq!(crowd.instances().count(), 3);
+}
+
+fn twenty_clips_in_a_third_of_a_second(device: Device) {
+    // Slots run out; the weakest gives way, and nobody ever sees the rest pose, which is at 0 m.
+    let (mut crowd, id) = crowd_of(device, 1);
+    let [low, high] = ["low", "high"].map(|name| crowd.clip(id, name).unwrap());
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    crowd.play(member, high, Play::held_at_secs(0.0)).unwrap();
+    for step in 0..20 {
+        let clip = if step % 2 == 0 { high } else { low };
+        crowd
+            .play(member, clip, Play::held_at_secs(1.0).fade_in_secs(0.2))
+            .unwrap();
+        crowd.update(0.015).unwrap();
+        assert!(height(&mut crowd, member, 0) > 0.9, "step {step}");
+    }
+}
+
+fn a_clip_added_now_plays_now(device: Device) {
+    let (mut crowd, id) = crowd_of(device, 1);
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    crowd.update(0.1).unwrap();
+    let skeleton = crowd.character(id).unwrap().skeleton.clone();
+    let source = ClipSource {
+        name: "late".into(),
+        tracks: vec![track("base", 20.0)],
+    };
+    let late = crowd
+        .add_clip(id, &Arc::new(Clip::new(source, &skeleton).unwrap()))
+        .unwrap();
+    assert_eq!(crowd.clip(id, "late").unwrap(), late);
+    crowd.play(member, late, Play::looping().phase(0.5)).unwrap();
+    crowd.update(0.25).unwrap();
+    assert_near(height(&mut crowd, member, 0), 20.75);
+}
+
+fn bad_values_are_refused_and_harm_nobody(device: Device) {
+    let (mut crowd, id) = crowd_of(device, 2);
+    let low = crowd.clip(id, "low").unwrap();
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    assert!(crowd.spawn(id, Placement::at([f32::NAN, 0.0, 0.0])).is_err());
+    assert!(crowd.place(member, Placement::at([0.0; 3]).scaled(0.0)).is_err());
+    assert!(
+        crowd
+            .play(member, low, Play::looping().speed(f32::INFINITY))
+            .is_err()
+    );
+    assert!(crowd.play(member, low, Play::looping().weight(1.5)).is_err());
+    assert!(crowd.play(member, low, Play::looping().on_layer(4)).is_err());
+    assert!(crowd.update(-1.0).is_err());
+    assert!(crowd.update(f32::NAN).is_err());
+    let error = crowd.clip(id, "hihg").unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "\"lift\" has no clip \"hihg\"; did you mean \"high\"?"
+    );
+    crowd.update(0.0).unwrap();
+    assert_near(height(&mut crowd, member, 0), 0.0);
+    assert_eq!(crowd.member_count(), 1);
+}
+
+macro_rules! on_devices {
+    ($($test:ident),* $(,)?) => {
+        mod native {
+            $(#[test] fn $test() { super::$test(populace::Device::native()); })*
+        }
+        mod opencl {
+            $(
+                #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+                #[test]
+                fn $test() { super::$test(populace::Device::opencl(0)); }
+            )*
+        }
+    };
+}
+on_devices!(
+    play_crossfade_and_stop,
+    blends_and_layers,
+    members_come_and_go,
+    twenty_clips_in_a_third_of_a_second,
+    a_clip_added_now_plays_now,
+    bad_values_are_refused_and_harm_nobody,
+);
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_crowd_moves_to_another_device_and_goes_on() {
+    let (mut crowd, id) = crowd_of(Device::native(), 2);
+    let low = crowd.clip(id, "low").unwrap();
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    crowd.play(member, low, Play::looping()).unwrap();
+    crowd.update(0.25).unwrap();
+    let before = crowd.palette(member).unwrap();
+    crowd.move_to(Device::opencl(0)).unwrap();
+    crowd.update(0.0).unwrap();
+    assert_eq!(crowd.palette(member).unwrap(), before);
+    crowd.update(0.5).unwrap();
+    assert_near(height(&mut crowd, member, 0), 0.75);
+    assert!(crowd.move_to(Device::opencl(99)).is_err());
+    assert_eq!(crowd.device(), Device::opencl(0));
+}
+
+#[test]
+fn a_mask_of_another_character_is_refused() {
+    let (mut crowd, id) = crowd_of(Device::native(), 2);
+    let other = crowd.add_character(lift()).unwrap();
+    let skeleton = crowd.character(other).unwrap().skeleton.clone();
+    let mask = crowd
+        .add_mask(other, &Mask::subtree(&skeleton, JointIndex(0)))
+        .unwrap();
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    assert!(
+        crowd
+            .set_layer(member, 1, LayerSettings::default(), Some(mask))
+            .is_err()
+    );
+}
