@@ -21,7 +21,8 @@ pub struct Influences {
     pub per_vertex: usize,
     /// `vertices x per_vertex` indices into [`CharacterSource::palette`].
     pub entries: Vec<u16>,
-    /// `vertices x per_vertex` weights; a vertex's weights sum to 1.
+    /// `vertices x per_vertex` weights, as the source has them. A vertex's weights should sum to 1; where they do not,
+    /// the skinning equation is taken at its word, and drawing divides by their sum.
     pub weights: Vec<f32>,
 }
 
@@ -319,6 +320,48 @@ impl Character {
                 .collect::<Vec<_>>()
         })
     }
+}
+
+fn rest_models(skeleton: &Skeleton) -> Vec<glam::DAffine3> {
+    let parents: Vec<_> = skeleton.joints().map(|j| skeleton.parent(j)).collect();
+    f64math::model_from_joints(
+        &parents,
+        skeleton.joints().map(|j| f64math::affine(skeleton.rest(j))),
+    )
+}
+
+/// How far from each joint, in level order, the vertices that it moves lie at rest, times the weight by which it moves
+/// them; what [`Skeleton::with_reach`] takes. Indices past the end are passed over.
+#[must_use]
+pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]) -> Vec<f32> {
+    let models = rest_models(skeleton);
+    let mut reach: Vec<f64> = vec![0.0; models.len()];
+    for mesh in parts.iter().map(|p| &p.mesh) {
+        let Influences {
+            per_vertex,
+            entries,
+            weights,
+        } = &mesh.influences;
+        for (at, (&entry, &weight)) in entries
+            .iter()
+            .zip(weights)
+            .enumerate()
+            .filter(|(_, (_, w))| **w > 0.0)
+        {
+            let vertex = mesh.positions.get(at / (*per_vertex).max(1));
+            let (Some(entry), Some(&vertex)) = (palette.get(usize::from(entry)), vertex) else {
+                continue;
+            };
+            let Some(model) = models.get(entry.joint.index()) else {
+                continue;
+            };
+            let in_joint =
+                f64math::affine_from(&entry.joint_from_bind).transform_point3(f64math::vec3(vertex));
+            let distance = model.transform_vector3(in_joint).length() * f64::from(weight.min(1.0));
+            reach[entry.joint.index()] = reach[entry.joint.index()].max(distance);
+        }
+    }
+    reach.into_iter().map(|r| f64math::to_f32([r])[0]).collect()
 }
 
 fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {

@@ -13,8 +13,8 @@ use rows::Rows;
 /// One motion, stored as rows: poses of all joints of the clip's own skeleton, at the union of the tracks' key times,
 /// with more between them wherever interpolating rows would stray from the source curves by more than the bound.
 ///
-/// The bound, in model space on the clip's own skeleton at points 3 cm from each joint, is 0.3 mm for a body of 1.8 m,
-/// in proportion for others. Between rows devices interpolate translations and scales linearly and rotations by
+/// The bound, in model space on the clip's own skeleton, is 0.1 mm for a body of 1.8 m, in proportion for others, at
+/// points 3 cm from each joint and as far from it as the vertices that it moves ([`Skeleton::with_reach`]). Between rows devices interpolate translations and scales linearly and rotations by
 /// normalised linear interpolation. A STEP key is two rows at one time.
 ///
 /// A row holds blocks of 16 joints ("columns", in the level order of the clip's own skeleton), component by component,
@@ -39,8 +39,8 @@ pub struct ClipStats {
     pub row_bytes: usize,
     /// Bytes of the source's key times and values.
     pub key_bytes: usize,
-    /// No point 3 cm from a joint strays further from the source than this, in metres; in proportion for bodies that
-    /// are not 1.8 m.
+    /// No point 3 cm from a joint (in proportion for bodies that are not 1.8 m) or as far from it as its vertices strays
+    /// further from the source than this, in metres.
     pub error_bound_m: f32,
     /// The bound asked for, in metres.
     pub tolerance_m: f32,

@@ -40,7 +40,7 @@ pub use animation_set::{AnimationSet, ClipIndex};
 pub use backend::{Backend, BackendError, Frame, Stage, StageBuffer};
 pub use character::{
     AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry, Part,
-    SkinInstance, Texture, TextureFilter, Wrap,
+    SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use clip::{Binding, Clip, ClipStats};
 pub use error::Error;

@@ -43,6 +43,7 @@ pub struct Skeleton {
     source_from_joint: Vec<usize>,
     joint_from_source: Vec<JointIndex>,
     size_m: f32,
+    reach_m: Vec<f32>,
 }
 
 impl Skeleton {
@@ -75,6 +76,7 @@ impl Skeleton {
             .zip(order.iter().map(|&s| joint_from_source[s]))
             .collect();
         let size_m = f64math::rest_extent(&parents, &rest);
+        let reach_m = vec![0.0; joints.len()];
         Ok(Self {
             names,
             by_name,
@@ -84,7 +86,18 @@ impl Skeleton {
             source_from_joint: order,
             joint_from_source,
             size_m,
+            reach_m,
         })
+    }
+
+    /// Says how far from each joint, in level order, the vertices that it moves lie at rest, in metres: clips are then
+    /// stored so that those vertices too stay within the error bound. Missing and bad values count as 0.
+    #[must_use]
+    pub fn with_reach(mut self, reach_m: &[f32]) -> Self {
+        for (reach, given) in self.reach_m.iter_mut().zip(reach_m) {
+            *reach = if given.is_finite() { given.max(0.0) } else { 0.0 };
+        }
+        self
     }
 
     /// How many joints there are; at least one.
@@ -147,6 +160,12 @@ impl Skeleton {
     #[must_use]
     pub fn joint_from_source(&self, source: usize) -> JointIndex {
         self.joint_from_source[source]
+    }
+
+    /// How far from each joint the vertices that it moves lie at rest, in metres; 0 where that is not known.
+    #[must_use]
+    pub fn reach_m(&self) -> &[f32] {
+        &self.reach_m
     }
 
     /// The largest side of the box around the joints at rest, in metres; 1 where all joints coincide. Error bounds

@@ -4,7 +4,7 @@
     reason = "the OpenCL API is C; creating a command queue is part of the crate's boundary to it"
 )]
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
 use opencl3::context::Context;
@@ -71,6 +71,10 @@ pub fn devices() -> Result<Vec<DeviceInfo>, BackendError> {
 }
 
 fn all_devices() -> Result<Vec<Device>, BackendError> {
+    // Two threads that ask for the first time at once can both be told that there is no platform: the loader's own
+    // set-up is not safe against that.
+    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let platforms = match get_platforms() {
         Err(ClError(NO_LIBRARY | NO_PLATFORM)) => return Err(BackendError::NoRuntime),
         other => other.map_err(|e| failed("OpenCL", "list its platforms", &e))?,

@@ -1,1 +1,37 @@
-//! x
+//! The judges of Populace: a double-precision [`oracle`], the [`conformance`] suite that every device and schedule
+//! runs against it, and the comparison of [`image`]s.
+//!
+//! The oracle is written from the glTF 2.0 equations and the rules of blending, one character at a time and
+//! recursively. It shares no sampling, blending or hierarchy code with what it judges. How far a device may stray from
+//! it is stated in [`tolerance`], each bound with its derivation. [`scenes`] makes the skeletons and clips.
+//!
+//! A crate that implements a backend runs the whole suite by one line:
+//!
+//! ```ignore
+//! mod conformance {
+//!     populace_testkit::backend_conformance!(super::NativeBackend::new(3));
+//! }
+//! ```
+
+mod broken;
+mod compare;
+pub mod conformance;
+mod crowd;
+pub mod image;
+pub mod oracle;
+mod rng;
+pub mod scenes;
+pub mod tolerance;
+
+pub use broken::{Broken, Corruption};
+pub use crowd::{LayerPlan, MemberPlan, MemberReading, Play, TestCrowd};
+pub use rng::Rng;
+
+/// The nearest single-precision number.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
+pub(crate) fn single(x: f64) -> f32 {
+    x as f32
+}

@@ -92,3 +92,8 @@ fn a_device_that_does_not_exist_is_refused() {
         "{error}"
     );
 }
+
+mod conformance {
+    #[cfg(not(skip_opencl))]
+    populace_testkit::backend_conformance!(super::OpenClBackend::new(&super::device()).expect("a backend"));
+}

@@ -1,0 +1,92 @@
+//! Which extensions a file may require, and what is said of those that are ignored.
+
+use crate::json::Cursor;
+use crate::log::Checked;
+
+/// Extensions that are honoured.
+const SUPPORTED: [&str; 3] = [
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+    "EXT_texture_webp",
+];
+
+/// Extensions that can be ignored even where a file requires them: they change how a character looks or what stands
+/// around it, not how it moves. All material extensions, whoever defines them, are of that kind too.
+const HARMLESS: [&str; 4] = [
+    "KHR_lights_punctual",
+    "KHR_xmp",
+    "KHR_xmp_json_ld",
+    "KHR_node_visibility",
+];
+
+/// Why the better known extensions are refused where a file requires them.
+const REFUSED: [(&str, &str); 4] = [
+    (
+        "KHR_draco_mesh_compression",
+        "meshes compressed by Draco cannot be read; export without compression",
+    ),
+    (
+        "EXT_meshopt_compression",
+        "data compressed by meshopt cannot be read; export without compression",
+    ),
+    (
+        "KHR_meshopt_compression",
+        "data compressed by meshopt cannot be read; export without compression",
+    ),
+    (
+        "KHR_texture_basisu",
+        "Basis Universal textures cannot be read; export PNG, JPEG or WebP",
+    ),
+];
+
+/// What a file says about its extensions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extensions {
+    /// Whether vertex data may be stored as integers.
+    pub(crate) mesh_quantization: bool,
+}
+
+/// Refuses by name what a file requires and this crate lacks (glTF 2.0, section 3.12).
+pub(crate) fn check(root: &Cursor) -> Checked<Extensions> {
+    let mut failed = None;
+    let mut mesh_quantization = false;
+    for at in root.list("extensionsRequired") {
+        let Ok(name) = at.text() else { continue };
+        mesh_quantization |= name == "KHR_mesh_quantization";
+        if !SUPPORTED.contains(&name) && !is_harmless(name) {
+            let why = REFUSED.iter().find(|(refused, _)| *refused == name);
+            let why = why.map_or("it is not supported", |(_, why)| why);
+            failed = Some(at.problem(format!("requires {name}: {why}")));
+        }
+    }
+    for at in root.list("extensionsUsed") {
+        let Ok(name) = at.text() else { continue };
+        mesh_quantization |= name == "KHR_mesh_quantization";
+        if !SUPPORTED.contains(&name) {
+            at.note(format!("uses {name}, which is ignored: {}", why_ignored(name)));
+        }
+    }
+    failed.map_or(Ok(Extensions { mesh_quantization }), Err)
+}
+
+fn is_harmless(name: &str) -> bool {
+    is_material(name) || HARMLESS.contains(&name)
+}
+
+/// Names are a vendor, what is extended, and a name for it: `KHR_materials_unlit`.
+fn is_material(name: &str) -> bool {
+    name.contains("_materials_")
+}
+
+fn why_ignored(name: &str) -> &'static str {
+    match name {
+        "KHR_animation_pointer" => "only translation, rotation and scale of nodes are animated",
+        "KHR_lights_punctual" => "a character brings no lights",
+        "KHR_texture_basisu" => "the PNG or JPEG beside it is taken",
+        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "the uncompressed data beside it is taken"
+        }
+        _ if is_material(name) => "surfaces have a base colour only",
+        _ => "it is not supported, and the file does not require it",
+    }
+}

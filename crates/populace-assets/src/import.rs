@@ -1,0 +1,271 @@
+//! From the bytes of a file to a character: calls everything else, in order.
+
+use std::path::Path;
+
+use populace_core::{Affine, Character, CharacterSource, PaletteEntry, Part, SkinInstance};
+
+use crate::animations::{self, Animation, Clips};
+use crate::data::Data;
+use crate::extensions;
+use crate::influences::Palette;
+use crate::json::Cursor;
+use crate::log::{Checked, Log, Reported};
+use crate::materials;
+use crate::nodes::{self, Counts, Node};
+use crate::parts::{Maker, Mover, Place};
+use crate::primitive::{self, Mesh};
+use crate::rig::Rig;
+use crate::skins::{self, Skin};
+use crate::{Imported, Problem, SkinInfo, glb};
+
+/// Imports a file's bytes, or says everything that is wrong with them.
+pub(crate) fn import(bytes: &[u8], base_folder: Option<&Path>, name: &str) -> Result<Imported, Vec<Problem>> {
+    let log = Log::default();
+    let built = build(bytes, base_folder, name, &log);
+    let notes = log.finish()?;
+    match built {
+        Ok(imported) => Ok(Imported { notes, ..imported }),
+        // Whoever gives up has said why; should one not have, that must not look like success.
+        Err(Reported) => Err(vec![Problem {
+            place: "file".into(),
+            what: "cannot be imported".into(),
+        }]),
+    }
+}
+
+fn build(bytes: &[u8], base_folder: Option<&Path>, name: &str, log: &Log) -> Checked<Imported> {
+    let container = glb::split(bytes, log)?;
+    let value = parse_json(container.json, log)?;
+    let root = Cursor::root(&value, log);
+    let generator = check_asset(&root);
+    let extensions = extensions::check(&root)?;
+    let data = Data::new(&root, log, &container, base_folder);
+    let surfaces = materials::read(&root, &data, log, base_folder);
+    let document = Document::read(&root, &data, log, surfaces.materials.len());
+    document.forest?;
+    let mut rig = document.rig(log)?;
+    let assembly = Assembly {
+        document: &document,
+        rig: &rig,
+        maker: Maker {
+            data: &data,
+            log,
+            extensions,
+            textures: &surfaces.textures,
+        },
+    };
+    let mut palette = Palette::default();
+    let built = assembly.parts(&mut palette);
+    if let Ok((parts, _)) = &built {
+        rig.reach_vertices(palette.entries(), parts);
+    }
+    let mut clips = Clips::new(&data, log, &rig, bytes.len());
+    let clips = clips.all(&document.animations);
+    let (parts, skins) = built?;
+    let clips = clips?;
+    data.note_unopened();
+    let node_from_joint = rig.node_from_joint();
+    let character = Character::new(CharacterSource {
+        name: name.to_owned(),
+        skeleton: rig.skeleton,
+        palette: palette.into_entries(),
+        parts,
+        materials: surfaces.materials,
+        images: surfaces.images,
+        skins,
+        clips,
+    });
+    Ok(Imported {
+        character: character.map_err(|e| log.problem("file", e.to_string()))?,
+        notes: Vec::new(),
+        generator: generator?,
+        node_from_joint,
+        skins: document.skins.iter().flatten().map(SkinInfo::of).collect(),
+    })
+}
+
+fn parse_json(json: &[u8], log: &Log) -> Checked<serde_json::Value> {
+    // Some exporters pad the chunk with zeros where spaces are due.
+    let end = json.iter().rposition(|b| *b != 0).map_or(0, |at| at + 1);
+    if end < json.len() {
+        log.note(
+            "chunk 0",
+            "is padded with zeros; JSON is padded with spaces (glTF 2.0, section 4.4.3.2)",
+        );
+    }
+    serde_json::from_slice(&json[..end]).map_err(|e| log.problem("file", format!("is no valid JSON: {e}")))
+}
+
+/// Checks the version; gives what wrote the file (glTF 2.0, section 3.2).
+fn check_asset(root: &Cursor) -> Checked<Option<String>> {
+    let asset = root.require("asset")?;
+    let version = asset.require("version")?;
+    if version.text()?.split('.').next() != Some("2") {
+        return Err(version.problem(format!("is \"{}\"; version 2 is supported", version.text()?)));
+    }
+    if let Some(least) = asset.get("minVersion") {
+        match least.text()? {
+            "2.0" => {}
+            text if text.split('.').next() == Some("2") => {
+                least.note(format!(
+                    "asks for version {text}; what 2.0 does not define is ignored"
+                ));
+            }
+            text => return Err(least.problem(format!("is \"{text}\"; version 2 is supported"))),
+        }
+    }
+    Ok(asset.optional("generator", Cursor::text)?.map(str::to_owned))
+}
+
+impl SkinInfo {
+    fn of(skin: &Skin) -> Self {
+        Self {
+            name: skin.name.clone(),
+            joint_count: skin.joints.len(),
+        }
+    }
+}
+
+/// Everything that a file declares about what moves and is drawn.
+struct Document {
+    nodes: Vec<Node>,
+    /// Whether the nodes form one.
+    forest: Checked<()>,
+    meshes: Vec<Mesh>,
+    skins: Vec<Checked<Skin>>,
+    animations: Vec<Animation>,
+}
+
+impl Document {
+    fn read(root: &Cursor, data: &Data, log: &Log, material_count: usize) -> Self {
+        let meshes = primitive::read_meshes(root, data.accessor_count(), material_count);
+        let counts = Counts {
+            meshes: meshes.len(),
+            skins: root.objects("skins").len(),
+            cameras: root.objects("cameras").len(),
+        };
+        let (nodes, forest) = nodes::read(root, log, counts);
+        let skins = skins::read(root, nodes.len(), data);
+        let animations = animations::read(root, &nodes, data);
+        for primitive in meshes.iter().flatten().flatten().filter(|p| p.has_morph_targets) {
+            log.note(&primitive.place, "has morph targets, which are ignored");
+        }
+        Self {
+            nodes,
+            forest,
+            meshes,
+            skins,
+            animations,
+        }
+    }
+
+    /// The skeleton: joints, what hangs on them, nodes with meshes of their own, and nodes that clips move.
+    fn rig(&self, log: &Log) -> Checked<Rig> {
+        let roots = nodes::roots(&self.nodes);
+        let mut joints = Vec::new();
+        for skin in self.skins.iter().flatten() {
+            skin.note_roots(&self.nodes, &roots, log);
+            joints.extend_from_slice(&skin.joints);
+        }
+        let rigid =
+            (0..self.nodes.len()).filter(|n| self.nodes[*n].in_scene && self.is_rigid(&self.nodes[*n]));
+        let driven = self
+            .animations
+            .iter()
+            .flat_map(|a| a.channels.iter().map(|c| c.node));
+        Rig::new(&self.nodes, rigid.chain(driven), &joints, log)
+    }
+
+    /// Whether a node carries anything that moves with it.
+    fn is_rigid(&self, node: &Node) -> bool {
+        let mut primitives = node.mesh.iter().flat_map(|m| self.meshes[*m].iter().flatten());
+        primitives.any(|p| node.skin.is_none() || !p.is_skinned())
+    }
+}
+
+struct Assembly<'a> {
+    document: &'a Document,
+    rig: &'a Rig,
+    maker: Maker<'a>,
+}
+
+impl Assembly<'_> {
+    /// The parts of all nodes in the scene, and the skins of those that have one.
+    fn parts(&self, palette: &mut Palette) -> Checked<(Vec<Part>, Vec<SkinInstance>)> {
+        let (mut parts, mut skins) = (Vec::new(), Vec::new());
+        let mut failed = None;
+        for (index, node) in self.document.nodes.iter().enumerate().filter(|(_, n)| n.in_scene) {
+            let Some(mesh) = node.mesh else { continue };
+            let Ok(skin) = self.skin_instance(index, node).inspect_err(|r| failed = Some(*r)) else {
+                continue;
+            };
+            for (primitive, declared) in self.document.meshes[mesh].iter().enumerate() {
+                let Ok(declared) = declared else { continue };
+                let mover = match &skin {
+                    Some(skin) if declared.is_skinned() => Mover::Skin(&skin.joints),
+                    _ => self.rigid_mover(index, node, declared, skin.is_some())?,
+                };
+                let place = Place {
+                    node: index,
+                    node_name: self.rig.node_name(&self.document.nodes, index),
+                    primitive,
+                };
+                match self.maker.part(place, declared, mover, palette) {
+                    Ok(part) => parts.extend(part),
+                    Err(reported) => failed = Some(reported),
+                }
+            }
+            skins.extend(skin);
+        }
+        failed.map_or(Ok((parts, skins)), Err)
+    }
+
+    fn rigid_mover(
+        &self,
+        index: usize,
+        node: &Node,
+        declared: &primitive::Primitive,
+        has_skin: bool,
+    ) -> Checked<Mover<'_>> {
+        let log = self.maker.log;
+        if has_skin {
+            log.note(
+                &declared.place,
+                "has no joints and weights, though its node has a skin; it moves with the node",
+            );
+        }
+        let joint = self.rig.joint_from_node[index]
+            .ok_or_else(|| log.problem(&node.place, "carries a mesh, but did not become a joint"))?;
+        Ok(Mover::Rigid {
+            joint,
+            mirrored: node.mirrored,
+        })
+    }
+
+    /// The skin of a mesh node, bound to the skeleton.
+    fn skin_instance(&self, index: usize, node: &Node) -> Checked<Option<SkinInstance>> {
+        let Some(skin_index) = node.skin else {
+            return Ok(None);
+        };
+        let skin = self.document.skins[skin_index]
+            .as_ref()
+            .map_err(|reported| *reported)?;
+        self.maker.data.charge(
+            &node.place,
+            skin.joints.len().saturating_mul(size_of::<PaletteEntry>()),
+        )?;
+        let matrices = skin.bind_matrices(self.maker.data, self.maker.log)?;
+        let entry = |(node, joint_from_bind): (&usize, Affine)| {
+            // All joints of all skins are in the skeleton.
+            Some(PaletteEntry {
+                joint: self.rig.joint_from_node[*node]?,
+                joint_from_bind,
+            })
+        };
+        Ok(Some(SkinInstance {
+            skin: skin_index,
+            node: index,
+            joints: skin.joints.iter().zip(matrices).filter_map(entry).collect(),
+        }))
+    }
+}

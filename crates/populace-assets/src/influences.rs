@@ -1,0 +1,254 @@
+//! Which joints move the vertices, and the palette of all that do.
+
+use std::collections::HashMap;
+
+use populace_core::{Affine, Influences, JointIndex, PaletteEntry};
+
+use crate::log::{Checked, Log};
+
+/// Entries that a 16-bit index reaches.
+const PALETTE_LIMIT: usize = 1 << 16;
+
+/// The distinct pairs of joint and bind matrix that something uses, in the order of first use.
+#[derive(Default)]
+pub(crate) struct Palette {
+    entries: Vec<PaletteEntry>,
+    known: HashMap<(JointIndex, [[u32; 4]; 3]), u16>,
+}
+
+impl Palette {
+    /// The index of a pair; bitwise equal ones share it.
+    pub(crate) fn entry(&mut self, entry: &PaletteEntry, place: &str, log: &Log) -> Checked<u16> {
+        let bits = entry.joint_from_bind.rows.map(|row| row.map(f32::to_bits));
+        if let Some(&known) = self.known.get(&(entry.joint, bits)) {
+            return Ok(known);
+        }
+        let index = u16::try_from(self.entries.len()).map_err(|_| {
+            log.problem(
+                place,
+                format!("needs more than {PALETTE_LIMIT} pairs of joint and bind matrix, all that a vertex can name"),
+            )
+        })?;
+        self.entries.push(*entry);
+        self.known.insert((entry.joint, bits), index);
+        Ok(index)
+    }
+
+    pub(crate) fn entries(&self) -> &[PaletteEntry] {
+        &self.entries
+    }
+
+    pub(crate) fn into_entries(self) -> Vec<PaletteEntry> {
+        self.entries
+    }
+}
+
+/// Every vertex moves with `joint` alone.
+pub(crate) fn rigid(
+    joint: JointIndex,
+    vertex_count: usize,
+    palette: &mut Palette,
+    place: &str,
+    log: &Log,
+) -> Checked<Influences> {
+    let joint_from_bind = Affine::IDENTITY;
+    let entry = palette.entry(
+        &PaletteEntry {
+            joint,
+            joint_from_bind,
+        },
+        place,
+        log,
+    )?;
+    Ok(Influences {
+        per_vertex: 4,
+        entries: vec![entry; vertex_count * 4],
+        weights: [1.0, 0.0, 0.0, 0.0].repeat(vertex_count),
+    })
+}
+
+/// Joints and weights of a primitive's vertices: one or two sets of four.
+pub(crate) struct Sets {
+    pub(crate) joints: Vec<Vec<u32>>,
+    pub(crate) weights: Vec<Vec<f32>>,
+}
+
+/// Sums of weights this far from 1 are worth a note; rounded weights come within it.
+const OFF_BY: f64 = 0.01;
+
+/// Maps a skin's joints to palette entries.
+pub(crate) fn skinned(
+    sets: &Sets,
+    skin: &[PaletteEntry],
+    palette: &mut Palette,
+    place: &str,
+    log: &Log,
+) -> Checked<Influences> {
+    let vertex_count = sets.joints[0].len() / 4;
+    // A second set that weighs nothing is not worth its memory.
+    let weighs = |set: &Vec<f32>| set.iter().any(|w| *w != 0.0);
+    let used = sets.weights.iter().rposition(weighs).unwrap_or(0) + 1;
+    let mapped = vec![None; skin.len()];
+    let mut binder = Binder {
+        skin,
+        mapped,
+        palette,
+        place,
+        log,
+    };
+    let mut influences = Influences {
+        per_vertex: 4 * used,
+        entries: vec![0; 4 * used * vertex_count],
+        weights: vec![0.0; 4 * used * vertex_count],
+    };
+    let entries = influences.entries.chunks_exact_mut(4 * used);
+    let weights = influences.weights.chunks_exact_mut(4 * used);
+    for (vertex, (entries, weights)) in entries.zip(weights).enumerate() {
+        let from = vertex * 4..vertex * 4 + 4;
+        let joints: Vec<u32> = sets.joints[..used]
+            .iter()
+            .flat_map(|set| &set[from.clone()])
+            .copied()
+            .collect();
+        for (set, weights) in weights.chunks_exact_mut(4).enumerate() {
+            weights.copy_from_slice(&sets.weights[set][from.clone()]);
+        }
+        binder.bind_vertex(vertex, &joints, entries, weights)?;
+    }
+    Ok(influences)
+}
+
+struct Binder<'a> {
+    skin: &'a [PaletteEntry],
+    /// For each joint of the skin its palette entry, once some vertex needs it.
+    mapped: Vec<Option<u16>>,
+    palette: &'a mut Palette,
+    place: &'a str,
+    log: &'a Log,
+}
+
+impl Binder<'_> {
+    /// Fills one vertex's entries; weights stay as the file has them. Influences without weight repeat one that has
+    /// some: the joints they name need not even exist.
+    fn bind_vertex(
+        &mut self,
+        vertex: usize,
+        joints: &[u32],
+        entries: &mut [u16],
+        weights: &mut [f32],
+    ) -> Checked<()> {
+        for weight in weights.iter_mut().filter(|w| **w < 0.0) {
+            self.log
+                .note(self.place, "has negative weights; they are taken as zero");
+            *weight = 0.0;
+        }
+        let sum: f64 = weights.iter().copied().map(f64::from).sum();
+        if sum > 0.0 {
+            if (sum - 1.0).abs() > OFF_BY {
+                let what = "has vertices whose weights do not sum to 1; they are kept as they are";
+                self.log.note(self.place, what);
+            }
+        } else {
+            let what = "has vertices whose weights are all zero; they follow the first joint they name";
+            self.log.note(self.place, what);
+            weights[0] = 1.0;
+        }
+        let weighty = weights.iter().position(|w| *w > 0.0).unwrap_or(0);
+        let stand_in = self.entry(vertex, joints[weighty])?;
+        for ((entry, joint), weight) in entries.iter_mut().zip(joints).zip(weights) {
+            *entry = if *weight > 0.0 {
+                self.entry(vertex, *joint)?
+            } else {
+                stand_in
+            };
+        }
+        Ok(())
+    }
+
+    fn entry(&mut self, vertex: usize, joint: u32) -> Checked<u16> {
+        let index = joint as usize;
+        let Some(entry) = self.skin.get(index) else {
+            let what = format!(
+                "binds vertex {vertex} to joint {joint}, but the skin has {}",
+                self.skin.len()
+            );
+            return Err(self.log.problem(self.place, what));
+        };
+        if let Some(known) = self.mapped[index] {
+            return Ok(known);
+        }
+        let known = self.palette.entry(entry, self.place, self.log)?;
+        self.mapped[index] = Some(known);
+        Ok(known)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(joint: u32, x: f32) -> PaletteEntry {
+        let mut joint_from_bind = Affine::IDENTITY;
+        joint_from_bind.rows[0][3] = x;
+        PaletteEntry {
+            joint: JointIndex(joint),
+            joint_from_bind,
+        }
+    }
+
+    fn bind(joints: &[[u32; 4]], weights: &[[f32; 4]]) -> Result<(Influences, Vec<PaletteEntry>), String> {
+        let skin = [entry(5, 0.0), entry(6, 1.0), entry(5, 0.0), entry(5, 2.0)];
+        let sets = Sets {
+            joints: joints.chunks(1).map(|s| s[0].to_vec()).collect(),
+            weights: weights.chunks(1).map(|s| s[0].to_vec()).collect(),
+        };
+        let (log, mut palette) = (Log::default(), Palette::default());
+        let influences = skinned(&sets, &skin, &mut palette, "here", &log);
+        influences
+            .map(|i| (i, palette.into_entries()))
+            .map_err(|_| log.finish().unwrap_err()[0].to_string())
+    }
+
+    #[test]
+    fn weights_are_kept_and_equal_pairs_share_an_entry() {
+        let (influences, palette) = bind(&[[1, 0, 2, 3]], &[[2.0, 1.0, 1.0, 0.0]]).unwrap();
+        assert_eq!(influences.weights, [2.0, 1.0, 1.0, 0.0]);
+        assert_eq!(influences.entries[..3], [0, 1, 1]);
+        assert_eq!(palette, [entry(6, 1.0), entry(5, 0.0)], "joint 3 moves nothing");
+    }
+
+    #[test]
+    fn two_sets_are_kept_together_and_an_idle_second_one_is_dropped() {
+        let (both, palette) = bind(
+            &[[0, 0, 0, 0], [1, 0, 0, 0]],
+            &[[0.25, 0.0, 0.0, 0.0], [0.75, 0.0, 0.0, 0.0]],
+        )
+        .unwrap();
+        assert_eq!(both.per_vertex, 8);
+        assert_eq!((both.weights[0], both.weights[4]), (0.25, 0.75));
+        assert_eq!(palette[usize::from(both.entries[4])], entry(6, 1.0));
+        let (one, _) = bind(&[[0; 4], [1; 4]], &[[1.0, 0.0, 0.0, 0.0], [0.0; 4]]).unwrap();
+        assert_eq!(one.per_vertex, 4);
+    }
+
+    #[test]
+    fn joints_must_exist_where_they_weigh_something() {
+        assert!(bind(&[[0, 99, 99, 99]], &[[1.0, 0.0, 0.0, -0.5]]).is_ok());
+        let error = bind(&[[0, 99, 0, 0]], &[[0.5, 0.5, 0.0, 0.0]]).unwrap_err();
+        assert_eq!(error, "here: binds vertex 0 to joint 99, but the skin has 4");
+        let (zero, palette) = bind(&[[1, 0, 0, 0]], &[[0.0; 4]]).unwrap();
+        assert_eq!(zero.weights, [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(palette, [entry(6, 1.0)]);
+    }
+
+    #[test]
+    fn the_palette_ends_at_16_bits() {
+        let (log, mut palette) = (Log::default(), Palette::default());
+        for joint in 0..65_536 {
+            palette.entry(&entry(joint, 0.0), "here", &log).unwrap();
+        }
+        assert!(palette.entry(&entry(0, 0.0), "here", &log).is_ok());
+        assert!(palette.entry(&entry(65_536, 0.0), "here", &log).is_err());
+        assert!(log.finish().unwrap_err()[0].what.contains("65536"));
+    }
+}

@@ -1,0 +1,220 @@
+//! Materials: base colours and how their textures are laid (glTF 2.0, sections 3.8 and 3.9).
+
+use populace_core::{AlphaMode, Image, Material, Texture, TextureFilter, Wrap};
+
+use crate::data::Data;
+use crate::images::ImageStore;
+use crate::json::{Cursor, to_f32};
+use crate::log::{Checked, Log};
+
+/// KHR_texture_transform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct UvTransform {
+    offset: [f64; 2],
+    /// Radians, counter-clockwise.
+    rotation: f64,
+    scale: [f64; 2],
+}
+
+impl UvTransform {
+    /// Scale, then rotation, then offset.
+    pub(crate) fn apply(&self, uv: [f32; 2]) -> [f32; 2] {
+        let [u, v] = [f64::from(uv[0]) * self.scale[0], f64::from(uv[1]) * self.scale[1]];
+        let (sin, cos) = self.rotation.sin_cos();
+        [
+            cos * u + sin * v + self.offset[0],
+            cos * v - sin * u + self.offset[1],
+        ]
+        .map(to_f32)
+    }
+}
+
+/// How a material uses its texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TextureUse {
+    /// The set of texture coordinates.
+    pub(crate) set: usize,
+    pub(crate) transform: Option<UvTransform>,
+}
+
+/// Materials, their textures, and the images of those.
+pub(crate) struct Surfaces {
+    pub(crate) materials: Vec<Material>,
+    /// For each material.
+    pub(crate) textures: Vec<Option<TextureUse>>,
+    pub(crate) images: Vec<Image>,
+}
+
+/// Reads everything. An image that cannot be had is noted and left out: a character without it still moves.
+pub(crate) fn read(root: &Cursor, data: &Data, log: &Log, base_folder: Option<&std::path::Path>) -> Surfaces {
+    let mut store = ImageStore::new(root, data, log, base_folder);
+    let sampler_count = root.objects("samplers").len();
+    let samplers: Vec<_> = root.objects("samplers").iter().map(read_sampler).collect();
+    let textures: Vec<_> = root
+        .objects("textures")
+        .iter()
+        .map(|at| read_texture(at, store.count(), sampler_count, &samplers))
+        .collect();
+    let mut surfaces = Surfaces {
+        materials: Vec::new(),
+        textures: Vec::new(),
+        images: Vec::new(),
+    };
+    for at in root.objects("materials") {
+        let (material, texture) = read_material(&at, &textures, &mut store).unwrap_or_default();
+        surfaces.materials.push(material);
+        surfaces.textures.push(texture);
+    }
+    surfaces.images = store.into_images();
+    surfaces
+}
+
+type Sampler = (Wrap, Wrap, TextureFilter);
+
+fn read_sampler(at: &Cursor) -> Sampler {
+    let wrap = |key| match at.optional(key, Cursor::uint).ok().flatten() {
+        None | Some(10497) => Wrap::Repeat,
+        Some(33071) => Wrap::ClampToEdge,
+        Some(33648) => Wrap::MirroredRepeat,
+        Some(other) => {
+            at.note(format!(
+                "has a {key} of {other}, which is none; the texture repeats"
+            ));
+            Wrap::Repeat
+        }
+    };
+    let filter = |key| at.optional(key, Cursor::uint).ok().flatten();
+    // 9728, 9984 and 9986 take the nearest texel; so does a texture that is magnified that way.
+    let nearest = match filter("magFilter") {
+        Some(filter) => filter == 9728,
+        None => matches!(filter("minFilter"), Some(9728 | 9984 | 9986)),
+    };
+    let filter = if nearest {
+        TextureFilter::Nearest
+    } else {
+        TextureFilter::Linear
+    };
+    (wrap("wrapS"), wrap("wrapT"), filter)
+}
+
+/// A texture whose image is not decoded yet; nothing where it names none that can be read.
+fn read_texture(
+    at: &Cursor,
+    image_count: usize,
+    sampler_count: usize,
+    samplers: &[Sampler],
+) -> Checked<Option<Texture>> {
+    let image = |i: &Cursor| i.index(image_count, "image");
+    let webp = at
+        .extension("EXT_texture_webp")
+        .map_or(Ok(None), |e| e.optional("source", image));
+    let source = at.optional("source", image);
+    let sampler = at.optional("sampler", |s| s.index(sampler_count, "sampler"))?;
+    let (wrap_u, wrap_v, filter) = sampler.map_or_else(Default::default, |s| samplers[s]);
+    let image = webp?.or(source?);
+    if image.is_none() {
+        at.note("has no image that can be read");
+    }
+    Ok(image.map(|image| Texture {
+        image,
+        wrap_u,
+        wrap_v,
+        filter,
+    }))
+}
+
+type Textures = [Checked<Option<Texture>>];
+
+fn read_material(
+    at: &Cursor,
+    textures: &Textures,
+    store: &mut ImageStore,
+) -> Checked<(Material, Option<TextureUse>)> {
+    let mut material = Material {
+        name: at.name(),
+        ..Material::default()
+    };
+    material.double_sided = at.optional("doubleSided", Cursor::flag)?.unwrap_or(false);
+    material.alpha = read_alpha(at)?;
+    let Some(metallic) = at.get("pbrMetallicRoughness") else {
+        return Ok((material, None));
+    };
+    metallic.object()?;
+    if let Some(factor) = metallic.optional("baseColorFactor", Cursor::numbers::<4>)? {
+        if factor.iter().any(|v| !(0.0..=1.0).contains(v)) {
+            metallic.note("has a baseColorFactor outside 0 to 1; it is clamped");
+        }
+        material.base_color = factor.map(|v| to_f32(v.clamp(0.0, 1.0)));
+    }
+    let Some(info) = metallic.get("baseColorTexture") else {
+        return Ok((material, None));
+    };
+    let index = info
+        .require("index")
+        .and_then(|i| i.index(textures.len(), "texture"));
+    let usage = read_use(&info);
+    let (index, usage) = (index?, usage?);
+    if let Some(mut texture) = textures[index]? {
+        match store.decoded(texture.image)? {
+            Some(image) => {
+                texture.image = image;
+                material.base_color_texture = Some(texture);
+            }
+            None => return Ok((material, None)),
+        }
+    }
+    let usage = material.base_color_texture.map(|_| usage);
+    Ok((material, usage))
+}
+
+fn read_alpha(at: &Cursor) -> Checked<AlphaMode> {
+    let cutoff = at.optional("alphaCutoff", Cursor::number)?.unwrap_or(0.5);
+    match at.optional("alphaMode", Cursor::text)? {
+        None | Some("OPAQUE") => Ok(AlphaMode::Opaque),
+        Some("MASK") => Ok(AlphaMode::Mask {
+            cutoff: to_f32(cutoff),
+        }),
+        Some("BLEND") => Ok(AlphaMode::Blend),
+        Some(other) => {
+            at.note(format!(
+                "has the unknown alphaMode \"{other}\"; it is taken as opaque"
+            ));
+            Ok(AlphaMode::Opaque)
+        }
+    }
+}
+
+fn read_use(info: &Cursor) -> Checked<TextureUse> {
+    let set = info.optional("texCoord", Cursor::uint)?.unwrap_or(0);
+    let Some(at) = info.extension("KHR_texture_transform") else {
+        return Ok(TextureUse { set, transform: None });
+    };
+    at.object()?;
+    let transform = UvTransform {
+        offset: at.optional("offset", Cursor::numbers)?.unwrap_or([0.0; 2]),
+        rotation: at.optional("rotation", Cursor::number)?.unwrap_or(0.0),
+        scale: at.optional("scale", Cursor::numbers)?.unwrap_or([1.0; 2]),
+    };
+    let set = at.optional("texCoord", Cursor::uint)?.unwrap_or(set);
+    Ok(TextureUse {
+        set,
+        transform: Some(transform),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_texture_transform_scales_then_turns_then_moves() {
+        let transform = UvTransform {
+            offset: [0.5, 0.25],
+            rotation: std::f64::consts::FRAC_PI_2,
+            scale: [2.0, 4.0],
+        };
+        // The extension's own matrix for a quarter turn takes (u, v) to (v, -u).
+        let [u, v] = transform.apply([0.25, 0.5]);
+        assert!((u - 2.5).abs() < 1e-6 && (v + 0.25).abs() < 1e-6, "{u} {v}");
+    }
+}

@@ -1,0 +1,317 @@
+//! Nodes as a forest, and which of them the scene shows (glTF 2.0, section 3.5).
+
+use glam::{DMat3, DQuat, DVec3};
+use populace_core::Trs;
+
+use crate::json::{Cursor, to_f32};
+use crate::log::{Checked, Log, Reported};
+
+/// A matrix counts as sheared where a column of what it decomposes to is off by more than this part of its length.
+const SHEAR: f64 = 1e-3;
+
+/// One node.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub(crate) place: String,
+    /// Empty where the file gives none.
+    pub(crate) name: String,
+    pub(crate) parent: Option<usize>,
+    pub(crate) children: Vec<usize>,
+    pub(crate) local: Trs,
+    pub(crate) has_matrix: bool,
+    pub(crate) mesh: Option<usize>,
+    pub(crate) skin: Option<usize>,
+    /// Whether the scene that is imported holds the node.
+    pub(crate) in_scene: bool,
+    /// Whether the world transform of a node in the scene mirrors, so that its triangles face the other way
+    /// (glTF 2.0, section 3.7.4).
+    pub(crate) mirrored: bool,
+}
+
+/// How many there are of what nodes refer to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Counts {
+    pub(crate) meshes: usize,
+    pub(crate) skins: usize,
+    pub(crate) cameras: usize,
+}
+
+/// Reads all nodes and scenes. The second value says whether the nodes form a forest to work with; wrong properties of
+/// single nodes are in the log and read as if they were left out.
+pub(crate) fn read(root: &Cursor, log: &Log, counts: Counts) -> (Vec<Node>, Checked<()>) {
+    let items = root.objects("nodes");
+    let mut nodes: Vec<_> = items
+        .iter()
+        .map(|at| read_node(at, items.len(), counts))
+        .collect();
+    let linked = link(&mut nodes, log);
+    let acyclic = check_cycles(&nodes, log);
+    let roots = scene_roots(root, &nodes);
+    let forest = linked
+        .and(acyclic)
+        .and(roots.map(|roots| show(&mut nodes, roots)));
+    (nodes, forest)
+}
+
+/// Marks what the scene holds.
+fn show(nodes: &mut [Node], roots: Vec<usize>) {
+    let mut rest = roots;
+    while let Some(node) = rest.pop() {
+        if !std::mem::replace(&mut nodes[node].in_scene, true) {
+            let above = nodes[node].parent.is_some_and(|p| nodes[p].mirrored);
+            nodes[node].mirrored = above ^ mirrors(&nodes[node].local);
+            rest.extend_from_slice(&nodes[node].children);
+        }
+    }
+}
+
+/// For each node of a forest the root above it.
+pub(crate) fn roots(nodes: &[Node]) -> Vec<usize> {
+    let mut roots: Vec<_> = (0..nodes.len()).collect();
+    let mut rest: Vec<_> = roots
+        .iter()
+        .copied()
+        .filter(|n| nodes[*n].parent.is_none())
+        .collect();
+    while let Some(node) = rest.pop() {
+        for &child in &nodes[node].children {
+            roots[child] = roots[node];
+            rest.push(child);
+        }
+    }
+    roots
+}
+
+fn read_node(at: &Cursor, count: usize, counts: Counts) -> Node {
+    let index = |key, count, what: &str| at.optional(key, |i| i.index(count, what)).ok().flatten();
+    if let Some(extensions) = at.get("extensions") {
+        extensions.object().ok();
+    }
+    index("camera", counts.cameras, "camera");
+    let children = at.list("children");
+    Node {
+        place: at.place().to_owned(),
+        name: at.name(),
+        parent: None,
+        children: children
+            .iter()
+            .filter_map(|c| c.index(count, "node").ok())
+            .collect(),
+        local: read_local(at).unwrap_or(Trs::IDENTITY),
+        has_matrix: at.get("matrix").is_some(),
+        mesh: index("mesh", counts.meshes, "mesh"),
+        skin: index("skin", counts.skins, "skin"),
+        in_scene: false,
+        mirrored: false,
+    }
+}
+
+fn read_local(at: &Cursor) -> Checked<Trs> {
+    let translation = at.optional("translation", Cursor::numbers::<3>);
+    let rotation = at.optional("rotation", Cursor::numbers::<4>);
+    let scale = at.optional("scale", Cursor::numbers::<3>);
+    let (translation, rotation, scale) = (translation?, rotation?, scale?);
+    if let Some(matrix) = at.get("matrix") {
+        if translation.is_some() || rotation.is_some() || scale.is_some() {
+            at.note("has a matrix beside translation, rotation or scale; the matrix counts");
+        }
+        return decompose(&matrix, matrix.numbers::<16>()?);
+    }
+    let rotation = rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let length = DQuat::from_array(rotation).length();
+    if length < 1e-6 {
+        return Err(at.problem("has a rotation of length zero; it must be a unit quaternion"));
+    }
+    if (length - 1.0).abs() > 1e-3 {
+        at.note("has a rotation that is not of length one; it is normalised");
+    }
+    Ok(Trs {
+        translation: translation.unwrap_or([0.0; 3]).map(to_f32),
+        rotation: rotation.map(to_f32),
+        scale: scale.unwrap_or([1.0; 3]).map(to_f32),
+    })
+}
+
+/// Translation, rotation and scale of a matrix, which must have no shear (glTF 2.0, section 3.5.3).
+fn decompose(at: &Cursor, matrix: [f64; 16]) -> Checked<Trs> {
+    let last_row = [matrix[3], matrix[7], matrix[11], matrix[15] - 1.0];
+    if last_row.iter().any(|v| v.abs() > 1e-5) {
+        return Err(at.problem("has a last row that is not 0 0 0 1; it must be affine"));
+    }
+    let columns = [0, 4, 8].map(|c| DVec3::new(matrix[c], matrix[c + 1], matrix[c + 2]));
+    let mut scale = columns.map(DVec3::length);
+    if DMat3::from_cols(columns[0], columns[1], columns[2]).determinant() < 0.0 {
+        scale[0] = -scale[0];
+    }
+    let axes = axes(columns, scale);
+    let off = (0..3).any(|c| (axes.col(c) * scale[c] - columns[c]).length() > SHEAR * scale[c].abs());
+    if off {
+        return Err(at.problem(
+            "is sheared; a node's matrix must be a product of translation, rotation and scale (glTF 2.0, section 3.5.3)",
+        ));
+    }
+    Ok(Trs {
+        translation: [matrix[12], matrix[13], matrix[14]].map(to_f32),
+        rotation: DQuat::from_mat3(&axes).normalize().to_array().map(to_f32),
+        scale: scale.map(to_f32),
+    })
+}
+
+/// The rotation whose axes are the columns, or, where a column has no length, fit the others.
+fn axes(columns: [DVec3; 3], scale: [f64; 3]) -> DMat3 {
+    let axis = |c: usize| (scale[c] != 0.0).then(|| columns[c] / scale[c]);
+    let (x, y) = match [axis(0), axis(1), axis(2)] {
+        [Some(x), Some(y), _] => (x, y),
+        [Some(x), None, Some(z)] => (x, z.cross(x)),
+        [None, Some(y), Some(z)] => (y.cross(z), y),
+        [Some(x), None, None] => (x, x.any_orthonormal_vector()),
+        [None, Some(y), None] => (y.any_orthonormal_vector(), y),
+        [None, None, Some(z)] => {
+            let x = z.any_orthonormal_vector();
+            (x, z.cross(x))
+        }
+        [None, None, None] => (DVec3::X, DVec3::Y),
+    };
+    let x = x.normalize();
+    let y = (y - x * x.dot(y))
+        .try_normalize()
+        .unwrap_or_else(|| x.any_orthonormal_vector());
+    DMat3::from_cols(x, y, x.cross(y))
+}
+
+/// Gives each child its parent; a node may have one.
+fn link(nodes: &mut [Node], log: &Log) -> Checked<()> {
+    let mut failed = None;
+    for parent in 0..nodes.len() {
+        for child in nodes[parent].children.clone() {
+            if let Some(first) = nodes[child].parent.replace(parent) {
+                let what = format!(
+                    "makes node {child} a child, but it is one of node {first}; a node has one parent"
+                );
+                failed = Some(log.problem(format!("{}.children", nodes[parent].place), what));
+            }
+        }
+    }
+    failed.map_or(Ok(()), Err)
+}
+
+/// Every node has one parent at most, so each cycle is a ring; each is reported once.
+fn check_cycles(nodes: &[Node], log: &Log) -> Checked<()> {
+    let mut failed = None;
+    let mut seen_from = vec![usize::MAX; nodes.len()];
+    for start in 0..nodes.len() {
+        let mut at = Some(start);
+        while let Some(node) = at.filter(|n| seen_from[*n] == usize::MAX) {
+            seen_from[node] = start;
+            at = nodes[node].parent;
+        }
+        if let Some(node) = at.filter(|n| seen_from[*n] == start) {
+            let what = "is its own ancestor; nodes must form a forest (glTF 2.0, section 3.5.2)";
+            failed = Some(log.problem(&nodes[node].place, what));
+        }
+    }
+    failed.map_or(Ok(()), Err)
+}
+
+/// The roots of the scene to import: the default one, else the first, else every node without a parent.
+fn scene_roots(root: &Cursor, nodes: &[Node]) -> Checked<Vec<usize>> {
+    let read_scene = |at: &Cursor| -> Checked<Vec<usize>> {
+        let roots = at.list("nodes").into_iter().map(|item| {
+            let node = item.index(nodes.len(), "node")?;
+            match nodes[node].parent {
+                Some(parent) => Err(item.problem(format!(
+                    "names node {node}, which is a child of node {parent}; a scene lists roots"
+                ))),
+                None => Ok(node),
+            }
+        });
+        // All of them, so that each problem is found, not the first alone.
+        let roots: Vec<_> = roots.collect();
+        roots.into_iter().collect()
+    };
+    let mut scenes: Vec<_> = root.objects("scenes").iter().map(read_scene).collect();
+    if root.get("scenes").is_none() {
+        if let Some(at) = root.get("scene") {
+            at.uint()?;
+            at.note("names a scene, but the file has none; all nodes are taken");
+        }
+        return Ok((0..nodes.len()).filter(|n| nodes[*n].parent.is_none()).collect());
+    }
+    let default = root.optional("scene", |at| at.index(scenes.len(), "scene"))?;
+    if scenes.is_empty() {
+        return Ok(Vec::new());
+    }
+    if scenes.len() > 1 {
+        root.note(format!(
+            "has {} scenes; scene {} is taken",
+            scenes.len(),
+            default.unwrap_or(0)
+        ));
+    }
+    scenes
+        .swap_remove(default.unwrap_or(0))
+        .map_err(|Reported| Reported)
+}
+
+/// Whether a local transform mirrors.
+fn mirrors(local: &Trs) -> bool {
+    local.scale.iter().filter(|s| **s < 0.0).count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn local(matrix: [f64; 16]) -> Result<Trs, String> {
+        let value = json!({"matrix": matrix});
+        let log = Log::default();
+        let trs = read_local(&Cursor::root(&value, &log));
+        trs.map_err(|_| log.finish().unwrap_err()[0].to_string())
+    }
+
+    #[test]
+    fn a_matrix_becomes_translation_rotation_and_scale() {
+        // A quarter turn about z of a scale by 2, 3, 4.
+        let trs = local([
+            0.0, 2.0, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 5.0, 6.0, 7.0, 1.0,
+        ])
+        .unwrap();
+        assert_eq!((trs.translation, trs.scale), ([5.0, 6.0, 7.0], [2.0, 3.0, 4.0]));
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        for (is, wanted) in trs.rotation.iter().zip([0.0, 0.0, half, half]) {
+            assert!((is - wanted).abs() < 1e-6, "{trs:?}");
+        }
+    }
+
+    #[test]
+    fn mirrors_and_flat_matrices_have_a_decomposition_and_shear_has_none() {
+        let diagonal = |x, y, z| {
+            [
+                x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0, 1.0,
+            ]
+        };
+        for [x, y, z] in [
+            [-1.0, 2.0, 3.0],
+            [0.0, 2.0, 3.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 0.0, 2.0],
+            [0.0, 0.0, 0.0],
+        ] {
+            let trs = local(diagonal(x, y, z)).unwrap();
+            let back = populace_core::Affine::from_trs(&trs);
+            for (row, wanted) in [x, y, z].into_iter().enumerate() {
+                assert!(
+                    (f64::from(back.rows[row][row]) - wanted).abs() < 1e-6,
+                    "{x} {y} {z}: {back:?}"
+                );
+            }
+        }
+        let mut sheared = diagonal(1.0, 1.0, 1.0);
+        sheared[4] = 0.5;
+        assert!(local(sheared).unwrap_err().contains("matrix: is sheared"));
+        let mut projective = diagonal(1.0, 1.0, 1.0);
+        projective[3] = 0.5;
+        assert!(local(projective).unwrap_err().contains("last row"));
+    }
+}

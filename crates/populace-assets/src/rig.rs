@@ -1,0 +1,198 @@
+//! Which nodes become joints, and their names.
+
+use std::collections::{HashMap, HashSet};
+
+use populace_core::{JointIndex, JointSource, PaletteEntry, Part, Skeleton, Trs, vertex_reach_m};
+
+use crate::log::{Checked, Log};
+use crate::nodes::Node;
+
+/// A skeleton and how nodes map to it.
+#[derive(Debug)]
+pub(crate) struct Rig {
+    pub(crate) skeleton: Skeleton,
+    /// For each node its joint, if it is one.
+    pub(crate) joint_from_node: Vec<Option<JointIndex>>,
+}
+
+impl Rig {
+    /// Makes a skeleton of the nodes that are `wanted`, all above them, and all below `joints`, where props are hung.
+    pub(crate) fn new(
+        nodes: &[Node],
+        wanted: impl Iterator<Item = usize>,
+        joints: &[usize],
+        log: &Log,
+    ) -> Checked<Self> {
+        let chosen = choose(nodes, wanted, joints);
+        let list: Vec<_> = (0..nodes.len()).filter(|n| chosen[*n]).collect();
+        let mut source_from_node = vec![None; nodes.len()];
+        for (source, &node) in list.iter().enumerate() {
+            source_from_node[node] = Some(source);
+        }
+        let names = unique_names(&list, nodes, log);
+        let mut sources: Vec<_> = list
+            .iter()
+            .zip(names)
+            .map(|(&node, name)| JointSource {
+                name,
+                parent: nodes[node].parent.and_then(|p| source_from_node[p]),
+                rest: nodes[node].local,
+            })
+            .collect();
+        if sources.is_empty() {
+            log.note(
+                "file",
+                "has nothing that moves or is drawn; its skeleton is one joint",
+            );
+            sources.push(JointSource {
+                name: "root".into(),
+                parent: None,
+                rest: Trs::IDENTITY,
+            });
+        }
+        let skeleton = Skeleton::new(&sources).map_err(|e| log.problem("nodes", e.to_string()))?;
+        let joint_from_node = source_from_node
+            .iter()
+            .map(|source| source.map(|s| skeleton.joint_from_source(s)))
+            .collect();
+        Ok(Self {
+            skeleton,
+            joint_from_node,
+        })
+    }
+
+    /// Lets clips be stored so that these vertices too stay within the error bound.
+    pub(crate) fn reach_vertices(&mut self, palette: &[PaletteEntry], parts: &[Part]) {
+        let reach = vertex_reach_m(&self.skeleton, palette, parts);
+        self.skeleton = self.skeleton.clone().with_reach(&reach);
+    }
+
+    /// For each joint the node that it is; `None` for a joint that was made up.
+    pub(crate) fn node_from_joint(&self) -> Vec<Option<usize>> {
+        let mut nodes = vec![None; self.skeleton.joint_count()];
+        for (node, joint) in self.joint_from_node.iter().enumerate() {
+            if let Some(joint) = joint {
+                nodes[joint.index()] = Some(node);
+            }
+        }
+        nodes
+    }
+
+    /// The joint's name, or the node's own, or one made of its index.
+    pub(crate) fn node_name(&self, nodes: &[Node], node: usize) -> String {
+        match self.joint_from_node[node] {
+            Some(joint) => self.skeleton.name(joint).to_owned(),
+            None if nodes[node].name.is_empty() => format!("node{node}"),
+            None => nodes[node].name.clone(),
+        }
+    }
+}
+
+/// Which nodes become joints.
+fn choose(nodes: &[Node], wanted: impl Iterator<Item = usize>, joints: &[usize]) -> Vec<bool> {
+    let mut chosen = vec![false; nodes.len()];
+    let mut below = joints.to_vec();
+    while let Some(node) = below.pop() {
+        if !std::mem::replace(&mut chosen[node], true) {
+            below.extend_from_slice(&nodes[node].children);
+        }
+    }
+    let all = wanted.chain(joints.iter().copied());
+    for node in all {
+        chosen[node] = true;
+        let mut above = nodes[node].parent;
+        while let Some(node) = above.filter(|n| !chosen[*n]) {
+            chosen[node] = true;
+            above = nodes[node].parent;
+        }
+    }
+    chosen
+}
+
+/// Names that differ: the first of each name keeps it, later ones get `#2`, `#3` and so on, nodes without a name are
+/// called after their index. Clips of other files bind by name, so names in the file are never changed needlessly.
+fn unique_names(list: &[usize], nodes: &[Node], log: &Log) -> Vec<String> {
+    let mut taken: HashSet<String> = HashSet::new();
+    let mut names: Vec<Option<String>> = list
+        .iter()
+        .map(|&node| {
+            let name = &nodes[node].name;
+            (!name.is_empty() && taken.insert(name.clone())).then(|| name.clone())
+        })
+        .collect();
+    let mut last_suffix: HashMap<&str, usize> = HashMap::new();
+    for (slot, &node) in names.iter_mut().zip(list).filter(|(slot, _)| slot.is_none()) {
+        let own = &nodes[node].name;
+        let base = if own.is_empty() {
+            format!("node{node}")
+        } else {
+            own.clone()
+        };
+        let suffix = last_suffix.entry(own).or_insert(1);
+        let mut name = base.clone();
+        while !taken.insert(name.clone()) {
+            *suffix += 1;
+            name = format!("{base}#{suffix}");
+        }
+        if !own.is_empty() {
+            log.note(
+                &nodes[node].place,
+                format!("shares the name \"{own}\" with another; later ones are numbered"),
+            );
+        }
+        *slot = Some(name);
+    }
+    names.into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn node(name: &str, parent: Option<usize>, children: &[usize]) -> Node {
+        Node {
+            place: String::new(),
+            name: name.into(),
+            parent,
+            children: children.into(),
+            local: Trs::IDENTITY,
+            has_matrix: false,
+            mesh: None,
+            skin: None,
+            in_scene: true,
+            mirrored: false,
+        }
+    }
+
+    #[test]
+    fn names_stay_where_they_can_and_never_collide() {
+        let log = Log::default();
+        let names = ["a", "", "a", "a#2", "node1", "a", ""];
+        let nodes: Vec<_> = names.iter().map(|n| node(n, None, &[])).collect();
+        let list: Vec<_> = (0..nodes.len()).collect();
+        let unique = unique_names(&list, &nodes, &log);
+        assert_eq!(unique, ["a", "node1#2", "a#3", "a#2", "node1", "a#4", "node6"]);
+    }
+
+    #[test]
+    fn ancestors_and_attachment_points_come_along_and_bystanders_do_not() {
+        let nodes = [
+            node("armature", None, &[1, 5]),
+            node("hips", Some(0), &[2]),
+            node("hand", Some(1), &[3]),
+            node("grip", Some(2), &[]),
+            node("camera", None, &[]),
+            node("mesh", Some(0), &[]),
+        ];
+        let log = Log::default();
+        let rig = Rig::new(&nodes, std::iter::empty(), &[1], &log).unwrap();
+        let names: Vec<_> = rig
+            .skeleton
+            .joints()
+            .map(|j| rig.skeleton.name(j).to_owned())
+            .collect();
+        assert_eq!(names, ["armature", "hips", "hand", "grip"]);
+        assert_eq!(rig.joint_from_node[5], None);
+        assert_eq!(rig.node_name(&nodes, 5), "mesh");
+    }
+}

@@ -1,0 +1,165 @@
+use populace_assets::{Error, load, load_from_slice};
+use serde_json::json;
+
+use super::builder::{File, container, padded, rigid, skinned};
+use super::{assert_note, assert_problem, loaded, problems};
+
+#[test]
+fn text_and_binary_files_give_the_same() {
+    let file = skinned();
+    let (text, binary) = (loaded(&file.gltf()), loaded(&file.glb()));
+    assert_eq!(text.character.parts, binary.character.parts);
+    assert_eq!(text.character.skeleton, binary.character.skeleton);
+    assert_eq!(text.character.parts[0].mesh.positions[1], [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn content_not_name_tells_the_kind_and_buffers_are_found_beside_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = rigid();
+    let path = folder.path().join("binary.gltf");
+    std::fs::write(&path, file.glb()).unwrap();
+    assert_eq!(load(&path).unwrap().character.name, "binary");
+    // The name is percent-encoded in the file, and a buffer file may be longer than declared.
+    std::fs::create_dir(folder.path().join("data")).unwrap();
+    std::fs::write(
+        folder.path().join("data/a b.bin"),
+        [&file.bin[..], b"more"].concat(),
+    )
+    .unwrap();
+    let path = folder.path().join("text.glb");
+    std::fs::write(&path, file.gltf_beside("data/a%20b.bin")).unwrap();
+    assert_eq!(load(&path).unwrap().character.parts.len(), 1);
+    std::fs::write(folder.path().join("data/a b.bin"), &file.bin[..8]).unwrap();
+    let error = load(&path).unwrap_err().to_string();
+    assert!(
+        error.contains("buffers[0].uri: names \"data/a b.bin\", which has 8 bytes where"),
+        "{error}"
+    );
+}
+
+#[test]
+fn missing_files_and_folders_are_told_apart_from_bad_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(matches!(
+        load(folder.path().join("none.glb")),
+        Err(Error::Io { .. })
+    ));
+    std::fs::create_dir(folder.path().join("folder")).unwrap();
+    let file = rigid().gltf_beside("folder");
+    let error = load_from_slice(&file, Some(folder.path()))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("buffers[0].uri: names \"folder\", which is no regular file"),
+        "{error}"
+    );
+    assert_problem(
+        &file,
+        "buffers[0].uri: names the file \"folder\", but files beside this one",
+    );
+}
+
+#[test]
+fn addresses_and_absolute_paths_are_refused() {
+    for uri in [
+        "http://example.com/a.bin",
+        "/etc/passwd",
+        "file:///etc/passwd",
+        "%2Fetc/passwd",
+        "C:%5Ca.bin",
+    ] {
+        assert_problem(&rigid().gltf_beside(uri), "buffers[0].uri: ");
+    }
+}
+
+#[test]
+fn an_unused_buffer_need_not_exist() {
+    let mut file = rigid();
+    file.json["buffers"] = json!([{"byteLength": file.bin.len()}, {"byteLength": 9, "uri": "gone.bin"}]);
+    assert_note(&file.glb(), "buffers[1]: is not opened");
+}
+
+#[test]
+fn chunks_must_be_whole_aligned_and_in_order() {
+    let json = padded(br#"{"asset":{"version":"2.0"}}"#.to_vec(), b' ');
+    let bin = vec![0; 4];
+    let (json, bin) = ((*b"JSON", json), (*b"BIN\0", bin));
+    let other = (*b"WHAT", vec![1, 2, 3, 4]);
+    loaded(&container(std::slice::from_ref(&json)));
+    assert_note(&container(&[json.clone(), bin.clone()]), "chunk 1: holds data");
+    assert_note(
+        &container(&[json.clone(), bin.clone(), other.clone()]),
+        "chunk 2: is of the unknown kind",
+    );
+    assert_problem(&container(std::slice::from_ref(&bin)), "chunk 0: is of kind");
+    assert_problem(
+        &container(&[json.clone(), json.clone()]),
+        "chunk 1: is a second JSON",
+    );
+    assert_problem(
+        &container(&[json.clone(), bin.clone(), bin.clone()]),
+        "chunk 2: is a second BIN",
+    );
+    assert_problem(&container(&[json.clone(), other, bin]), "chunk 2: is BIN");
+    assert_problem(
+        &container(&[(*b"JSON", b"{}   ".to_vec())]),
+        "chunk 0: has 5 bytes",
+    );
+    assert_problem(&container(&[(*b"JSON", vec![])]), "chunk 0: is empty");
+    let good = container(&[json]);
+    assert_problem(&good[..good.len() - 1], "header: says the file has");
+    assert_note(&[&good[..], b"x"].concat(), "header: the 1 bytes after the end");
+    let mut wrong = good.clone();
+    wrong[4] = 1;
+    assert_problem(&wrong, "header: says container version 1");
+    wrong = good;
+    wrong[12] = 0xFF;
+    assert_problem(&wrong, "chunk 0: says it has 255 bytes");
+}
+
+#[test]
+fn what_is_no_gltf_says_so() {
+    assert_problem(b"", "file: is empty");
+    assert_problem(b"; FBX 7.4.0", "file: is no glTF file");
+    assert_problem(b"\xEF\xBB\xBF{}", "file: begins with a byte order mark");
+    assert_problem(b"{", "file: is no valid JSON");
+    assert_problem(b"{}", "asset: is missing");
+    assert_problem(
+        &b"{\"a\":".repeat(100_000),
+        "file: is no valid JSON: recursion limit",
+    );
+    let mut file = File::new();
+    file.json["asset"]["version"] = "1.0".into();
+    assert_problem(&file.gltf(), "asset.version: is \"1.0\"");
+    file.json["asset"] = json!({"version": "2.1", "minVersion": "2.0"});
+    loaded(&file.gltf());
+    file.json["asset"]["minVersion"] = "3.0".into();
+    assert_problem(&file.gltf(), "asset.minVersion: is \"3.0\"");
+}
+
+#[test]
+fn all_problems_are_listed_not_the_first_alone() {
+    let mut file = skinned();
+    file.json["nodes"][0]["mesh"] = 9.into();
+    file.json["skins"][0]["joints"] = json!([1, 77]);
+    file.json["animations"][0]["channels"][0]["target"]["node"] = "x".into();
+    file.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1]}}]);
+    assert_eq!(
+        problems(&file.gltf()),
+        [
+            "materials[0].pbrMetallicRoughness.baseColorFactor: has 3 numbers; it must have 4",
+            "nodes[0].mesh: names mesh 9, but there is only mesh 0",
+            "skins[0].joints[1]: names node 77, but there are only node 0 to 2",
+            "animations[0].channels[0].target.node: must be a whole number, but is a string",
+        ]
+    );
+}
+
+#[test]
+fn an_empty_file_is_one_joint_that_draws_nothing() {
+    let imported = loaded(&File::new().gltf());
+    assert_eq!(imported.character.skeleton.joint_count(), 1);
+    assert!(imported.character.parts.is_empty());
+    assert!(imported.notes[0].what.contains("nothing that moves or is drawn"));
+}

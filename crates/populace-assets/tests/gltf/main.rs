@@ -1,0 +1,48 @@
+//! Imports small files made here, each of which shows one rule kept or broken.
+
+mod accessors;
+mod animations;
+mod builder;
+mod containers;
+mod extensions;
+mod materials;
+mod meshes;
+mod mutations;
+mod nodes;
+mod skins;
+
+use populace_assets::{Error, Imported, load_from_slice};
+
+/// What a good file becomes.
+fn loaded(file: &[u8]) -> Imported {
+    load_from_slice(file, None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// All problems of a bad file.
+fn problems(file: &[u8]) -> Vec<String> {
+    match load_from_slice(file, None) {
+        Err(Error::Rejected { problems, .. }) => problems.iter().map(ToString::to_string).collect(),
+        Err(other) => panic!("{other}"),
+        Ok(imported) => panic!("it loads, with {:?}", imported.notes),
+    }
+}
+
+/// Asserts that a file has exactly one problem, which begins so.
+#[track_caller]
+fn assert_problem(file: &[u8], begins: &str) {
+    let problems = problems(file);
+    assert!(
+        problems.len() == 1 && problems[0].starts_with(begins),
+        "not `{begins}`: {problems:#?}"
+    );
+}
+
+/// Asserts that a file loads and some note begins so.
+#[track_caller]
+fn assert_note(file: &[u8], begins: &str) {
+    let notes: Vec<_> = loaded(file).notes.iter().map(ToString::to_string).collect();
+    assert!(
+        notes.iter().any(|n| n.starts_with(begins)),
+        "not `{begins}`: {notes:#?}"
+    );
+}

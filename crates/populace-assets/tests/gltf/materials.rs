@@ -1,0 +1,146 @@
+use std::io::Cursor;
+
+use populace_core::{AlphaMode, Material, TextureFilter, Wrap};
+use serde_json::json;
+
+use super::builder::{File, rigid};
+use super::{assert_note, assert_problem, loaded};
+
+fn encoded(format: image::ImageFormat) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let pixels = image::RgbImage::from_fn(2, 1, |x, _| {
+        image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })
+    });
+    pixels.write_to(&mut bytes, format).expect("memory takes it all");
+    bytes.into_inner()
+}
+
+/// The triangle with a textured material.
+fn textured(image: &[u8]) -> File {
+    let mut file = rigid();
+    let view = file.view(image);
+    file.add("images", json!({"bufferView": view, "mimeType": "image/png"}));
+    file.add("textures", json!({"source": 0}));
+    file.add(
+        "materials",
+        json!({"name": "skin", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}),
+    );
+    file.primitive()["material"] = 0.into();
+    file
+}
+
+fn material(file: &File) -> Material {
+    loaded(&file.glb()).character.materials[0].clone()
+}
+
+#[test]
+fn factors_alpha_and_sides_are_read() {
+    let mut file = rigid();
+    file.add("materials", json!({}));
+    assert_eq!(material(&file), Material::default());
+    file.json["materials"][0] = json!({
+        "name": "glass", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25,
+        "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 2]}
+    });
+    let glass = material(&file);
+    assert_eq!((glass.name.as_str(), glass.double_sided), ("glass", true));
+    assert_eq!(glass.base_color, [0.5, 0.25, 1.0, 1.0]);
+    assert_eq!(glass.alpha, AlphaMode::Mask { cutoff: 0.25 });
+    assert_note(
+        &file.glb(),
+        "materials[0].pbrMetallicRoughness: has a baseColorFactor outside 0 to 1",
+    );
+    file.json["materials"][0]["alphaMode"] = "BLEND".into();
+    assert_eq!(material(&file).alpha, AlphaMode::Blend);
+    file.json["materials"][0]["alphaMode"] = "ADD".into();
+    assert_note(&file.glb(), "materials[0]: has the unknown alphaMode \"ADD\"");
+    file.json["materials"][0]["alphaMode"] = 1.into();
+    assert_problem(&file.glb(), "materials[0].alphaMode: must be a string");
+}
+
+#[test]
+fn png_jpeg_and_webp_are_decoded_by_content() {
+    for format in [
+        image::ImageFormat::Png,
+        image::ImageFormat::Jpeg,
+        image::ImageFormat::WebP,
+    ] {
+        let character = loaded(&textured(&encoded(format)).glb()).character;
+        let image = &character.images[0];
+        assert_eq!((image.width, image.height, image.rgba.len()), (2, 1, 8));
+        let texture = character.materials[0].base_color_texture.unwrap();
+        assert_eq!(
+            (texture.image, texture.wrap_u, texture.filter),
+            (0, Wrap::Repeat, TextureFilter::Linear)
+        );
+        if format != image::ImageFormat::Jpeg {
+            assert_eq!(image.rgba, [255, 0, 0, 255, 0, 0, 255, 255]);
+        }
+    }
+}
+
+#[test]
+fn samplers_say_how_textures_are_read() {
+    let mut file = textured(&encoded(image::ImageFormat::Png));
+    file.add(
+        "samplers",
+        json!({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}),
+    );
+    file.json["textures"][0]["sampler"] = 0.into();
+    let texture = material(&file).base_color_texture.unwrap();
+    assert_eq!(
+        (texture.wrap_u, texture.wrap_v),
+        (Wrap::ClampToEdge, Wrap::MirroredRepeat)
+    );
+    assert_eq!(texture.filter, TextureFilter::Nearest);
+    file.json["textures"][0]["sampler"] = 1.into();
+    assert_problem(&file.glb(), "textures[0].sampler: names sampler 1");
+}
+
+#[test]
+fn the_webp_extension_names_the_better_image() {
+    let mut file = textured(&encoded(image::ImageFormat::Png));
+    let view = file.view(&encoded(image::ImageFormat::WebP));
+    file.add("images", json!({"bufferView": view, "mimeType": "image/webp"}));
+    file.json["textures"][0]["source"] = 9.into();
+    assert_problem(&file.glb(), "textures[0].source: names image 9");
+    file.json["textures"][0] = json!({"extensions": {"EXT_texture_webp": {"source": 1}}});
+    assert_eq!(loaded(&file.glb()).character.images.len(), 1);
+    assert!(material(&file).base_color_texture.is_some());
+}
+
+#[test]
+fn an_image_that_cannot_be_had_leaves_a_note_and_the_plain_colour() {
+    let mut broken = encoded(image::ImageFormat::Png);
+    broken.truncate(40);
+    let mut file = textured(&broken);
+    assert_note(&file.glb(), "images[0]: cannot be decoded");
+    for uri in [
+        "gone.png",
+        "http://example.com/a.png",
+        "data:image/png;base64,AAAA",
+    ] {
+        file.json["images"][0] = json!({"uri": uri});
+        assert_note(&file.glb(), "images[0]");
+        assert_eq!(material(&file).base_color_texture, None, "{uri}");
+    }
+    file.json["images"][0] = json!({"bufferView": 99});
+    assert_problem(&file.glb(), "images[0].bufferView: names buffer view 99");
+}
+
+#[test]
+fn texture_coordinates_are_those_of_the_texture_moved_as_it_says() {
+    let mut file = textured(&encoded(image::ImageFormat::Png));
+    let second = file.floats("VEC2", &[0.0, 0.0, 0.5, 0.0, 0.0, 0.5]);
+    file.primitive()["attributes"]["TEXCOORD_1"] = second.into();
+    let uvs = |file: &File| loaded(&file.glb()).character.parts[0].mesh.uvs.clone();
+    assert_eq!(uvs(&file)[1], [1.0, 0.0]);
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1.into();
+    assert_eq!(uvs(&file)[1], [0.5, 0.0]);
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
+        json!({"KHR_texture_transform": {"offset": [0.25, 0.5], "scale": [2, 4], "texCoord": 0}});
+    assert_eq!(uvs(&file), [[0.25, 0.5], [2.25, 0.5], [0.25, 4.5]]);
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] =
+        json!({"index": 0, "texCoord": 5});
+    assert_note(&file.glb(), "meshes[0].primitives[0]: has no TEXCOORD_5");
+}

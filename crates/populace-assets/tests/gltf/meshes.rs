@@ -1,0 +1,165 @@
+use serde_json::json;
+
+use super::builder::{File, U32, rigid};
+use super::{assert_note, assert_problem, loaded};
+
+fn mesh(file: &File) -> populace_core::Mesh {
+    loaded(&file.glb()).character.parts[0].mesh.clone()
+}
+
+/// A square of two triangles, folded or flat, without normals.
+fn square(fold: f32) -> File {
+    let mut file = File::new();
+    let positions = file.floats(
+        "VEC3",
+        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, fold],
+    );
+    file.add(
+        "meshes",
+        json!({"primitives": [{"attributes": {"POSITION": positions}}]}),
+    );
+    file.add("nodes", json!({"name": "square", "mesh": 0}));
+    file
+}
+
+#[test]
+fn lists_strips_and_fans_become_triangles_and_points_and_lines_nothing() {
+    let mut file = square(0.0);
+    let indices = file.shorts("SCALAR", &[0, 1, 2, 3]);
+    file.primitive()["indices"] = indices.into();
+    let mut triangles = |mode: u32| {
+        file.primitive()["mode"] = mode.into();
+        mesh(&file).indices
+    };
+    assert_eq!(triangles(4), [0, 1, 2]);
+    assert_eq!(triangles(5), [0, 1, 2, 1, 3, 2]);
+    // Fanned out in this order the square folds over, and its second triangle gets vertices of its own.
+    assert_eq!(triangles(6), [1, 2, 0, 4, 3, 5]);
+    for mode in 0..4 {
+        file.primitive()["mode"] = mode.into();
+        assert_note(&file.glb(), "meshes[0].primitives[0]: is made of points or lines");
+    }
+    file.primitive()["mode"] = 7.into();
+    assert_problem(&file.glb(), "meshes[0].primitives[0].mode: is 7");
+    file.primitive()["mode"] = 5.into();
+    file.primitive().as_object_mut().unwrap().remove("indices");
+    assert_eq!(
+        mesh(&file).indices,
+        [0, 1, 2, 1, 3, 2],
+        "without indices vertices count in order"
+    );
+}
+
+#[test]
+fn indices_stay_below_the_vertex_count() {
+    let mut file = rigid();
+    let indices = file.accessor(&[0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0], U32, 3, "SCALAR");
+    file.primitive()["indices"] = indices.into();
+    assert_problem(
+        &file.glb(),
+        &format!("accessors[{indices}]: holds index 3 in element 2, but meshes[0].primitives[0] has 3"),
+    );
+    let floats = file.floats("SCALAR", &[0.0, 1.0, 2.0]);
+    file.primitive()["indices"] = floats.into();
+    assert_problem(
+        &file.glb(),
+        &format!("accessors[{floats}]: is SCALAR of float; indices must be"),
+    );
+}
+
+#[test]
+fn flat_normals_are_made_and_the_files_vertices_stay_first() {
+    let mut file = square(1.0);
+    let indices = file.bytes("SCALAR", &[0, 1, 2, 1, 3, 2]);
+    file.primitive()["indices"] = indices.into();
+    let folded = mesh(&file);
+    assert_eq!(folded.positions.len(), 6);
+    assert_eq!(folded.positions[3], [1.0, 1.0, 1.0]);
+    assert_eq!(folded.positions[4..], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    assert_eq!(folded.indices, [0, 1, 2, 4, 3, 5]);
+    assert_eq!(folded.normals[0], [0.0, 0.0, 1.0]);
+    assert_eq!(folded.normals[3], folded.normals[4]);
+    assert!(folded.normals[3][0] < -0.5);
+    assert_eq!(folded.influences.weights.len(), 24);
+    assert_note(&file.glb(), "meshes[0].primitives[0]: has no NORMAL");
+}
+
+#[test]
+fn normals_are_made_unit_length() {
+    let mut file = rigid();
+    let normals = file.floats("VEC3", &[0.0, 0.0, 9.0, 0.0, -0.5, 0.0, 0.0, 0.0, 0.0]);
+    file.primitive()["attributes"]["NORMAL"] = normals.into();
+    assert_eq!(
+        mesh(&file).normals,
+        [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]
+    );
+}
+
+#[test]
+fn without_positions_there_is_nothing_to_draw() {
+    let mut file = rigid();
+    file.primitive()["attributes"]
+        .as_object_mut()
+        .unwrap()
+        .remove("POSITION");
+    assert_note(&file.glb(), "meshes[0].primitives[0]: has no POSITION");
+    assert!(loaded(&file.glb()).character.parts.is_empty());
+}
+
+#[test]
+fn attributes_have_one_value_a_vertex() {
+    let mut file = rigid();
+    let normals = file.floats("VEC3", &[0.0, 0.0, 1.0].repeat(2));
+    let uvs = file.floats("VEC2", &[0.0; 8]);
+    file.primitive()["attributes"]["NORMAL"] = normals.into();
+    file.primitive()["attributes"]["TEXCOORD_0"] = uvs.into();
+    assert_eq!(
+        super::problems(&file.glb()),
+        [
+            "meshes[0].primitives[0]: has 2 of NORMAL for 3 of POSITION; all attributes need the same number",
+            "meshes[0].primitives[0]: has 4 of TEXCOORD_0 for 3 of POSITION; all attributes need the same number",
+        ]
+    );
+}
+
+#[test]
+fn colours_have_three_or_four_components_of_several_kinds() {
+    let mut file = rigid();
+    let colors = file.floats("VEC3", &[0.5, 0.25, 1.0].repeat(3));
+    file.primitive()["attributes"]["COLOR_0"] = colors.into();
+    assert_eq!(mesh(&file).colors, [[0.5, 0.25, 1.0, 1.0]; 3]);
+    let colors = file.bytes("VEC4", &[0, 51, 255, 102].repeat(3));
+    file.json["accessors"][colors]["normalized"] = true.into();
+    file.primitive()["attributes"]["COLOR_0"] = colors.into();
+    assert_eq!(mesh(&file).colors, [[0.0, 0.2, 1.0, 0.4]; 3]);
+    file.json["accessors"][colors]["normalized"] = false.into();
+    assert_problem(
+        &file.glb(),
+        &format!("accessors[{colors}]: is VEC4 of 8-bit unsigned; COLOR_0 must be"),
+    );
+}
+
+#[test]
+fn morph_targets_are_noted_once() {
+    let mut file = rigid();
+    file.primitive()["targets"] = json!([{"POSITION": 0}]);
+    assert_note(
+        &file.glb(),
+        "meshes[0].primitives[0]: has morph targets, which are ignored",
+    );
+}
+
+#[test]
+fn a_mesh_that_no_node_shows_is_checked_only_as_far_as_its_indices_go() {
+    let mut file = rigid();
+    file.add("meshes", json!({"primitives": [{"attributes": {"JOINTS_7": 0}}]}));
+    loaded(&file.glb());
+    file.add(
+        "meshes",
+        json!({"primitives": [{"attributes": {"POSITION": 77}}]}),
+    );
+    assert_problem(
+        &file.glb(),
+        "meshes[2].primitives[0].attributes.POSITION: names accessor 77",
+    );
+}

@@ -1,0 +1,153 @@
+//! The seeds of the fuzz target, broken in every small way: whatever comes of them, nothing may panic or hang.
+
+use populace_assets::load_from_slice;
+
+use super::builder::{File, rigid, skinned};
+use super::loaded;
+
+fn seeds() -> [File; 2] {
+    let mut sparse = skinned();
+    let indices = sparse.view(&[0, 2]);
+    let values = sparse.view(&[0; 24]);
+    sparse.json["accessors"][0]["sparse"] = serde_json::json!({
+        "count": 2,
+        "indices": {"bufferView": indices, "componentType": 5121},
+        "values": {"bufferView": values}
+    });
+    [rigid(), sparse]
+}
+
+/// Where the environment variable says to, leaves the seeds for the fuzz target to start from.
+#[test]
+fn seeds_load_and_can_be_written() {
+    let folder = std::env::var_os("POPULACE_WRITE_SEEDS");
+    for (index, file) in seeds().into_iter().enumerate() {
+        for (kind, bytes) in [("glb", file.glb()), ("gltf", file.gltf())] {
+            assert!(!loaded(&bytes).character.parts.is_empty());
+            if let Some(folder) = &folder {
+                // Tests run in the crate's folder; the variable counts from the workspace's.
+                let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+                    .join("../..")
+                    .join(folder);
+                std::fs::create_dir_all(&folder).unwrap();
+                std::fs::write(folder.join(format!("seed-{index}.{kind}")), bytes).unwrap();
+            }
+        }
+    }
+}
+
+/// Loads; a refused file must say why.
+fn survives(file: &[u8]) {
+    if let Err(error) = load_from_slice(file, None) {
+        assert!(error.to_string().contains(": "), "{error}");
+    }
+}
+
+#[test]
+fn every_truncation_is_refused() {
+    for file in seeds() {
+        for bytes in [file.glb(), file.gltf()] {
+            for length in 0..bytes.len() {
+                assert!(
+                    load_from_slice(&bytes[..length], None).is_err(),
+                    "{length} of {} bytes load",
+                    bytes.len()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_changed_byte_is_survived() {
+    for file in seeds() {
+        let bytes = file.glb();
+        for at in 0..bytes.len() {
+            let old = bytes[at];
+            for new in [old ^ 1, old ^ 0x80, 0, 0xFF, b'9', old.wrapping_add(1)] {
+                let mut changed = bytes.clone();
+                changed[at] = new;
+                survives(&changed);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_number_in_the_json_replaced_is_survived() {
+    for file in seeds() {
+        let text = file.json.to_string();
+        let digits: Vec<_> = text
+            .match_indices(|c: char| c.is_ascii_digit())
+            .map(|(at, _)| at)
+            .collect();
+        for at in digits {
+            for new in [
+                "-1",
+                "1e300",
+                "18446744073709551615",
+                "4294967296",
+                "0.5",
+                "\"x\"",
+                "null",
+                "[]",
+                "{}",
+            ] {
+                let changed = format!("{}{new}{}", &text[..at], &text[at + 1..]);
+                let Ok(json) = serde_json::from_str(&changed) else {
+                    continue;
+                };
+                survives(
+                    &File {
+                        json,
+                        bin: file.bin.clone(),
+                    }
+                    .glb(),
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_property_left_out_is_survived() {
+    for file in seeds() {
+        let mut paths = Vec::new();
+        collect(&file.json, &mut Vec::new(), &mut paths);
+        assert!(paths.len() > 50);
+        for path in paths {
+            let mut changed = file.clone();
+            let (last, parents) = path.split_last().unwrap();
+            let parent = parents
+                .iter()
+                .fold(&mut changed.json, |value, key| match key.parse::<usize>() {
+                    Ok(index) if value.is_array() => &mut value[index],
+                    _ => &mut value[key],
+                });
+            if let Some(object) = parent.as_object_mut() {
+                object.remove(last);
+            } else if let (Some(array), Ok(index)) = (parent.as_array_mut(), last.parse::<usize>()) {
+                array.remove(index);
+            }
+            survives(&changed.glb());
+        }
+    }
+}
+
+fn collect(value: &serde_json::Value, path: &mut Vec<String>, paths: &mut Vec<Vec<String>>) {
+    let children: Vec<(String, &serde_json::Value)> = match value {
+        serde_json::Value::Object(map) => map.iter().map(|(k, v)| (k.clone(), v)).collect(),
+        serde_json::Value::Array(items) => items
+            .iter()
+            .enumerate()
+            .map(|(i, v)| (i.to_string(), v))
+            .collect(),
+        _ => return,
+    };
+    for (key, child) in children {
+        path.push(key);
+        paths.push(path.clone());
+        collect(child, path, paths);
+        path.pop();
+    }
+}

@@ -1,0 +1,149 @@
+use serde_json::json;
+
+use super::builder::{File, TRIANGLE, rigid, skinned};
+use super::{assert_note, assert_problem, loaded};
+
+fn joint_names(file: &File) -> Vec<String> {
+    let imported = loaded(&file.glb());
+    let skeleton = &imported.character.skeleton;
+    skeleton.joints().map(|j| skeleton.name(j).to_owned()).collect()
+}
+
+#[test]
+fn joints_their_ancestors_and_what_hangs_on_them_form_the_skeleton() {
+    let mut file = skinned();
+    // 0 is the skinned mesh, 1 hips, 2 head.
+    let hat = file.add("nodes", json!({"name": "hat"}));
+    file.json["nodes"][2]["children"] = json!([hat]);
+    file.add(
+        "nodes",
+        json!({"name": "armature", "children": [1, 0], "scale": [2, 2, 2]}),
+    );
+    let lamp = file.add("nodes", json!({"name": "lamp"}));
+    assert_eq!(joint_names(&file), ["armature", "hips", "head", "hat"]);
+    file.json["animations"][0]["channels"][0]["target"]["node"] = lamp.into();
+    assert_eq!(joint_names(&file), ["armature", "lamp", "hips", "head", "hat"]);
+}
+
+#[test]
+fn nodes_without_a_name_or_with_a_taken_one_get_their_own() {
+    let mut file = skinned();
+    file.json["nodes"][1]["name"] = "".into();
+    file.json["nodes"][2]["name"] = "x".into();
+    let twin = file.add("nodes", json!({"name": "x"}));
+    file.json["skins"][0]["joints"] = json!([1, 2, twin]);
+    file.json["skins"][0]["inverseBindMatrices"].take();
+    file.json["skins"][0]
+        .as_object_mut()
+        .unwrap()
+        .remove("inverseBindMatrices");
+    assert_eq!(joint_names(&file), ["node1", "x#2", "x"]);
+    assert_note(&file.glb(), "nodes[3]: shares the name \"x\"");
+}
+
+#[test]
+fn a_skinned_meshs_own_transform_is_ignored() {
+    let mut file = skinned();
+    let still = loaded(&file.glb()).character.rest_bounds();
+    file.json["nodes"][0]["translation"] = json!([100, 0, 0]);
+    file.add(
+        "nodes",
+        json!({"name": "far", "children": [0], "translation": [0, 100, 0]}),
+    );
+    assert_eq!(loaded(&file.glb()).character.rest_bounds(), still);
+}
+
+#[test]
+fn a_matrix_moves_as_the_same_translation_rotation_and_scale_do() {
+    let mut with_matrix = rigid();
+    with_matrix.json["nodes"][0]["matrix"] = json!([0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1]);
+    let bounds = loaded(&with_matrix.glb()).character.rest_bounds().unwrap();
+    assert_eq!((bounds.low, bounds.high), ([2.0, 6.0, 7.0], [5.0, 8.0, 7.0]));
+    with_matrix.json["nodes"][0]["matrix"][4] = 9.into();
+    with_matrix.json["nodes"][0]["matrix"][5] = 9.into();
+    assert_problem(&with_matrix.glb(), "nodes[0].matrix: is sheared");
+}
+
+#[test]
+fn wrong_transforms_are_refused() {
+    let mut file = rigid();
+    file.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]);
+    assert_problem(&file.glb(), "nodes[0]: has a rotation of length zero");
+    file.json["nodes"][0]["rotation"] = json!([0, 0, 0, 2]);
+    assert_note(&file.glb(), "nodes[0]: has a rotation that is not of length one");
+    file.json["nodes"][0]["scale"] = json!([1, 1e300, 1]);
+    assert_problem(&file.glb(), "nodes[0].scale[1]: is");
+}
+
+#[test]
+fn nodes_must_form_a_forest() {
+    let mut file = rigid();
+    file.add("nodes", json!({"children": [2]}));
+    file.add("nodes", json!({"children": [1]}));
+    assert_problem(&file.glb(), "nodes[1]: is its own ancestor");
+    file.json["nodes"][2]["children"] = json!([0]);
+    file.json["nodes"][1]["children"] = json!([0]);
+    assert_problem(
+        &file.glb(),
+        "nodes[2].children: makes node 0 a child, but it is one of node 1",
+    );
+    file.json["nodes"][2]["children"] = json!([7]);
+    assert_problem(&file.glb(), "nodes[2].children[0]: names node 7");
+}
+
+#[test]
+fn the_default_scene_is_shown_else_the_first_else_everything() {
+    let mut file = rigid();
+    file.add("nodes", json!({"name": "other", "mesh": 0}));
+    let shown = |file: &File| -> Vec<usize> {
+        loaded(&file.glb())
+            .character
+            .parts
+            .iter()
+            .map(|p| p.node)
+            .collect()
+    };
+    assert_eq!(shown(&file), [0, 1]);
+    file.json["scenes"] = json!([{"nodes": [1]}, {"nodes": [0]}]);
+    assert_eq!(shown(&file), [1]);
+    assert_note(&file.glb(), "file: has 2 scenes; scene 0 is taken");
+    file.json["scene"] = 1.into();
+    assert_eq!(shown(&file), [0]);
+    file.json["scene"] = 2.into();
+    assert_problem(&file.glb(), "scene: names scene 2");
+    file.json["scene"] = 0.into();
+    file.json["nodes"][0]["children"] = json!([1]);
+    assert_problem(
+        &file.glb(),
+        "scenes[0].nodes[0]: names node 1, which is a child of node 0",
+    );
+}
+
+#[test]
+fn triangles_of_a_mirrored_rigid_mesh_are_turned_over() {
+    let mut file = rigid();
+    assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [0, 1, 2]);
+    file.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
+    assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [0, 2, 1]);
+    file.add("nodes", json!({"children": [0], "scale": [1, 1, -2]}));
+    assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [0, 1, 2]);
+}
+
+#[test]
+fn one_mesh_under_two_nodes_is_two_parts() {
+    let mut file = rigid();
+    file.add(
+        "nodes",
+        json!({"name": "twin", "mesh": 0, "translation": [0, 0, 5]}),
+    );
+    let character = loaded(&file.glb()).character;
+    let names: Vec<_> = character
+        .parts
+        .iter()
+        .map(|p| (p.node, p.node_name.as_str()))
+        .collect();
+    assert_eq!(names, [(0, "body"), (1, "twin")]);
+    assert_eq!(character.palette.len(), 2);
+    assert_eq!(character.rest_bounds().unwrap().high, [1.0, 1.0, 5.0]);
+    assert_eq!(character.parts[1].mesh.positions.concat(), TRIANGLE);
+}

@@ -1,0 +1,205 @@
+//! Arguments as they are typed.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, Parser, Subcommand};
+use populace::Device;
+
+/// Animates and draws crowds in which every member has the full character pipeline.
+#[derive(Debug, Parser)]
+#[command(name = "populace", version, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Draw a crowd of the characters in FILE... as a PNG, without a window.
+    Render(RenderArgs),
+    /// Show what is in a character file.
+    Inspect(InspectArgs),
+    /// Evaluate one member through the real pipeline: joints, palettes, skinned vertices.
+    Pose(PoseArgs),
+    /// List the devices that can be used, and why not what cannot.
+    Devices(DevicesArgs),
+    /// Measure the pipeline on this machine, and check its results against the oracle.
+    Bench(BenchArgs),
+}
+
+/// Where to evaluate.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct DeviceArgs {
+    /// Device to evaluate on: native, opencl or opencl:N [default: the best there is]
+    #[arg(long, value_name = "DEVICE")]
+    pub(crate) device: Option<Device>,
+    /// How stages are mapped to work-items
+    #[arg(long, value_name = "SCHEDULE", default_value = "staged", value_parser = ["staged"])]
+    pub(crate) schedule: String,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct RenderArgs {
+    /// glTF 2.0 files (.gltf, .glb) with characters; files that hold only clips lend them to the others
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Members of the crowd
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub(crate) members: u32,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    pub(crate) size: Size,
+    /// The PNG to write
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// Clip that all members play [default: a walk or an idle, whichever are found by name, else any]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) clip: Option<String>,
+    /// Leave out the parts of a node, by its name; can be repeated
+    #[arg(long, value_name = "NODE")]
+    pub(crate) hide: Vec<String>,
+    /// Seed of everything random; the same seed gives the same picture
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct InspectArgs {
+    /// A glTF 2.0 file (.gltf, .glb)
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Print one JSON document
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PoseArgs {
+    /// A glTF 2.0 file (.gltf, .glb)
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Clip to play, by name or by index [default: none, the rest pose]
+    #[arg(long, value_name = "CLIP")]
+    pub(crate) clip: Option<String>,
+    /// Time on the clip's own axis in seconds, not wrapped
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub(crate) time: f32,
+    /// Also give skinned vertices, in scene space
+    #[arg(long)]
+    pub(crate) vertices: bool,
+    /// Give this vertex alone, as the file counts them; can be repeated
+    #[arg(long, value_name = "NODE,PRIMITIVE,VERTEX", requires = "vertices")]
+    pub(crate) vertex: Vec<VertexId>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct DevicesArgs {
+    /// Print one JSON document
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct BenchArgs {
+    /// Members of the crowd
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub(crate) members: u32,
+    /// Joints of the one skeleton that all members share [default: four skeletons of 24 to 128 joints]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) joints: Option<u32>,
+    /// Clips that each member blends
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub(crate) slots: u32,
+    /// Frames measured on each device, after three to warm up
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) frames: u32,
+    /// Device to measure; can be repeated [default: native and every OpenCL device]
+    #[arg(long, value_name = "DEVICE")]
+    pub(crate) device: Vec<Device>,
+    /// Seed of everything random
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Print one JSON document
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Pixels across and down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size(pub(crate) [u32; 2]);
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let sides = text
+            .split_once(['x', 'X'])
+            .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+        match sides {
+            Some(sides) if !sides.contains(&0) => Ok(Self(sides)),
+            _ => Err("write width and height in pixels as 1280x720".into()),
+        }
+    }
+}
+
+/// A vertex as the file counts them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct VertexId {
+    pub(crate) node: usize,
+    pub(crate) primitive: usize,
+    pub(crate) vertex: usize,
+}
+
+impl FromStr for VertexId {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[node, primitive, vertex]) => Ok(Self {
+                node,
+                primitive,
+                vertex,
+            }),
+            _ => Err("write the node, primitive and vertex index as 5,0,17".into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_and_vertices_are_read_or_refused() {
+        assert_eq!("640x360".parse(), Ok(Size([640, 360])));
+        for bad in ["", "640", "0x3", "-1x5", "axb", "5x"] {
+            assert!(bad.parse::<Size>().is_err(), "{bad}");
+        }
+        assert_eq!(
+            "5,0,17".parse(),
+            Ok(VertexId {
+                node: 5,
+                primitive: 0,
+                vertex: 17
+            })
+        );
+        for bad in ["", "5,0", "5,0,1,2", "a,b,c", "5,-1,0"] {
+            assert!(bad.parse::<VertexId>().is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! `populace inspect`
+
+use populace::core::{Character, Clip, Skeleton};
+use populace_assets::Imported;
+use serde_json::{Value, json};
+
+use crate::cli::InspectArgs;
+use crate::failure::Failure;
+use crate::report;
+
+/// Points looked at between each two rows for the worst error.
+const ERROR_POINTS: usize = 4;
+
+pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
+    let imported = populace_assets::load(&args.file)?;
+    let document = describe(&imported, &args.file.display().to_string());
+    if args.json {
+        report::json(&document)
+    } else {
+        report::text(&as_text(&document))
+    }
+}
+
+fn describe(imported: &Imported, file: &str) -> Value {
+    let character = &imported.character;
+    let skeleton = &character.skeleton;
+    let clips: Vec<_> = character
+        .clips
+        .iter()
+        .map(|clip| describe_clip(clip, skeleton))
+        .collect();
+    let skins: Vec<_> = character
+        .skins
+        .iter()
+        .map(|s| json!({"skin": s.skin, "node": s.node, "joints": s.joints.len()}))
+        .collect();
+    let notes: Vec<_> = imported
+        .notes
+        .iter()
+        .map(|n| json!({"place": n.place, "what": n.what}))
+        .collect();
+    json!({
+        "schema": 1,
+        "file": file,
+        "height_m": character.height_m(),
+        "joints": skeleton.joint_count(),
+        "depth": skeleton.levels().len(),
+        "palette_entries": character.palette.len(),
+        "skins": skins,
+        "parts": describe_parts(character),
+        "materials": describe_materials(character),
+        "images": character.images.iter().map(|i| json!({"width": i.width, "height": i.height})).collect::<Vec<_>>(),
+        "clips": clips,
+        "notes": notes,
+    })
+}
+
+fn describe_clip(clip: &Clip, skeleton: &Skeleton) -> Value {
+    let stats = clip.stats();
+    json!({
+        "name": clip.name(),
+        "start_secs": clip.start_secs(),
+        "duration_secs": clip.duration_secs(),
+        "tracks": clip.source().tracks.len(),
+        "rows": stats.row_count,
+        "evenly_spaced": stats.evenly_spaced,
+        "row_bytes": stats.row_bytes,
+        "key_bytes": stats.key_bytes,
+        "worst_error_m": clip.measured_error_m(skeleton, ERROR_POINTS),
+        "error_bound_m": stats.error_bound_m,
+        "tolerance_m": stats.tolerance_m,
+        "ground_speed_m_per_sec": stats.ground_speed_m_per_sec,
+    })
+}
+
+fn describe_parts(character: &Character) -> Vec<Value> {
+    let describe = |part: &populace::core::Part| {
+        json!({
+            "node": part.node,
+            "name": part.node_name,
+            "primitive": part.primitive,
+            "vertices": part.mesh.positions.len(),
+            "triangles": part.mesh.indices.len() / 3,
+            "influences": part.mesh.influences.per_vertex,
+            "material": part.material,
+        })
+    };
+    character.parts.iter().map(describe).collect()
+}
+
+fn describe_materials(character: &Character) -> Vec<Value> {
+    let describe = |material: &populace::core::Material| {
+        json!({
+            "name": material.name,
+            "base_color": material.base_color,
+            "image": material.base_color_texture.map(|t| t.image),
+            "alpha": format!("{:?}", material.alpha),
+            "double_sided": material.double_sided,
+        })
+    };
+    character.materials.iter().map(describe).collect()
+}
+
+fn as_text(d: &Value) -> String {
+    let list = |name: &str| d[name].as_array().cloned().unwrap_or_default();
+    let mut text = format!(
+        "{}\n  {:.3} m high, {} joints in {} levels, {} palette entries\n",
+        d["file"].as_str().unwrap_or_default(),
+        d["height_m"].as_f64().unwrap_or_default(),
+        d["joints"],
+        d["depth"],
+        d["palette_entries"]
+    );
+    for s in list("skins") {
+        text += &format!(
+            "  skin {} on node {}: {} joints\n",
+            s["skin"], s["node"], s["joints"]
+        );
+    }
+    for p in list("parts") {
+        text += &format!(
+            "  part {} (node {}, primitive {}): {} vertices, {} triangles, {} influences each, material {}\n",
+            p["name"],
+            p["node"],
+            p["primitive"],
+            p["vertices"],
+            p["triangles"],
+            p["influences"],
+            p["material"]
+        );
+    }
+    for (index, m) in list("materials").iter().enumerate() {
+        text += &format!(
+            "  material {index} {}: colour {}, image {}, {}{}\n",
+            m["name"],
+            m["base_color"],
+            m["image"],
+            m["alpha"].as_str().unwrap_or_default(),
+            if m["double_sided"] == true {
+                ", double-sided"
+            } else {
+                ""
+            }
+        );
+    }
+    for (index, i) in list("images").iter().enumerate() {
+        text += &format!("  image {index}: {} x {} pixels\n", i["width"], i["height"]);
+    }
+    for (index, c) in list("clips").iter().enumerate() {
+        text += &clip_line(index, c);
+    }
+    for n in list("notes") {
+        let part = |name: &str| n[name].as_str().unwrap_or_default().to_owned();
+        text += &format!("  note: {}: {}\n", part("place"), part("what"));
+    }
+    text
+}
+
+fn clip_line(index: usize, c: &Value) -> String {
+    let number = |name: &str| c[name].as_f64().unwrap_or_default();
+    let speed = c["ground_speed_m_per_sec"]
+        .as_f64()
+        .map_or(String::new(), |v| format!(", ground speed {v:.2} m/s"));
+    format!(
+        "  clip {index} {}: {:.3} s from {:.3} s, {} rows{}, worst error {:.3} mm of {:.3} mm{speed}\n",
+        c["name"],
+        number("duration_secs"),
+        number("start_secs"),
+        c["rows"],
+        if c["evenly_spaced"] == true {
+            " evenly spaced"
+        } else {
+            ""
+        },
+        number("worst_error_m") * 1e3,
+        number("tolerance_m") * 1e3,
+    )
+}

@@ -1,0 +1,186 @@
+//! `populace pose`
+
+use std::sync::Arc;
+
+use populace::core::{Affine, Character, JointIndex, Part, SkinInstance};
+use populace::{ClipId, Crowd, Device, Placement, Play};
+use populace_assets::Imported;
+use serde_json::{Value, json};
+
+use crate::cli::{PoseArgs, VertexId};
+use crate::failure::Failure;
+use crate::report;
+
+pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
+    if !args.time.is_finite() {
+        return Err(Failure::usage(format!(
+            "the time is {}; it must be a finite number of seconds",
+            args.time
+        )));
+    }
+    let imported = populace_assets::load(&args.file)?;
+    let document = evaluate(&imported, args)?;
+    if args.json {
+        report::json(&document)
+    } else {
+        report::text(&as_text(&document))
+    }
+}
+
+fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
+    let character = Arc::new(imported.character.clone());
+    let device = args.device.device.unwrap_or_else(Device::best);
+    let mut crowd = Crowd::builder()
+        .device(device)
+        .capacity(1)
+        .slots_per_member(1)
+        .build()?;
+    let id = crowd.add_character(Arc::clone(&character))?;
+    let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
+    let clip = args
+        .clip
+        .as_deref()
+        .map(|name| find_clip(&crowd, id, name))
+        .transpose()?;
+    if let Some((clip, _)) = &clip {
+        crowd.play(member, *clip, Play::held_at_secs(args.time))?;
+    }
+    crowd.update(0.0)?;
+    let palette = crowd.palette(member)?;
+    let models = crowd.model_from_joints(member)?;
+    let skins: Vec<_> = character
+        .skins
+        .iter()
+        .map(|skin| skin_palette(skin, &character, &palette, &models))
+        .collect();
+    Ok(json!({
+        "schema": 1,
+        "file": args.file.display().to_string(),
+        "clip": clip.map(|(_, name)| name),
+        "time": args.time,
+        "device": device.to_string(),
+        "schedule": crowd.schedule(),
+        "joints": joints(imported, &models),
+        "skins": skins,
+        "vertices": if args.vertices { vertices(&character, &palette, &args.vertex)? } else { Vec::new() },
+    }))
+}
+
+/// A clip by name, else by index.
+fn find_clip(crowd: &Crowd, id: populace::CharacterId, name: &str) -> Result<(ClipId, String), Failure> {
+    let unknown = match crowd.clip(id, name) {
+        Ok(clip) => return Ok((clip, name.to_owned())),
+        Err(error) => error,
+    };
+    let clips = crowd.clips(id)?;
+    match name.parse::<usize>().ok().map(|index| clips.get(index)) {
+        Some(Some((clip, known))) => Ok((*clip, known.name().to_owned())),
+        Some(None) => Err(Failure::usage(format!(
+            "there is no clip {name}; the file has {}",
+            clips.len()
+        ))),
+        None => Err(unknown.into()),
+    }
+}
+
+fn joints(imported: &Imported, models: &[Affine]) -> Vec<Value> {
+    let skeleton = &imported.character.skeleton;
+    let describe = |joint: JointIndex| {
+        json!({
+            "name": skeleton.name(joint),
+            "node": imported.node_from_joint[joint.index()],
+            "parent": skeleton.parent(joint).map(|p| p.0),
+            "model_from_joint": models[joint.index()].to_cols_array(),
+        })
+    };
+    skeleton.joints().map(describe).collect()
+}
+
+/// A skin's palette in the order of the file's joints. A joint that moves no vertex has no palette entry on the
+/// device; its matrix is multiplied here.
+fn skin_palette(skin: &SkinInstance, character: &Character, palette: &[Affine], models: &[Affine]) -> Value {
+    let matrices = skin.joints.iter().map(|wanted| {
+        let entry = character.palette.iter().position(|entry| entry == wanted);
+        entry.map_or_else(
+            || models[wanted.joint.index()].mul(&wanted.joint_from_bind),
+            |e| palette[e],
+        )
+    });
+    let rows: Vec<Vec<f32>> = matrices.map(|m| m.rows.concat()).collect();
+    json!({"skin": skin.skin, "node": skin.node, "palette": rows})
+}
+
+fn vertices(character: &Character, palette: &[Affine], wanted: &[VertexId]) -> Result<Vec<Value>, Failure> {
+    let row = |part: &Part, vertex: usize| {
+        let [x, y, z] = skinned(part, vertex, palette);
+        json!([part.node, part.primitive, vertex, x, y, z])
+    };
+    if wanted.is_empty() {
+        let all = character
+            .parts
+            .iter()
+            .flat_map(|p| (0..p.mesh.positions.len()).map(move |v| row(p, v)));
+        return Ok(all.collect());
+    }
+    let find = |id: &VertexId| {
+        let part = character
+            .parts
+            .iter()
+            .find(|p| p.node == id.node && p.primitive == id.primitive);
+        let part = part
+            .filter(|p| id.vertex < p.mesh.positions.len())
+            .ok_or_else(|| {
+                let VertexId {
+                    node,
+                    primitive,
+                    vertex,
+                } = id;
+                Failure::usage(format!(
+                    "the file draws no vertex {vertex} of primitive {primitive} of node {node}"
+                ))
+            })?;
+        Ok(row(part, id.vertex))
+    };
+    wanted.iter().map(find).collect()
+}
+
+/// The skinning equation for one vertex, in double precision from the device's palette.
+fn skinned(part: &Part, vertex: usize, palette: &[Affine]) -> [f64; 3] {
+    let influences = &part.mesh.influences;
+    let range = vertex * influences.per_vertex..(vertex + 1) * influences.per_vertex;
+    let [x, y, z] = part.mesh.positions[vertex].map(f64::from);
+    let mut sum = [0.0; 3];
+    for (&entry, &weight) in influences.entries[range.clone()]
+        .iter()
+        .zip(&influences.weights[range])
+    {
+        for (to, row) in sum.iter_mut().zip(palette[usize::from(entry)].rows) {
+            let [a, b, c, d] = row.map(f64::from);
+            *to += f64::from(weight) * (a * x + b * y + c * z + d);
+        }
+    }
+    sum
+}
+
+fn as_text(d: &Value) -> String {
+    let mut text = format!(
+        "{} at {} s on {}, {}\n",
+        d["clip"], d["time"], d["device"], d["schedule"]
+    );
+    for joint in d["joints"].as_array().into_iter().flatten() {
+        let m = |i: usize| joint["model_from_joint"][i].as_f64().unwrap_or_default();
+        text += &format!(
+            "  {:<32} {:9.4} {:9.4} {:9.4}\n",
+            joint["name"].as_str().unwrap_or(""),
+            m(12),
+            m(13),
+            m(14)
+        );
+    }
+    for v in d["vertices"].as_array().into_iter().flatten() {
+        let at = |i: usize| v[i].as_f64().unwrap_or_default();
+        let place = format!("node {} primitive {} vertex {}", v[0], v[1], v[2]);
+        text += &format!("  {place:<32} {:9.4} {:9.4} {:9.4}\n", at(3), at(4), at(5));
+    }
+    text
+}

@@ -1,0 +1,166 @@
+//! `populace render`
+
+use std::fs::OpenOptions;
+use std::path::Path;
+
+use populace::core::Bounds;
+use populace::{Crowd, Device, Placement, Play};
+use populace_render::{Camera, CharacterHandle, Renderer, Scene, write_png};
+
+use crate::cast::{self, Role};
+use crate::cli::RenderArgs;
+use crate::failure::Failure;
+use crate::placement::{Random, places};
+
+pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    check_output(&args.out)?;
+    let device = args.device.device.unwrap_or_else(Device::best);
+    let mut crowd = Crowd::builder()
+        .device(device)
+        .capacity(args.members as usize)
+        .slots_per_member(1)
+        .build()?;
+    let roles = cast::load(&mut crowd, &args.files, args.clip.as_deref())?;
+    check_hidden(&roles, &args.hide)?;
+    let bounds = populate(&mut crowd, &roles, args)?;
+    crowd.update(0.0)?;
+
+    let mut renderer = Renderer::headless(args.size.0)?;
+    let hidden = |part: &populace::core::Part| args.hide.contains(&part.node_name);
+    let handles: Result<Vec<_>, _> = roles
+        .iter()
+        .map(|r| renderer.add_character(&r.character, &hidden))
+        .collect();
+    draw(&mut crowd, &mut renderer, &handles?, bounds, args.size.0)?;
+    write_png(&args.out, &renderer.read_image()?)?;
+    eprintln!(
+        "populace: {} members on {} ({}), drawn by {}, written to {}",
+        crowd.member_count(),
+        crowd.device(),
+        crowd.schedule(),
+        renderer.driver(),
+        args.out.display()
+    );
+    Ok(())
+}
+
+/// Opens the output before the work, so that a wrong path costs no waiting; what stands there is left as it is.
+fn check_output(path: &Path) -> Result<(), Failure> {
+    let existed = path.exists();
+    let opened = OpenOptions::new().append(true).create(true).open(path);
+    opened.map_err(|e| Failure::Run(anyhow::anyhow!("cannot write {}: {e}", path.display())))?;
+    if !existed {
+        std::fs::remove_file(path)?;
+    }
+    Ok(())
+}
+
+fn check_hidden(roles: &[Role], hide: &[String]) -> Result<(), Failure> {
+    let names = || {
+        roles
+            .iter()
+            .flat_map(|r| &r.character.parts)
+            .map(|p| p.node_name.as_str())
+    };
+    match hide.iter().find(|wanted| !names().any(|n| n == wanted.as_str())) {
+        None => Ok(()),
+        Some(unknown) => {
+            let nearest = populace::nearest_names(unknown, names());
+            let hint = if nearest.is_empty() {
+                String::new()
+            } else {
+                format!("; did you mean {}?", nearest.join(" or "))
+            };
+            Err(Failure::usage(format!(
+                "no node \"{unknown}\" draws anything{hint}"
+            )))
+        }
+    }
+}
+
+/// Spawns the members apart from each other, each at its own point of its clip; returns the box that they fill.
+fn populate(crowd: &mut Crowd, roles: &[Role], args: &RenderArgs) -> Result<Bounds, Failure> {
+    let mut random = Random::new(args.seed);
+    let height = roles
+        .iter()
+        .map(|r| r.character.height_m() * r.scale)
+        .fold(0.0, f32::max);
+    let spacing = roles.iter().map(footprint_m).fold(0.0, f32::max) * 1.3;
+    let places = places(args.members as usize, spacing, &mut random);
+    let mut lengths = std::collections::HashMap::new();
+    for role in roles {
+        lengths.extend(
+            crowd
+                .clips(role.id)?
+                .into_iter()
+                .map(|(id, clip)| (id, clip.duration_secs())),
+        );
+    }
+    for (index, position) in places.iter().enumerate() {
+        let role = &roles[index % roles.len()];
+        let placement = Placement::at(*position)
+            .facing(random.signed() * 0.5)
+            .scaled(role.scale);
+        let member = crowd.spawn(role.id, placement)?;
+        let phase = random.unit();
+        if !role.clips.is_empty() {
+            let clip = role.clips[random.below(role.clips.len())];
+            crowd.play(member, clip, Play::looping().phase(phase))?;
+        }
+    }
+    let low = places.iter().fold([f32::MAX, 0.0, f32::MAX], |a, p| {
+        [a[0].min(p[0]), 0.0, a[2].min(p[2])]
+    });
+    let high = places.iter().fold([f32::MIN, height, f32::MIN], |a, p| {
+        [a[0].max(p[0]), height, a[2].max(p[2])]
+    });
+    let reach = spacing / 2.0;
+    Ok(Bounds {
+        low: [low[0] - reach, 0.0, low[2] - reach],
+        high: [high[0] + reach, height, high[2] + reach],
+    })
+}
+
+/// How much ground a member takes. Many rest with their arms spread, which says nothing of how they stand; so a body
+/// counts as wide as it is deep, or as half its height.
+fn footprint_m(role: &Role) -> f32 {
+    let bounds = role.character.rest_bounds().unwrap_or(Bounds {
+        low: [0.0; 3],
+        high: [1.0; 3],
+    });
+    let size = |axis: usize| bounds.high[axis] - bounds.low[axis];
+    (size(2).max(size(0).min(size(1) * 0.5)) * role.scale).max(1e-3)
+}
+
+fn draw(
+    crowd: &mut Crowd,
+    renderer: &mut Renderer,
+    handles: &[CharacterHandle],
+    bounds: Bounds,
+    [width, height]: [u32; 2],
+) -> Result<(), Failure> {
+    for page in 0..crowd.page_count() {
+        let mut result = Ok(());
+        crowd.with_page(page, &mut |palettes| {
+            result = renderer.upload_page(page, palettes)
+        })?;
+        result?;
+    }
+    let instances: Vec<_> = crowd
+        .instances()
+        .map(|i| populace_render::Instance {
+            character: handles[i.character.index()],
+            world_from_model: i.world_from_model,
+            palette_first: i.palette_first,
+            tint: [1.0; 3],
+        })
+        .collect();
+    let camera = Camera::framing(bounds.low, bounds.high, width as f32 / height as f32);
+    Ok(renderer.draw(
+        &Scene {
+            camera,
+            ..Scene::default()
+        },
+        &instances,
+    )?)
+}

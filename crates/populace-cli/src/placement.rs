@@ -1,0 +1,84 @@
+//! Where members stand: apart, in loose rows.
+
+/// A small generator of repeatable random numbers (SplitMix64: Steele, Lea, Flood 2014).
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) const fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// Evenly spread over 0 to 1, 1 left out.
+    pub(crate) fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u32 << 24) as f32
+    }
+
+    /// Evenly spread over -1 to 1.
+    pub(crate) fn signed(&mut self) -> f32 {
+        self.unit() * 2.0 - 1.0
+    }
+
+    /// Evenly spread below a count, which is not 0.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        usize::try_from(self.next() % count as u64).unwrap_or(0)
+    }
+}
+
+/// Ground places for `count` members, at least 0.7 of `spacing` metres apart, in staggered rows that are wider than
+/// deep; every place is shaken a little, so that it does not read as a grid.
+pub(crate) fn places(count: usize, spacing: f32, random: &mut Random) -> Vec<[f32; 3]> {
+    let columns = ((count as f32 * 1.4).powf(0.5).ceil()).max(1.0);
+    let rows = (count as f32 / columns).ceil();
+    (0..count)
+        .map(|index| {
+            let (row, column) = ((index as f32 / columns).floor(), index as f32 % columns);
+            let stagger = if row % 2.0 == 0.0 { 0.25 } else { -0.25 };
+            let x = (column.floor() - (columns - 1.0) / 2.0 + stagger) * spacing;
+            let z = (row - (rows - 1.0) / 2.0) * spacing;
+            [
+                x + random.signed() * 0.15 * spacing,
+                0.0,
+                z + random.signed() * 0.15 * spacing,
+            ]
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn members_stand_apart() {
+        for count in [1, 2, 7, 100, 1000] {
+            let places = places(count, 1.0, &mut Random::new(7));
+            assert_eq!(places.len(), count);
+            for (i, a) in places.iter().enumerate() {
+                for b in &places[..i] {
+                    let distance = (a[0] - b[0]).hypot(a[2] - b[2]);
+                    assert!(distance >= 0.699, "{distance} m between two of {count}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_numbers() {
+        let run = |seed| {
+            (0..5)
+                .map(|_| 0)
+                .scan(Random::new(seed), |r, _| Some(r.unit().to_bits()))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(run(3), run(3));
+        assert_ne!(run(3), run(4));
+    }
+}

@@ -1,0 +1,423 @@
+//! The program as a user meets it: exit codes, JSON documents, pictures, and what it says when something is wrong.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use base64::Engine;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+fn populace(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_populace"))
+        .args(args)
+        .output()
+        .expect("the program starts")
+}
+
+fn json_of(args: &[&str]) -> Value {
+    let output = populace(args);
+    assert!(
+        output.status.success(),
+        "{args:?}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).expect("stdout is one JSON document")
+}
+
+#[track_caller]
+fn refused(args: &[&str], code: i32, words: &[&str]) {
+    let output = populace(args);
+    let talk = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{args:?}: {talk}");
+    assert!(
+        output.stdout.is_empty(),
+        "results are for stdout, and there are none"
+    );
+    for word in words {
+        assert!(talk.contains(word), "{args:?}: no {word:?} in: {talk}");
+    }
+}
+
+/// A folder with "post.gltf": a post of two joints, 2 m high, whose upper half bends over to +X in one second.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        let folder = Self(TempDir::new().expect("a temporary folder"));
+        std::fs::write(folder.path("post.gltf"), post().to_string()).expect("written");
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn text(&self, name: &str) -> String {
+        self.path(name).to_string_lossy().into_owned()
+    }
+}
+
+/// A quad of four vertices for each half, skinned to two joints, with a clip "Bend" of two keys.
+fn post() -> Value {
+    let mut bytes: Vec<u8> = Vec::new();
+    let mut views = Vec::new();
+    let mut add = |data: &[u8]| {
+        views.push(json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": data.len()}));
+        bytes.extend_from_slice(data);
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    };
+    let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let level = |y: f32| [[-0.2, y, 0.0], [0.2, y, 0.0]];
+    let positions: Vec<f32> = [0.0, 1.0, 1.0, 2.0]
+        .into_iter()
+        .flat_map(level)
+        .flatten()
+        .collect();
+    add(&floats(&positions));
+    add(&[
+        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0,
+    ]);
+    add(&floats(&[1.0, 0.0, 0.0, 0.0].repeat(8)));
+    add(&[0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6]);
+    let bind = |y: f32| {
+        [
+            1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -y, 0.0, 1.0,
+        ]
+    };
+    add(&floats(&[bind(0.0), bind(1.0)].concat()));
+    add(&floats(&[0.5, 1.5]));
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    add(&floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, half]));
+    let accessor = |view: usize, kind: u32, count: usize, shape: &str| {
+        json!({"bufferView": view,
+        "componentType": kind, "count": count, "type": shape})
+    };
+    let mut accessors = vec![
+        accessor(0, 5126, 8, "VEC3"),
+        accessor(1, 5121, 8, "VEC4"),
+        accessor(2, 5126, 8, "VEC4"),
+        accessor(3, 5121, 12, "SCALAR"),
+        accessor(4, 5126, 2, "MAT4"),
+        accessor(5, 5126, 2, "SCALAR"),
+        accessor(6, 5126, 2, "VEC4"),
+    ];
+    accessors[0]["min"] = json!([-0.2, 0.0, 0.0]);
+    accessors[0]["max"] = json!([0.2, 2.0, 0.0]);
+    accessors[5]["min"] = json!([0.5]);
+    accessors[5]["max"] = json!([1.5]);
+    let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
+    json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"name": "mesh", "mesh": 0, "skin": 0}, {"name": "foot", "children": [2]},
+            {"name": "head", "translation": [0.0, 1.0, 0.0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}, "indices": 3,
+            "material": 0}]}],
+        "materials": [{"doubleSided": true, "pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.1, 0.1, 1.0]}}],
+        "skins": [{"joints": [1, 2], "inverseBindMatrices": 4}],
+        "animations": [{"name": "Bend", "samplers": [{"input": 5, "output": 6}],
+            "channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}}]}],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": bytes.len(), "uri": format!("data:application/octet-stream;base64,{data}")}],
+    })
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value
+        .as_array()
+        .expect("an array")
+        .iter()
+        .map(|v| v.as_f64().expect("a number"))
+        .collect()
+}
+
+#[track_caller]
+fn assert_near(found: &[f64], wanted: &[f64]) {
+    let near = found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-4);
+    assert!(near, "{found:?} is not {wanted:?}");
+}
+
+fn pose_keeps_its_contract(device: &str) {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    let args = [
+        "pose",
+        &file,
+        "--clip",
+        "Bend",
+        "--time",
+        "1.5",
+        "--vertices",
+        "--vertex",
+        "0,0,7",
+        "--json",
+    ];
+    let d = json_of(&[&args[..], &["--device", device]].concat());
+    assert_eq!(
+        (&d["schema"], &d["clip"], &d["schedule"]),
+        (&json!(1), &json!("Bend"), &json!("staged"))
+    );
+    assert_eq!(d["joints"][0]["name"], "foot");
+    assert_eq!(
+        (&d["joints"][0]["node"], &d["joints"][0]["parent"]),
+        (&json!(1), &Value::Null)
+    );
+    assert_eq!(
+        (&d["joints"][1]["node"], &d["joints"][1]["parent"]),
+        (&json!(2), &json!(0))
+    );
+    // The head joint, turned by a quarter about -Z, stands 1 m high; matrices are column-major.
+    let head = numbers(&d["joints"][1]["model_from_joint"]);
+    assert_near(
+        &head,
+        &[
+            0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0,
+        ],
+    );
+    assert_eq!(
+        (&d["skins"][0]["skin"], &d["skins"][0]["node"]),
+        (&json!(0), &json!(0))
+    );
+    let palette = numbers(&d["skins"][0]["palette"][1]);
+    assert_near(
+        &palette,
+        &[0.0, 1.0, 0.0, -1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0],
+    );
+    // Vertex 7 was at (0.2, 2, 0): 1 m above the joint and 0.2 m beside it.
+    assert_near(&numbers(&d["vertices"][0]), &[0.0, 0.0, 7.0, 1.0, 0.8, 0.0]);
+
+    let at = |time: &str, clip: &[&str]| {
+        let common = [
+            "pose",
+            &file,
+            "--time",
+            time,
+            "--vertices",
+            "--vertex",
+            "0,0,6",
+            "--json",
+            "--device",
+            device,
+        ];
+        numbers(&json_of(&[&common[..], clip].concat())["vertices"][0])[3..].to_vec()
+    };
+    assert_near(&at("-7", &["--clip", "Bend"]), &[-0.2, 2.0, 0.0]); // before the first key
+    assert_near(&at("99", &["--clip", "0"]), &[1.0, 1.2, 0.0]); // after the last, by index
+    assert_near(&at("1.5", &[]), &[-0.2, 2.0, 0.0]); // no clip: rest
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    assert_near(
+        &at("1.0", &["--clip", "Bend"]),
+        &[half * 0.8, 1.0 + half * 1.2, 0.0],
+    ); // slerp half way
+}
+
+#[test]
+fn pose_keeps_its_contract_on_native() {
+    pose_keeps_its_contract("native");
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn pose_keeps_its_contract_on_opencl() {
+    pose_keeps_its_contract("opencl");
+}
+
+#[test]
+fn inspect_tells_what_is_in_a_file() {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    let d = json_of(&["inspect", &file, "--json"]);
+    assert_eq!(
+        (&d["joints"], &d["depth"], &d["palette_entries"]),
+        (&json!(2), &json!(2), &json!(2))
+    );
+    assert_eq!(d["parts"][0]["triangles"], 4);
+    let clip = &d["clips"][0];
+    assert_eq!(
+        (&clip["name"], &clip["start_secs"], &clip["duration_secs"]),
+        (&json!("Bend"), &json!(0.5), &json!(1.0))
+    );
+    assert!(
+        clip["rows"].as_u64() > Some(2),
+        "a quarter turn between two keys needs rows between them"
+    );
+    assert!(clip["worst_error_m"].as_f64() <= clip["tolerance_m"].as_f64());
+    let text = String::from_utf8(populace(&["inspect", &file]).stdout).expect("text");
+    assert!(text.contains("clip 0 \"Bend\": 1.000 s from 0.500 s"), "{text}");
+}
+
+#[test]
+fn devices_lists_native_and_what_draws() {
+    let d = json_of(&["devices", "--json"]);
+    assert_eq!(d["devices"][0]["device"], "native");
+    assert!(d["drawing"].is_object());
+}
+
+#[test]
+fn wrong_usage_is_exit_code_2() {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    refused(
+        &["pose", &file, "--clip", "Bned"],
+        2,
+        &["no clip \"Bned\"", "did you mean \"Bend\"?"],
+    );
+    refused(&["pose", &file, "--clip", "7"], 2, &["there is no clip 7"]);
+    refused(
+        &["pose", &file, "--device", "cuda"],
+        2,
+        &["there is no device \"cuda\"", "native, opencl"],
+    );
+    refused(&["pose", &file, "--time", "NaN"], 2, &["finite"]);
+    refused(
+        &["pose", &file, "--vertices", "--vertex", "0,0,99"],
+        2,
+        &["no vertex 99 of primitive 0 of node 0"],
+    );
+    refused(&["pose", &file, "--schedule", "magic"], 2, &["staged"]);
+    refused(
+        &["render", &file, "--members", "0", "--out", "x.png"],
+        2,
+        &["--members"],
+    );
+    refused(
+        &["render", &file, "--size", "640", "--out", "x.png"],
+        2,
+        &["1280x720"],
+    );
+    let out = folder.text("x.png");
+    refused(
+        &["render", &file, "--hide", "mehs", "--out", &out],
+        2,
+        &["no node \"mehs\"", "mesh"],
+    );
+    refused(&[], 2, &["Usage"]);
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn an_opencl_device_that_does_not_exist_is_refused() {
+    let folder = Folder::new();
+    refused(
+        &["pose", &folder.text("post.gltf"), "--device", "opencl:99"],
+        2,
+        &["no OpenCL device 99"],
+    );
+}
+
+#[test]
+fn rejected_input_is_exit_code_1_and_names_every_problem() {
+    let folder = Folder::new();
+    refused(&["inspect", &folder.text("nothing.glb")], 1, &["nothing.glb"]);
+    std::fs::write(folder.path("junk.glb"), b"junk").expect("written");
+    refused(&["inspect", &folder.text("junk.glb")], 1, &["junk.glb"]);
+    let mut broken = post();
+    broken["skins"][0]["joints"] = json!([1, 99]);
+    broken["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(77);
+    broken["animations"][0]["channels"][0]["sampler"] = json!(5);
+    std::fs::write(folder.path("broken.gltf"), broken.to_string()).expect("written");
+    let places = [
+        "skins[0].joints[1]",
+        "meshes[0].primitives[0].attributes.POSITION",
+        "animations[0].channels[0].sampler",
+    ];
+    for command in ["inspect", "pose"] {
+        refused(&[command, &folder.text("broken.gltf")], 1, &places);
+    }
+    assert!(Path::new(&folder.text("broken.gltf")).exists());
+}
+
+#[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
+#[test]
+fn render_draws_the_same_crowd_on_every_device_and_again() {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    let draw = |name: &str, device: &str, seed: &str| {
+        let out = folder.text(name);
+        let args = [
+            "render",
+            &file,
+            "--members",
+            "30",
+            "--size",
+            "160x90",
+            "--out",
+            &out,
+            "--device",
+            device,
+            "--seed",
+            seed,
+        ];
+        let output = populace(&args);
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        assert!(output.stdout.is_empty(), "talk is for stderr");
+        std::fs::read(out).expect("a picture")
+    };
+    let native = draw("native.png", "native", "1");
+    assert!(
+        native == draw("again.png", "native", "1"),
+        "the same seed gives the same bytes"
+    );
+    assert!(
+        native == draw("opencl.png", "opencl", "1"),
+        "PoCL gives the same bytes as the native device"
+    );
+    assert!(
+        native != draw("other.png", "native", "2"),
+        "another seed gives another crowd"
+    );
+    let picture = image::load_from_memory(&native).expect("a PNG").to_rgb8();
+    assert_eq!(picture.dimensions(), (160, 90));
+    let red = picture
+        .pixels()
+        .filter(|p| p.0[0] > 100 && p.0[1] < 70 && p.0[2] < 70)
+        .count();
+    assert!(red > 100, "{red} pixels are as red as the posts");
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_exit_code_4_before_the_work() {
+    let folder = Folder::new();
+    let out = folder.text("no/such/folder/x.png");
+    refused(
+        &["render", &folder.text("post.gltf"), "--out", &out],
+        4,
+        &["cannot write", "x.png"],
+    );
+}
+
+#[test]
+fn bench_checks_what_it_measures() {
+    let d = json_of(&[
+        "bench",
+        "--members",
+        "40",
+        "--frames",
+        "2",
+        "--device",
+        "native",
+        "--json",
+    ]);
+    assert_eq!(d["schema"], 1);
+    let runs = d["runs"].as_array().expect("runs");
+    let find = |schedule: &str, stage: &str| {
+        runs.iter()
+            .find(|r| r["schedule"] == schedule && r["stage"] == stage)
+    };
+    assert!(find("floor", "all").is_some());
+    let all = find("staged", "all").expect("the whole frame");
+    assert!(
+        all["max_error"].as_f64() > Some(0.0),
+        "single precision is never exactly right"
+    );
+    assert_eq!((&all["members"], &all["slots"]), (&json!(40), &json!(2)));
+    for stage in ["evaluate", "pose", "transform", "write_back"] {
+        assert!(find("staged", stage).is_some(), "{stage}");
+    }
+}

@@ -1,0 +1,123 @@
+//! Buffers of plain data.
+
+use std::marker::PhantomData;
+use std::rc::Rc;
+
+use glow::HasContext as _;
+
+use super::Gl;
+use crate::Error;
+use crate::layout::UniformBlock;
+
+/// What a buffer is filled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BufferUse {
+    /// Once.
+    Static,
+    /// Every frame.
+    Stream,
+}
+
+/// Elements of one type on the device.
+pub(crate) struct Buffer<T> {
+    gl: Rc<Gl>,
+    raw: glow::Buffer,
+    usage: u32,
+    len: usize,
+    capacity: usize,
+    element: PhantomData<T>,
+}
+
+impl<T: bytemuck::Pod> Buffer<T> {
+    /// An empty buffer.
+    pub(crate) fn new(gl: &Rc<Gl>, usage: BufferUse) -> Result<Self, Error> {
+        // SAFETY: the context is current.
+        let raw = unsafe { gl.functions.create_buffer() }.map_err(|code| Error::GlError {
+            operation: "create a buffer".into(),
+            code,
+        })?;
+        let usage = match usage {
+            BufferUse::Static => glow::STATIC_DRAW,
+            BufferUse::Stream => glow::STREAM_DRAW,
+        };
+        Ok(Self {
+            gl: Rc::clone(gl),
+            raw,
+            usage,
+            len: 0,
+            capacity: 0,
+            element: PhantomData,
+        })
+    }
+
+    /// A buffer that holds `data`.
+    pub(crate) fn with(gl: &Rc<Gl>, usage: BufferUse, data: &[T], what: &str) -> Result<Self, Error> {
+        let mut buffer = Self::new(gl, usage)?;
+        buffer.fill(data, what)?;
+        Ok(buffer)
+    }
+
+    /// Replaces the contents; memory is kept where it is large enough.
+    pub(crate) fn fill(&mut self, data: &[T], what: &str) -> Result<(), Error> {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let functions = &self.gl.functions;
+        let fits = data.len() <= self.capacity && !data.is_empty();
+        // SAFETY: the context is current; the slice says how much is read, and `capacity`, which the driver confirmed,
+        // that there is room for it.
+        unsafe {
+            functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(self.raw));
+            if fits {
+                functions.buffer_sub_data_u8_slice(glow::COPY_WRITE_BUFFER, 0, bytes);
+            } else {
+                functions.buffer_data_u8_slice(glow::COPY_WRITE_BUFFER, bytes, self.usage);
+            }
+        }
+        if !fits {
+            (self.len, self.capacity) = (0, 0);
+        }
+        self.gl.check(what)?;
+        self.len = data.len();
+        self.capacity = self.capacity.max(data.len());
+        Ok(())
+    }
+
+    /// Elements that were filled in last.
+    pub(crate) fn len(&self) -> usize {
+        self.len
+    }
+
+    pub(super) fn raw(&self) -> glow::Buffer {
+        self.raw
+    }
+
+    /// Binds the whole buffer as the storage block of a binding point.
+    pub(crate) fn bind_storage(&self, binding: u32) {
+        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and ours are below.
+        unsafe {
+            self.gl
+                .functions
+                .bind_buffer_base(glow::SHADER_STORAGE_BUFFER, binding, Some(self.raw));
+        }
+    }
+}
+
+impl<T: UniformBlock> Buffer<T> {
+    /// Binds the buffer as the uniform block that `T` is.
+    pub(crate) fn bind_uniform(&self) {
+        // SAFETY: the context is current; OpenGL 4.3 has at least 36 binding points, and ours are below.
+        unsafe {
+            self.gl
+                .functions
+                .bind_buffer_base(glow::UNIFORM_BUFFER, T::BINDING, Some(self.raw));
+        }
+    }
+}
+
+impl<T> Drop for Buffer<T> {
+    fn drop(&mut self) {
+        if self.gl.make_current().is_ok() {
+            // SAFETY: the context is current, and the name is ours alone.
+            unsafe { self.gl.functions.delete_buffer(self.raw) }
+        }
+    }
+}

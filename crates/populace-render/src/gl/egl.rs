@@ -1,0 +1,232 @@
+//! Contexts without a window, by EGL.
+
+use std::ffi::{CStr, c_void};
+use std::sync::OnceLock;
+
+use khronos_egl as egl;
+
+use crate::Error;
+
+type Egl = egl::DynamicInstance<egl::EGL1_5>;
+
+const PLATFORM_SURFACELESS: egl::Enum = 0x31dd;
+const PLATFORM_DEVICE: egl::Enum = 0x313f;
+const MAX_DEVICES: u8 = 16;
+const REMEDY: &str = "install a graphics driver with EGL and OpenGL 4.3 or newer; Mesa's software driver will do \
+                      (Debian, Ubuntu: apt install libegl1 libgl1-mesa-dri)";
+
+/// A context of OpenGL 4.3 core or newer, current on the thread that made it.
+pub(crate) struct Context {
+    egl: &'static Egl,
+    display: egl::Display,
+    context: egl::Context,
+    surface: Option<egl::Surface>,
+}
+
+impl Context {
+    /// Tries, in this order: graphics devices that are no software, those that are, Mesa without a surface, and the
+    /// default display. The first that gives a context is taken.
+    pub(super) fn headless() -> Result<Self, Error> {
+        let egl = library().map_err(|cause| no_gl(format!("libEGL: {cause}")))?;
+        let mut tried = Vec::new();
+        for (name, open) in candidates(egl) {
+            match open().and_then(|display| Self::on(egl, display)) {
+                Ok(context) => return Ok(context),
+                Err(cause) => tried.push(format!("{name}: {cause}")),
+            }
+        }
+        Err(no_gl(tried.join("; ")))
+    }
+
+    fn on(egl: &'static Egl, display: egl::Display) -> Result<Self, String> {
+        let say = |what: &'static str| move |cause: egl::Error| format!("{what} failed, {cause}");
+        egl.initialize(display).map_err(say("eglInitialize"))?;
+        egl.bind_api(egl::OPENGL_API).map_err(say("eglBindAPI"))?;
+        let wanted = [
+            egl::SURFACE_TYPE,
+            egl::PBUFFER_BIT,
+            egl::RENDERABLE_TYPE,
+            egl::OPENGL_BIT,
+            egl::NONE,
+        ];
+        let config = egl
+            .choose_first_config(display, &wanted)
+            .map_err(say("eglChooseConfig"))?
+            .ok_or("it offers no OpenGL")?;
+        let version = [
+            egl::CONTEXT_MAJOR_VERSION,
+            4,
+            egl::CONTEXT_MINOR_VERSION,
+            3,
+            egl::CONTEXT_OPENGL_PROFILE_MASK,
+            egl::CONTEXT_OPENGL_CORE_PROFILE_BIT,
+            egl::NONE,
+        ];
+        let context = egl
+            .create_context(display, config, None, &version)
+            .map_err(say("eglCreateContext for OpenGL 4.3"))?;
+        let mut made = Self {
+            egl,
+            display,
+            context,
+            surface: None,
+        };
+        if !has_extension(egl, Some(display), "EGL_KHR_surfaceless_context") {
+            let size = [egl::WIDTH, 1, egl::HEIGHT, 1, egl::NONE];
+            let surface = egl.create_pbuffer_surface(display, config, &size);
+            made.surface = Some(surface.map_err(say("eglCreatePbufferSurface"))?);
+        }
+        made.make_current().map_err(|error| error.to_string())?;
+        Ok(made)
+    }
+
+    pub(super) fn make_current(&self) -> Result<(), Error> {
+        if self.egl.get_current_context() == Some(self.context) {
+            return Ok(());
+        }
+        self.egl
+            .make_current(self.display, self.surface, self.surface, Some(self.context))
+            .map_err(|cause| Error::ContextLost {
+                cause: cause.to_string(),
+            })
+    }
+
+    pub(super) fn proc_address(&self, name: &str) -> *const c_void {
+        self.egl
+            .get_proc_address(name)
+            .map_or(std::ptr::null(), |f| f as *const c_void)
+    }
+}
+
+impl Drop for Context {
+    fn drop(&mut self) {
+        // Failures are of no use to anybody now. The display stays initialised: EGL hands the same one to every
+        // context of the process, and terminating it would end them all.
+        if self.egl.get_current_context() == Some(self.context) {
+            let _ = self.egl.make_current(self.display, None, None, None);
+        }
+        let _ = self.egl.destroy_context(self.display, self.context);
+        if let Some(surface) = self.surface {
+            let _ = self.egl.destroy_surface(self.display, surface);
+        }
+    }
+}
+
+fn no_gl(tried: String) -> Error {
+    Error::NoGl {
+        tried,
+        remedy: REMEDY,
+    }
+}
+
+/// Loads libEGL once per process, and never unloads it: drivers leave threads and thread-local destructors behind.
+fn library() -> Result<&'static Egl, String> {
+    static LIBRARY: OnceLock<Result<Egl, String>> = OnceLock::new();
+    LIBRARY
+        .get_or_init(|| {
+            // SAFETY: loading runs the library's initialisers; libEGL is the system's, and keeps to the EGL
+            // specification, which the function types of khronos-egl follow.
+            unsafe { Egl::load_required() }.map_err(|error| match error {
+                egl::LoadError::Library(cause) => cause.to_string(),
+                egl::LoadError::InvalidVersion { provided, .. } => {
+                    format!("it is version {provided:?}; 1.5 is needed")
+                }
+            })
+        })
+        .as_ref()
+        .map_err(Clone::clone)
+}
+
+type Open = Box<dyn FnOnce() -> Result<egl::Display, String>>;
+
+fn candidates(egl: &'static Egl) -> Vec<(String, Open)> {
+    let mut list: Vec<(String, Open)> = Vec::new();
+    if has_extension(egl, None, "EGL_EXT_platform_device") {
+        let mut devices = devices(egl);
+        devices.sort_by_key(|device| device.software);
+        for (index, device) in devices.into_iter().enumerate() {
+            let kind = if device.software { " (software)" } else { "" };
+            let open = Box::new(move || platform_display(egl, PLATFORM_DEVICE, device.handle));
+            list.push((format!("EGL device {index}{kind}"), open));
+        }
+    }
+    if has_extension(egl, None, "EGL_MESA_platform_surfaceless") {
+        let open = Box::new(move || platform_display(egl, PLATFORM_SURFACELESS, std::ptr::null_mut()));
+        list.push(("Mesa without a surface".into(), open));
+    }
+    let open = Box::new(move || {
+        // SAFETY: EGL_DEFAULT_DISPLAY is null, which every implementation takes.
+        unsafe { egl.get_display(std::ptr::null_mut()) }.ok_or_else(|| "there is none".to_owned())
+    });
+    list.push(("default display".into(), open));
+    list
+}
+
+fn has_extension(egl: &Egl, display: Option<egl::Display>, name: &str) -> bool {
+    egl.query_string(display, egl::EXTENSIONS).is_ok_and(|list| {
+        list.to_string_lossy()
+            .split(' ')
+            .any(|extension| extension == name)
+    })
+}
+
+struct Device {
+    handle: *mut c_void,
+    software: bool,
+}
+
+/// What EGL_EXT_device_enumeration finds.
+fn devices(egl: &Egl) -> Vec<Device> {
+    type QueryDevices = extern "system" fn(i32, *mut *mut c_void, *mut i32) -> u32;
+    type QueryDeviceString = extern "system" fn(*mut c_void, i32) -> *const std::ffi::c_char;
+    let query = egl.get_proc_address("eglQueryDevicesEXT");
+    let (Some(query), Some(query_string)) = (query, egl.get_proc_address("eglQueryDeviceStringEXT")) else {
+        return Vec::new();
+    };
+    // SAFETY: EGL_EXT_device_enumeration and EGL_EXT_device_query give these names these types (EGLint is 32 bits,
+    // EGLBoolean an unsigned int).
+    let (query, query_string) = unsafe {
+        (
+            std::mem::transmute::<extern "system" fn(), QueryDevices>(query),
+            std::mem::transmute::<extern "system" fn(), QueryDeviceString>(query_string),
+        )
+    };
+    let mut handles = [std::ptr::null_mut(); MAX_DEVICES as usize];
+    let mut count = 0;
+    if query(i32::from(MAX_DEVICES), handles.as_mut_ptr(), &raw mut count) == 0 {
+        return Vec::new();
+    }
+    let count = usize::try_from(count).unwrap_or(0).min(handles.len());
+    let is_software = |handle| {
+        let extensions = query_string(handle, egl::EXTENSIONS);
+        // SAFETY: for a handle that eglQueryDevicesEXT gave, the string is null or ends in a zero and is never freed.
+        !extensions.is_null()
+            && unsafe { CStr::from_ptr(extensions) }
+                .to_string_lossy()
+                .contains("EGL_MESA_device_software")
+    };
+    handles[..count]
+        .iter()
+        .map(|&handle| Device {
+            handle,
+            software: is_software(handle),
+        })
+        .collect()
+}
+
+/// `eglGetPlatformDisplay`, by hand: khronos-egl's panics where a driver gives neither display nor error.
+fn platform_display(egl: &Egl, platform: egl::Enum, native: *mut c_void) -> Result<egl::Display, String> {
+    type GetPlatformDisplay =
+        extern "system" fn(egl::Enum, *mut c_void, *const egl::Attrib) -> egl::EGLDisplay;
+    let get = egl
+        .get_proc_address("eglGetPlatformDisplay")
+        .ok_or("eglGetPlatformDisplay is missing")?;
+    // SAFETY: EGL 1.5, which `library` asked for, gives this name this type.
+    let get = unsafe { std::mem::transmute::<extern "system" fn(), GetPlatformDisplay>(get) };
+    let display = get(platform, native, std::ptr::null());
+    if display == egl::NO_DISPLAY {
+        return Err("it has no display".to_owned());
+    }
+    // SAFETY: EGL just returned it.
+    Ok(unsafe { egl::Display::from_ptr(display) })
+}

@@ -1,0 +1,250 @@
+//! The boundary to EGL and OpenGL: the only module with `unsafe` code.
+//!
+//! Everything here is a safe wrapper for the rest of the crate. Objects hold the context they belong to, make it
+//! current before they are touched, and delete themselves. What the compiler cannot know, that ranges drawn lie within
+//! buffers, is checked here or named as a duty of the caller in the `SAFETY` lines.
+#![expect(
+    unsafe_code,
+    reason = "EGL and OpenGL are C; this module is the crate's only boundary to them"
+)]
+
+mod buffer;
+mod egl;
+mod program;
+mod target;
+mod texture;
+mod vertex_array;
+
+use std::rc::Rc;
+
+use glow::HasContext as _;
+
+use crate::Error;
+
+pub(crate) use buffer::{Buffer, BufferUse};
+pub(crate) use program::Program;
+pub(crate) use target::{PictureTarget, ShadowTarget};
+pub(crate) use texture::{Sampling, Texture};
+pub(crate) use vertex_array::{DrawRange, VertexArray};
+
+/// What this driver can do.
+#[derive(Clone, Debug)]
+pub(crate) struct Limits {
+    pub(crate) texture_size: u32,
+    pub(crate) picture_size: u32,
+    pub(crate) storage_bytes: u64,
+    pub(crate) samples: u32,
+    pub(crate) anisotropy: f32,
+}
+
+/// A context and its functions.
+pub(crate) struct Gl {
+    functions: glow::Context,
+    limits: Limits,
+    driver: String,
+    // Declared last: it must outlive the functions that were loaded from it.
+    context: egl::Context,
+}
+
+/// Which triangles are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cull {
+    Nothing,
+    /// The same, for a mirrored mesh: shaders are told which faces are its front.
+    NothingMirrored,
+    /// Back faces, where front faces are counter-clockwise.
+    Back,
+    /// Back faces of a mirrored mesh, whose front faces are clockwise.
+    BackMirrored,
+}
+
+/// The fixed-function state of a draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DrawState {
+    pub(crate) cull: Cull,
+    pub(crate) blend: bool,
+    pub(crate) depth_write: bool,
+    /// Pushes depth away from the eye: times the slope, and in units of depth precision.
+    pub(crate) depth_offset: [f32; 2],
+    /// Nothing is clipped at the near and far planes; depth is clamped.
+    pub(crate) depth_clamp: bool,
+}
+
+impl DrawState {
+    pub(crate) const OPAQUE: Self = Self {
+        cull: Cull::Back,
+        blend: false,
+        depth_write: true,
+        depth_offset: [0.0; 2],
+        depth_clamp: false,
+    };
+}
+
+impl Gl {
+    /// Opens a context without a window.
+    pub(crate) fn headless() -> Result<Rc<Self>, Error> {
+        let context = egl::Context::headless()?;
+        // SAFETY: `egl::Context::headless` made the context current on this thread, and the loader returns addresses
+        // of that context's functions or null, which glow checks before each call.
+        let functions = unsafe { glow::Context::from_loader_function(|name| context.proc_address(name)) };
+        let limits = Limits::of(&functions)?;
+        // SAFETY: the context is current; both are strings of core OpenGL.
+        let [renderer, version] =
+            [glow::RENDERER, glow::VERSION].map(|name| unsafe { functions.get_parameter_string(name) });
+        let gl = Self {
+            functions,
+            limits,
+            driver: format!("{renderer}, OpenGL {version}"),
+            context,
+        };
+        gl.check("start")?;
+        Ok(Rc::new(gl))
+    }
+
+    pub(crate) fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    pub(crate) fn driver(&self) -> &str {
+        &self.driver
+    }
+
+    /// Makes the context current on this thread. Each public entry point of the crate calls this first; that is what
+    /// the `SAFETY` lines of this module mean by "the context is current".
+    pub(crate) fn make_current(&self) -> Result<(), Error> {
+        self.context.make_current()
+    }
+
+    /// Turns what OpenGL remembers of failed calls into an error.
+    pub(crate) fn check(&self, operation: &str) -> Result<(), Error> {
+        let mut first = glow::NO_ERROR;
+        // A lost context may report errors without end.
+        for _ in 0..16 {
+            // SAFETY: the context is current; the call has no other precondition.
+            let code = unsafe { self.functions.get_error() };
+            if code == glow::NO_ERROR {
+                break;
+            }
+            if first == glow::NO_ERROR {
+                first = code;
+            }
+        }
+        let operation = operation.to_owned();
+        match first {
+            glow::NO_ERROR => Ok(()),
+            glow::OUT_OF_MEMORY => Err(Error::OutOfMemory { operation }),
+            code => Err(Error::GlError {
+                operation,
+                code: error_name(code),
+            }),
+        }
+    }
+
+    /// Sets the fixed-function state.
+    pub(crate) fn set_state(&self, state: DrawState) {
+        let gl = &self.functions;
+        let switch = |capability, on| {
+            // SAFETY: the context is current; each capability named below is one of core OpenGL 4.3.
+            unsafe {
+                if on {
+                    gl.enable(capability)
+                } else {
+                    gl.disable(capability)
+                }
+            }
+        };
+        switch(
+            glow::CULL_FACE,
+            matches!(state.cull, Cull::Back | Cull::BackMirrored),
+        );
+        switch(glow::BLEND, state.blend);
+        switch(glow::DEPTH_TEST, true);
+        switch(glow::DEPTH_CLAMP, state.depth_clamp);
+        switch(glow::POLYGON_OFFSET_FILL, state.depth_offset != [0.0; 2]);
+        let mirrored = matches!(state.cull, Cull::BackMirrored | Cull::NothingMirrored);
+        let front = if mirrored { glow::CW } else { glow::CCW };
+        let [slope, units] = state.depth_offset;
+        // SAFETY: the context is current; all enumerants are those that the functions take.
+        unsafe {
+            gl.front_face(front);
+            gl.depth_func(glow::LEQUAL);
+            gl.depth_mask(state.depth_write);
+            gl.polygon_offset(slope, units);
+            gl.blend_func_separate(
+                glow::SRC_ALPHA,
+                glow::ONE_MINUS_SRC_ALPHA,
+                glow::ONE,
+                glow::ONE_MINUS_SRC_ALPHA,
+            );
+        }
+    }
+
+    /// Draws vertices that a shader makes up from their numbers: a strip of triangles.
+    pub(crate) fn draw_strip(&self, program: &Program, vertex_array: &VertexArray, vertex_count: u16) {
+        program.bind();
+        vertex_array.bind();
+        // SAFETY: the context is current; `vertex_array` has no attribute that could be read past its end, see
+        // `VertexArray::empty`.
+        unsafe {
+            self.functions
+                .draw_arrays(glow::TRIANGLE_STRIP, 0, i32::from(vertex_count));
+        }
+    }
+}
+
+impl Limits {
+    fn of(functions: &glow::Context) -> Result<Self, Error> {
+        // SAFETY: the context is current; each parameter asked for below is one integer of OpenGL 4.3, which
+        // `egl::Context::headless` asked for.
+        let get = |name| u32::try_from(unsafe { functions.get_parameter_i32(name) }).unwrap_or(0);
+        if get(glow::MAX_VERTEX_SHADER_STORAGE_BLOCKS) == 0 {
+            return Err(Error::NoGl {
+                tried: "its vertex shaders read no storage buffers".into(),
+                remedy: "use a driver that offers GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS of 1 or more",
+            });
+        }
+        let mut viewport = [0; 2];
+        // SAFETY: the context is current; this parameter is two integers, for which there is room.
+        unsafe { functions.get_parameter_i32_slice(glow::MAX_VIEWPORT_DIMS, &mut viewport) }
+        let viewport = viewport.map(|side| u32::try_from(side).unwrap_or(0));
+        let anisotropic = [
+            "GL_ARB_texture_filter_anisotropic",
+            "GL_EXT_texture_filter_anisotropic",
+        ]
+        .iter()
+        .any(|name| functions.supported_extensions().contains(*name));
+        // SAFETY: the context is current; this is a string of core OpenGL.
+        let renderer = unsafe { functions.get_parameter_string(glow::RENDERER) };
+        let software = ["llvmpipe", "softpipe", "swrast"]
+            .iter()
+            .any(|name| renderer.contains(name));
+        // A processor takes three times as long for a whole picture with it.
+        let anisotropy = if anisotropic && !software {
+            // SAFETY: the context is current and has the extension that defines the parameter.
+            unsafe { functions.get_parameter_f32(glow::MAX_TEXTURE_MAX_ANISOTROPY_EXT) }
+        } else {
+            1.0
+        };
+        Ok(Self {
+            texture_size: get(glow::MAX_TEXTURE_SIZE),
+            picture_size: get(glow::MAX_RENDERBUFFER_SIZE)
+                .min(get(glow::MAX_TEXTURE_SIZE))
+                .min(viewport[0])
+                .min(viewport[1]),
+            storage_bytes: u64::from(get(glow::MAX_SHADER_STORAGE_BLOCK_SIZE)),
+            samples: get(glow::MAX_SAMPLES),
+            anisotropy,
+        })
+    }
+}
+
+fn error_name(code: u32) -> String {
+    match code {
+        glow::INVALID_ENUM => "GL_INVALID_ENUM".into(),
+        glow::INVALID_VALUE => "GL_INVALID_VALUE".into(),
+        glow::INVALID_OPERATION => "GL_INVALID_OPERATION".into(),
+        glow::INVALID_FRAMEBUFFER_OPERATION => "GL_INVALID_FRAMEBUFFER_OPERATION".into(),
+        glow::CONTEXT_LOST => "GL_CONTEXT_LOST".into(),
+        other => format!("error 0x{other:04x}"),
+    }
+}

@@ -1,0 +1,300 @@
+//! What is drawn into: the picture, and the sun's depth map.
+
+use std::rc::Rc;
+
+use glow::HasContext as _;
+use populace_core::Image;
+
+use super::Gl;
+use crate::Error;
+
+/// Samples per pixel, where the driver offers them.
+const SAMPLES: u32 = 4;
+
+/// A framebuffer with what is attached to it.
+struct Target {
+    gl: Rc<Gl>,
+    framebuffer: glow::Framebuffer,
+    renderbuffers: Vec<glow::Renderbuffer>,
+    texture: Option<glow::Texture>,
+}
+
+impl Target {
+    fn new(gl: &Rc<Gl>) -> Result<Self, Error> {
+        // SAFETY: the context is current.
+        let framebuffer = unsafe { gl.functions.create_framebuffer() }.map_err(|code| Error::GlError {
+            operation: "create a framebuffer".into(),
+            code,
+        })?;
+        Ok(Self {
+            gl: Rc::clone(gl),
+            framebuffer,
+            renderbuffers: Vec::new(),
+            texture: None,
+        })
+    }
+
+    fn bind(&self, target: u32) {
+        // SAFETY: the context is current; the name is ours.
+        unsafe { self.gl.functions.bind_framebuffer(target, Some(self.framebuffer)) }
+    }
+
+    fn attach(&mut self, attachment: u32, format: u32, samples: i32, size: [i32; 2]) -> Result<(), Error> {
+        let functions = &self.gl.functions;
+        self.bind(glow::FRAMEBUFFER);
+        // SAFETY: the context is current.
+        let renderbuffer = unsafe { functions.create_renderbuffer() }.map_err(|code| Error::GlError {
+            operation: "create a renderbuffer".into(),
+            code,
+        })?;
+        self.renderbuffers.push(renderbuffer);
+        // SAFETY: the context is current, the framebuffer bound; a size or count that is refused shows in `check`.
+        unsafe {
+            functions.bind_renderbuffer(glow::RENDERBUFFER, Some(renderbuffer));
+            functions.renderbuffer_storage_multisample(glow::RENDERBUFFER, samples, format, size[0], size[1]);
+            functions.framebuffer_renderbuffer(
+                glow::FRAMEBUFFER,
+                attachment,
+                glow::RENDERBUFFER,
+                Some(renderbuffer),
+            );
+        }
+        self.gl.check("a picture of that size")
+    }
+
+    fn complete(&self, what: &str) -> Result<(), Error> {
+        self.bind(glow::FRAMEBUFFER);
+        // SAFETY: the context is current.
+        let status = unsafe { self.gl.functions.check_framebuffer_status(glow::FRAMEBUFFER) };
+        if status == glow::FRAMEBUFFER_COMPLETE {
+            return self.gl.check(what);
+        }
+        let code = format!("framebuffer status 0x{status:04x}");
+        Err(Error::GlError {
+            operation: what.to_owned(),
+            code,
+        })
+    }
+}
+
+impl Drop for Target {
+    fn drop(&mut self) {
+        if self.gl.make_current().is_err() {
+            return;
+        }
+        // SAFETY: the context is current, and the names are ours alone.
+        unsafe {
+            self.gl.functions.delete_framebuffer(self.framebuffer);
+            for renderbuffer in &self.renderbuffers {
+                self.gl.functions.delete_renderbuffer(*renderbuffer);
+            }
+            if let Some(texture) = self.texture {
+                self.gl.functions.delete_texture(texture);
+            }
+        }
+    }
+}
+
+/// The picture: sRGB colour and depth, with several samples per pixel where there are, and a resolved copy to read.
+pub(crate) struct PictureTarget {
+    drawn: Target,
+    resolved: Target,
+    size: [i32; 2],
+}
+
+impl PictureTarget {
+    /// A target of `size` pixels.
+    pub(crate) fn new(gl: &Rc<Gl>, size: [u32; 2]) -> Result<Self, Error> {
+        let [width, height] = size;
+        if width == 0 || height == 0 {
+            return Err(Error::EmptyPicture { width, height });
+        }
+        let limit = gl.limits().picture_size;
+        let (Ok(w), Ok(h), true) = (
+            i32::try_from(width),
+            i32::try_from(height),
+            width.max(height) <= limit,
+        ) else {
+            let (size, limit) = (u64::from(width.max(height)), u64::from(limit));
+            return Err(Error::TooLarge {
+                what: "a picture's side",
+                size,
+                limit,
+            });
+        };
+        let size = [w, h];
+        let samples = if gl.limits().samples >= SAMPLES {
+            SAMPLES.cast_signed()
+        } else {
+            0
+        };
+        // Drivers may refuse many samples at large sizes; one is then better than none.
+        let drawn = match Self::target(gl, samples, size) {
+            Err(_) if samples > 0 => Self::target(gl, 0, size)?,
+            other => other?,
+        };
+        let mut resolved = Target::new(gl)?;
+        resolved.attach(glow::COLOR_ATTACHMENT0, glow::SRGB8_ALPHA8, 0, size)?;
+        resolved.complete("a picture of that size")?;
+        Ok(Self {
+            drawn,
+            resolved,
+            size,
+        })
+    }
+
+    fn target(gl: &Rc<Gl>, samples: i32, size: [i32; 2]) -> Result<Target, Error> {
+        let mut target = Target::new(gl)?;
+        target.attach(glow::COLOR_ATTACHMENT0, glow::SRGB8_ALPHA8, samples, size)?;
+        target.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, samples, size)?;
+        target.complete("a picture of that size")?;
+        Ok(target)
+    }
+
+    /// Makes this what is drawn into, and clears it to opaque black.
+    pub(crate) fn begin(&self) {
+        self.drawn.bind(glow::FRAMEBUFFER);
+        let functions = &self.drawn.gl.functions;
+        let [width, height] = self.size;
+        // SAFETY: the context is current and the framebuffer bound.
+        unsafe {
+            functions.viewport(0, 0, width, height);
+            functions.enable(glow::FRAMEBUFFER_SRGB);
+            functions.depth_mask(true);
+            functions.clear_color(0.0, 0.0, 0.0, 1.0);
+            functions.clear_depth_f32(1.0);
+            functions.clear(glow::COLOR_BUFFER_BIT | glow::DEPTH_BUFFER_BIT);
+        }
+    }
+
+    /// Resolves the samples and reads the picture, rows from the top.
+    pub(crate) fn read(&self) -> Result<Image, Error> {
+        let gl = &self.drawn.gl;
+        let [width, height] = self.size;
+        let row_bytes = 4 * self.size[0].unsigned_abs() as usize;
+        let mut rgba = vec![0; row_bytes * self.size[1].unsigned_abs() as usize];
+        self.drawn.bind(glow::READ_FRAMEBUFFER);
+        self.resolved.bind(glow::DRAW_FRAMEBUFFER);
+        // SAFETY: the context is current and both framebuffers of `size`; the driver writes width x height x 4 bytes,
+        // which `rgba` has: rows of 4-byte pixels need no padding.
+        unsafe {
+            let functions = &gl.functions;
+            functions.enable(glow::FRAMEBUFFER_SRGB);
+            functions.blit_framebuffer(
+                0,
+                0,
+                width,
+                height,
+                0,
+                0,
+                width,
+                height,
+                glow::COLOR_BUFFER_BIT,
+                glow::NEAREST,
+            );
+            self.resolved.bind(glow::READ_FRAMEBUFFER);
+            let pixels = glow::PixelPackData::Slice(Some(&mut rgba));
+            functions.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, pixels);
+        }
+        gl.check("read the picture")?;
+        flip_rows(&mut rgba, row_bytes);
+        Ok(Image {
+            width: width.unsigned_abs(),
+            height: height.unsigned_abs(),
+            rgba,
+        })
+    }
+}
+
+/// OpenGL's first row is the lowest.
+fn flip_rows(rgba: &mut [u8], row_bytes: usize) {
+    let (upper, lower) = rgba.split_at_mut(rgba.len() / row_bytes / 2 * row_bytes);
+    for (a, b) in upper
+        .chunks_exact_mut(row_bytes)
+        .zip(lower.chunks_exact_mut(row_bytes).rev())
+    {
+        a.swap_with_slice(b);
+    }
+}
+
+/// The depth map as the sun sees it, read with comparison.
+pub(crate) struct ShadowTarget {
+    target: Target,
+    size: i32,
+}
+
+impl ShadowTarget {
+    /// A square map of `size` texels a side, or of the driver's largest texture.
+    pub(crate) fn new(gl: &Rc<Gl>, size: u32) -> Result<Self, Error> {
+        let size = size.min(gl.limits().texture_size).cast_signed();
+        let mut target = Target::new(gl)?;
+        let functions = &gl.functions;
+        // SAFETY: the context is current.
+        let texture = unsafe { functions.create_texture() }.map_err(|code| Error::GlError {
+            operation: "create a texture".into(),
+            code,
+        })?;
+        target.texture = Some(texture);
+        let parameters = [
+            (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
+            (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
+            (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_BORDER),
+            (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_BORDER),
+            (glow::TEXTURE_COMPARE_MODE, glow::COMPARE_REF_TO_TEXTURE),
+            (glow::TEXTURE_COMPARE_FUNC, glow::LEQUAL),
+        ];
+        target.bind(glow::FRAMEBUFFER);
+        // SAFETY: the context is current, the framebuffer bound; a size that is refused shows in `complete`. Without
+        // colour attachments the framebuffer may draw to none.
+        unsafe {
+            functions.active_texture(glow::TEXTURE0);
+            functions.bind_texture(glow::TEXTURE_2D, Some(texture));
+            functions.tex_storage_2d(glow::TEXTURE_2D, 1, glow::DEPTH_COMPONENT24, size, size);
+            for (name, value) in parameters {
+                functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
+            }
+            functions.tex_parameter_f32_slice(glow::TEXTURE_2D, glow::TEXTURE_BORDER_COLOR, &[1.0; 4]);
+            functions.framebuffer_texture_2d(
+                glow::FRAMEBUFFER,
+                glow::DEPTH_ATTACHMENT,
+                glow::TEXTURE_2D,
+                Some(texture),
+                0,
+            );
+            functions.draw_buffer(glow::NONE);
+            functions.read_buffer(glow::NONE);
+        }
+        target.complete("a shadow map")?;
+        Ok(Self { target, size })
+    }
+
+    /// Texels a side.
+    pub(crate) fn size(&self) -> u16 {
+        u16::try_from(self.size).unwrap_or(u16::MAX)
+    }
+
+    /// Makes this what is drawn into, and clears it to "nothing in the way".
+    pub(crate) fn begin(&self) {
+        self.target.bind(glow::FRAMEBUFFER);
+        let functions = &self.target.gl.functions;
+        // SAFETY: the context is current and the framebuffer bound.
+        unsafe {
+            functions.viewport(0, 0, self.size, self.size);
+            functions.depth_mask(true);
+            functions.clear_depth_f32(1.0);
+            functions.clear(glow::DEPTH_BUFFER_BIT);
+        }
+    }
+
+    /// Binds the map to a texture unit.
+    pub(crate) fn bind_texture(&self, unit: u32) {
+        // SAFETY: the context is current; OpenGL 4.3 has at least 48 units, and ours are below.
+        unsafe {
+            self.target.gl.functions.active_texture(glow::TEXTURE0 + unit);
+            self.target
+                .gl
+                .functions
+                .bind_texture(glow::TEXTURE_2D, self.target.texture);
+        }
+    }
+}

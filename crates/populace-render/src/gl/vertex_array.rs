@@ -1,0 +1,150 @@
+//! Where vertex shaders find their attributes, and the draws that read them.
+
+use std::rc::Rc;
+
+use glow::HasContext as _;
+
+use super::{Buffer, Gl};
+use crate::Error;
+use crate::layout::{Attribute, Component, InstanceData, Vertex, VertexStruct};
+
+const VERTICES: u32 = 0;
+const INFLUENCES: u32 = 1;
+const INSTANCES: u32 = 2;
+
+/// The formats of a kind of mesh: [`Vertex`], some struct of influences, and [`InstanceData`].
+pub(crate) struct VertexArray {
+    gl: Rc<Gl>,
+    raw: glow::VertexArray,
+}
+
+/// One draw: all triangles of a mesh for a run of instances.
+pub(crate) struct DrawRange<'a, I> {
+    pub(crate) vertices: &'a Buffer<Vertex>,
+    pub(crate) influences: &'a Buffer<I>,
+    pub(crate) indices: &'a Buffer<u32>,
+    pub(crate) instances: &'a Buffer<InstanceData>,
+    pub(crate) first_instance: u32,
+    pub(crate) instance_count: u32,
+}
+
+impl VertexArray {
+    /// No attributes, for shaders that make up their vertices.
+    pub(crate) fn empty(gl: &Rc<Gl>) -> Result<Self, Error> {
+        // SAFETY: the context is current.
+        let raw = unsafe { gl.functions.create_vertex_array() }.map_err(|code| Error::GlError {
+            operation: "create a vertex array".into(),
+            code,
+        })?;
+        Ok(Self {
+            gl: Rc::clone(gl),
+            raw,
+        })
+    }
+
+    /// The attributes of skinned meshes whose influences are `I`.
+    pub(crate) fn skinned<I: VertexStruct>(gl: &Rc<Gl>) -> Result<Self, Error> {
+        let array = Self::empty(gl)?;
+        array.bind();
+        let bindings = [
+            (VERTICES, Vertex::ATTRIBUTES),
+            (INFLUENCES, I::ATTRIBUTES),
+            (INSTANCES, InstanceData::ATTRIBUTES),
+        ];
+        let attributes = bindings
+            .iter()
+            .flat_map(|(binding, list)| list.iter().map(move |a| (*binding, a)));
+        for (location, (binding, attribute)) in (0..).zip(attributes) {
+            array.declare(location, binding, attribute);
+        }
+        // SAFETY: the context is current and the vertex array bound.
+        unsafe { gl.functions.vertex_binding_divisor(INSTANCES, 1) }
+        gl.check("describe vertices")?;
+        Ok(array)
+    }
+
+    fn declare(&self, location: u32, binding: u32, attribute: &Attribute) {
+        let functions = &self.gl.functions;
+        let count = i32::from(attribute.component_count);
+        let offset = u32::try_from(attribute.offset_bytes).unwrap_or(u32::MAX);
+        // SAFETY: the context is current and the vertex array bound; there are at most 13 attributes, OpenGL 4.3 has
+        // at least 16.
+        unsafe {
+            functions.enable_vertex_attrib_array(location);
+            functions.vertex_attrib_binding(location, binding);
+            match attribute.component {
+                Component::F32 => {
+                    functions.vertex_attrib_format_f32(location, count, glow::FLOAT, false, offset);
+                }
+                Component::U16 => {
+                    functions.vertex_attrib_format_i32(location, count, glow::UNSIGNED_SHORT, offset);
+                }
+                Component::U32 => {
+                    functions.vertex_attrib_format_i32(location, count, glow::UNSIGNED_INT, offset);
+                }
+            }
+        }
+    }
+
+    pub(super) fn bind(&self) {
+        // SAFETY: the context is current; the name is ours.
+        unsafe { self.gl.functions.bind_vertex_array(Some(self.raw)) }
+    }
+
+    /// Draws with the program, the blocks and the textures that are bound. A run past the end of the instances is
+    /// not drawn; nor is one whose buffers differ in length.
+    pub(crate) fn draw<I: VertexStruct>(&self, range: &DrawRange<'_, I>) {
+        let end = range.first_instance as usize + range.instance_count as usize;
+        let counts = (
+            i32::try_from(range.indices.len()),
+            i32::try_from(range.instance_count),
+        );
+        let (Ok(index_count), Ok(instance_count)) = counts else {
+            return;
+        };
+        if end > range.instances.len() || range.vertices.len() != range.influences.len() {
+            return;
+        }
+        self.bind();
+        let stride = |bytes: usize| i32::try_from(bytes).unwrap_or(0);
+        let functions = &self.gl.functions;
+        // SAFETY: the context is current. Indices lie below the number of vertices because
+        // `populace_core::Character::new` checked them and `model.rs` uploads them unchanged; instances were checked
+        // above. Palette reads lie within the bound page because `batch.rs` checks each instance against it.
+        unsafe {
+            functions.bind_vertex_buffer(
+                VERTICES,
+                Some(range.vertices.raw()),
+                0,
+                stride(size_of::<Vertex>()),
+            );
+            functions.bind_vertex_buffer(
+                INFLUENCES,
+                Some(range.influences.raw()),
+                0,
+                stride(size_of::<I>()),
+            );
+            let instances = Some(range.instances.raw());
+            functions.bind_vertex_buffer(INSTANCES, instances, 0, stride(size_of::<InstanceData>()));
+            functions.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(range.indices.raw()));
+            functions.draw_elements_instanced_base_vertex_base_instance(
+                glow::TRIANGLES,
+                index_count,
+                glow::UNSIGNED_INT,
+                0,
+                instance_count,
+                0,
+                range.first_instance,
+            );
+        }
+    }
+}
+
+impl Drop for VertexArray {
+    fn drop(&mut self) {
+        if self.gl.make_current().is_ok() {
+            // SAFETY: the context is current, and the name is ours alone.
+            unsafe { self.gl.functions.delete_vertex_array(self.raw) }
+        }
+    }
+}

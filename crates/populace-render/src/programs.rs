@@ -1,0 +1,128 @@
+//! Shaders, put together from their pieces and compiled when first needed.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use crate::Error;
+use crate::gl::{Gl, Program};
+use crate::layout::{
+    Frame, Influences4, Influences8, InstanceData, Surface, UniformBlock as _, Vertex, VertexStruct as _,
+    glsl_inputs,
+};
+use crate::model::Alpha;
+
+/// Which shader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Kind {
+    /// A member in the picture.
+    Member { eight_influences: bool, alpha: Alpha },
+    /// A member in the sun's depth map.
+    Shadow { eight_influences: bool, alpha: Alpha },
+    /// The plane members stand on.
+    Ground,
+    /// The background.
+    Sky,
+}
+
+const VERSION: &str = "#version 430 core\n";
+const SKIN: &str = include_str!("shaders/skin.glsl");
+const LIGHT: &str = include_str!("shaders/light.glsl");
+
+/// The vertex and the fragment shader's text.
+fn sources(kind: Kind) -> [String; 2] {
+    match kind {
+        Kind::Member {
+            eight_influences,
+            alpha,
+        } => [
+            skinned(eight_influences, include_str!("shaders/member.vert")),
+            surfaced(alpha, &[LIGHT, include_str!("shaders/member.frag")]),
+        ],
+        Kind::Shadow {
+            eight_influences,
+            alpha,
+        } => [
+            skinned(eight_influences, include_str!("shaders/shadow.vert")),
+            surfaced(alpha, &[include_str!("shaders/shadow.frag")]),
+        ],
+        Kind::Ground => [
+            surfaced(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),
+            surfaced(Alpha::Opaque, &[LIGHT, include_str!("shaders/ground.frag")]),
+        ],
+        Kind::Sky => [
+            surfaced(Alpha::Opaque, &[include_str!("shaders/sky.vert")]),
+            surfaced(Alpha::Opaque, &[include_str!("shaders/sky.frag")]),
+        ],
+    }
+}
+
+fn skinned(eight_influences: bool, body: &str) -> String {
+    let (define, influences) = if eight_influences {
+        ("#define EIGHT_INFLUENCES\n", Influences8::ATTRIBUTES)
+    } else {
+        ("", Influences4::ATTRIBUTES)
+    };
+    let inputs = glsl_inputs(&[Vertex::ATTRIBUTES, influences, InstanceData::ATTRIBUTES]);
+    [VERSION, define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, body].concat()
+}
+
+fn surfaced(alpha: Alpha, bodies: &[&str]) -> String {
+    let define = match alpha {
+        Alpha::Opaque => "",
+        Alpha::Masked => "#define MASKED\n",
+        Alpha::Blended => "#define BLENDED\n",
+    };
+    [VERSION, define, Frame::GLSL, Surface::GLSL, &bodies.concat()].concat()
+}
+
+/// All programs that were needed so far.
+pub(crate) struct Programs {
+    gl: Rc<Gl>,
+    compiled: HashMap<Kind, Program>,
+}
+
+impl Programs {
+    pub(crate) fn new(gl: &Rc<Gl>) -> Self {
+        Self {
+            gl: Rc::clone(gl),
+            compiled: HashMap::new(),
+        }
+    }
+
+    /// The program of a kind.
+    pub(crate) fn get(&mut self, kind: Kind) -> Result<&Program, Error> {
+        use std::collections::hash_map::Entry;
+        match self.compiled.entry(kind) {
+            Entry::Occupied(entry) => Ok(entry.into_mut()),
+            Entry::Vacant(entry) => {
+                let [vertex, fragment] = sources(kind);
+                let program = Program::new(&self.gl, &format!("{kind:?}"), &vertex, &fragment)?;
+                Ok(entry.insert(program))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+    fn the_driver_lays_uniform_blocks_out_as_rust_does() {
+        let gl = Gl::headless().unwrap();
+        let mut programs = Programs::new(&gl);
+        let kind = Kind::Member {
+            eight_influences: false,
+            alpha: Alpha::Masked,
+        };
+        let program = programs.get(kind).unwrap();
+        for fields in [Frame::FIELDS, Surface::FIELDS] {
+            let names: Vec<_> = fields.iter().map(|(name, _)| *name).collect();
+            let offsets = program.field_offsets(&names);
+            for ((name, rust), driver) in fields.iter().zip(offsets) {
+                assert_eq!(driver, i32::try_from(*rust).unwrap(), "offset of {name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! Colours, textures, alpha, winding and normals.
+
+use populace_core::{Affine, AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap};
+
+use crate::fixture::{at, part, place, plain, quad_mesh, source};
+use crate::rig::{NOTHING, Rig, instance, srgb};
+
+const WHITE: [u8; 3] = [255; 3];
+
+fn quad_of(material: Material) -> Character {
+    mesh_of(quad_mesh(0), material)
+}
+
+fn mesh_of(mesh: Mesh, material: Material) -> Character {
+    Character::new(source(vec![part("quad", 0, mesh)], vec![material], 1)).unwrap()
+}
+
+fn textured(image: Image, filter: TextureFilter) -> Character {
+    let texture = Texture {
+        image: 0,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        filter,
+    };
+    let material = Material {
+        base_color_texture: Some(texture),
+        ..Material::default()
+    };
+    let mut pieces = source(vec![part("quad", 0, quad_mesh(0))], vec![material], 1);
+    pieces.images = vec![image];
+    Character::new(pieces).unwrap()
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn textures_stand_upright_and_are_srgb() {
+    let rgba = [
+        [255, 0, 0, 255],
+        [0, 255, 0, 255],
+        [0, 0, 255, 255],
+        [128, 128, 128, 255],
+    ]
+    .concat();
+    let mut rig = Rig::new();
+    let quad = rig.add(&textured(
+        Image {
+            width: 2,
+            height: 2,
+            rgba,
+        },
+        TextureFilter::Nearest,
+    ));
+    rig.upload(&[Affine::IDENTITY]);
+    let drawn = rig.draw(&[instance(quad, Affine::IDENTITY, 0)]);
+    drawn.expect(-0.5, 0.5, [255, 0, 0]);
+    drawn.expect(0.5, 0.5, [0, 255, 0]);
+    drawn.expect(-0.5, -0.5, [0, 0, 255]);
+    drawn.expect(0.5, -0.5, [128; 3]);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn smaller_mip_levels_average_light_not_bytes() {
+    let rgba = (0..64 * 64)
+        .flat_map(|i| [if (i / 64 + i) % 2 == 0 { 255 } else { 0 }, 0, 0, 255])
+        .collect();
+    let mut rig = Rig::new();
+    let quad = rig.add(&textured(
+        Image {
+            width: 64,
+            height: 64,
+            rgba,
+        },
+        TextureFilter::Linear,
+    ));
+    rig.upload(&[Affine::IDENTITY]);
+    // 64 texels on 32 pixels.
+    let drawn = rig.draw(&[instance(quad, place([0.0; 3], 0.0, [0.5; 3]), 0)]);
+    drawn.expect(0.0, 0.0, [srgb(0.5), 0, 0]);
+    drawn.expect(0.3, -0.2, [srgb(0.5), 0, 0]);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn linear_colors_multiply() {
+    let mut mesh = quad_mesh(0);
+    mesh.colors = vec![[0.5, 1.0, 1.0, 1.0]; 4];
+    let mut rig = Rig::new();
+    let quad = rig.add(&mesh_of(mesh, plain([0.5, 0.5, 1.0, 1.0])));
+    rig.upload(&[Affine::IDENTITY]);
+    let mut one = instance(quad, Affine::IDENTITY, 0);
+    one.tint = [1.0, 1.0, 0.2];
+    rig.draw(&[one])
+        .expect(0.0, 0.0, [srgb(0.25), srgb(0.5), srgb(0.2)]);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn back_faces_show_only_where_double_sided() {
+    let mut rig = Rig::new();
+    let single = rig.add(&quad_of(plain([1.0; 4])));
+    let double = rig.add(&quad_of(Material {
+        double_sided: true,
+        ..plain([1.0; 4])
+    }));
+    rig.upload(&[Affine::IDENTITY]);
+    // A half turn about y.
+    let behind = place([0.0; 3], 0.0, [-1.0, 1.0, -1.0]);
+    rig.draw(&[instance(single, Affine::IDENTITY, 0)])
+        .expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(single, behind, 0)]).expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(double, Affine::IDENTITY, 0)])
+        .expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(double, behind, 0)]).expect(0.0, 0.0, WHITE);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn both_sides_are_lit_by_what_they_face() {
+    let mut rig = Rig::new();
+    rig.scene.ambient.sky = [0.0; 3];
+    rig.scene.ambient.ground = [0.0; 3];
+    rig.scene.sun.color = [0.5; 3];
+    let double = rig.add(&quad_of(Material {
+        double_sided: true,
+        ..plain([1.0; 4])
+    }));
+    rig.upload(&[Affine::IDENTITY]);
+    let lit = [srgb(0.5); 3];
+    for world in [
+        Affine::IDENTITY,
+        place([0.0; 3], 0.0, [-1.0, 1.0, -1.0]),
+        place([0.0; 3], 0.0, [-1.0, 1.0, 1.0]),
+        place([0.0; 3], 0.0, [1.0, 1.0, -1.0]),
+    ] {
+        rig.draw(&[instance(double, world, 0)]).expect(0.0, 0.0, lit);
+    }
+    rig.scene.sun.to_sun = [0.0, 0.0, -1.0];
+    rig.draw(&[instance(double, Affine::IDENTITY, 0)])
+        .expect(0.0, 0.0, NOTHING);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn mirrored_bodies_keep_their_outside() {
+    let mirror = place([0.0; 3], 0.0, [-1.0, 1.0, 1.0]);
+    let mut pieces = source(vec![part("quad", 0, quad_mesh(0))], vec![plain([1.0; 4])], 1);
+    pieces.palette[0].joint_from_bind = mirror;
+    let mut rig = Rig::new();
+    rig.scene.ambient.sky = [0.0; 3];
+    rig.scene.ambient.ground = [0.0; 3];
+    rig.scene.sun.color = [0.5; 3];
+    let plain_quad = rig.add(&quad_of(plain([1.0; 4])));
+    let mirrored_at_rest = rig.add(&Character::new(pieces).unwrap());
+    rig.upload(&[Affine::IDENTITY, mirror]);
+    let lit = [srgb(0.5); 3];
+    rig.draw(&[instance(plain_quad, mirror, 0)]).expect(0.0, 0.0, lit);
+    rig.draw(&[instance(mirrored_at_rest, Affine::IDENTITY, 1)])
+        .expect(0.0, 0.0, lit);
+    rig.draw(&[instance(mirrored_at_rest, mirror, 1)])
+        .expect(0.0, 0.0, lit);
+    let behind = place([0.0; 3], 0.0, [1.0, 1.0, -1.0]);
+    rig.draw(&[instance(plain_quad, behind, 0)])
+        .expect(0.0, 0.0, NOTHING);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn normals_stay_normal_under_uneven_scale() {
+    let mut mesh = quad_mesh(0);
+    // Leaning back by 45 degrees about y: z = -x.
+    for position in &mut mesh.positions {
+        position[2] = -position[0];
+    }
+    let slant = std::f32::consts::FRAC_1_SQRT_2;
+    mesh.normals = vec![[slant, 0.0, slant]; 4];
+    let mut rig = Rig::new();
+    rig.scene.ambient.sky = [0.0; 3];
+    rig.scene.ambient.ground = [0.0; 3];
+    rig.scene.sun.color = [0.5; 3];
+    let quad = rig.add(&mesh_of(mesh, plain([1.0; 4])));
+    let wide = place([0.0; 3], 0.0, [4.0, 1.0, 1.0]);
+    rig.upload(&[Affine::IDENTITY, wide]);
+    // The plane z = -x / 4 has the normal (1, 0, 4).
+    let lit = [srgb(0.5 * 4.0 / 17_f64.sqrt()); 3];
+    rig.draw(&[instance(quad, Affine::IDENTITY, 1)])
+        .expect(0.0, 0.0, lit);
+    rig.draw(&[instance(quad, wide, 0)]).expect(0.0, 0.0, lit);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn masks_leave_pixels_out_and_blends_mix() {
+    let alpha = |mode, alpha| {
+        quad_of(Material {
+            alpha: mode,
+            ..plain([1.0, 1.0, 1.0, alpha])
+        })
+    };
+    let mut rig = Rig::new();
+    rig.upload(&[Affine::IDENTITY]);
+    let cut = rig.add(&alpha(AlphaMode::Mask { cutoff: 0.5 }, 0.4));
+    let kept = rig.add(&alpha(AlphaMode::Mask { cutoff: 0.5 }, 0.6));
+    let opaque = rig.add(&alpha(AlphaMode::Opaque, 0.1));
+    rig.draw(&[instance(cut, Affine::IDENTITY, 0)])
+        .expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(kept, Affine::IDENTITY, 0)])
+        .expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(opaque, Affine::IDENTITY, 0)])
+        .expect(0.0, 0.0, WHITE);
+
+    let half = |[r, g, b]: [f32; 3]| {
+        quad_of(Material {
+            alpha: AlphaMode::Blend,
+            ..plain([r, g, b, 0.5])
+        })
+    };
+    let red = rig.add(&half([1.0, 0.0, 0.0]));
+    let green = rig.add(&half([0.0, 1.0, 0.0]));
+    let (near, far) = (at(0.0, 0.0, 1.0), at(0.0, 0.0, 0.0));
+    let wanted = [srgb(0.5), srgb(0.25), 0];
+    for list in [
+        [instance(red, near, 0), instance(green, far, 0)],
+        [instance(green, far, 0), instance(red, near, 0)],
+    ] {
+        rig.draw(&list).expect(0.0, 0.0, wanted);
+    }
+    // Opaque ones behind show through although they are of a later character.
+    let blue = rig.add(&quad_of(plain([0.0, 0.0, 1.0, 1.0])));
+    rig.draw(&[instance(red, near, 0), instance(blue, far, 0)])
+        .expect(0.0, 0.0, [srgb(0.5), 0, srgb(0.5)]);
+}

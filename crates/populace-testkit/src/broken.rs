@@ -1,0 +1,201 @@
+//! A backend that is wrong in one small way, so that every check is seen to fail.
+
+use populace_core::layout::{Float4, NONE};
+use populace_core::{Backend, BackendError, Frame, Stage, StageBuffer, Tables};
+
+use crate::single;
+use crate::tolerance::{LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
+
+/// What a [`Broken`] backend gets wrong: one number of the last member.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corruption {
+    buffer: StageBuffer,
+    amount: Amount,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Amount {
+    By(f32),
+    OneUnitInACrowd,
+}
+
+impl Corruption {
+    /// One component of one joint's local rotation, a little beyond what any check allows.
+    #[must_use]
+    pub fn rotation() -> Self {
+        Self::local(StageBuffer::Rotations)
+    }
+
+    /// One component of one joint's local translation.
+    #[must_use]
+    pub fn translation() -> Self {
+        Self::local(StageBuffer::Translations)
+    }
+
+    /// One component of one joint's local scale.
+    #[must_use]
+    pub fn scale() -> Self {
+        Self::local(StageBuffer::Scales)
+    }
+
+    fn local(buffer: StageBuffer) -> Self {
+        // What is off already may be off the other way by as much as allowed.
+        let amount = Amount::By(single(2.5 * LOCAL_CAP));
+        Self { buffer, amount }
+    }
+
+    /// One element of one joint's `model_from_joint`.
+    #[must_use]
+    pub fn model() -> Self {
+        Self {
+            buffer: StageBuffer::ModelRow1,
+            amount: Amount::By(single(2.5 * MODEL_CAP)),
+        }
+    }
+
+    /// One element of one palette entry.
+    #[must_use]
+    pub fn palette() -> Self {
+        Self {
+            buffer: StageBuffer::Palette,
+            amount: Amount::By(single(2.5 * MODEL_CAP)),
+        }
+    }
+
+    /// One element of one joint's `model_from_joint`, by far less: for checks of a stage alone.
+    #[must_use]
+    pub fn model_rounding() -> Self {
+        let amount = Amount::By(single(2.5 * ROUNDING_CAP));
+        Self {
+            amount,
+            ..Self::model()
+        }
+    }
+
+    /// One element of one palette entry, by far less: for checks of a stage alone.
+    #[must_use]
+    pub fn palette_rounding() -> Self {
+        let amount = Amount::By(single(2.5 * ROUNDING_CAP));
+        Self {
+            amount,
+            ..Self::palette()
+        }
+    }
+
+    /// One element of one palette entry by one unit in the last place, where there is more than one member.
+    #[must_use]
+    pub fn palette_bit() -> Self {
+        Self {
+            buffer: StageBuffer::Palette,
+            amount: Amount::OneUnitInACrowd,
+        }
+    }
+
+    /// One slot's weight.
+    #[must_use]
+    pub fn weight() -> Self {
+        Self::local(StageBuffer::Samples)
+    }
+}
+
+/// Forwards everything to a backend, and corrupts what is read back.
+pub struct Broken<B> {
+    inner: B,
+    corruption: Corruption,
+    target: Option<usize>,
+}
+
+impl<B: Backend> Broken<B> {
+    /// Breaks a backend.
+    pub fn new(inner: B, corruption: Corruption) -> Self {
+        Self {
+            inner,
+            corruption,
+            target: None,
+        }
+    }
+
+    /// The element to corrupt: in the middle of what the last member has.
+    fn aim(&mut self, tables: &Tables) {
+        let members = tables.members.as_slice();
+        let taken = || members.iter().enumerate().filter(|(_, m)| m.body != NONE);
+        let body = |m: &populace_core::layout::Member| tables.bodies.as_slice()[m.body as usize];
+        let alone = taken().count() < 2;
+        let target = match self.corruption.buffer {
+            StageBuffer::Samples => taken()
+                .next_back()
+                .map(|(place, _)| place * tables.slots_per_member()),
+            StageBuffer::Palette => taken()
+                .rfind(|(_, m)| body(m).entry_count > 0)
+                .map(|(_, m)| 3 * (m.palette_first + body(m).entry_count / 2) as usize + 1),
+            _ => taken()
+                .next_back()
+                .map(|(_, m)| (m.joint_first + body(m).joint_count / 2) as usize),
+        };
+        self.target = target.filter(|_| !(alone && self.corruption.amount == Amount::OneUnitInACrowd));
+    }
+}
+
+impl<B: Backend> Backend for Broken<B> {
+    fn device_name(&self) -> String {
+        format!("broken {}", self.inner.device_name())
+    }
+
+    fn schedule(&self) -> &'static str {
+        self.inner.schedule()
+    }
+
+    fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
+        self.inner.update(tables)
+    }
+
+    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+        self.aim(tables);
+        self.inner.run_stage(tables, frame, stage)
+    }
+
+    fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
+        self.aim(tables);
+        self.inner.run(tables, frame)
+    }
+
+    fn read(&mut self, buffer: StageBuffer, first: usize, into: &mut [Float4]) -> Result<(), BackendError> {
+        self.inner.read(buffer, first, into)?;
+        let within = self.target.and_then(|target| target.checked_sub(first));
+        if let Some(element) = within.and_then(|at| into.get_mut(at))
+            && buffer == self.corruption.buffer
+        {
+            let component = if buffer == StageBuffer::Samples { 3 } else { 1 };
+            let value = &mut element.0[component];
+            *value = match self.corruption.amount {
+                Amount::By(amount) => *value + amount,
+                Amount::OneUnitInACrowd => f32::from_bits(value.to_bits() ^ 1),
+            };
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
+        self.inner.write(buffer, first, from)
+    }
+
+    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        self.inner.with_page(page, reader)
+    }
+
+    fn finish(&mut self) -> Result<(), BackendError> {
+        self.inner.finish()
+    }
+
+    fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
+        self.inner.stage_times_ms()
+    }
+
+    fn write_floor(&mut self, tables: &Tables) -> Result<f64, BackendError> {
+        self.inner.write_floor(tables)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.inner.memory_bytes()
+    }
+}

@@ -1,0 +1,114 @@
+//! Two backends beside each other.
+
+use populace_core::{Backend, Stage};
+
+use super::plans;
+use super::stages::{two_of_each, write_locals};
+use crate::compare::Judge;
+use crate::crowd::{Expected, ticks};
+use crate::scenes::Scene;
+use crate::tolerance::{LOCAL_CAP, SampleBound};
+use crate::{MemberReading, Rng, TestCrowd};
+
+/// Given the same local transforms, Transform and Write-back give the same bits: both only add and multiply. Pose
+/// agrees within what rounding allows each of the two.
+///
+/// # Panics
+///
+/// If the backends differ.
+pub fn check_agreement(a: &mut dyn Backend, b: &mut dyn Backend) {
+    same_bits(a, b);
+    same_pose(a, b);
+}
+
+fn same_bits(a: &mut dyn Backend, b: &mut dyn Backend) {
+    let scene = Scene::new();
+    let mut judge = Judge::of_stage("agreement");
+    let from_locals = |backend: &mut dyn Backend| {
+        let mut rng = Rng::new(81);
+        let mut crowd = two_of_each(&scene);
+        crowd.run_stages(backend, 0);
+        for member in 0..12 {
+            write_locals(&mut rng, backend, &crowd, member);
+        }
+        crowd.run_stage(backend, 0, Stage::Transform);
+        crowd.run_stage(backend, 0, Stage::WriteBack);
+        (0..12)
+            .map(|member| crowd.read(backend, member))
+            .collect::<Vec<_>>()
+    };
+    let (one, other) = (from_locals(a), from_locals(b));
+    for (member, (one, other)) in one.iter().zip(&other).enumerate() {
+        judge.same_matrices(
+            &format!("member {member} model_from_joint"),
+            &other.models,
+            &one.models,
+        );
+        judge.same_matrices(
+            &format!("member {member} palette entry"),
+            &other.palette,
+            &one.palette,
+        );
+    }
+    judge.done();
+}
+
+fn same_pose(a: &mut dyn Backend, b: &mut dyn Backend) {
+    let scene = Scene::new();
+    let mut judge = Judge::new("agreement of poses");
+    let clips: Vec<usize> = (0..scene.clips.len()).collect();
+    let plans = plans::members(82, &scene, &clips, 48, 8);
+    let tick = ticks(7.7);
+    let run = |backend: &mut dyn Backend, crowd: &mut TestCrowd<'_>| {
+        crowd.run_stages(backend, tick);
+        (0..48)
+            .map(|member| crowd.read(backend, member))
+            .collect::<Vec<_>>()
+    };
+    let mut crowd = plans::crowd(&scene, 8, plans.clone());
+    let one = run(a, &mut crowd);
+    let other = run(b, &mut plans::crowd(&scene, 8, plans));
+    for (member, _, plan) in crowd.members() {
+        let jumps = plan
+            .plays
+            .iter()
+            .any(|p| p.timing.is_near_jump(tick, &scene.clips[p.clip].clip));
+        if jumps {
+            judge.leave_out(10 * one[member].rotations.len());
+            continue;
+        }
+        // Both sample the same rows, so what a clip's rows are off by is the same on both sides.
+        let bounds = plan.plays.iter().map(|p| scene.clips[p.clip].at_keys);
+        let bound = bounds.fold(SampleBound::default(), SampleBound::or);
+        let wanted = crowd.expected_within(member, tick, bound);
+        pair_up(&mut judge, member, &other[member], &one[member], &wanted);
+    }
+    judge.done();
+}
+
+/// Local transforms of one member from both sides; each side may be off by its bound.
+fn pair_up(judge: &mut Judge, member: usize, got: &MemberReading, with: &MemberReading, wanted: &Expected) {
+    for (joint, bound) in wanted.locals.iter().enumerate() {
+        let mut pair = |what: &str, got: &[f32], with: &[f32], bound: f64| {
+            let side: f32 = got.iter().zip(with).map(|(g, w)| g * w).sum();
+            let sign = if got.len() == 4 && side < 0.0 { -1.0 } else { 1.0 };
+            for (c, (got, with)) in got.iter().zip(with).enumerate() {
+                let place = || format!("member {member} joint {joint} {what} {c}");
+                judge.number(sign * got, f64::from(*with), 2.0 * bound, 2.0 * LOCAL_CAP, place);
+            }
+        };
+        pair(
+            "rotation",
+            &got.rotations[joint],
+            &with.rotations[joint],
+            bound.rotation,
+        );
+        pair(
+            "translation",
+            &got.translations[joint],
+            &with.translations[joint],
+            bound.translation,
+        );
+        pair("scale", &got.scales[joint], &with.scales[joint], bound.scale);
+    }
+}

@@ -1,0 +1,110 @@
+//! Sampling: clips held at a time.
+
+use glam::DVec3;
+use populace_core::Backend;
+
+use super::plans;
+use crate::compare::{Judge, joint_place};
+use crate::crowd::Expected;
+use crate::scenes::{Scene, SceneClip, body};
+use crate::{MemberPlan, MemberReading, Play, Rng, TestCrowd, single};
+
+/// Every clip exactly at keys (a STEP key's own value counts from its time on), before the first, after the last and a
+/// hair before a key; on its own body and on another.
+///
+/// # Panics
+///
+/// If the backend is wrong.
+pub fn check_sampling_at_keys(backend: &mut dyn Backend) {
+    let scene = Scene::new();
+    let mut judge = Judge::new("sampling at keys");
+    let mut rng = Rng::new(21);
+    let mut plans = Vec::new();
+    for (index, clip) in scene.clips.iter().enumerate() {
+        let keys = clip.key_times();
+        let (first, last) = (keys[0], keys[keys.len() - 1]);
+        let mut times = vec![first, last, first - 1.0, last + 1.0, last.next_up()];
+        times.extend((0..20).map(|_| keys[rng.below(keys.len())]));
+        if clip.between_keys.is_some() {
+            times.extend((0..6).map(|_| keys[rng.below(keys.len())].next_down()));
+        }
+        let bodies = [clip.body, clip.body, clip.body, body::SMALL, body::LARGE];
+        for (n, time) in times.into_iter().enumerate() {
+            plans.push(MemberPlan::plain(
+                bodies[n % bodies.len()],
+                vec![Play::held(index, time)],
+            ));
+        }
+    }
+    let mut crowd = plans::crowd(&scene, 1, plans);
+    judge.frame(backend, &mut crowd, 0);
+    judge.done();
+}
+
+/// Every clip at times between its keys. Clips of STEP tracks, and of LINEAR tracks whose keys are near, are held to
+/// rounding; wide turns and splines to the bound that the clip states, at points around each joint of its own body.
+///
+/// # Panics
+///
+/// If the backend is wrong.
+pub fn check_sampling_between_keys(backend: &mut dyn Backend) {
+    let scene = Scene::new();
+    let mut judge = Judge::new("sampling between keys");
+    let mut rng = Rng::new(22);
+    let mut plans = Vec::new();
+    for (index, clip) in scene.clips.iter().enumerate() {
+        let (start, duration) = (clip.clip.start_secs(), clip.clip.duration_secs());
+        for _ in 0..24 {
+            let time = single(f64::from(start) + rng.between(0.0, 1.0) * f64::from(duration));
+            plans.push(MemberPlan::plain(clip.body, vec![Play::held(index, time)]));
+        }
+    }
+    let mut crowd = plans::crowd(&scene, 1, plans);
+    crowd.run_stages(backend, 0);
+    for (member, _, plan) in crowd.members() {
+        let clip = &scene.clips[plan.plays[0].clip];
+        let got = crowd.read(backend, member);
+        if let Some(wanted) = crowd.expected(member, 0) {
+            judge.locals(&crowd, member, &got, &wanted);
+            judge.models(&crowd, member, &got, &wanted);
+        }
+        let wanted = crowd.expected_within(member, 0, clip.at_keys);
+        probes(&mut judge, &crowd, member, clip, &got, &wanted);
+    }
+    judge.done();
+}
+
+/// Points around each joint, 3 cm away on a body of 1.8 m, as the clip states its bound.
+fn probes(
+    judge: &mut Judge,
+    crowd: &TestCrowd<'_>,
+    member: usize,
+    clip: &SceneClip,
+    got: &MemberReading,
+    wanted: &Expected,
+) {
+    let size_m = f64::from(crowd.scene.bodies[clip.body].skeleton.size_m());
+    let (reach_m, tolerance_m) = (size_m * 0.03 / 1.8, size_m * 0.000_3 / 1.8);
+    let stated = f64::from(clip.clip.stats().error_bound_m);
+    assert!(
+        stated <= tolerance_m * 1.000_1,
+        "{}: the clip's own bound, {stated} m, is off by more than {tolerance_m} m",
+        clip.clip.name()
+    );
+    let points = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * reach_m);
+    for (joint, model) in wanted.pose.model_from_joint.iter().enumerate() {
+        let bound = tolerance_m + wanted.models[joint].at_reach(reach_m);
+        for point in points.into_iter().flat_map(|p| [p, -p]) {
+            let image = model.transform_point3(point);
+            for (axis, row) in got.models[joint].chunks(4).enumerate() {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|i: usize| f64::from(row[i]));
+                let there = single(a * point.x + b * point.y + c * point.z + d);
+                judge.number(there, image[axis], bound, f64::INFINITY, || {
+                    let place = joint_place(crowd, member, joint);
+                    let (name, time) = (clip.clip.name(), crowd.plan(member).plays[0].timing);
+                    format!("{place}, clip \"{name}\" {time:?}, point {point} axis {axis}")
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Synthetic scenes: skeletons, palette entries and clips that cover what files may hold, the same on every machine.
+
+mod bodies;
+mod clips;
+mod motion;
+
+use populace_core::{Clip, ClipSource, JointSource, PaletteEntry, Skeleton};
+
+use crate::oracle::OracleBody;
+use crate::tolerance::SampleBound;
+
+/// A skeleton with its palette entries.
+#[derive(Clone, Debug)]
+pub struct SceneBody {
+    /// Joints in the order of the source: shuffled, so that children come before their parents.
+    pub joints: Vec<JointSource>,
+    /// The same in level order.
+    pub skeleton: Skeleton,
+    /// Entries: some joints have several, some none; bind matrices are arbitrary.
+    pub palette: Vec<PaletteEntry>,
+    /// The same for the oracle.
+    pub oracle: OracleBody,
+}
+
+/// A clip and the body it was made for.
+#[derive(Clone, Debug)]
+pub struct SceneClip {
+    /// The clip.
+    pub clip: Clip,
+    /// Index of its own body in [`Scene::bodies`].
+    pub body: usize,
+    /// How far samples may be off at keys.
+    pub at_keys: SampleBound,
+    /// How far samples may be off at any time; `None` where only the clip's bound in model space holds.
+    pub between_keys: Option<SampleBound>,
+}
+
+impl SceneClip {
+    pub(crate) fn new(source: ClipSource, body: &SceneBody, index: usize) -> Self {
+        let clip = Clip::new(source, &body.skeleton).expect("generated clips are sound");
+        Self {
+            at_keys: SampleBound::at_keys(&clip),
+            between_keys: SampleBound::between_keys(&clip),
+            body: index,
+            clip,
+        }
+    }
+
+    /// All key times, ascending, each once.
+    #[must_use]
+    pub fn key_times(&self) -> Vec<f32> {
+        let mut times: Vec<f32> = self
+            .clip
+            .source()
+            .tracks
+            .iter()
+            .flat_map(|t| t.times.clone())
+            .collect();
+        times.sort_by(f32::total_cmp);
+        times.dedup();
+        times
+    }
+}
+
+/// Bodies and clips.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Skeletons with palette entries.
+    pub bodies: Vec<SceneBody>,
+    /// Clips.
+    pub clips: Vec<SceneClip>,
+}
+
+impl Scene {
+    /// Six bodies and fourteen clips; see [`body`] and [`clip`].
+    #[must_use]
+    pub fn new() -> Self {
+        let bodies = bodies::all();
+        let clips = clips::all(&bodies);
+        Self { bodies, clips }
+    }
+
+    /// Clips that are held to a tight bound at every time, not only at keys.
+    #[must_use]
+    pub fn tight_clips(&self) -> Vec<usize> {
+        (0..self.clips.len())
+            .filter(|&clip| self.clips[clip].between_keys.is_some())
+            .collect()
+    }
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Indices into [`Scene::bodies`].
+pub mod body {
+    /// Two joints.
+    pub const PAIR: usize = 0;
+    /// 24 joints.
+    pub const SMALL: usize = 1;
+    /// 54 joints under two roots.
+    pub const TWO_ROOTS: usize = 2;
+    /// 54 joints with non-uniform scales, at rest and moving.
+    pub const SCALED: usize = 3;
+    /// 300 joints.
+    pub const LARGE: usize = 4;
+    /// 17 joints, one more than a block, and no palette entry.
+    pub const BARE: usize = 5;
+}
+
+/// Indices into [`Scene::clips`].
+pub mod clip {
+    /// Evenly spaced LINEAR keys from 0 s, on [`body::SMALL`](super::body::SMALL).
+    pub const EVEN: usize = 0;
+    /// Unevenly spaced LINEAR keys from 0.033 s, on [`body::TWO_ROOTS`](super::body::TWO_ROOTS).
+    pub const UNEVEN: usize = 1;
+    /// LINEAR keys, also of scales, on [`body::SCALED`](super::body::SCALED).
+    pub const SCALED: usize = 2;
+    /// STEP keys only, on [`body::TWO_ROOTS`](super::body::TWO_ROOTS).
+    pub const STEPS: usize = 3;
+    /// LINEAR and STEP tracks from 0.5 s, with key times of their own, on [`body::SMALL`](super::body::SMALL).
+    pub const LINEAR_AND_STEPS: usize = 4;
+    /// One key for each track: no length, on [`body::SMALL`](super::body::SMALL).
+    pub const STILL: usize = 5;
+    /// Drives a few joints and some that no skeleton has, on [`body::SMALL`](super::body::SMALL).
+    pub const STRANGERS: usize = 6;
+    /// Up to 170 degrees between keys whose signs flip, evenly spaced, on [`body::SMALL`](super::body::SMALL).
+    pub const WIDE: usize = 7;
+    /// The same unevenly spaced, with scales, on [`body::SCALED`](super::body::SCALED).
+    pub const WIDE_UNEVEN: usize = 8;
+    /// CUBICSPLINE tracks, on [`body::TWO_ROOTS`](super::body::TWO_ROOTS).
+    pub const SPLINE: usize = 9;
+    /// Tracks of all three kinds, on [`body::SMALL`](super::body::SMALL).
+    pub const ALL_KINDS: usize = 10;
+    /// Evenly spaced LINEAR keys, on [`body::LARGE`](super::body::LARGE).
+    pub const LARGE: usize = 11;
+    /// Unevenly spaced LINEAR keys, on [`body::PAIR`](super::body::PAIR).
+    pub const PAIR: usize = 12;
+    /// Evenly spaced LINEAR keys, on [`body::BARE`](super::body::BARE).
+    pub const BARE: usize = 13;
+}
+
+#[cfg(test)]
+mod tests {
+    use populace_core::Interpolation;
+
+    use super::*;
+
+    #[test]
+    fn bodies_are_what_their_names_say() {
+        let scene = Scene::new();
+        let counts: Vec<_> = scene.bodies.iter().map(|b| b.skeleton.joint_count()).collect();
+        assert_eq!(counts, [2, 24, 54, 54, 300, 17]);
+        let roots = |b: usize| {
+            scene.bodies[b]
+                .joints
+                .iter()
+                .filter(|j| j.parent.is_none())
+                .count()
+        };
+        assert_eq!(roots(body::TWO_ROOTS), 2);
+        assert!(scene.bodies[body::BARE].palette.is_empty());
+        let small = &scene.bodies[body::SMALL];
+        let first_child = |(at, joint): (usize, &JointSource)| joint.parent.is_some_and(|p| p > at);
+        assert!(
+            small.joints.iter().enumerate().any(first_child),
+            "a child stands before its parent"
+        );
+        let entries = |joint| small.palette.iter().filter(|e| e.joint == joint).count();
+        let counts: Vec<_> = small.skeleton.joints().map(entries).collect();
+        assert!(counts.contains(&0) && counts.iter().any(|&c| c > 1), "{counts:?}");
+    }
+
+    #[test]
+    fn clips_are_what_their_names_say() {
+        let scene = Scene::new();
+        let of = |clip: usize| scene.clips[clip].clip.stats();
+        assert!(of(clip::EVEN).evenly_spaced && !of(clip::UNEVEN).evenly_spaced);
+        assert_eq!(scene.clips[clip::STILL].clip.duration_secs(), 0.0);
+        assert_eq!(scene.clips[clip::UNEVEN].clip.start_secs(), 0.033);
+        let tight: Vec<_> = scene.tight_clips();
+        assert_eq!(tight, [0, 1, 2, 3, 4, 5, 6, 11, 12, 13]);
+        let kinds = |kind| {
+            let tracks = &scene.clips[clip::ALL_KINDS].clip.source().tracks;
+            tracks.iter().filter(|t| t.interpolation == kind).count()
+        };
+        for kind in [
+            Interpolation::Linear,
+            Interpolation::Step,
+            Interpolation::CubicSpline,
+        ] {
+            assert!(kinds(kind) > 2, "{kind:?}");
+        }
+    }
+}

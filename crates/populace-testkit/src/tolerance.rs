@@ -1,0 +1,388 @@
+//! How far a device may stray from the oracle, each bound with its derivation.
+//!
+//! `u` is half a unit in the last place of a single-precision 1, 2^-24. Each `+ - *` rounds by at most `u` of its
+//! result, and so do `sqrt` and `/` on a CPU; OpenCL allows 3 and 2.5 units in the last place (OpenCL C 1.2, section
+//! 7.4), 6 `u` and 5 `u`. Errors are added up to first order and constants are rounded up.
+
+use glam::{DAffine3, DMat3};
+use populace_core::{Clip, ClipSource, Interpolation, Property, Track};
+
+use crate::oracle::{Gain, Local, OracleBody};
+
+/// Half a unit in the last place of 1, in single precision.
+pub const UNIT: f64 = 1.0 / 16_777_216.0;
+
+/// No local transform is compared with a bound above this (quaternion components, factors, metres): where a bound is
+/// wider, for instance since two rotations nearly cancel, the joint is left out, and a check fails if it leaves out many.
+pub const LOCAL_CAP: f64 = 2.5e-5;
+
+/// No model matrix or palette is compared with a bound above this (metres and columns alike), other than where a clip's
+/// own bound decides.
+pub const MODEL_CAP: f64 = 1e-3;
+
+/// The same where Transform or Write-back runs alone, so that only rounding is left.
+pub const ROUNDING_CAP: f64 = 2e-5;
+
+/// Rounding of rotations in Pose, as four-component vectors: stored rows and rest (1 `u` each, 2), interpolation
+/// between two rows (3), normalising (dot 4, halved by the root; root 6; quotient 5; product 1: 14), weight and share
+/// (3), one product and one sum for each slot (2), normalising the mix (14), with 4 to spare.
+#[must_use]
+pub fn rotation_rounding(slots: usize) -> f64 {
+    (2 * slots + 40) as f64 * UNIT
+}
+
+/// Rounding of translations and scales in Pose, in proportion to the largest value: stored (2), interpolated (3), a
+/// product and a sum for each slot (2), divided by the total, whose own sum rounds for each slot (1), or a ratio (5),
+/// laid over (4), with 4 to spare.
+#[must_use]
+pub fn value_rounding(slots: usize) -> f64 {
+    (3 * slots + 18) as f64 * UNIT
+}
+
+/// How far a slot's time may be off. The phase keeps 24 bits, cut off, not rounded: one part in 2^24 of the duration,
+/// 2 `u`; three roundings of times up to the clip's end (3); finding how far between two rows a time lies subtracts two
+/// rounded times (2). The duration itself is taken as the clip states it.
+#[must_use]
+pub fn time_error_secs(clip: &Clip) -> f64 {
+    8.0 * UNIT * (f64::from(clip.start_secs()).abs() + f64::from(clip.duration_secs()))
+}
+
+/// How far a weight that ramps may be off: the elapsed time rounds three times (3), the rate once (1), product and
+/// sum (2), with ramps between 0 and 1, in `u`; 2 to spare.
+pub const WEIGHT_ERROR: f64 = 8.0 * UNIT;
+
+/// How far one slot's sampled value may be from the source curves, apart from the rounding in Pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SampleBound {
+    /// Metres.
+    pub translation: f64,
+    /// Quaternion components.
+    pub rotation: f64,
+    /// Factors.
+    pub scale: f64,
+    /// The largest translation component, in metres.
+    pub translation_size: f64,
+    /// The largest factor.
+    pub scale_size: f64,
+}
+
+impl SampleBound {
+    /// Of a clip at the times of its keys, where rows are exact: an error in time moves the value by the steepest slope.
+    #[must_use]
+    pub fn at_keys(clip: &Clip) -> Self {
+        let time = time_error_secs(clip);
+        let mut bound = Self::default();
+        for track in &clip.source().tracks {
+            let slip = steepest_per_sec(track) * time;
+            match track.property {
+                Property::Translation => bound.translation = bound.translation.max(slip),
+                Property::Rotation => bound.rotation = bound.rotation.max(slip),
+                Property::Scale => bound.scale = bound.scale.max(slip),
+            }
+            let largest = track.values.iter().fold(0.0, |a: f32, v| a.max(v.abs()));
+            match track.property {
+                Property::Translation => {
+                    bound.translation_size = bound.translation_size.max(f64::from(largest));
+                }
+                Property::Rotation => {}
+                Property::Scale => bound.scale_size = bound.scale_size.max(f64::from(largest)),
+            }
+        }
+        bound
+    }
+
+    /// Of a clip at any time; `None` where only the clip's bound in model space holds, since some track is a spline or
+    /// turns far between two keys.
+    ///
+    /// Rows stand at the union of key times, so what is left is a chord in place of an arc: normalised linear
+    /// interpolation over an arc `a` (between the quaternions) lags behind slerp by at most
+    /// `a^3 t (1 - t) (1 - 2 t) / 6 <= 0.0161 a^3` (series of the tangent formula); 0.017 covers the next terms.
+    #[must_use]
+    pub fn between_keys(clip: &Clip) -> Option<Self> {
+        const FAR: f64 = 0.15;
+        let mut bound = Self::at_keys(clip);
+        let arc = widest_arc(clip.source())?;
+        if arc > FAR {
+            return None;
+        }
+        bound.rotation += 0.017 * arc.powi(3);
+        Some(bound)
+    }
+
+    /// The wider of both.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            translation: self.translation.max(other.translation),
+            rotation: self.rotation.max(other.rotation),
+            scale: self.scale.max(other.scale),
+            translation_size: self.translation_size.max(other.translation_size),
+            scale_size: self.scale_size.max(other.scale_size),
+        }
+    }
+
+    /// Widened by weights that are off by `error` each, where `slots` of them sum to `total`: shares move by at most
+    /// `slots * error / total`, and with them the mix by that times the distance of two values, at most 2 between unit
+    /// quaternions and twice the largest value elsewhere.
+    #[must_use]
+    pub fn with_weight_error(mut self, error: f64, slots: usize, total: f64) -> Self {
+        let share = slots as f64 * error / total;
+        self.translation += 2.0 * self.translation_size * share;
+        self.rotation += 2.0 * share;
+        self.scale += 2.0 * self.scale_size * share;
+        self
+    }
+}
+
+/// The widest arc between two neighbouring rotation keys that are slerped, as angle between the quaternions; `None` if
+/// there are splines.
+fn widest_arc(source: &ClipSource) -> Option<f64> {
+    let mut widest: f64 = 0.0;
+    for track in &source.tracks {
+        match (track.interpolation, track.property) {
+            (Interpolation::CubicSpline, _) if track.times.len() > 1 => return None,
+            (Interpolation::Linear, Property::Rotation) => {
+                for key in 1..track.times.len() {
+                    widest = widest.max(arc(track, key));
+                }
+            }
+            _ => {}
+        }
+    }
+    Some(widest)
+}
+
+/// The arc between a rotation key and the one before it.
+fn arc(track: &Track, key: usize) -> f64 {
+    let quat =
+        |key| glam::DVec4::from_array(std::array::from_fn(|c| f64::from(track.value(key)[c]))).normalize();
+    quat(key - 1).dot(quat(key)).abs().min(1.0).acos()
+}
+
+/// The steepest slope of a track, per second. For splines: the slopes of the four Hermite polynomials are at most 1.5,
+/// 1.5, 1 and 1, per value and tangent; a rotation's slope grows again where its length is below 1, by at most 2 here.
+fn steepest_per_sec(track: &Track) -> f64 {
+    let width = track.property.width();
+    let mut steepest: f64 = 0.0;
+    for key in 1..track.times.len() {
+        let secs = f64::from(track.times[key]) - f64::from(track.times[key - 1]);
+        let difference = distance(track.value(key - 1), track.value(key));
+        let slope = match (track.interpolation, track.property) {
+            (Interpolation::Step, _) => 0.0,
+            (Interpolation::Linear, Property::Rotation) => arc(track, key) / secs,
+            (Interpolation::Linear, _) => difference / secs,
+            (Interpolation::CubicSpline, _) => {
+                let stride = 3 * width;
+                let out = &track.values[(key - 1) * stride + 2 * width..][..width];
+                let into = &track.values[key * stride..][..width];
+                let zero = [0.0; 4];
+                2.0 * (1.5 * difference / secs
+                    + distance(out, &zero[..width])
+                    + distance(into, &zero[..width]))
+            }
+        };
+        steepest = steepest.max(slope);
+    }
+    steepest
+}
+
+fn distance(a: &[f32], b: &[f32]) -> f64 {
+    let squares = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+    squares.sum::<f64>().sqrt()
+}
+
+/// How far one joint's local transform may be off.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LocalBound {
+    /// Metres.
+    pub translation: f64,
+    /// Quaternion components.
+    pub rotation: f64,
+    /// Factors.
+    pub scale: f64,
+}
+
+impl LocalBound {
+    /// A joint's bound after Pose has mixed `slots` slots that are each within `sample`.
+    ///
+    /// What is off in a sample, and the rounding on the way, grows by the oracle's gain for that joint.
+    #[must_use]
+    pub fn after_pose(sample: &SampleBound, rest: &Local, gain: &Gain, slots: usize) -> Self {
+        let translation_size = sample.translation_size.max(rest.translation.abs().max_element());
+        let scale_size = sample.scale_size.max(rest.scale.abs().max_element());
+        let rounding = value_rounding(slots);
+        Self {
+            translation: gain.translation * (sample.translation + rounding * translation_size),
+            rotation: gain.rotation * (sample.rotation + rotation_rounding(slots)),
+            scale: gain.scale * (sample.scale + rounding * scale_size),
+        }
+    }
+}
+
+/// How far an affine transform may be off: its linear part as a 2-norm, its translation in metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AffineBound {
+    /// Linear part.
+    pub linear: f64,
+    /// Metres.
+    pub translation: f64,
+}
+
+impl AffineBound {
+    /// The larger of both: what any single element may be off.
+    #[must_use]
+    pub fn element(&self) -> f64 {
+        self.linear.max(self.translation)
+    }
+
+    /// How far the image of a point at this distance from the origin may be off.
+    #[must_use]
+    pub fn at_reach(&self, reach_m: f64) -> f64 {
+        self.linear * reach_m + self.translation
+    }
+
+    /// Of the product of `a`, known within `bound_a`, and `b`, known within `bound_b`. Each element of the product
+    /// rounds three times and its sum over three terms twice, 5 `u` of the product of the norms; the translation's
+    /// last sum once more.
+    fn product(a: &DAffine3, bound_a: Self, b: &Affine2Norms, bound_b: Self) -> Self {
+        let a_norm = frobenius(&a.matrix3);
+        let rounding = 6.0 * UNIT;
+        Self {
+            linear: a_norm * bound_b.linear
+                + bound_a.linear * (b.linear + bound_b.linear)
+                + rounding * 3f64.sqrt() * a_norm * b.linear,
+            translation: a_norm * bound_b.translation
+                + bound_a.linear * (b.translation + bound_b.translation)
+                + bound_a.translation
+                + rounding * (a_norm * b.translation + a.translation.length()),
+        }
+    }
+}
+
+struct Affine2Norms {
+    linear: f64,
+    translation: f64,
+}
+
+fn frobenius(m: &DMat3) -> f64 {
+    m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// The bound of each joint's `model_from_joint`, from those of the locals.
+///
+/// A quaternion off by `e` turns by at most `2 e`, and one whose length is off by `e` scales its matrix by at most `2 e`
+/// more: `4 e` times the largest factor. The matrix from a quaternion rounds at most 6 times an element, 18 `u` over the
+/// matrix. Then products down the hierarchy.
+#[must_use]
+pub fn model_bounds(
+    body: &OracleBody,
+    locals: &[Local],
+    models: &[DAffine3],
+    bounds: &[LocalBound],
+) -> Vec<AffineBound> {
+    (0..locals.len())
+        .map(|joint| model_bound(body, locals, models, bounds, joint))
+        .collect()
+}
+
+fn model_bound(
+    body: &OracleBody,
+    locals: &[Local],
+    models: &[DAffine3],
+    bounds: &[LocalBound],
+    joint: usize,
+) -> AffineBound {
+    let (local, bound) = (&locals[joint], &bounds[joint]);
+    let largest = local.scale.abs().max_element();
+    let norms = Affine2Norms {
+        linear: largest,
+        translation: local.translation.length(),
+    };
+    let own = AffineBound {
+        linear: largest * (4.0 * bound.rotation + 18.0 * UNIT) + bound.scale,
+        translation: 3f64.sqrt() * bound.translation,
+    };
+    match body.joints[joint].parent {
+        None => own,
+        Some(parent) => {
+            let beneath = model_bound(body, locals, models, bounds, parent);
+            AffineBound::product(&models[parent], beneath, &norms, own)
+        }
+    }
+}
+
+/// The bound of each palette entry, from those of the joints' matrices. `joint_from_bind` is exact.
+#[must_use]
+pub fn palette_bounds(body: &OracleBody, models: &[DAffine3], bounds: &[AffineBound]) -> Vec<AffineBound> {
+    let bound = |(joint, bind): &(usize, [f64; 12])| {
+        let row = |r: usize| &bind[4 * r..4 * r + 4];
+        let sum = |take: fn(&[f64]) -> f64| (0..3).map(|r| take(row(r))).sum::<f64>().sqrt();
+        let norms = Affine2Norms {
+            linear: sum(|r| r[0] * r[0] + r[1] * r[1] + r[2] * r[2]),
+            translation: sum(|r| r[3] * r[3]),
+        };
+        AffineBound::product(&models[*joint], bounds[*joint], &norms, AffineBound::default())
+    };
+    body.palette.iter().map(bound).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Rng;
+    use crate::oracle::{model_from_joints, palettes, slerp};
+    use crate::scenes::Scene;
+    use glam::DQuat;
+
+    #[test]
+    fn a_chord_lags_behind_its_arc_by_no_more_than_stated() {
+        let mut worst: f64 = 0.0;
+        let to = DQuat::from_rotation_x(2.0 * 0.15);
+        for step in 0..=1000 {
+            let t = f64::from(step) / 1000.0;
+            let chord = (DQuat::IDENTITY * (1.0 - t) + to * t).normalize();
+            worst = worst.max((chord - slerp(DQuat::IDENTITY, to, t)).length());
+        }
+        let stated = 0.017 * 0.15f64.powi(3);
+        assert!(worst <= stated && worst > 0.9 * stated, "{worst} {stated}");
+    }
+
+    fn wrong(rng: &mut Rng, local: &Local, bound: &LocalBound) -> Local {
+        let turn = glam::DVec4::from((rng.direction(), rng.between(-1.0, 1.0))).normalize() * bound.rotation;
+        Local {
+            translation: local.translation + rng.vector(-1.0, 1.0) * bound.translation,
+            rotation: local.rotation + DQuat::from_vec4(turn),
+            scale: local.scale + rng.vector(-1.0, 1.0) * bound.scale,
+        }
+    }
+
+    #[test]
+    fn errors_in_local_transforms_stay_within_the_bounds_of_matrices() {
+        let scene = Scene::new();
+        let mut rng = Rng::new(91);
+        for body in scene.bodies.iter().map(|b| &b.oracle) {
+            let locals: Vec<Local> = (0..body.joints.len()).map(|j| body.rest(j)).collect();
+            let bound = LocalBound {
+                translation: 1e-6,
+                rotation: 2e-6,
+                scale: 3e-6,
+            };
+            let bounds = vec![bound; locals.len()];
+            let off: Vec<Local> = locals.iter().map(|l| wrong(&mut rng, l, &bound)).collect();
+            let (right, wrong) = (model_from_joints(body, &locals), model_from_joints(body, &off));
+            let model_bounds = model_bounds(body, &locals, &right, &bounds);
+            for ((a, b), bound) in right.iter().zip(&wrong).zip(&model_bounds) {
+                assert!(frobenius(&(a.matrix3 - b.matrix3)) <= 3f64.sqrt() * bound.linear);
+                assert!((a.translation - b.translation).length() <= bound.translation);
+            }
+            let entries = palettes(body, &right).into_iter().zip(palettes(body, &wrong));
+            for ((a, b), bound) in entries.zip(palette_bounds(body, &right, &model_bounds)) {
+                let off = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(off <= bound.element(), "{off} {bound:?}");
+            }
+        }
+    }
+}
