@@ -9,13 +9,15 @@ use opencl3::kernel::Kernel;
 use populace_core::layout::{Float4, PAGE_ENTRIES};
 use populace_core::{Backend, BackendError, Frame, Stage, StageBuffer, Tables};
 
-use crate::OpenClDevice;
 use crate::launch::Launch;
 use crate::stage_buffers::StageBuffers;
 use crate::tables::DeviceTables;
+use crate::{DeviceKind, OpenClDevice};
 
-/// Work-items per group: whole blocks of 16 joints, and a multiple of the 32 or 64 lanes that GPUs run together.
-const GROUP: usize = 64;
+/// Work-items per group on a GPU: whole blocks of 16 joints, and a multiple of the 32 or 64 lanes that run together.
+const GPU_GROUP: usize = 64;
+/// On a CPU a group is a loop on one core, and handing it over costs more than a joint does: larger groups win.
+const CPU_GROUP: usize = 1024;
 
 /// Evaluates crowds on an OpenCL device by the staged schedule.
 pub struct OpenClBackend {
@@ -24,6 +26,8 @@ pub struct OpenClBackend {
     kernels: Kernels,
     tables: DeviceTables,
     buffers: StageBuffers,
+    /// Work-items per group.
+    group: usize,
     /// The events of the last run of each stage.
     events: [Vec<Event>; Stage::ALL.len()],
 }
@@ -59,6 +63,11 @@ impl OpenClBackend {
             },
             tables: DeviceTables::new(device)?,
             buffers: StageBuffers::new(device)?,
+            group: device.group_size(if device.info.kind == DeviceKind::Cpu {
+                CPU_GROUP
+            } else {
+                GPU_GROUP
+            }),
             events: Default::default(),
             device: Arc::clone(device),
         })
@@ -75,7 +84,11 @@ impl OpenClBackend {
             .ulong("tick", frame.tick)
             .uint("slot_count", narrow(count))
             .buffer("samples", &self.buffers.samples)
-            .run(&self.queue, [count.next_multiple_of(GROUP), 1], [GROUP, 1])
+            .run(
+                &self.queue,
+                [count.next_multiple_of(self.group), 1],
+                [self.group, 1],
+            )
     }
 
     fn pose(&self, tables: &Tables) -> Result<Event, ClError> {
@@ -99,13 +112,17 @@ impl OpenClBackend {
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
-            .run(&self.queue, [count.next_multiple_of(GROUP), 1], [GROUP, 1])
+            .run(
+                &self.queue,
+                [count.next_multiple_of(self.group), 1],
+                [self.group, 1],
+            )
     }
 
     fn transform_level(&self, level: usize, width: usize, members: usize) -> Result<Event, ClError> {
         // Groups hold the whole width of a level where they can, and as many members as then fit.
-        let wide = width.min(GROUP);
-        let local = [wide, (GROUP / wide).max(1)];
+        let wide = width.min(self.group);
+        let local = [wide, (self.group / wide).max(1)];
         Launch::of(&self.kernels.transform)
             .buffer("members", &self.tables.members.buffer)
             .buffer("bodies", &self.tables.bodies.buffer)
@@ -141,7 +158,11 @@ impl OpenClBackend {
             .uint("page_first", narrow(page * PAGE_ENTRIES as usize))
             .uint("entry_count", narrow(entry_count))
             .buffer("palette", &self.buffers.pages[page])
-            .run(&self.queue, [entry_count.next_multiple_of(GROUP), 1], [GROUP, 1])
+            .run(
+                &self.queue,
+                [entry_count.next_multiple_of(self.group), 1],
+                [self.group, 1],
+            )
     }
 
     fn enqueue(&self, tables: &Tables, frame: Frame, stage: Stage) -> Result<Vec<Event>, ClError> {
@@ -176,11 +197,11 @@ impl OpenClBackend {
     fn floor_ms(&self, kernel: &Kernel, per_item: usize) -> Result<f64, ClError> {
         let mut events = Vec::new();
         for page in &self.buffers.pages {
-            let items = page.len().div_ceil(per_item).next_multiple_of(GROUP);
+            let items = page.len().div_ceil(per_item).next_multiple_of(self.group);
             let launch = Launch::of(kernel)
                 .buffer("palette", page)
                 .uint("count", narrow(page.len()));
-            events.push(launch.run(&self.queue, [items, 1], [GROUP, 1])?);
+            events.push(launch.run(&self.queue, [items, 1], [self.group, 1])?);
         }
         self.queue.finish()?;
         Ok(Self::time_ms(&events).unwrap_or(0.0))

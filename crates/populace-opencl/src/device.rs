@@ -174,6 +174,13 @@ impl OpenClDevice {
         &self.info
     }
 
+    /// As many work-items per group as wished for, or as the device allows.
+    pub(crate) fn group_size(&self, wished: usize) -> usize {
+        self.device
+            .max_work_group_size()
+            .map_or(1, |most| most.clamp(1, wished))
+    }
+
     pub(crate) fn kernel(&self, name: &str) -> Result<Kernel, BackendError> {
         Kernel::create(&self.program, name).map_err(|e| self.failed(&format!("find the kernel {name}"), &e))
     }

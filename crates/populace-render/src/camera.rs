@@ -71,7 +71,7 @@ impl Camera {
             lower = lower.min(height - depth * widening_y);
         }
         distance = distance.max(0.5 * (upper - lower) / widening_y);
-        let target = middle + up * (0.5 * (upper + lower));
+        let target = middle + up * balanced_height(0.5 * size, back, up, distance);
         Self {
             eye: (target + back * distance).to_array(),
             target: target.to_array(),
@@ -108,6 +108,27 @@ impl Camera {
     }
 }
 
+/// How far above the box's middle the camera must look, from this distance, to see as much of the picture left above
+/// the box as below.
+fn balanced_height(half: Vec3, back: Vec3, up: Vec3, distance: f32) -> f32 {
+    let (mut low, mut high) = (-half.length(), half.length());
+    // Single precision has no more bits than this to settle.
+    for _ in 0..24 {
+        let height = 0.5 * (low + high);
+        let (mut above, mut below) = (0.0_f32, 0.0_f32);
+        for corner in corners(Vec3::ZERO, half) {
+            let at = (corner.dot(up) - height) / (distance - corner.dot(back));
+            (above, below) = (above.max(at), below.max(-at));
+        }
+        if above > below {
+            low = height
+        } else {
+            high = height
+        }
+    }
+    0.5 * (low + high)
+}
+
 fn corners(middle: Vec3, half: Vec3) -> impl Iterator<Item = Vec3> {
     (0..8).map(move |bits: u32| {
         let sign = |bit: u32| if bits & bit == 0 { -1.0 } else { 1.0 };
@@ -135,8 +156,11 @@ mod tests {
                     0.5 * (Vec3::from(high) - Vec3::from(low)),
                 );
                 let mut widest = 0.0_f32;
+                let (mut top, mut bottom) = (-1.0_f32, 1.0_f32);
                 for corner in corners(middle, half) {
-                    let at = clip.project_point3(corner).abs();
+                    let at = clip.project_point3(corner);
+                    (top, bottom) = (top.max(at.y), bottom.min(at.y));
+                    let at = at.abs();
                     assert!(
                         at.max_element() < 1.0,
                         "{corner} of {low:?} {high:?} is at {at} at aspect {aspect}"
@@ -146,6 +170,10 @@ mod tests {
                 assert!(
                     widest > 0.8 || low == high,
                     "{low:?} {high:?} take only {widest} at aspect {aspect}"
+                );
+                assert!(
+                    (top + bottom).abs() < 0.01 || low == high,
+                    "{low:?} {high:?} stand from {bottom} to {top}"
                 );
                 let horizon = clip.project_point3(Vec3::from(camera.eye) + Vec3::new(0.0, 0.0, -1e5));
                 assert!(

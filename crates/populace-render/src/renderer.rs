@@ -20,8 +20,8 @@ use crate::{CharacterHandle, Error, Ground, Instance, Scene};
 const ENTRY_ELEMENTS: usize = 3;
 /// Pages that a 32-bit `palette_first` can name.
 const PAGE_LIMIT: usize = (u32::MAX / PAGE_ENTRIES) as usize + 1;
-/// Texels along each side of the sun's depth map.
-const SHADOW_SIZE: u32 = 4096;
+/// Texels along each side of the sun's depth map, at least and at most.
+const SHADOW_SIZES: [u32; 2] = [1024, 4096];
 const PALETTE_BINDING: u32 = 0;
 const TEXTURE_UNIT: u32 = 0;
 const SHADOW_UNIT: u32 = 1;
@@ -211,7 +211,7 @@ impl Renderer {
         }
         let shadow = match &mut self.shadow {
             Some(shadow) => shadow,
-            empty => empty.insert(ShadowTarget::new(&self.gl, SHADOW_SIZE)?),
+            empty => empty.insert(ShadowTarget::new(&self.gl, shadow_size(self.size))?),
         };
         let balls: Vec<Ball> = instances.iter().filter_map(|i| ball(&self.models, i)).collect();
         let to_sun = Vec3::from(scene.sun.to_sun).normalize();
@@ -278,6 +278,14 @@ impl Renderer {
             .draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
         Ok(())
     }
+}
+
+/// As fine as the picture, and half as fine again since the map's texels lie askew to its pixels.
+fn shadow_size([width, height]: [u32; 2]) -> u32 {
+    let [low, high] = SHADOW_SIZES;
+    (width.max(height).min(high) * 3 / 2)
+        .next_power_of_two()
+        .clamp(low, high)
 }
 
 fn range<'a, I>(

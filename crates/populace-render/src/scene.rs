@@ -82,11 +82,11 @@ impl Default for Scene {
             camera: Camera::default(),
             sun: Sun {
                 to_sun: [0.55, 1.0, 0.6],
-                color: [1.0, 0.94, 0.83],
+                color: [0.86, 0.81, 0.72],
                 casts_shadows: true,
             },
             ambient: Ambient {
-                sky: [0.42, 0.47, 0.56],
+                sky: [0.4, 0.45, 0.54],
                 ground: [0.2, 0.19, 0.18],
             },
             ground: Some(Ground {

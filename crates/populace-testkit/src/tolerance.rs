@@ -14,14 +14,14 @@ pub const UNIT: f64 = 1.0 / 16_777_216.0;
 
 /// No local transform is compared with a bound above this (quaternion components, factors, metres): where a bound is
 /// wider, for instance since two rotations nearly cancel, the joint is left out, and a check fails if it leaves out many.
-pub const LOCAL_CAP: f64 = 2.5e-5;
+pub const LOCAL_CAP: f64 = 4e-5;
 
 /// No model matrix or palette is compared with a bound above this (metres and columns alike), other than where a clip's
 /// own bound decides.
-pub const MODEL_CAP: f64 = 1e-3;
+pub const MODEL_CAP: f64 = 2e-3;
 
 /// The same where Transform or Write-back runs alone, so that only rounding is left.
-pub const ROUNDING_CAP: f64 = 2e-5;
+pub const ROUNDING_CAP: f64 = 1e-4;
 
 /// Rounding of rotations in Pose, as four-component vectors: stored rows and rest (1 `u` each, 2), interpolation
 /// between two rows (3), normalising (dot 4, halved by the root; root 6; quotient 5; product 1: 14), weight and share
@@ -247,8 +247,8 @@ impl AffineBound {
     /// Of the product of `a`, known within `bound_a`, and `b`, known within `bound_b`. Each element of the product
     /// rounds three times and its sum over three terms twice, 5 `u` of the product of the norms; the translation's
     /// last sum once more.
-    fn product(a: &DAffine3, bound_a: Self, b: &Affine2Norms, bound_b: Self) -> Self {
-        let a_norm = frobenius(&a.matrix3);
+    fn product(a: &DAffine3, bound_a: Self, b: &Norms, bound_b: Self) -> Self {
+        let a_norm = norm(&a.matrix3);
         let rounding = 6.0 * UNIT;
         Self {
             linear: a_norm * bound_b.linear
@@ -262,13 +262,25 @@ impl AffineBound {
     }
 }
 
-struct Affine2Norms {
+/// The norms of the two parts of an affine transform.
+struct Norms {
     linear: f64,
     translation: f64,
 }
 
+/// The root of the sum of squares.
 fn frobenius(m: &DMat3) -> f64 {
     m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// The 2-norm, how far a matrix stretches at most, or up to 2 % more: the largest eigenvalue of `b = transpose * m` is
+/// at most the 16th root of the Frobenius norm of `b^16`, and that is at most its 3^(1/32) fold.
+fn norm(m: &DMat3) -> f64 {
+    let mut power = m.transpose() * *m;
+    for _ in 0..4 {
+        power = power * power;
+    }
+    frobenius(&power).powf(1.0 / 32.0)
 }
 
 /// The bound of each joint's `model_from_joint`, from those of the locals.
@@ -297,7 +309,7 @@ fn model_bound(
 ) -> AffineBound {
     let (local, bound) = (&locals[joint], &bounds[joint]);
     let largest = local.scale.abs().max_element();
-    let norms = Affine2Norms {
+    let norms = Norms {
         linear: largest,
         translation: local.translation.length(),
     };
@@ -320,7 +332,7 @@ pub fn palette_bounds(body: &OracleBody, models: &[DAffine3], bounds: &[AffineBo
     let bound = |(joint, bind): &(usize, [f64; 12])| {
         let row = |r: usize| &bind[4 * r..4 * r + 4];
         let sum = |take: fn(&[f64]) -> f64| (0..3).map(|r| take(row(r))).sum::<f64>().sqrt();
-        let norms = Affine2Norms {
+        let norms = Norms {
             linear: sum(|r| r[0] * r[0] + r[1] * r[1] + r[2] * r[2]),
             translation: sum(|r| r[3] * r[3]),
         };

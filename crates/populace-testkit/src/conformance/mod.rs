@@ -24,70 +24,79 @@ pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
 
 /// Expands to one `#[test]` for each check of the conformance suite, run on the backend that the expression makes, and
 /// one for its twin, which must fail. The expression is evaluated anew for each test, and for some several times.
+///
+/// What follows the expression, such as `cfg_attr(no_device, ignore = "why")`, becomes attributes of all tests.
 #[macro_export]
 macro_rules! backend_conformance {
-    ($backend:expr) => {
-        $crate::backend_conformance! { @one $backend;
-            check_clock clock_holds clock_can_fail rotation;
-            check_weights weights_hold weights_can_fail weight;
-            check_sampling_at_keys sampling_at_keys_holds sampling_at_keys_can_fail translation;
-            check_sampling_between_keys sampling_between_keys_holds sampling_between_keys_can_fail model;
-            check_blends blends_hold blends_can_fail rotation;
-            check_slot_order slot_order_holds slot_order_can_fail rotation;
-            check_zero_weights zero_weights_hold zero_weights_can_fail palette_bit;
-            check_small_totals small_totals_hold small_totals_can_fail scale;
-            check_override_layers override_layers_hold override_layers_can_fail palette;
-            check_additive_layers additive_layers_hold additive_layers_can_fail rotation;
-            check_transform_alone transform_alone_holds transform_alone_can_fail model_rounding;
-            check_write_back_alone write_back_alone_holds write_back_alone_can_fail palette_rounding;
-            check_pages pages_hold pages_can_fail palette_bit;
-            check_growth growth_holds growth_can_fail palette;
-            check_long_run long_run_holds long_run_can_fail rotation;
-        }
-        $crate::backend_conformance! { @many $backend;
-            check_mixed_dispatch mixed_dispatch_holds mixed_dispatch_can_fail palette_bit;
-            check_churn churn_holds churn_can_fail palette_bit;
+    ($backend:expr $(, $attribute:meta)* $(,)?) => {
+        $crate::backend_conformance! { @checks [$($attribute),*] $backend;
+            one check_clock clock_holds clock_can_fail rotation;
+            one check_weights weights_hold weights_can_fail weight;
+            one check_sampling_at_keys sampling_at_keys_holds sampling_at_keys_can_fail translation;
+            one check_sampling_between_keys sampling_between_keys_holds sampling_between_keys_can_fail model;
+            one check_blends blends_hold blends_can_fail rotation;
+            one check_slot_order slot_order_holds slot_order_can_fail rotation;
+            one check_zero_weights zero_weights_hold zero_weights_can_fail palette_bit;
+            one check_small_totals small_totals_hold small_totals_can_fail scale;
+            one check_override_layers override_layers_hold override_layers_can_fail palette;
+            one check_additive_layers additive_layers_hold additive_layers_can_fail rotation;
+            one check_transform_alone transform_alone_holds transform_alone_can_fail model_rounding;
+            one check_write_back_alone write_back_alone_holds write_back_alone_can_fail palette_rounding;
+            one check_pages pages_hold pages_can_fail palette_bit;
+            one check_growth growth_holds growth_can_fail palette;
+            one check_long_run long_run_holds long_run_can_fail rotation;
+            many check_mixed_dispatch mixed_dispatch_holds mixed_dispatch_can_fail palette_bit;
+            many check_churn churn_holds churn_can_fail palette_bit;
         }
     };
-    (@one $backend:expr; $($check:ident $holds:ident $can_fail:ident $wrong:ident;)*) => { $(
+    (@checks $attributes:tt $backend:expr; $($kind:ident $check:ident $holds:ident $can_fail:ident $wrong:ident;)*) => {
+        $( $crate::backend_conformance! { @check $attributes $kind $backend, $check $holds $can_fail $wrong } )*
+    };
+    (@check [$($attribute:meta),*] one $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
         #[test]
+        $(#[$attribute])*
         fn $holds() {
             $crate::conformance::$check(&mut $backend);
         }
 
         #[test]
+        $(#[$attribute])*
         #[should_panic(expected = "off by")]
         fn $can_fail() {
             $crate::conformance::$check(&mut $crate::Broken::new($backend, $crate::Corruption::$wrong()));
         }
-    )* };
-    (@many $backend:expr; $($check:ident $holds:ident $can_fail:ident $wrong:ident;)*) => { $(
+    };
+    (@check [$($attribute:meta),*] many $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
         #[test]
+        $(#[$attribute])*
         fn $holds() {
             $crate::conformance::$check(&mut || ::std::boxed::Box::new($backend));
         }
 
         #[test]
+        $(#[$attribute])*
         #[should_panic(expected = "off by")]
         fn $can_fail() {
             $crate::conformance::$check(&mut || {
                 ::std::boxed::Box::new($crate::Broken::new($backend, $crate::Corruption::$wrong()))
             });
         }
-    )* };
+    };
 }
 
-/// Expands to tests that two backends, made by the two expressions, agree, and that they are seen to differ where one
-/// is broken.
+/// Expands to a test that two backends, made by the two expressions, agree, and to one that they are seen to differ
+/// where one is broken. What follows becomes attributes of both.
 #[macro_export]
 macro_rules! backends_agree {
-    ($first:expr, $second:expr) => {
+    ($first:expr, $second:expr $(, $attribute:meta)* $(,)?) => {
         #[test]
+        $(#[$attribute])*
         fn agreement_holds() {
             $crate::conformance::check_agreement(&mut $first, &mut $second);
         }
 
         #[test]
+        $(#[$attribute])*
         #[should_panic(expected = "off by")]
         fn agreement_can_fail() {
             let mut second = $crate::Broken::new($second, $crate::Corruption::palette_bit());
