@@ -35,11 +35,9 @@ impl Component {
     fn read(at: &Cursor) -> Checked<Self> {
         let code = at.uint()?;
         let known = Self::ALL.iter().find(|(c, _)| *c == code);
-        known.map(|(_, component)| *component).ok_or_else(|| {
-            at.problem(format!(
-                "is {code}; component types are 5120 to 5123, 5125 and 5126"
-            ))
-        })
+        known
+            .map(|(_, component)| *component)
+            .ok_or_else(|| at.problem(format!("is {code}; component types are 5120 to 5123, 5125 and 5126")))
     }
 }
 
@@ -84,9 +82,7 @@ impl Shape {
         let text = at.text()?;
         let known = Self::NAMES.iter().find(|(name, _)| *name == text);
         known.map(|(_, shape)| *shape).ok_or_else(|| {
-            at.problem(format!(
-                "is \"{text}\"; types are SCALAR, VEC2 to VEC4 and MAT2 to MAT4"
-            ))
+            at.problem(format!("is \"{text}\"; types are SCALAR, VEC2 to VEC4 and MAT2 to MAT4"))
         })
     }
 }
@@ -103,9 +99,7 @@ pub(crate) struct View {
 
 impl View {
     pub(crate) fn read(at: &Cursor, buffer_lengths: &[Checked<usize>]) -> Checked<Self> {
-        let buffer = at
-            .require("buffer")
-            .and_then(|b| b.index(buffer_lengths.len(), "buffer"));
+        let buffer = at.require("buffer").and_then(|b| b.index(buffer_lengths.len(), "buffer"));
         let offset = at.optional("byteOffset", Cursor::uint);
         let length = at.require("byteLength").and_then(|l| l.uint());
         let stride = at.optional("byteStride", Cursor::uint);
@@ -114,9 +108,9 @@ impl View {
             return Err(at.problem("has a byteLength of 0; it must be at least 1"));
         }
         if let Some(stride) = stride.filter(|s| !(4..=252).contains(s) || s % 4 != 0) {
-            return Err(at.problem(format!(
-                "has a byteStride of {stride}; it must be a multiple of 4 from 4 to 252"
-            )));
+            return Err(
+                at.problem(format!("has a byteStride of {stride}; it must be a multiple of 4 from 4 to 252"))
+            );
         }
         let buffer_length = buffer_lengths[buffer]?;
         if offset.checked_add(length).is_none_or(|end| end > buffer_length) {
@@ -124,13 +118,7 @@ impl View {
                 "reaches from byte {offset} for {length} bytes, but buffer {buffer} has {buffer_length}"
             )));
         }
-        Ok(Self {
-            place: at.place().to_owned(),
-            buffer,
-            offset,
-            length,
-            stride,
-        })
+        Ok(Self { place: at.place().to_owned(), buffer, offset, length, stride })
     }
 }
 
@@ -168,11 +156,7 @@ impl Accessor {
     /// From one column of a matrix to the next; columns start at multiples of 4 bytes.
     pub(crate) const fn column_bytes(&self) -> usize {
         let bytes = self.shape.rows * self.component.bytes();
-        if self.shape.columns > 1 {
-            bytes.next_multiple_of(4)
-        } else {
-            bytes
-        }
+        if self.shape.columns > 1 { bytes.next_multiple_of(4) } else { bytes }
     }
 
     /// From one element to the next, where no stride says otherwise.
@@ -213,8 +197,7 @@ impl Accessor {
         }
         // Both are looked at before either's problem counts, so that each is found.
         let base = base.and_then(|base| {
-            base.iter()
-                .try_for_each(|stretch| accessor.check_fits(at, views, stretch, count))?;
+            base.iter().try_for_each(|stretch| accessor.check_fits(at, views, stretch, count))?;
             Ok(base)
         });
         let sparse = at.optional("sparse", |sparse| accessor.read_sparse(sparse, views));
@@ -233,11 +216,7 @@ impl Accessor {
         let view = views[stretch.view].as_ref().map_err(|reported| *reported)?;
         let element = self.element_bytes();
         // Columns of matrices start at multiples of 4, whatever they consist of.
-        let align = if self.shape.columns > 1 {
-            4
-        } else {
-            self.component.bytes()
-        };
+        let align = if self.shape.columns > 1 { 4 } else { self.component.bytes() };
         let start = view.offset.saturating_add(stretch.offset);
         let mut failed = Ok(());
         if !stretch.offset.is_multiple_of(align) || !start.is_multiple_of(align) {
@@ -294,19 +273,10 @@ impl Accessor {
                 place.note("has a byteStride, which only vertex data may have; it is followed");
             }
         }
-        let plain = Self {
-            shape: Shape::SCALAR,
-            component: index_component,
-            ..self.clone()
-        };
+        let plain = Self { shape: Shape::SCALAR, component: index_component, ..self.clone() };
         plain.check_fits(&indices_at, views, &indices, count)?;
         self.check_fits(&values_at, views, &values, count)?;
-        Ok(Sparse {
-            count,
-            indices,
-            index_component,
-            values,
-        })
+        Ok(Sparse { count, indices, index_component, values })
     }
 }
 
@@ -321,12 +291,7 @@ fn read_base(at: &Cursor, views: &[Checked<View>]) -> Checked<Option<Stretch>> {
 }
 
 fn read_stretch(at: &Cursor, views: &[Checked<View>]) -> Checked<Stretch> {
-    let view = at
-        .require("bufferView")
-        .and_then(|v| v.index(views.len(), "buffer view"));
+    let view = at.require("bufferView").and_then(|v| v.index(views.len(), "buffer view"));
     let offset = at.optional("byteOffset", Cursor::uint);
-    Ok(Stretch {
-        view: view?,
-        offset: offset?.unwrap_or(0),
-    })
+    Ok(Stretch { view: view?, offset: offset?.unwrap_or(0) })
 }

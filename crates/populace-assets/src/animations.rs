@@ -46,11 +46,7 @@ pub(crate) fn read(root: &Cursor, nodes: &[Node], data: &Data) -> Vec<Animation>
 }
 
 fn read_animation(at: &Cursor, nodes: &[Node], data: &Data) -> Animation {
-    let samplers: Vec<_> = at
-        .objects("samplers")
-        .iter()
-        .map(|s| read_sampler(s, data))
-        .collect();
+    let samplers: Vec<_> = at.objects("samplers").iter().map(|s| read_sampler(s, data)).collect();
     let mut channels: Vec<Channel> = Vec::new();
     let mut targets = BTreeMap::new();
     let items = at.objects("channels");
@@ -70,19 +66,11 @@ fn read_animation(at: &Cursor, nodes: &[Node], data: &Data) -> Animation {
         }
         channels.push(channel);
     }
-    Animation {
-        name: at.name(),
-        place: at.place().to_owned(),
-        samplers,
-        channels,
-    }
+    Animation { name: at.name(), place: at.place().to_owned(), samplers, channels }
 }
 
 fn read_sampler(at: &Cursor, data: &Data) -> Checked<Sampler> {
-    let accessor = |key| {
-        at.require(key)
-            .and_then(|i| i.index(data.accessor_count(), "accessor"))
-    };
+    let accessor = |key| at.require(key).and_then(|i| i.index(data.accessor_count(), "accessor"));
     let (input, output) = (accessor("input"), accessor("output"));
     let interpolation = at.optional("interpolation", |i| match i.text()? {
         "LINEAR" => Ok(Interpolation::Linear),
@@ -91,11 +79,7 @@ fn read_sampler(at: &Cursor, data: &Data) -> Checked<Sampler> {
         other => Err(i.problem(format!("is \"{other}\"; it must be LINEAR, STEP or CUBICSPLINE"))),
     });
     let (input, output, interpolation) = (input?, output?, interpolation?.unwrap_or(Interpolation::Linear));
-    let times = data.expect(
-        input,
-        "key times",
-        &[Format::plain(Shape::SCALAR, Component::F32)],
-    )?;
+    let times = data.expect(input, "key times", &[Format::plain(Shape::SCALAR, Component::F32)])?;
     let values = data.accessor(output)?;
     for accessor in [times, values] {
         if data.has_stride(accessor) {
@@ -108,19 +92,12 @@ fn read_sampler(at: &Cursor, data: &Data) -> Checked<Sampler> {
     if interpolation == Interpolation::CubicSpline && times.count < 2 {
         return Err(at.problem(format!("has {} keys; a cubic spline needs two", times.count)));
     }
-    Ok(Sampler {
-        place: at.place().to_owned(),
-        input,
-        output,
-        interpolation,
-    })
+    Ok(Sampler { place: at.place().to_owned(), input, output, interpolation })
 }
 
 /// A channel, or nothing where it drives nothing that is animated here.
 fn read_channel(at: &Cursor, nodes: &[Node], sampler_count: usize) -> Checked<Option<Channel>> {
-    let sampler = at
-        .require("sampler")
-        .and_then(|s| s.index(sampler_count, "sampler"));
+    let sampler = at.require("sampler").and_then(|s| s.index(sampler_count, "sampler"));
     let target = at.require("target")?;
     let path = target.require("path").and_then(|p| p.text());
     let node = target.optional("node", |n| n.index(nodes.len(), "node"));
@@ -151,12 +128,7 @@ fn read_channel(at: &Cursor, nodes: &[Node], sampler_count: usize) -> Checked<Op
             "drives node {node}, which has a matrix; animated nodes have translation, rotation and scale instead"
         )));
     }
-    Ok(Some(Channel {
-        place: at.place().to_owned(),
-        sampler,
-        node,
-        property,
-    }))
+    Ok(Some(Channel { place: at.place().to_owned(), sampler, node, property }))
 }
 
 /// Rows times joints that clips may have in any file, and for each byte of it. Clips hold a row for every key time of
@@ -175,12 +147,7 @@ pub(crate) struct Clips<'a> {
 impl<'a> Clips<'a> {
     pub(crate) fn new(data: &'a Data<'a>, log: &'a Log, rig: &'a Rig, file_bytes: usize) -> Self {
         let row_joints_left = ROW_JOINTS.saturating_add(file_bytes.saturating_mul(ROW_JOINTS_PER_BYTE));
-        Self {
-            data,
-            log,
-            rig,
-            row_joints_left,
-        }
+        Self { data, log, rig, row_joints_left }
     }
 
     /// Makes the clips of all animations, each looked at even where one before it fails.
@@ -202,20 +169,14 @@ impl<'a> Clips<'a> {
             return Err(reported);
         }
         self.charge(animation, &tracks)?;
-        let source = ClipSource {
-            name: animation.name.clone(),
-            tracks,
-        };
+        let source = ClipSource { name: animation.name.clone(), tracks };
         let clip = Clip::new(source, &self.rig.skeleton)
             .map_err(|e| self.log.problem(&animation.place, e.to_string()))?;
         Ok(Arc::new(clip))
     }
 
     fn charge(&mut self, animation: &Animation, tracks: &[Track]) -> Checked<()> {
-        let times: HashSet<u32> = tracks
-            .iter()
-            .flat_map(|t| t.times.iter().map(|s| s.to_bits()))
-            .collect();
+        let times: HashSet<u32> = tracks.iter().flat_map(|t| t.times.iter().map(|s| s.to_bits())).collect();
         let wanted = times.len().saturating_mul(self.rig.skeleton.joint_count());
         self.row_joints_left = self.row_joints_left.checked_sub(wanted).ok_or_else(|| {
             self.log.problem(
@@ -231,36 +192,23 @@ impl<'a> Clips<'a> {
     }
 
     fn track(&self, animation: &Animation, channel: &Channel) -> Checked<Option<Track>> {
-        let sampler = animation.samplers[channel.sampler]
-            .as_ref()
-            .map_err(|reported| *reported)?;
+        let sampler = animation.samplers[channel.sampler].as_ref().map_err(|reported| *reported)?;
         let Some(joint) = self.rig.joint_from_node[channel.node] else {
             return Ok(None);
         };
-        let values = self.data.expect(
-            sampler.output,
-            output_name(channel.property),
-            &formats(channel.property),
-        )?;
+        let values =
+            self.data.expect(sampler.output, output_name(channel.property), &formats(channel.property))?;
         let keys = self.data.accessor(sampler.input)?.count;
-        let per_key = if sampler.interpolation == Interpolation::CubicSpline {
-            3
-        } else {
-            1
-        };
+        let per_key = if sampler.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if keys.checked_mul(per_key) != Some(values.count) {
             return Err(self.log.problem(
                 &channel.place,
-                format!(
-                    "has {keys} keys and {} values; there must be {per_key} for each key",
-                    values.count
-                ),
+                format!("has {keys} keys and {} values; there must be {per_key} for each key", values.count),
             ));
         }
         let times = self.data.accessor(sampler.input)?;
         if keys == 0 || (times.base.is_none() && times.sparse.is_none()) {
-            self.log
-                .note(&channel.place, "has no key times and drives nothing");
+            self.log.note(&channel.place, "has no key times and drives nothing");
             return Ok(None);
         }
         let (times, values) = (self.times(sampler), self.values(sampler, channel.property));
@@ -319,9 +267,7 @@ fn formats(property: Property) -> Vec<Format> {
         Property::Rotation => {
             let normalized = [Component::I8, Component::U8, Component::I16, Component::U16];
             let normalized = normalized.map(|c| Format::normalized(Shape::VEC4, c));
-            std::iter::once(Format::plain(Shape::VEC4, Component::F32))
-                .chain(normalized)
-                .collect()
+            std::iter::once(Format::plain(Shape::VEC4, Component::F32)).chain(normalized).collect()
         }
     }
 }

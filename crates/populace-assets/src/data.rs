@@ -59,25 +59,12 @@ impl<'a> Data<'a> {
             .map(|(index, at)| read_buffer(at, index, container))
             .collect();
         if buffers.is_empty() && container.bin.is_some_and(|b| !b.is_empty()) {
-            log.note(
-                "chunk 1",
-                "holds data, but the file has no buffers; it is ignored",
-            );
+            log.note("chunk 1", "holds data, but the file has no buffers; it is ignored");
         }
-        let lengths: Vec<_> = buffers
-            .iter()
-            .map(|b| b.as_ref().map(|b| b.length).map_err(|reported| *reported))
-            .collect();
-        let views: Vec<_> = root
-            .objects("bufferViews")
-            .iter()
-            .map(|at| View::read(at, &lengths))
-            .collect();
-        let accessors = root
-            .objects("accessors")
-            .iter()
-            .map(|at| Accessor::read(at, &views))
-            .collect();
+        let lengths: Vec<_> =
+            buffers.iter().map(|b| b.as_ref().map(|b| b.length).map_err(|reported| *reported)).collect();
+        let views: Vec<_> = root.objects("bufferViews").iter().map(|at| View::read(at, &lengths)).collect();
+        let accessors = root.objects("accessors").iter().map(|at| Accessor::read(at, &views)).collect();
         let here = container.json.len() + container.bin.map_or(0, <[u8]>::len);
         Self {
             log,
@@ -111,11 +98,7 @@ impl<'a> Data<'a> {
         let wanted: Vec<_> = formats.iter().map(Format::to_string).collect();
         Err(self.log.problem(
             &accessor.place,
-            format!(
-                "is {}; {what} must be {}",
-                Format::of(accessor),
-                wanted.join(" or ")
-            ),
+            format!("is {}; {what} must be {}", Format::of(accessor), wanted.join(" or ")),
         ))
     }
 
@@ -140,17 +123,15 @@ impl<'a> Data<'a> {
         let buffer = self.buffers[index].as_ref().map_err(|reported| *reported)?;
         match &buffer.source {
             Source::Here(bytes) => Ok(bytes),
-            Source::Nowhere => Err(self.log.problem(
-                &buffer.place,
-                "has no uri; only the first buffer of a binary file may do without",
-            )),
+            Source::Nowhere => Err(self
+                .log
+                .problem(&buffer.place, "has no uri; only the first buffer of a binary file may do without")),
             Source::Beside(path) => {
                 let load = || {
                     let bytes = uri::read_file(self.base_folder, path, Some(buffer.length), FILE_BYTES)
                         .map_err(|what| self.log.problem(format!("{}.uri", buffer.place), what))?;
                     let more = bytes.len().saturating_mul(BUDGET_PER_BYTE);
-                    self.allowed_bytes
-                        .set(self.allowed_bytes.get().saturating_add(more));
+                    self.allowed_bytes.set(self.allowed_bytes.get().saturating_add(more));
                     Ok(bytes)
                 };
                 let loaded = buffer.loaded.get_or_init(load);
@@ -193,11 +174,8 @@ impl<'a> Data<'a> {
         };
         if let Some(sparse) = &accessor.sparse {
             let values = self.gather(&sparse.values, accessor, sparse.count)?;
-            let as_indices = Accessor {
-                component: sparse.index_component,
-                shape: Shape::SCALAR,
-                ..accessor.clone()
-            };
+            let as_indices =
+                Accessor { component: sparse.index_component, shape: Shape::SCALAR, ..accessor.clone() };
             let indices = self.gather(&sparse.indices, &as_indices, sparse.count)?;
             let packed = packed.to_mut();
             let mut next = 0;
@@ -247,10 +225,7 @@ impl<'a> Data<'a> {
         let floats = widen_floats(&packed, accessor.component, accessor.normalized);
         if let Some(at) = floats.iter().position(|v| !v.is_finite()) {
             let element = at / accessor.shape.components();
-            let what = format!(
-                "holds {} in element {element}; numbers must be finite",
-                floats[at]
-            );
+            let what = format!("holds {} in element {element}; numbers must be finite", floats[at]);
             return Err(self.log.problem(&accessor.place, what));
         }
         Ok(floats)
@@ -273,42 +248,24 @@ impl<'a> Data<'a> {
 }
 
 fn widen_uints(bytes: &[u8], component: Component) -> impl Iterator<Item = u32> {
-    bytes.chunks_exact(component.bytes()).map(|c| {
-        c.iter()
-            .rev()
-            .fold(0, |value, byte| value << 8 | u32::from(*byte))
-    })
+    bytes
+        .chunks_exact(component.bytes())
+        .map(|c| c.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte)))
 }
 
 /// Decodes components as glTF 2.0, section 3.11 does.
 fn widen_floats(bytes: &[u8], component: Component, normalized: bool) -> Vec<f32> {
     let scaled = |value: f32, most: f32| {
-        if normalized {
-            (value / most).max(-1.0)
-        } else {
-            value
-        }
+        if normalized { (value / most).max(-1.0) } else { value }
     };
     let pairs = || bytes.as_chunks::<2>().0.iter();
     match component {
-        Component::I8 => bytes
-            .iter()
-            .map(|b| scaled(f32::from(b.cast_signed()), 127.0))
-            .collect(),
+        Component::I8 => bytes.iter().map(|b| scaled(f32::from(b.cast_signed()), 127.0)).collect(),
         Component::U8 => bytes.iter().map(|b| scaled(f32::from(*b), 255.0)).collect(),
-        Component::I16 => pairs()
-            .map(|b| scaled(f32::from(i16::from_le_bytes(*b)), 32767.0))
-            .collect(),
-        Component::U16 => pairs()
-            .map(|b| scaled(f32::from(u16::from_le_bytes(*b)), 65535.0))
-            .collect(),
+        Component::I16 => pairs().map(|b| scaled(f32::from(i16::from_le_bytes(*b)), 32767.0)).collect(),
+        Component::U16 => pairs().map(|b| scaled(f32::from(u16::from_le_bytes(*b)), 65535.0)).collect(),
         Component::U32 => widen_uints(bytes, component).map(|v| v as f32).collect(),
-        Component::F32 => bytes
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|b| f32::from_le_bytes(*b))
-            .collect(),
+        Component::F32 => bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect(),
     }
 }
 
@@ -340,12 +297,7 @@ fn read_buffer<'a>(at: &Cursor<'a>, index: usize, container: &Container<'a>) -> 
             at.note("is shorter than the BIN chunk by more than padding");
         }
     }
-    Ok(Buffer {
-        place: at.place().to_owned(),
-        length,
-        source,
-        loaded: OnceCell::new(),
-    })
+    Ok(Buffer { place: at.place().to_owned(), length, source, loaded: OnceCell::new() })
 }
 
 fn uri_source<'a>(uri: &Cursor<'a>) -> Checked<Source<'a>> {
@@ -353,9 +305,7 @@ fn uri_source<'a>(uri: &Cursor<'a>) -> Checked<Source<'a>> {
         Uri::Data { media_type, bytes } => {
             let known = ["application/octet-stream", "application/gltf-buffer"];
             if !known.iter().any(|k| k.eq_ignore_ascii_case(&media_type)) {
-                uri.note(format!(
-                    "is of media type \"{media_type}\", which is not one for buffers"
-                ));
+                uri.note(format!("is of media type \"{media_type}\", which is not one for buffers"));
             }
             Ok(Source::Here(Cow::Owned(bytes)))
         }
@@ -373,27 +323,15 @@ pub(crate) struct Format {
 
 impl Format {
     pub(crate) const fn plain(shape: Shape, component: Component) -> Self {
-        Self {
-            shape,
-            component,
-            normalized: false,
-        }
+        Self { shape, component, normalized: false }
     }
 
     pub(crate) const fn normalized(shape: Shape, component: Component) -> Self {
-        Self {
-            shape,
-            component,
-            normalized: true,
-        }
+        Self { shape, component, normalized: true }
     }
 
     fn of(accessor: &Accessor) -> Self {
-        Self {
-            shape: accessor.shape,
-            component: accessor.component,
-            normalized: accessor.normalized,
-        }
+        Self { shape: accessor.shape, component: accessor.component, normalized: accessor.normalized }
     }
 
     fn fits(&self, accessor: &Accessor) -> bool {

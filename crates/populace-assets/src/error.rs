@@ -65,17 +65,11 @@ mod tests {
 
     #[test]
     fn every_problem_has_a_line() {
-        let problem = |place: &str| Problem {
-            place: place.into(),
-            what: "is wrong".into(),
-        };
+        let problem = |place: &str| Problem { place: place.into(), what: "is wrong".into() };
         let error = Error::Rejected {
             file: "a.glb".into(),
             problems: vec![problem("nodes[0]"), problem("nodes[1].mesh")],
         };
-        assert_eq!(
-            error.to_string(),
-            "a.glb is refused:\nnodes[0]: is wrong\nnodes[1].mesh: is wrong"
-        );
+        assert_eq!(error.to_string(), "a.glb is refused:\nnodes[0]: is wrong\nnodes[1].mesh: is wrong");
     }
 }

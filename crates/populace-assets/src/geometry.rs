@@ -17,13 +17,7 @@ pub(crate) fn triangulate(indices: Vec<u32>, topology: Topology) -> Vec<u32> {
         Topology::Strip => indices
             .windows(3)
             .enumerate()
-            .flat_map(|(at, w)| {
-                if at % 2 == 0 {
-                    [w[0], w[1], w[2]]
-                } else {
-                    [w[0], w[2], w[1]]
-                }
-            })
+            .flat_map(|(at, w)| if at % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
             .collect(),
         Topology::Fan => {
             let rim = indices.get(1..).unwrap_or_default();
@@ -67,10 +61,7 @@ pub(crate) fn flat_normals(positions: &[[f32; 3]], indices: &mut [u32]) -> FlatN
         }
     }
     let own = normals.into_iter().map(|n| n.unwrap_or(UP));
-    FlatNormals {
-        normals: own.chain(copied_normals).collect(),
-        copies,
-    }
+    FlatNormals { normals: own.chain(copied_normals).collect(), copies }
 }
 
 /// What stands in for a normal that has no direction.
@@ -98,10 +89,7 @@ mod tests {
 
     #[test]
     fn strips_and_fans_keep_their_facing() {
-        assert_eq!(
-            triangulate(vec![0, 1, 2, 3, 4], Topology::Strip),
-            [0, 1, 2, 1, 3, 2, 2, 3, 4]
-        );
+        assert_eq!(triangulate(vec![0, 1, 2, 3, 4], Topology::Strip), [0, 1, 2, 1, 3, 2, 2, 3, 4]);
         assert_eq!(triangulate(vec![0, 1, 2, 3], Topology::Fan), [1, 2, 0, 2, 3, 0]);
         assert_eq!(triangulate(vec![0, 1, 2, 3], Topology::Triangles), [0, 1, 2]);
         for topology in [Topology::Triangles, Topology::Strip, Topology::Fan] {
@@ -113,12 +101,7 @@ mod tests {
     #[test]
     fn flat_normals_split_an_edge_and_keep_the_files_vertices_first() {
         // A square folded along its diagonal 0-1: z up for the first triangle, x up for the second.
-        let positions = [
-            [0.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [-1.0, 0.0, 0.0],
-            [0.0, 0.0, 1.0],
-        ];
+        let positions = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
         let mut indices = [0, 1, 2, 0, 1, 3];
         let flat = flat_normals(&positions, &mut indices);
         assert_eq!(indices, [0, 1, 2, 4, 5, 3]);

@@ -23,37 +23,26 @@ pub(crate) fn split<'a>(bytes: &'a [u8], log: &Log) -> Checked<Container<'a>> {
         return split_binary(bytes, log);
     }
     check_looks_like_json(bytes, "file", log)?;
-    Ok(Container {
-        json: bytes,
-        binary: false,
-        bin: None,
-    })
+    Ok(Container { json: bytes, binary: false, bin: None })
 }
 
 fn check_looks_like_json(bytes: &[u8], place: &str, log: &Log) -> Checked<()> {
     if bytes.starts_with(b"\xEF\xBB\xBF") {
-        return Err(log.problem(
-            place,
-            "begins with a byte order mark; JSON must not (glTF 2.0, section 2.7)",
-        ));
+        return Err(
+            log.problem(place, "begins with a byte order mark; JSON must not (glTF 2.0, section 2.7)")
+        );
     }
     match bytes.iter().find(|b| !b.is_ascii_whitespace()) {
         Some(b'{') => Ok(()),
         Some(_) if place != "file" => Err(log.problem(place, "is no JSON object")),
-        Some(_) => Err(log.problem(
-            place,
-            "is no glTF file: that begins with `glTF` (binary) or `{` (JSON)",
-        )),
+        Some(_) => Err(log.problem(place, "is no glTF file: that begins with `glTF` (binary) or `{` (JSON)")),
         None => Err(log.problem(place, "is empty")),
     }
 }
 
 /// The little-endian number at `at`; the caller has checked that it is there.
 fn u32_at(bytes: &[u8], at: usize) -> u32 {
-    bytes[at..at + 4]
-        .iter()
-        .rev()
-        .fold(0, |value, byte| value << 8 | u32::from(*byte))
+    bytes[at..at + 4].iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte))
 }
 
 /// The file up to its declared length, without the header.
@@ -64,15 +53,11 @@ fn body<'a>(bytes: &'a [u8], log: &Log) -> Checked<&'a [u8]> {
     }
     let version = u32_at(bytes, 4);
     if version != 2 {
-        return header(format!(
-            "says container version {version}; version 2 is supported"
-        ));
+        return header(format!("says container version {version}; version 2 is supported"));
     }
     let length = u32_at(bytes, 8) as usize;
     if length < HEADER_BYTES + CHUNK_HEADER_BYTES {
-        return header(format!(
-            "says the file has {length} bytes, too few for a header and a chunk"
-        ));
+        return header(format!("says the file has {length} bytes, too few for a header and a chunk"));
     }
     if length > bytes.len() {
         return header(format!(
@@ -81,10 +66,7 @@ fn body<'a>(bytes: &'a [u8], log: &Log) -> Checked<&'a [u8]> {
         ));
     }
     if length < bytes.len() {
-        log.note(
-            "header",
-            format!("the {} bytes after the end are ignored", bytes.len() - length),
-        );
+        log.note("header", format!("the {} bytes after the end are ignored", bytes.len() - length));
     }
     Ok(&bytes[HEADER_BYTES..length])
 }
@@ -106,10 +88,7 @@ fn split_binary<'a>(bytes: &'a [u8], log: &Log) -> Checked<Container<'a>> {
                 json = Some(chunk);
                 Ok(())
             }
-            (0, _) => Err(log.problem(
-                &*place,
-                format!("is of kind {kind:#010x}; the first must be JSON"),
-            )),
+            (0, _) => Err(log.problem(&*place, format!("is of kind {kind:#010x}; the first must be JSON"))),
             (1, BIN) => {
                 bin = Some(chunk);
                 Ok(())
@@ -118,10 +97,7 @@ fn split_binary<'a>(bytes: &'a [u8], log: &Log) -> Checked<Container<'a>> {
             (_, BIN) if bin.is_some() => Err(log.problem(&*place, "is a second BIN chunk; there may be one")),
             (_, BIN) => Err(log.problem(&*place, "is BIN; that must be the second chunk")),
             _ => {
-                log.note(
-                    &*place,
-                    format!("is of the unknown kind {kind:#010x} and is ignored"),
-                );
+                log.note(&*place, format!("is of the unknown kind {kind:#010x} and is ignored"));
                 Ok(())
             }
         };
@@ -132,11 +108,7 @@ fn split_binary<'a>(bytes: &'a [u8], log: &Log) -> Checked<Container<'a>> {
     }
     let json = json.ok_or_else(|| log.problem("chunk 0", "is missing; it must hold the JSON"))?;
     check_looks_like_json(json, "chunk 0", log)?;
-    Ok(Container {
-        json,
-        binary: true,
-        bin,
-    })
+    Ok(Container { json, binary: true, bin })
 }
 
 /// Kind and contents of the first chunk, and what follows it.
@@ -144,25 +116,16 @@ fn next_chunk<'a>(rest: &'a [u8], place: &str, log: &Log) -> Result<(u32, &'a [u
     if rest.len() < CHUNK_HEADER_BYTES {
         return Err(log.problem(
             place,
-            format!(
-                "ends after {} bytes of its header; that has {CHUNK_HEADER_BYTES}",
-                rest.len()
-            ),
+            format!("ends after {} bytes of its header; that has {CHUNK_HEADER_BYTES}", rest.len()),
         ));
     }
     let (length, kind) = (u32_at(rest, 0) as usize, u32_at(rest, 4));
     let data = &rest[CHUNK_HEADER_BYTES..];
     if length > data.len() {
-        return Err(log.problem(
-            place,
-            format!("says it has {length} bytes, but {} are left", data.len()),
-        ));
+        return Err(log.problem(place, format!("says it has {length} bytes, but {} are left", data.len())));
     }
     if length % 4 != 0 {
-        return Err(log.problem(
-            place,
-            format!("has {length} bytes; chunks are padded to a multiple of 4"),
-        ));
+        return Err(log.problem(place, format!("has {length} bytes; chunks are padded to a multiple of 4")));
     }
     Ok((kind, &data[..length], &data[length..]))
 }

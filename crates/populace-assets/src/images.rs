@@ -54,13 +54,7 @@ impl<'a> ImageStore<'a> {
             decoded: None,
         };
         let entries = root.objects("images").iter().map(entry).collect();
-        Self {
-            data,
-            log,
-            base_folder,
-            entries,
-            images: Vec::new(),
-        }
+        Self { data, log, base_folder, entries, images: Vec::new() }
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -95,8 +89,7 @@ impl<'a> ImageStore<'a> {
                 Some(self.images.len() - 1)
             }
             Err(what) => {
-                self.log
-                    .note(&entry.place, format!("{what}; materials keep their plain colour"));
+                self.log.note(&entry.place, format!("{what}; materials keep their plain colour"));
                 None
             }
         };
@@ -127,9 +120,7 @@ fn read_source(at: &Cursor, data: &Data) -> Checked<Option<Source>> {
 fn decode(bytes: &[u8], bytes_used: usize) -> Result<Image, String> {
     let format = image::guess_format(bytes).ok();
     let known = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP];
-    let format = format
-        .filter(|f| known.contains(f))
-        .ok_or("is neither PNG nor JPEG nor WebP")?;
+    let format = format.filter(|f| known.contains(f)).ok_or("is neither PNG nor JPEG nor WebP")?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MOST_PIXELS);
     limits.max_image_height = Some(MOST_PIXELS);
@@ -141,15 +132,9 @@ fn decode(bytes: &[u8], bytes_used: usize) -> Result<Image, String> {
     let (width, height) = (decoded.width(), decoded.height());
     let rgba_bytes = width as usize * height as usize * 4;
     if bytes_used.saturating_add(rgba_bytes) > MOST_BYTES_TOGETHER {
-        return Err(format!(
-            "would bring the images to more than {MOST_BYTES_TOGETHER} bytes together"
-        ));
+        return Err(format!("would bring the images to more than {MOST_BYTES_TOGETHER} bytes together"));
     }
-    Ok(Image {
-        width,
-        height,
-        rgba: decoded.into_rgba8().into_raw(),
-    })
+    Ok(Image { width, height, rgba: decoded.into_rgba8().into_raw() })
 }
 
 #[cfg(test)]
@@ -176,17 +161,9 @@ mod tests {
     #[test]
     fn broken_and_huge_images_are_refused() {
         let good = png(3, 2);
-        assert!(
-            decode(&good[..good.len() / 2], 0)
-                .unwrap_err()
-                .contains("cannot be decoded")
-        );
+        assert!(decode(&good[..good.len() / 2], 0).unwrap_err().contains("cannot be decoded"));
         assert!(decode(b"GIF89a", 0).unwrap_err().contains("neither PNG"));
-        assert!(
-            decode(&good, MOST_BYTES_TOGETHER - 23)
-                .unwrap_err()
-                .contains("together")
-        );
+        assert!(decode(&good, MOST_BYTES_TOGETHER - 23).unwrap_err().contains("together"));
         assert!(decode(&good, MOST_BYTES_TOGETHER - 24).is_ok());
         let wide = png(MOST_PIXELS + 1, 1);
         assert!(decode(&wide, 0).unwrap_err().contains("cannot be decoded"));

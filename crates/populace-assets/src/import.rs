@@ -11,7 +11,7 @@ use crate::influences::Palette;
 use crate::json::Cursor;
 use crate::log::{Checked, Log, Reported};
 use crate::materials;
-use crate::nodes::{self, Counts, Node};
+use crate::nodes::{self, Counts, Node, Walk};
 use crate::parts::{Maker, Mover, Place};
 use crate::primitive::{self, Mesh};
 use crate::rig::Rig;
@@ -26,10 +26,7 @@ pub(crate) fn import(bytes: &[u8], base_folder: Option<&Path>, name: &str) -> Re
     match built {
         Ok(imported) => Ok(Imported { notes, ..imported }),
         // Whoever gives up has said why; should one not have, that must not look like success.
-        Err(Reported) => Err(vec![Problem {
-            place: "file".into(),
-            what: "cannot be imported".into(),
-        }]),
+        Err(Reported) => Err(vec![Problem { place: "file".into(), what: "cannot be imported".into() }]),
     }
 }
 
@@ -47,12 +44,7 @@ fn build(bytes: &[u8], base_folder: Option<&Path>, name: &str, log: &Log) -> Che
     let assembly = Assembly {
         document: &document,
         rig: &rig,
-        maker: Maker {
-            data: &data,
-            log,
-            extensions,
-            textures: &surfaces.textures,
-        },
+        maker: Maker { data: &data, log, extensions, textures: &surfaces.textures },
     };
     let mut palette = Palette::default();
     let built = assembly.parts(&mut palette);
@@ -88,10 +80,7 @@ fn parse_json(json: &[u8], log: &Log) -> Checked<serde_json::Value> {
     // Some exporters pad the chunk with zeros where spaces are due.
     let end = json.iter().rposition(|b| *b != 0).map_or(0, |at| at + 1);
     if end < json.len() {
-        log.note(
-            "chunk 0",
-            "is padded with zeros; JSON is padded with spaces (glTF 2.0, section 4.4.3.2)",
-        );
+        log.note("chunk 0", "is padded with zeros; JSON is padded with spaces (glTF 2.0, section 4.4.3.2)");
     }
     serde_json::from_slice(&json[..end]).map_err(|e| log.problem("file", format!("is no valid JSON: {e}")))
 }
@@ -107,9 +96,7 @@ fn check_asset(root: &Cursor) -> Checked<Option<String>> {
         match least.text()? {
             "2.0" => {}
             text if text.split('.').next() == Some("2") => {
-                least.note(format!(
-                    "asks for version {text}; what 2.0 does not define is ignored"
-                ));
+                least.note(format!("asks for version {text}; what 2.0 does not define is ignored"));
             }
             text => return Err(least.problem(format!("is \"{text}\"; version 2 is supported"))),
         }
@@ -119,10 +106,7 @@ fn check_asset(root: &Cursor) -> Checked<Option<String>> {
 
 impl SkinInfo {
     fn of(skin: &Skin) -> Self {
-        Self {
-            name: skin.name.clone(),
-            joint_count: skin.joints.len(),
-        }
+        Self { name: skin.name.clone(), joint_count: skin.joints.len() }
     }
 }
 
@@ -150,29 +134,20 @@ impl Document {
         for primitive in meshes.iter().flatten().flatten().filter(|p| p.has_morph_targets) {
             log.note(&primitive.place, "has morph targets, which are ignored");
         }
-        Self {
-            nodes,
-            forest,
-            meshes,
-            skins,
-            animations,
-        }
+        Self { nodes, forest, meshes, skins, animations }
     }
 
     /// The skeleton: joints, what hangs on them, nodes with meshes of their own, and nodes that clips move.
     fn rig(&self, log: &Log) -> Checked<Rig> {
-        let roots = nodes::roots(&self.nodes);
+        let walk = Walk::new(&self.nodes);
         let mut joints = Vec::new();
         for skin in self.skins.iter().flatten() {
-            skin.note_roots(&self.nodes, &roots, log);
+            skin.note_roots(&self.nodes, &walk, log);
             joints.extend_from_slice(&skin.joints);
         }
         let rigid =
             (0..self.nodes.len()).filter(|n| self.nodes[*n].in_scene && self.is_rigid(&self.nodes[*n]));
-        let driven = self
-            .animations
-            .iter()
-            .flat_map(|a| a.channels.iter().map(|c| c.node));
+        let driven = self.animations.iter().flat_map(|a| a.channels.iter().map(|c| c.node));
         Rig::new(&self.nodes, rigid.chain(driven), &joints, log)
     }
 
@@ -182,6 +157,9 @@ impl Document {
         primitives.any(|p| node.skin.is_none() || !p.is_skinned())
     }
 }
+
+/// What a part takes beside its mesh, at least.
+const PART_BYTES: usize = size_of::<Part>();
 
 struct Assembly<'a> {
     document: &'a Document,
@@ -200,6 +178,8 @@ impl Assembly<'_> {
                 continue;
             };
             for (primitive, declared) in self.document.meshes[mesh].iter().enumerate() {
+                // Many nodes times many primitives that show nothing would take long and no memory.
+                self.maker.data.charge(&node.place, PART_BYTES)?;
                 let Ok(declared) = declared else { continue };
                 let mover = match &skin {
                     Some(skin) if declared.is_skinned() => Mover::Skin(&skin.joints),
@@ -236,10 +216,7 @@ impl Assembly<'_> {
         }
         let joint = self.rig.joint_from_node[index]
             .ok_or_else(|| log.problem(&node.place, "carries a mesh, but did not become a joint"))?;
-        Ok(Mover::Rigid {
-            joint,
-            mirrored: node.mirrored,
-        })
+        Ok(Mover::Rigid { joint, mirrored: node.mirrored })
     }
 
     /// The skin of a mesh node, bound to the skeleton.
@@ -247,20 +224,12 @@ impl Assembly<'_> {
         let Some(skin_index) = node.skin else {
             return Ok(None);
         };
-        let skin = self.document.skins[skin_index]
-            .as_ref()
-            .map_err(|reported| *reported)?;
-        self.maker.data.charge(
-            &node.place,
-            skin.joints.len().saturating_mul(size_of::<PaletteEntry>()),
-        )?;
+        let skin = self.document.skins[skin_index].as_ref().map_err(|reported| *reported)?;
+        self.maker.data.charge(&node.place, skin.joints.len().saturating_mul(size_of::<PaletteEntry>()))?;
         let matrices = skin.bind_matrices(self.maker.data, self.maker.log)?;
         let entry = |(node, joint_from_bind): (&usize, Affine)| {
             // All joints of all skins are in the skeleton.
-            Some(PaletteEntry {
-                joint: self.rig.joint_from_node[*node]?,
-                joint_from_bind,
-            })
+            Some(PaletteEntry { joint: self.rig.joint_from_node[*node]?, joint_from_bind })
         };
         Ok(Some(SkinInstance {
             skin: skin_index,

@@ -52,14 +52,7 @@ pub(crate) fn rigid(
     log: &Log,
 ) -> Checked<Influences> {
     let joint_from_bind = Affine::IDENTITY;
-    let entry = palette.entry(
-        &PaletteEntry {
-            joint,
-            joint_from_bind,
-        },
-        place,
-        log,
-    )?;
+    let entry = palette.entry(&PaletteEntry { joint, joint_from_bind }, place, log)?;
     Ok(Influences {
         per_vertex: 4,
         entries: vec![entry; vertex_count * 4],
@@ -89,13 +82,7 @@ pub(crate) fn skinned(
     let weighs = |set: &Vec<f32>| set.iter().any(|w| *w != 0.0);
     let used = sets.weights.iter().rposition(weighs).unwrap_or(0) + 1;
     let mapped = vec![None; skin.len()];
-    let mut binder = Binder {
-        skin,
-        mapped,
-        palette,
-        place,
-        log,
-    };
+    let mut binder = Binder { skin, mapped, palette, place, log };
     let mut influences = Influences {
         per_vertex: 4 * used,
         entries: vec![0; 4 * used * vertex_count],
@@ -105,11 +92,8 @@ pub(crate) fn skinned(
     let weights = influences.weights.chunks_exact_mut(4 * used);
     for (vertex, (entries, weights)) in entries.zip(weights).enumerate() {
         let from = vertex * 4..vertex * 4 + 4;
-        let joints: Vec<u32> = sets.joints[..used]
-            .iter()
-            .flat_map(|set| &set[from.clone()])
-            .copied()
-            .collect();
+        let joints: Vec<u32> =
+            sets.joints[..used].iter().flat_map(|set| &set[from.clone()]).copied().collect();
         for (set, weights) in weights.chunks_exact_mut(4).enumerate() {
             weights.copy_from_slice(&sets.weights[set][from.clone()]);
         }
@@ -138,8 +122,7 @@ impl Binder<'_> {
         weights: &mut [f32],
     ) -> Checked<()> {
         for weight in weights.iter_mut().filter(|w| **w < 0.0) {
-            self.log
-                .note(self.place, "has negative weights; they are taken as zero");
+            self.log.note(self.place, "has negative weights; they are taken as zero");
             *weight = 0.0;
         }
         let sum: f64 = weights.iter().copied().map(f64::from).sum();
@@ -156,11 +139,7 @@ impl Binder<'_> {
         let weighty = weights.iter().position(|w| *w > 0.0).unwrap_or(0);
         let stand_in = self.entry(vertex, joints[weighty])?;
         for ((entry, joint), weight) in entries.iter_mut().zip(joints).zip(weights) {
-            *entry = if *weight > 0.0 {
-                self.entry(vertex, *joint)?
-            } else {
-                stand_in
-            };
+            *entry = if *weight > 0.0 { self.entry(vertex, *joint)? } else { stand_in };
         }
         Ok(())
     }
@@ -168,10 +147,8 @@ impl Binder<'_> {
     fn entry(&mut self, vertex: usize, joint: u32) -> Checked<u16> {
         let index = joint as usize;
         let Some(entry) = self.skin.get(index) else {
-            let what = format!(
-                "binds vertex {vertex} to joint {joint}, but the skin has {}",
-                self.skin.len()
-            );
+            let what =
+                format!("binds vertex {vertex} to joint {joint}, but the skin has {}", self.skin.len());
             return Err(self.log.problem(self.place, what));
         };
         if let Some(known) = self.mapped[index] {
@@ -190,10 +167,7 @@ mod tests {
     fn entry(joint: u32, x: f32) -> PaletteEntry {
         let mut joint_from_bind = Affine::IDENTITY;
         joint_from_bind.rows[0][3] = x;
-        PaletteEntry {
-            joint: JointIndex(joint),
-            joint_from_bind,
-        }
+        PaletteEntry { joint: JointIndex(joint), joint_from_bind }
     }
 
     fn bind(joints: &[[u32; 4]], weights: &[[f32; 4]]) -> Result<(Influences, Vec<PaletteEntry>), String> {
@@ -204,9 +178,7 @@ mod tests {
         };
         let (log, mut palette) = (Log::default(), Palette::default());
         let influences = skinned(&sets, &skin, &mut palette, "here", &log);
-        influences
-            .map(|i| (i, palette.into_entries()))
-            .map_err(|_| log.finish().unwrap_err()[0].to_string())
+        influences.map(|i| (i, palette.into_entries())).map_err(|_| log.finish().unwrap_err()[0].to_string())
     }
 
     #[test]
@@ -219,11 +191,8 @@ mod tests {
 
     #[test]
     fn two_sets_are_kept_together_and_an_idle_second_one_is_dropped() {
-        let (both, palette) = bind(
-            &[[0, 0, 0, 0], [1, 0, 0, 0]],
-            &[[0.25, 0.0, 0.0, 0.0], [0.75, 0.0, 0.0, 0.0]],
-        )
-        .unwrap();
+        let (both, palette) =
+            bind(&[[0, 0, 0, 0], [1, 0, 0, 0]], &[[0.25, 0.0, 0.0, 0.0], [0.75, 0.0, 0.0, 0.0]]).unwrap();
         assert_eq!(both.per_vertex, 8);
         assert_eq!((both.weights[0], both.weights[4]), (0.25, 0.75));
         assert_eq!(palette[usize::from(both.entries[4])], entry(6, 1.0));

@@ -20,11 +20,7 @@ impl<'a> Cursor<'a> {
 
     /// The path, as `animations[2].channels[0]`.
     pub(crate) fn place(&self) -> &str {
-        if self.place.is_empty() {
-            "file"
-        } else {
-            &self.place
-        }
+        if self.place.is_empty() { "file" } else { &self.place }
     }
 
     pub(crate) fn problem(&self, what: impl Into<String>) -> Reported {
@@ -38,26 +34,17 @@ impl<'a> Cursor<'a> {
     /// A property, if it is there. Something that is no object has none.
     pub(crate) fn get(&self, key: &str) -> Option<Self> {
         let value = self.value.as_object()?.get(key)?;
-        Some(Self {
-            value,
-            place: self.place_of(key),
-            log: self.log,
-        })
+        Some(Self { value, place: self.place_of(key), log: self.log })
     }
 
     fn place_of(&self, key: &str) -> String {
-        if self.place.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{}.{key}", self.place)
-        }
+        if self.place.is_empty() { key.to_owned() } else { format!("{}.{key}", self.place) }
     }
 
     /// A property that must be there.
     pub(crate) fn require(&self, key: &str) -> Checked<Self> {
         self.object()?;
-        self.get(key)
-            .ok_or_else(|| self.log.problem(self.place_of(key), "is missing; it is required"))
+        self.get(key).ok_or_else(|| self.log.problem(self.place_of(key), "is missing; it is required"))
     }
 
     /// A property that may be left out, read by `read`.
@@ -84,18 +71,12 @@ impl<'a> Cursor<'a> {
 
     /// That this is an object.
     pub(crate) fn object(&self) -> Checked<()> {
-        self.value
-            .is_object()
-            .then_some(())
-            .ok_or_else(|| self.wrong_type("an object"))
+        self.value.is_object().then_some(()).ok_or_else(|| self.wrong_type("an object"))
     }
 
     /// The property names of an object.
     pub(crate) fn keys(&self) -> impl Iterator<Item = &'a str> {
-        self.value
-            .as_object()
-            .into_iter()
-            .flat_map(|o| o.keys().map(String::as_str))
+        self.value.as_object().into_iter().flat_map(|o| o.keys().map(String::as_str))
     }
 
     /// The items of an array.
@@ -107,11 +88,7 @@ impl<'a> Cursor<'a> {
         Ok(items
             .iter()
             .enumerate()
-            .map(|(index, value)| Self {
-                value,
-                place: format!("{}[{index}]", self.place),
-                log: self.log,
-            })
+            .map(|(index, value)| Self { value, place: format!("{}[{index}]", self.place), log: self.log })
             .collect())
     }
 
@@ -161,10 +138,7 @@ impl<'a> Cursor<'a> {
         Err(self.problem(match count {
             0 => format!("names {what} {index}, but there is none"),
             1 => format!("names {what} {index}, but there is only {what} 0"),
-            _ => format!(
-                "names {what} {index}, but there are only {what} 0 to {}",
-                count - 1
-            ),
+            _ => format!("names {what} {index}, but there are only {what} 0 to {}", count - 1),
         }))
     }
 
@@ -179,10 +153,8 @@ impl<'a> Cursor<'a> {
 
     /// An array of exactly `N` numbers.
     pub(crate) fn numbers<const N: usize>(&self) -> Checked<[f64; N]> {
-        let items = self
-            .value
-            .as_array()
-            .ok_or_else(|| self.wrong_type(&format!("an array of {N} numbers")))?;
+        let items =
+            self.value.as_array().ok_or_else(|| self.wrong_type(&format!("an array of {N} numbers")))?;
         if items.len() != N {
             return Err(self.problem(format!("has {} numbers; it must have {N}", items.len())));
         }
@@ -198,9 +170,7 @@ impl<'a> Cursor<'a> {
     }
 
     pub(crate) fn flag(&self) -> Checked<bool> {
-        self.value
-            .as_bool()
-            .ok_or_else(|| self.wrong_type("true or false"))
+        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false"))
     }
 
     /// The `name` property, empty where there is none.

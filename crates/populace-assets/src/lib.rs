@@ -94,16 +94,11 @@ pub struct SkinInfo {
 /// [`Error::Io`] if the file cannot be read, [`Error::Rejected`] if it is not what it should be.
 pub fn load(path: impl AsRef<Path>) -> Result<Imported, Error> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|source| Error::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.to_owned(), source })?;
     let base_folder = path.parent().unwrap_or(Path::new(""));
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    import::import(&bytes, Some(base_folder), &name).map_err(|problems| Error::Rejected {
-        file: path.display().to_string(),
-        problems,
-    })
+    import::import(&bytes, Some(base_folder), &name)
+        .map_err(|problems| Error::Rejected { file: path.display().to_string(), problems })
 }
 
 /// Loads the bytes of a `.gltf` or `.glb` file. Files that it names are looked for below `base_folder`; without one
@@ -113,8 +108,6 @@ pub fn load(path: impl AsRef<Path>) -> Result<Imported, Error> {
 ///
 /// [`Error::Rejected`] if the bytes are not what they should be.
 pub fn load_from_slice(bytes: &[u8], base_folder: Option<&Path>) -> Result<Imported, Error> {
-    import::import(bytes, base_folder, "character").map_err(|problems| Error::Rejected {
-        file: "glTF data".into(),
-        problems,
-    })
+    import::import(bytes, base_folder, "character")
+        .map_err(|problems| Error::Rejected { file: "glTF data".into(), problems })
 }

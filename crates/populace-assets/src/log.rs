@@ -39,10 +39,7 @@ impl Log {
     /// Adds a problem, unless the very same is known.
     pub(crate) fn problem(&self, place: impl Into<String>, what: impl Into<String>) -> Reported {
         let mut problems = self.problems.borrow_mut();
-        let problem = Problem {
-            place: place.into(),
-            what: what.into(),
-        };
+        let problem = Problem { place: place.into(), what: what.into() };
         if problems.list.len() >= LISTED_PROBLEMS {
             problems.unlisted += 1;
         } else if problems.known.insert(problem.clone()) {
@@ -67,9 +64,7 @@ impl Log {
 
     /// Everything found: problems, if there is one, else notes.
     pub(crate) fn finish(self) -> Result<Vec<Note>, Vec<Problem>> {
-        let Problems {
-            mut list, unlisted, ..
-        } = self.problems.into_inner();
+        let Problems { mut list, unlisted, .. } = self.problems.into_inner();
         if unlisted > 0 {
             list.push(Problem {
                 place: "file".into(),
@@ -122,9 +117,6 @@ mod tests {
         }
         let problems = log.finish().unwrap_err();
         assert_eq!(problems.len(), LISTED_PROBLEMS + 1);
-        assert_eq!(
-            problems[LISTED_PROBLEMS].to_string(),
-            "file: has 7 problems beyond these"
-        );
+        assert_eq!(problems[LISTED_PROBLEMS].to_string(), "file: has 7 problems beyond these");
     }
 }

@@ -21,11 +21,7 @@ impl UvTransform {
     pub(crate) fn apply(&self, uv: [f32; 2]) -> [f32; 2] {
         let [u, v] = [f64::from(uv[0]) * self.scale[0], f64::from(uv[1]) * self.scale[1]];
         let (sin, cos) = self.rotation.sin_cos();
-        [
-            cos * u + sin * v + self.offset[0],
-            cos * v - sin * u + self.offset[1],
-        ]
-        .map(to_f32)
+        [cos * u + sin * v + self.offset[0], cos * v - sin * u + self.offset[1]].map(to_f32)
     }
 }
 
@@ -55,11 +51,7 @@ pub(crate) fn read(root: &Cursor, data: &Data, log: &Log, base_folder: Option<&s
         .iter()
         .map(|at| read_texture(at, store.count(), sampler_count, &samplers))
         .collect();
-    let mut surfaces = Surfaces {
-        materials: Vec::new(),
-        textures: Vec::new(),
-        images: Vec::new(),
-    };
+    let mut surfaces = Surfaces { materials: Vec::new(), textures: Vec::new(), images: Vec::new() };
     for at in root.objects("materials") {
         let (material, texture) = read_material(&at, &textures, &mut store).unwrap_or_default();
         surfaces.materials.push(material);
@@ -77,9 +69,7 @@ fn read_sampler(at: &Cursor) -> Sampler {
         Some(33071) => Wrap::ClampToEdge,
         Some(33648) => Wrap::MirroredRepeat,
         Some(other) => {
-            at.note(format!(
-                "has a {key} of {other}, which is none; the texture repeats"
-            ));
+            at.note(format!("has a {key} of {other}, which is none; the texture repeats"));
             Wrap::Repeat
         }
     };
@@ -89,11 +79,7 @@ fn read_sampler(at: &Cursor) -> Sampler {
         Some(filter) => filter == 9728,
         None => matches!(filter("minFilter"), Some(9728 | 9984 | 9986)),
     };
-    let filter = if nearest {
-        TextureFilter::Nearest
-    } else {
-        TextureFilter::Linear
-    };
+    let filter = if nearest { TextureFilter::Nearest } else { TextureFilter::Linear };
     (wrap("wrapS"), wrap("wrapT"), filter)
 }
 
@@ -105,9 +91,7 @@ fn read_texture(
     samplers: &[Sampler],
 ) -> Checked<Option<Texture>> {
     let image = |i: &Cursor| i.index(image_count, "image");
-    let webp = at
-        .extension("EXT_texture_webp")
-        .map_or(Ok(None), |e| e.optional("source", image));
+    let webp = at.extension("EXT_texture_webp").map_or(Ok(None), |e| e.optional("source", image));
     let source = at.optional("source", image);
     let sampler = at.optional("sampler", |s| s.index(sampler_count, "sampler"))?;
     let (wrap_u, wrap_v, filter) = sampler.map_or_else(Default::default, |s| samplers[s]);
@@ -115,12 +99,7 @@ fn read_texture(
     if image.is_none() {
         at.note("has no image that can be read");
     }
-    Ok(image.map(|image| Texture {
-        image,
-        wrap_u,
-        wrap_v,
-        filter,
-    }))
+    Ok(image.map(|image| Texture { image, wrap_u, wrap_v, filter }))
 }
 
 type Textures = [Checked<Option<Texture>>];
@@ -130,10 +109,7 @@ fn read_material(
     textures: &Textures,
     store: &mut ImageStore,
 ) -> Checked<(Material, Option<TextureUse>)> {
-    let mut material = Material {
-        name: at.name(),
-        ..Material::default()
-    };
+    let mut material = Material { name: at.name(), ..Material::default() };
     material.double_sided = at.optional("doubleSided", Cursor::flag)?.unwrap_or(false);
     material.alpha = read_alpha(at)?;
     let Some(metallic) = at.get("pbrMetallicRoughness") else {
@@ -149,9 +125,7 @@ fn read_material(
     let Some(info) = metallic.get("baseColorTexture") else {
         return Ok((material, None));
     };
-    let index = info
-        .require("index")
-        .and_then(|i| i.index(textures.len(), "texture"));
+    let index = info.require("index").and_then(|i| i.index(textures.len(), "texture"));
     let usage = read_use(&info);
     let (index, usage) = (index?, usage?);
     if let Some(mut texture) = textures[index]? {
@@ -171,14 +145,10 @@ fn read_alpha(at: &Cursor) -> Checked<AlphaMode> {
     let cutoff = at.optional("alphaCutoff", Cursor::number)?.unwrap_or(0.5);
     match at.optional("alphaMode", Cursor::text)? {
         None | Some("OPAQUE") => Ok(AlphaMode::Opaque),
-        Some("MASK") => Ok(AlphaMode::Mask {
-            cutoff: to_f32(cutoff),
-        }),
+        Some("MASK") => Ok(AlphaMode::Mask { cutoff: to_f32(cutoff) }),
         Some("BLEND") => Ok(AlphaMode::Blend),
         Some(other) => {
-            at.note(format!(
-                "has the unknown alphaMode \"{other}\"; it is taken as opaque"
-            ));
+            at.note(format!("has the unknown alphaMode \"{other}\"; it is taken as opaque"));
             Ok(AlphaMode::Opaque)
         }
     }
@@ -196,10 +166,7 @@ fn read_use(info: &Cursor) -> Checked<TextureUse> {
         scale: at.optional("scale", Cursor::numbers)?.unwrap_or([1.0; 2]),
     };
     let set = at.optional("texCoord", Cursor::uint)?.unwrap_or(set);
-    Ok(TextureUse {
-        set,
-        transform: Some(transform),
-    })
+    Ok(TextureUse { set, transform: Some(transform) })
 }
 
 #[cfg(test)]
@@ -208,11 +175,8 @@ mod tests {
 
     #[test]
     fn a_texture_transform_scales_then_turns_then_moves() {
-        let transform = UvTransform {
-            offset: [0.5, 0.25],
-            rotation: std::f64::consts::FRAC_PI_2,
-            scale: [2.0, 4.0],
-        };
+        let transform =
+            UvTransform { offset: [0.5, 0.25], rotation: std::f64::consts::FRAC_PI_2, scale: [2.0, 4.0] };
         // The extension's own matrix for a quarter turn takes (u, v) to (v, -u).
         let [u, v] = transform.apply([0.25, 0.5]);
         assert!((u - 2.5).abs() < 1e-6 && (v + 0.25).abs() < 1e-6, "{u} {v}");

@@ -40,16 +40,11 @@ pub(crate) struct Counts {
 /// single nodes are in the log and read as if they were left out.
 pub(crate) fn read(root: &Cursor, log: &Log, counts: Counts) -> (Vec<Node>, Checked<()>) {
     let items = root.objects("nodes");
-    let mut nodes: Vec<_> = items
-        .iter()
-        .map(|at| read_node(at, items.len(), counts))
-        .collect();
+    let mut nodes: Vec<_> = items.iter().map(|at| read_node(at, items.len(), counts)).collect();
     let linked = link(&mut nodes, log);
     let acyclic = check_cycles(&nodes, log);
     let roots = scene_roots(root, &nodes);
-    let forest = linked
-        .and(acyclic)
-        .and(roots.map(|roots| show(&mut nodes, roots)));
+    let forest = linked.and(acyclic).and(roots.map(|roots| show(&mut nodes, roots)));
     (nodes, forest)
 }
 
@@ -65,21 +60,39 @@ fn show(nodes: &mut [Node], roots: Vec<usize>) {
     }
 }
 
-/// For each node of a forest the root above it.
-pub(crate) fn roots(nodes: &[Node]) -> Vec<usize> {
-    let mut roots: Vec<_> = (0..nodes.len()).collect();
-    let mut rest: Vec<_> = roots
-        .iter()
-        .copied()
-        .filter(|n| nodes[*n].parent.is_none())
-        .collect();
-    while let Some(node) = rest.pop() {
-        for &child in &nodes[node].children {
-            roots[child] = roots[node];
-            rest.push(child);
+/// A forest walked through once, so that who stands above whom is told at once, however deep it is.
+pub(crate) struct Walk {
+    /// For each node the root above it.
+    pub(crate) roots: Vec<usize>,
+    /// For each node when it is met, and when the last below it has been.
+    spans: Vec<(usize, usize)>,
+}
+
+impl Walk {
+    pub(crate) fn new(nodes: &[Node]) -> Self {
+        let mut roots: Vec<_> = (0..nodes.len()).collect();
+        let mut spans = vec![(0, 0); nodes.len()];
+        let mut order = Vec::with_capacity(nodes.len());
+        let mut rest: Vec<_> = (0..nodes.len()).filter(|n| nodes[*n].parent.is_none()).collect();
+        while let Some(node) = rest.pop() {
+            spans[node] = (order.len(), order.len() + 1);
+            order.push(node);
+            for &child in &nodes[node].children {
+                roots[child] = roots[node];
+                rest.push(child);
+            }
         }
+        for &node in order.iter().rev() {
+            if let Some(parent) = nodes[node].parent {
+                spans[parent].1 = spans[parent].1.max(spans[node].1);
+            }
+        }
+        Self { roots, spans }
     }
-    roots
+
+    pub(crate) fn is_at_or_below(&self, node: usize, root: usize) -> bool {
+        (self.spans[root].0..self.spans[root].1).contains(&self.spans[node].0)
+    }
 }
 
 fn read_node(at: &Cursor, count: usize, counts: Counts) -> Node {
@@ -93,10 +106,7 @@ fn read_node(at: &Cursor, count: usize, counts: Counts) -> Node {
         place: at.place().to_owned(),
         name: at.name(),
         parent: None,
-        children: children
-            .iter()
-            .filter_map(|c| c.index(count, "node").ok())
-            .collect(),
+        children: children.iter().filter_map(|c| c.index(count, "node").ok()).collect(),
         local: read_local(at).unwrap_or(Trs::IDENTITY),
         has_matrix: at.get("matrix").is_some(),
         mesh: index("mesh", counts.meshes, "mesh"),
@@ -173,9 +183,7 @@ fn axes(columns: [DVec3; 3], scale: [f64; 3]) -> DMat3 {
         [None, None, None] => (DVec3::X, DVec3::Y),
     };
     let x = x.normalize();
-    let y = (y - x * x.dot(y))
-        .try_normalize()
-        .unwrap_or_else(|| x.any_orthonormal_vector());
+    let y = (y - x * x.dot(y)).try_normalize().unwrap_or_else(|| x.any_orthonormal_vector());
     DMat3::from_cols(x, y, x.cross(y))
 }
 
@@ -242,15 +250,9 @@ fn scene_roots(root: &Cursor, nodes: &[Node]) -> Checked<Vec<usize>> {
         return Ok(Vec::new());
     }
     if scenes.len() > 1 {
-        root.note(format!(
-            "has {} scenes; scene {} is taken",
-            scenes.len(),
-            default.unwrap_or(0)
-        ));
+        root.note(format!("has {} scenes; scene {} is taken", scenes.len(), default.unwrap_or(0)));
     }
-    scenes
-        .swap_remove(default.unwrap_or(0))
-        .map_err(|Reported| Reported)
+    scenes.swap_remove(default.unwrap_or(0)).map_err(|Reported| Reported)
 }
 
 /// Whether a local transform mirrors.
@@ -271,12 +273,25 @@ mod tests {
     }
 
     #[test]
+    fn a_walk_knows_who_is_below_whom() {
+        let value =
+            json!({"nodes": [{"children": [2, 1]}, {"children": [3]}, {}, {}, {"children": [5]}, {}]});
+        let log = Log::default();
+        let counts = Counts { meshes: 0, skins: 0, cameras: 0 };
+        let (nodes, forest) = read(&Cursor::root(&value, &log), &log, counts);
+        forest.unwrap();
+        let walk = Walk::new(&nodes);
+        assert_eq!(walk.roots, [0, 0, 0, 0, 4, 4]);
+        let below: Vec<_> =
+            (0..6).map(|root| (0..6).filter(|n| walk.is_at_or_below(*n, root)).collect::<Vec<_>>()).collect();
+        assert_eq!(below, [vec![0, 1, 2, 3], vec![1, 3], vec![2], vec![3], vec![4, 5], vec![5]]);
+    }
+
+    #[test]
     fn a_matrix_becomes_translation_rotation_and_scale() {
         // A quarter turn about z of a scale by 2, 3, 4.
-        let trs = local([
-            0.0, 2.0, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 5.0, 6.0, 7.0, 1.0,
-        ])
-        .unwrap();
+        let trs =
+            local([0.0, 2.0, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 5.0, 6.0, 7.0, 1.0]).unwrap();
         assert_eq!((trs.translation, trs.scale), ([5.0, 6.0, 7.0], [2.0, 3.0, 4.0]));
         let half = std::f32::consts::FRAC_1_SQRT_2;
         for (is, wanted) in trs.rotation.iter().zip([0.0, 0.0, half, half]) {
@@ -286,25 +301,14 @@ mod tests {
 
     #[test]
     fn mirrors_and_flat_matrices_have_a_decomposition_and_shear_has_none() {
-        let diagonal = |x, y, z| {
-            [
-                x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0, 1.0,
-            ]
-        };
-        for [x, y, z] in [
-            [-1.0, 2.0, 3.0],
-            [0.0, 2.0, 3.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 0.0, 2.0],
-            [0.0, 0.0, 0.0],
-        ] {
+        let diagonal = |x, y, z| [x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0, 1.0];
+        for [x, y, z] in
+            [[-1.0, 2.0, 3.0], [0.0, 2.0, 3.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, 0.0]]
+        {
             let trs = local(diagonal(x, y, z)).unwrap();
             let back = populace_core::Affine::from_trs(&trs);
             for (row, wanted) in [x, y, z].into_iter().enumerate() {
-                assert!(
-                    (f64::from(back.rows[row][row]) - wanted).abs() < 1e-6,
-                    "{x} {y} {z}: {back:?}"
-                );
+                assert!((f64::from(back.rows[row][row]) - wanted).abs() < 1e-6, "{x} {y} {z}: {back:?}");
             }
         }
         let mut sheared = diagonal(1.0, 1.0, 1.0);

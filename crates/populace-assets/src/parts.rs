@@ -82,18 +82,8 @@ impl Maker<'_> {
         if matches!(mover, Mover::Rigid { mirrored: true, .. }) {
             geometry::flip(&mut mesh.indices);
         }
-        let Place {
-            node,
-            node_name,
-            primitive: index,
-        } = place;
-        Ok(Some(Part {
-            node,
-            node_name,
-            primitive: index,
-            material: primitive.material,
-            mesh,
-        }))
+        let Place { node, node_name, primitive: index } = place;
+        Ok(Some(Part { node, node_name, primitive: index, material: primitive.material, mesh }))
     }
 
     /// How a primitive is joined and where its vertices are; nothing where it shows nothing.
@@ -101,9 +91,7 @@ impl Maker<'_> {
         let found = (primitive.topology, primitive.attribute("POSITION"));
         match found {
             (Some(topology), Some(positions)) => return Some((topology, positions)),
-            (None, _) => self
-                .log
-                .note(&primitive.place, "is made of points or lines and is left out"),
+            (None, _) => self.log.note(&primitive.place, "is made of points or lines and is left out"),
             (_, None) => self.log.note(&primitive.place, "has no POSITION and is left out"),
         }
         None
@@ -150,14 +138,10 @@ impl Maker<'_> {
             Topology::Strip | Topology::Fan => indices.len() >= 3,
         };
         if !whole {
-            self.log.note(
-                &primitive.place,
-                "has indices that make no whole triangle; they are left out",
-            );
+            self.log.note(&primitive.place, "has indices that make no whole triangle; they are left out");
         }
         if topology != Topology::Triangles {
-            self.data
-                .charge(&primitive.place, indices.len().saturating_mul(12))?;
+            self.data.charge(&primitive.place, indices.len().saturating_mul(12))?;
         }
         Ok(geometry::triangulate(indices, topology))
     }
@@ -185,20 +169,15 @@ impl Maker<'_> {
         let name = format!("TEXCOORD_{set}");
         let uvs = self.attribute::<2>(primitive, &name, count)?;
         if uvs.is_none() && texture.is_some() {
-            self.log.note(
-                &primitive.place,
-                format!("has no {name}, which its texture is laid by"),
-            );
+            self.log.note(&primitive.place, format!("has no {name}, which its texture is laid by"));
         }
         let mut uvs = uvs.unwrap_or_default();
         if let Some(transform) = texture.and_then(|t| t.transform) {
-            uvs.iter_mut()
-                .for_each(|uv| *uv = UvTransform::apply(&transform, *uv));
+            uvs.iter_mut().for_each(|uv| *uv = UvTransform::apply(&transform, *uv));
             if uvs.iter().flatten().any(|v| !v.is_finite()) {
-                return Err(self.problem(
-                    primitive,
-                    "has texture coordinates that overflow when transformed".into(),
-                ));
+                return Err(
+                    self.problem(primitive, "has texture coordinates that overflow when transformed".into())
+                );
             }
         }
         Ok(uvs)
@@ -234,10 +213,7 @@ impl Maker<'_> {
     }
 
     fn influence_sets(&self, primitive: &Primitive, count: usize) -> Checked<Sets> {
-        let mut sets = Sets {
-            joints: Vec::new(),
-            weights: Vec::new(),
-        };
+        let mut sets = Sets { joints: Vec::new(), weights: Vec::new() };
         for set in 0..2 {
             let names = [format!("JOINTS_{set}"), format!("WEIGHTS_{set}")];
             let joints = self.checked(primitive, &names[0], count);
@@ -255,19 +231,15 @@ impl Maker<'_> {
             }
         }
         if primitive.attribute("JOINTS_2").is_some() {
-            self.log.note(
-                &primitive.place,
-                "has more than eight influences a vertex; the first eight are taken",
-            );
+            self.log
+                .note(&primitive.place, "has more than eight influences a vertex; the first eight are taken");
         }
         Ok(sets)
     }
 
     fn add_flat_normals(&self, primitive: &Primitive, mesh: &mut Mesh) -> Checked<()> {
-        self.log
-            .note(&primitive.place, "has no NORMAL; flat normals are made");
-        self.data
-            .charge(&primitive.place, mesh.indices.len().saturating_mul(64))?;
+        self.log.note(&primitive.place, "has no NORMAL; flat normals are made");
+        self.data.charge(&primitive.place, mesh.indices.len().saturating_mul(64))?;
         let flat = geometry::flat_normals(&mesh.positions, &mut mesh.indices);
         mesh.normals = flat.normals;
         let width = mesh.influences.per_vertex;
@@ -279,12 +251,8 @@ impl Maker<'_> {
             if !mesh.colors.is_empty() {
                 mesh.colors.push(mesh.colors[copy]);
             }
-            mesh.influences
-                .entries
-                .extend_from_within(copy * width..(copy + 1) * width);
-            mesh.influences
-                .weights
-                .extend_from_within(copy * width..(copy + 1) * width);
+            mesh.influences.entries.extend_from_within(copy * width..(copy + 1) * width);
+            mesh.influences.weights.extend_from_within(copy * width..(copy + 1) * width);
         }
         Ok(())
     }

@@ -28,10 +28,7 @@ pub(crate) struct Primitive {
 
 impl Primitive {
     pub(crate) fn attribute(&self, name: &str) -> Option<usize> {
-        self.attributes
-            .iter()
-            .find(|(n, _)| n == name)
-            .map(|(_, accessor)| *accessor)
+        self.attributes.iter().find(|(n, _)| n == name).map(|(_, accessor)| *accessor)
     }
 
     /// Whether its vertices name joints.
@@ -47,10 +44,7 @@ pub(crate) fn read_meshes(root: &Cursor, accessor_count: usize, material_count: 
     let read = |at: &Cursor| {
         at.require("primitives").ok();
         let primitives = at.objects("primitives");
-        primitives
-            .iter()
-            .map(|p| read_primitive(p, accessor_count, material_count))
-            .collect()
+        primitives.iter().map(|p| read_primitive(p, accessor_count, material_count)).collect()
     };
     root.objects("meshes").iter().map(read).collect()
 }
@@ -114,9 +108,8 @@ pub(crate) fn formats(attribute: &str, extensions: Extensions) -> Vec<Format> {
         "NORMAL" => (Shape::VEC3, vec![]),
         "TEXCOORD_" => (Shape::VEC2, normalized(Shape::VEC2, [U8, U16]).into()),
         "COLOR_" => {
-            let colors = normalized(Shape::VEC3, [U8, U16])
-                .into_iter()
-                .chain(normalized(Shape::VEC4, [U8, U16]));
+            let colors =
+                normalized(Shape::VEC3, [U8, U16]).into_iter().chain(normalized(Shape::VEC4, [U8, U16]));
             (Shape::VEC4, colors.chain(plain(Shape::VEC3, [F32])).collect())
         }
         "WEIGHTS_" => (Shape::VEC4, normalized(Shape::VEC4, [U8, U16]).into()),
@@ -127,23 +120,15 @@ pub(crate) fn formats(attribute: &str, extensions: Extensions) -> Vec<Format> {
         _ if !extensions.mesh_quantization => vec![],
         "POSITION" => {
             let all = [I8, U8, I16, U16];
-            plain(shape, all)
-                .into_iter()
-                .chain(normalized(shape, all))
-                .collect()
+            plain(shape, all).into_iter().chain(normalized(shape, all)).collect()
         }
         "NORMAL" => normalized(shape, [I8, I16]).into(),
-        "TEXCOORD_" => plain(shape, [I8, U8, I16, U16])
-            .into_iter()
-            .chain(normalized(shape, [I8, I16]))
-            .collect(),
+        "TEXCOORD_" => {
+            plain(shape, [I8, U8, I16, U16]).into_iter().chain(normalized(shape, [I8, I16])).collect()
+        }
         _ => vec![],
     };
-    plain(shape, [F32])
-        .into_iter()
-        .chain(own)
-        .chain(quantized)
-        .collect()
+    plain(shape, [F32]).into_iter().chain(own).chain(quantized).collect()
 }
 
 /// Reads one attribute, if the primitive has it; `count` is the number of vertices.

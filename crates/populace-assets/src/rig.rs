@@ -40,25 +40,13 @@ impl Rig {
             })
             .collect();
         if sources.is_empty() {
-            log.note(
-                "file",
-                "has nothing that moves or is drawn; its skeleton is one joint",
-            );
-            sources.push(JointSource {
-                name: "root".into(),
-                parent: None,
-                rest: Trs::IDENTITY,
-            });
+            log.note("file", "has nothing that moves or is drawn; its skeleton is one joint");
+            sources.push(JointSource { name: "root".into(), parent: None, rest: Trs::IDENTITY });
         }
         let skeleton = Skeleton::new(&sources).map_err(|e| log.problem("nodes", e.to_string()))?;
-        let joint_from_node = source_from_node
-            .iter()
-            .map(|source| source.map(|s| skeleton.joint_from_source(s)))
-            .collect();
-        Ok(Self {
-            skeleton,
-            joint_from_node,
-        })
+        let joint_from_node =
+            source_from_node.iter().map(|source| source.map(|s| skeleton.joint_from_source(s))).collect();
+        Ok(Self { skeleton, joint_from_node })
     }
 
     /// Lets clips be stored so that these vertices too stay within the error bound.
@@ -123,11 +111,7 @@ fn unique_names(list: &[usize], nodes: &[Node], log: &Log) -> Vec<String> {
     let mut last_suffix: HashMap<&str, usize> = HashMap::new();
     for (slot, &node) in names.iter_mut().zip(list).filter(|(slot, _)| slot.is_none()) {
         let own = &nodes[node].name;
-        let base = if own.is_empty() {
-            format!("node{node}")
-        } else {
-            own.clone()
-        };
+        let base = if own.is_empty() { format!("node{node}") } else { own.clone() };
         let suffix = last_suffix.entry(own).or_insert(1);
         let mut name = base.clone();
         while !taken.insert(name.clone()) {
@@ -186,11 +170,7 @@ mod tests {
         ];
         let log = Log::default();
         let rig = Rig::new(&nodes, std::iter::empty(), &[1], &log).unwrap();
-        let names: Vec<_> = rig
-            .skeleton
-            .joints()
-            .map(|j| rig.skeleton.name(j).to_owned())
-            .collect();
+        let names: Vec<_> = rig.skeleton.joints().map(|j| rig.skeleton.name(j).to_owned()).collect();
         assert_eq!(names, ["armature", "hips", "hand", "grip"]);
         assert_eq!(rig.joint_from_node[5], None);
         assert_eq!(rig.node_name(&nodes, 5), "mesh");

@@ -8,7 +8,7 @@ use crate::accessor::{Component, Shape};
 use crate::data::{Data, Format};
 use crate::json::Cursor;
 use crate::log::{Checked, Log};
-use crate::nodes::Node;
+use crate::nodes::{Node, Walk};
 
 /// A skin as the file declares it.
 #[derive(Clone, Debug)]
@@ -37,9 +37,7 @@ fn read_skin(at: &Cursor, node_count: usize, data: &Data) -> Checked<Skin> {
         let nodes: Vec<_> = items.iter().map(|j| j.index(node_count, "node")).collect();
         nodes.into_iter().collect::<Checked<Vec<usize>>>()
     });
-    let inverse_bind = at.optional("inverseBindMatrices", |i| {
-        i.index(data.accessor_count(), "accessor")
-    });
+    let inverse_bind = at.optional("inverseBindMatrices", |i| i.index(data.accessor_count(), "accessor"));
     let (joints, inverse_bind, skeleton) = (joints?, inverse_bind?, skeleton?);
     let mut seen = HashSet::new();
     if let Some(twice) = joints.iter().find(|j| !seen.insert(**j)) {
@@ -59,13 +57,7 @@ fn read_skin(at: &Cursor, node_count: usize, data: &Data) -> Checked<Skin> {
             at.note("has inverse bind matrices in a buffer view with a byteStride, which only vertex data may have");
         }
     }
-    Ok(Skin {
-        place: at.place().to_owned(),
-        name: at.name(),
-        joints,
-        skeleton,
-        inverse_bind,
-    })
+    Ok(Skin { place: at.place().to_owned(), name: at.name(), joints, skeleton, inverse_bind })
 }
 
 impl Skin {
@@ -82,41 +74,23 @@ impl Skin {
                 return Err(log.problem(&self.place, what));
             }
         }
-        Ok(matrices
-            .iter()
-            .take(self.joints.len())
-            .map(Affine::from_cols_array)
-            .collect())
+        Ok(matrices.iter().take(self.joints.len()).map(Affine::from_cols_array).collect())
     }
 
     /// Notes joints that hang on no common root: glTF wants one, but nothing here depends on it.
-    pub(crate) fn note_roots(&self, nodes: &[Node], roots: &[usize], log: &Log) {
-        let mut own = self.joints.iter().map(|j| roots[*j]);
+    pub(crate) fn note_roots(&self, nodes: &[Node], walk: &Walk, log: &Log) {
+        let mut own = self.joints.iter().map(|j| walk.roots[*j]);
         let first = own.next();
         if own.any(|root| Some(root) != first) {
-            log.note(
-                &self.place,
-                "has joints without a common root (glTF 2.0, section 3.7.3.2)",
-            );
+            log.note(&self.place, "has joints without a common root (glTF 2.0, section 3.7.3.2)");
         }
-        let misplaced = |root: usize| self.joints.iter().any(|j| !is_at_or_below(nodes, *j, root));
+        let misplaced = |root: usize| self.joints.iter().any(|j| !walk.is_at_or_below(*j, root));
         if self.skeleton.is_some_and(misplaced) {
             let what = "is not above all of its joints; it is a hint only and not needed";
             log.note(format!("{}.skeleton", self.place), what);
         }
         if self.joints.iter().any(|j| !nodes[*j].in_scene) {
-            log.note(
-                &self.place,
-                "has joints that are not in the scene; they count all the same",
-            );
+            log.note(&self.place, "has joints that are not in the scene; they count all the same");
         }
     }
-}
-
-fn is_at_or_below(nodes: &[Node], node: usize, root: usize) -> bool {
-    let mut at = Some(node);
-    while let Some(node) = at.filter(|n| *n != root) {
-        at = nodes[node].parent;
-    }
-    at.is_some()
 }

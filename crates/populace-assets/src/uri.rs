@@ -35,9 +35,7 @@ impl Uri {
             return Err("is empty; it must name a file".into());
         }
         if let Some(scheme) = scheme(text) {
-            return Err(format!(
-                "is a \"{scheme}:\" address; only data: URIs and relative paths are read"
-            ));
+            return Err(format!("is a \"{scheme}:\" address; only data: URIs and relative paths are read"));
         }
         if text.starts_with(['/', '\\']) {
             return Err("is an absolute path; only data: URIs and relative paths are read".into());
@@ -58,9 +56,7 @@ fn scheme(text: &str) -> Option<&str> {
 }
 
 fn parse_data(data: &str) -> Result<Uri, String> {
-    let (header, payload) = data
-        .split_once(',')
-        .ok_or("is a data: URI without a comma before its data")?;
+    let (header, payload) = data.split_once(',').ok_or("is a data: URI without a comma before its data")?;
     let mut parts = header.split(';');
     let media_type = parts.next().unwrap_or_default().to_owned();
     let parameters: Vec<_> = parts.collect();
@@ -73,9 +69,7 @@ fn parse_data(data: &str) -> Result<Uri, String> {
     }
     let bytes: Vec<u8> = percent_decode_str(payload).collect();
     let bytes = if base64 {
-        BASE64
-            .decode(bytes)
-            .map_err(|e| format!("is a data: URI of broken base64: {e}"))?
+        BASE64.decode(bytes).map_err(|e| format!("is a data: URI of broken base64: {e}"))?
     } else {
         bytes
     };
@@ -108,9 +102,7 @@ pub(crate) fn read_file(
     }
     let length = wanted.map_or(metadata.len(), |w| w as u64);
     if length > limit {
-        return Err(format!(
-            "names \"{path}\", which has {length} bytes; at most {limit} are read"
-        ));
+        return Err(format!("names \"{path}\", which has {length} bytes; at most {limit} are read"));
     }
     let mut bytes = Vec::new();
     let file = File::open(&path_on_disk).map_err(failed)?;
@@ -135,12 +127,7 @@ mod tests {
         assert_eq!(data("data:;base64,AQ=="), [1]);
         assert_eq!(data("data:;base64,AQ"), [1], "padding may be left out");
         assert_eq!(data("data:text/plain;charset=utf-8,a%20b"), b"a b");
-        let broken = [
-            "data:",
-            "data:;base64",
-            "data:a;;base64,AA==",
-            "data:;base64,A*==",
-        ];
+        let broken = ["data:", "data:;base64", "data:a;;base64,AA==", "data:;base64,A*=="];
         for text in broken {
             assert!(Uri::parse(text).is_err(), "{text}");
         }
@@ -153,10 +140,7 @@ mod tests {
             _ => None,
         };
         assert_eq!(path("a%20b/%2541.bin").as_deref(), Some("a b/%41.bin"));
-        assert_eq!(
-            path("../textures/a#1.png").as_deref(),
-            Some("../textures/a#1.png")
-        );
+        assert_eq!(path("../textures/a#1.png").as_deref(), Some("../textures/a#1.png"));
         assert_eq!(path("folder/a:b.bin").as_deref(), Some("folder/a:b.bin"));
         let refused = [
             "",

@@ -38,22 +38,12 @@ fn trials(root: &Path) -> Vec<Trial> {
     files.sort();
     let mut trials = vec![Trial::test("the folder holds files and reference vertices", {
         let found = (files.len(), reference.as_object().map_or(0, serde_json::Map::len));
-        move || {
-            check(found.0 > 100 && found.1 > 10, || {
-                format!("only {found:?} were found")
-            })
-        }
+        move || check(found.0 > 100 && found.1 > 10, || format!("only {found:?} were found"))
     })];
     for path in files {
-        let name = path
-            .strip_prefix(root)
-            .unwrap_or(&path)
-            .to_string_lossy()
-            .replace('\\', "/");
+        let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
         let expected = reference.get(&name).cloned();
-        trials.push(Trial::test(name.clone(), move || {
-            run(&name, &path, expected.as_ref())
-        }));
+        trials.push(Trial::test(name.clone(), move || run(&name, &path, expected.as_ref())));
     }
     trials
 }
@@ -85,9 +75,7 @@ fn run(name: &str, path: &Path, reference: Option<&Value>) -> Result<(), Failed>
         (Expected::Loads, Ok(imported)) => check_loaded(name, &imported, reference),
         (Expected::LoadsWithNote(what), Ok(imported)) => {
             let notes: Vec<_> = imported.notes.iter().map(ToString::to_string).collect();
-            check(notes.iter().any(|n| n.contains(what)), || {
-                format!("no note says `{what}`: {notes:#?}")
-            })?;
+            check(notes.iter().any(|n| n.contains(what)), || format!("no note says `{what}`: {notes:#?}"))?;
             check_loaded(name, &imported, reference)
         }
         (Expected::Refused(reasons), Err(Error::Rejected { problems, .. })) => {
@@ -112,27 +100,15 @@ fn check_loaded(name: &str, imported: &Imported, reference: Option<&Value>) -> R
     for clip in &imported.character.clips {
         let stats = clip.stats();
         check(stats.error_bound_m <= stats.tolerance_m, || {
-            format!(
-                "clip \"{}\" has an error bound of {} m",
-                clip.name(),
-                stats.error_bound_m
-            )
+            format!("clip \"{}\" has an error bound of {} m", clip.name(), stats.error_bound_m)
         })?;
         // Measured where the reference says that the whole import is right. At a STEP key two rows stand at one time,
         // and the measure compares both with the value after the step.
-        let steps = clip
-            .source()
-            .tracks
-            .iter()
-            .any(|t| t.interpolation == Interpolation::Step);
+        let steps = clip.source().tracks.iter().any(|t| t.interpolation == Interpolation::Step);
         if reference.is_some() && !steps && stats.row_count * skeleton.joint_count() <= 5000 {
             let error = clip.measured_error_m(skeleton, 5);
             check(error <= stats.tolerance_m, || {
-                format!(
-                    "clip \"{}\" is off by {error} m, more than {} m",
-                    clip.name(),
-                    stats.tolerance_m
-                )
+                format!("clip \"{}\" is off by {error} m, more than {} m", clip.name(), stats.tolerance_m)
             })?;
         }
     }
@@ -143,12 +119,7 @@ fn check_loaded(name: &str, imported: &Imported, reference: Option<&Value>) -> R
 fn check_rest(name: &str, imported: &Imported, reference: &Value) -> Result<(), Failed> {
     let rest = &reference["rest"];
     let corner = |key: &str| -> Vec<f64> {
-        rest[key]
-            .as_array()
-            .into_iter()
-            .flatten()
-            .filter_map(Value::as_f64)
-            .collect()
+        rest[key].as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
     };
     let (low, high) = (corner("lo"), corner("hi"));
     let bounds = imported.character.rest_bounds().ok_or("there are no bounds")?;
@@ -164,10 +135,8 @@ fn check_rest(name: &str, imported: &Imported, reference: &Value) -> Result<(), 
     }
     let clips = reference["clips"].as_array().into_iter().flatten();
     for clip in clips {
-        let index = clip["clip"]
-            .as_u64()
-            .and_then(|i| usize::try_from(i).ok())
-            .ok_or("a clip has no index")?;
+        let index =
+            clip["clip"].as_u64().and_then(|i| usize::try_from(i).ok()).ok_or("a clip has no index")?;
         let named = imported.character.clips.get(index).map(|c| c.name());
         check(named == clip["name"].as_str(), || {
             format!("clip {index} is named {named:?}, not {}", clip["name"])
@@ -187,18 +156,12 @@ fn check_vertex(character: &Character, row: &Value, tolerance: f64) -> Result<()
         .iter()
         .find(|p| Some(p.node) == index(0) && Some(p.primitive) == index(1))
         .ok_or_else(|| format!("there is no part for {row}"))?;
-    let vertex = index(2)
-        .filter(|v| *v < part.mesh.positions.len())
-        .ok_or("there are too few vertices")?;
+    let vertex = index(2).filter(|v| *v < part.mesh.positions.len()).ok_or("there are too few vertices")?;
     let skeleton = &character.skeleton;
     let mut models: Vec<DAffine3> = Vec::new();
     for joint in skeleton.joints() {
         let local = affine(&Affine::from_trs(skeleton.rest(joint)));
-        models.push(
-            skeleton
-                .parent(joint)
-                .map_or(local, |p| models[p.index()] * local),
-        );
+        models.push(skeleton.parent(joint).map_or(local, |p| models[p.index()] * local));
     }
     let position = DVec3::from_array(part.mesh.positions[vertex].map(f64::from));
     let width = part.mesh.influences.per_vertex;

@@ -51,36 +51,22 @@ pub(crate) fn load(crowd: &mut Crowd, files: &[PathBuf], clip: Option<&str>) -> 
                 Some(name) => vec![crowd.clip(id, name)?],
                 None => usual_clips(crowd, id)?,
             };
-            let scale = if several {
-                COMMON_HEIGHT_M / character.height_m().max(1e-6)
-            } else {
-                1.0
-            };
-            Ok(Role {
-                id,
-                character,
-                clips,
-                scale,
-            })
+            let scale = if several { COMMON_HEIGHT_M / character.height_m().max(1e-6) } else { 1.0 };
+            Ok(Role { id, character, clips, scale })
         })
         .collect()
 }
 
-/// The walks and idles of a character by name; where there are none, all its clips.
+/// The plainest walks and the plainest idle of a character, by name: of several, those with the shortest names. Where
+/// there are none, all its clips.
 fn usual_clips(crowd: &Crowd, id: CharacterId) -> Result<Vec<ClipId>, Failure> {
     let clips = crowd.clips(id)?;
-    let usual = |name: &str| {
-        let name = name.to_lowercase();
-        (name.contains("walk") || name.contains("idle")) && !name.contains("pose") && !name.contains("lie")
+    let plainest = |word: &str, most: usize| {
+        let named = |name: &str| name.to_lowercase().contains(word) && !name.to_lowercase().contains("pose");
+        let mut found: Vec<_> = clips.iter().filter(|(_, clip)| named(clip.name())).collect();
+        found.sort_by_key(|(_, clip)| clip.name().len());
+        found.into_iter().take(most).map(|(id, _)| *id).collect::<Vec<_>>()
     };
-    let named: Vec<_> = clips
-        .iter()
-        .filter(|(_, clip)| usual(clip.name()))
-        .map(|(id, _)| *id)
-        .collect();
-    Ok(if named.is_empty() {
-        clips.into_iter().map(|(id, _)| id).collect()
-    } else {
-        named
-    })
+    let usual = [plainest("walk", 3), plainest("idle", 1)].concat();
+    Ok(if usual.is_empty() { clips.into_iter().map(|(id, _)| id).collect() } else { usual })
 }

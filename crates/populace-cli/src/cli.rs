@@ -140,9 +140,7 @@ impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let sides = text
-            .split_once(['x', 'X'])
-            .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+        let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
         match sides {
             Some(sides) if !sides.contains(&0) => Ok(Self(sides)),
             _ => Err("write width and height in pixels as 1280x720".into()),
@@ -164,11 +162,7 @@ impl FromStr for VertexId {
     fn from_str(text: &str) -> Result<Self, String> {
         let numbers: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
         match numbers.as_deref() {
-            Ok(&[node, primitive, vertex]) => Ok(Self {
-                node,
-                primitive,
-                vertex,
-            }),
+            Ok(&[node, primitive, vertex]) => Ok(Self { node, primitive, vertex }),
             _ => Err("write the node, primitive and vertex index as 5,0,17".into()),
         }
     }
@@ -190,14 +184,7 @@ mod tests {
         for bad in ["", "640", "0x3", "-1x5", "axb", "5x"] {
             assert!(bad.parse::<Size>().is_err(), "{bad}");
         }
-        assert_eq!(
-            "5,0,17".parse(),
-            Ok(VertexId {
-                node: 5,
-                primitive: 0,
-                vertex: 17
-            })
-        );
+        assert_eq!("5,0,17".parse(), Ok(VertexId { node: 5, primitive: 0, vertex: 17 }));
         for bad in ["", "5,0", "5,0,1,2", "a,b,c", "5,-1,0"] {
             assert!(bad.parse::<VertexId>().is_err(), "{bad}");
         }

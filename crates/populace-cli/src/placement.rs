@@ -32,24 +32,36 @@ impl Random {
     }
 }
 
-/// Ground places for `count` members, at least 0.7 of `spacing` metres apart, in staggered rows that are wider than
-/// deep; every place is shaken a little, so that it does not read as a grid.
+/// Half a row's width per metre of its distance from the point that the rows widen from.
+const WIDENING: f32 = 0.55;
+/// Distance of the first row from that point, in rows.
+const FIRST_ROW: f32 = 4.0;
+
+/// Ground places for `count` members, in staggered rows that widen away from the camera at +Z as its view does, about
+/// `spacing` metres apart; every place is shaken a little, so that it does not read as a grid. One member stands at
+/// the origin.
 pub(crate) fn places(count: usize, spacing: f32, random: &mut Random) -> Vec<[f32; 3]> {
-    let columns = ((count as f32 * 1.4).powf(0.5).ceil()).max(1.0);
-    let rows = (count as f32 / columns).ceil();
-    (0..count)
-        .map(|index| {
-            let (row, column) = ((index as f32 / columns).floor(), index as f32 % columns);
-            let stagger = if row % 2.0 == 0.0 { 0.25 } else { -0.25 };
-            let x = (column.floor() - (columns - 1.0) / 2.0 + stagger) * spacing;
-            let z = (row - (rows - 1.0) / 2.0) * spacing;
-            [
-                x + random.signed() * 0.15 * spacing,
-                0.0,
-                z + random.signed() * 0.15 * spacing,
-            ]
-        })
-        .collect()
+    let mut places = Vec::with_capacity(count);
+    let mut row = 0.0;
+    while places.len() < count {
+        let distance = FIRST_ROW + row;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a small count, not negative"
+        )]
+        let columns = ((2.0 * WIDENING * distance) as usize).clamp(1, count - places.len());
+        for column in 0..columns {
+            let across = column as f32 - (columns as f32 - 1.0) / 2.0;
+            let shaken = |at: f32, random: &mut Random| (at + random.signed() * 0.18) * spacing;
+            places.push([shaken(across, random), 0.0, shaken(-row, random)]);
+        }
+        row += 1.0;
+    }
+    if let [one] = places.as_mut_slice() {
+        *one = [0.0; 3];
+    }
+    places
 }
 
 #[cfg(test)]
@@ -64,7 +76,7 @@ mod tests {
             for (i, a) in places.iter().enumerate() {
                 for b in &places[..i] {
                     let distance = (a[0] - b[0]).hypot(a[2] - b[2]);
-                    assert!(distance >= 0.699, "{distance} m between two of {count}");
+                    assert!(distance > 0.5, "{distance} m between two of {count}");
                 }
             }
         }
@@ -73,10 +85,7 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_numbers() {
         let run = |seed| {
-            (0..5)
-                .map(|_| 0)
-                .scan(Random::new(seed), |r, _| Some(r.unit().to_bits()))
-                .collect::<Vec<_>>()
+            (0..5).map(|_| 0).scan(Random::new(seed), |r, _| Some(r.unit().to_bits())).collect::<Vec<_>>()
         };
         assert_eq!(run(3), run(3));
         assert_ne!(run(3), run(4));

@@ -8,19 +8,12 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 fn populace(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_populace"))
-        .args(args)
-        .output()
-        .expect("the program starts")
+    Command::new(env!("CARGO_BIN_EXE_populace")).args(args).output().expect("the program starts")
 }
 
 fn json_of(args: &[&str]) -> Value {
     let output = populace(args);
-    assert!(
-        output.status.success(),
-        "{args:?}: {}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("stdout is one JSON document")
 }
 
@@ -29,10 +22,7 @@ fn refused(args: &[&str], code: i32, words: &[&str]) {
     let output = populace(args);
     let talk = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{args:?}: {talk}");
-    assert!(
-        output.stdout.is_empty(),
-        "results are for stdout, and there are none"
-    );
+    assert!(output.stdout.is_empty(), "results are for stdout, and there are none");
     for word in words {
         assert!(talk.contains(word), "{args:?}: no {word:?} in: {talk}");
     }
@@ -68,22 +58,12 @@ fn post() -> Value {
     };
     let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let level = |y: f32| [[-0.2, y, 0.0], [0.2, y, 0.0]];
-    let positions: Vec<f32> = [0.0, 1.0, 1.0, 2.0]
-        .into_iter()
-        .flat_map(level)
-        .flatten()
-        .collect();
+    let positions: Vec<f32> = [0.0, 1.0, 1.0, 2.0].into_iter().flat_map(level).flatten().collect();
     add(&floats(&positions));
-    add(&[
-        0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0,
-    ]);
+    add(&[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
     add(&floats(&[1.0, 0.0, 0.0, 0.0].repeat(8)));
     add(&[0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6]);
-    let bind = |y: f32| {
-        [
-            1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -y, 0.0, 1.0,
-        ]
-    };
+    let bind = |y: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -y, 0.0, 1.0];
     add(&floats(&[bind(0.0), bind(1.0)].concat()));
     add(&floats(&[0.5, 1.5]));
     let half = std::f32::consts::FRAC_1_SQRT_2;
@@ -125,12 +105,7 @@ fn post() -> Value {
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
-    value
-        .as_array()
-        .expect("an array")
-        .iter()
-        .map(|v| v.as_f64().expect("a number"))
-        .collect()
+    value.as_array().expect("an array").iter().map(|v| v.as_f64().expect("a number")).collect()
 }
 
 #[track_caller]
@@ -142,75 +117,32 @@ fn assert_near(found: &[f64], wanted: &[f64]) {
 fn pose_keeps_its_contract(device: &str) {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
-    let args = [
-        "pose",
-        &file,
-        "--clip",
-        "Bend",
-        "--time",
-        "1.5",
-        "--vertices",
-        "--vertex",
-        "0,0,7",
-        "--json",
-    ];
+    let args =
+        ["pose", &file, "--clip", "Bend", "--time", "1.5", "--vertices", "--vertex", "0,0,7", "--json"];
     let d = json_of(&[&args[..], &["--device", device]].concat());
-    assert_eq!(
-        (&d["schema"], &d["clip"], &d["schedule"]),
-        (&json!(1), &json!("Bend"), &json!("staged"))
-    );
+    assert_eq!((&d["schema"], &d["clip"], &d["schedule"]), (&json!(1), &json!("Bend"), &json!("staged")));
     assert_eq!(d["joints"][0]["name"], "foot");
-    assert_eq!(
-        (&d["joints"][0]["node"], &d["joints"][0]["parent"]),
-        (&json!(1), &Value::Null)
-    );
-    assert_eq!(
-        (&d["joints"][1]["node"], &d["joints"][1]["parent"]),
-        (&json!(2), &json!(0))
-    );
+    assert_eq!((&d["joints"][0]["node"], &d["joints"][0]["parent"]), (&json!(1), &Value::Null));
+    assert_eq!((&d["joints"][1]["node"], &d["joints"][1]["parent"]), (&json!(2), &json!(0)));
     // The head joint, turned by a quarter about -Z, stands 1 m high; matrices are column-major.
     let head = numbers(&d["joints"][1]["model_from_joint"]);
-    assert_near(
-        &head,
-        &[
-            0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0,
-        ],
-    );
-    assert_eq!(
-        (&d["skins"][0]["skin"], &d["skins"][0]["node"]),
-        (&json!(0), &json!(0))
-    );
+    assert_near(&head, &[0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0]);
+    assert_eq!((&d["skins"][0]["skin"], &d["skins"][0]["node"]), (&json!(0), &json!(0)));
     let palette = numbers(&d["skins"][0]["palette"][1]);
-    assert_near(
-        &palette,
-        &[0.0, 1.0, 0.0, -1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0],
-    );
+    assert_near(&palette, &[0.0, 1.0, 0.0, -1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
     // Vertex 7 was at (0.2, 2, 0): 1 m above the joint and 0.2 m beside it.
     assert_near(&numbers(&d["vertices"][0]), &[0.0, 0.0, 7.0, 1.0, 0.8, 0.0]);
 
     let at = |time: &str, clip: &[&str]| {
-        let common = [
-            "pose",
-            &file,
-            "--time",
-            time,
-            "--vertices",
-            "--vertex",
-            "0,0,6",
-            "--json",
-            "--device",
-            device,
-        ];
+        let common =
+            ["pose", &file, "--time", time, "--vertices", "--vertex", "0,0,6", "--json", "--device", device];
         numbers(&json_of(&[&common[..], clip].concat())["vertices"][0])[3..].to_vec()
     };
     assert_near(&at("-7", &["--clip", "Bend"]), &[-0.2, 2.0, 0.0]); // before the first key
     assert_near(&at("99", &["--clip", "0"]), &[1.0, 1.2, 0.0]); // after the last, by index
     assert_near(&at("1.5", &[]), &[-0.2, 2.0, 0.0]); // no clip: rest
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    assert_near(
-        &at("1.0", &["--clip", "Bend"]),
-        &[half * 0.8, 1.0 + half * 1.2, 0.0],
-    ); // slerp half way
+    assert_near(&at("1.0", &["--clip", "Bend"]), &[half * 0.8, 1.0 + half * 1.2, 0.0]); // slerp half way
 }
 
 #[test]
@@ -229,20 +161,14 @@ fn inspect_tells_what_is_in_a_file() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
     let d = json_of(&["inspect", &file, "--json"]);
-    assert_eq!(
-        (&d["joints"], &d["depth"], &d["palette_entries"]),
-        (&json!(2), &json!(2), &json!(2))
-    );
+    assert_eq!((&d["joints"], &d["depth"], &d["palette_entries"]), (&json!(2), &json!(2), &json!(2)));
     assert_eq!(d["parts"][0]["triangles"], 4);
     let clip = &d["clips"][0];
     assert_eq!(
         (&clip["name"], &clip["start_secs"], &clip["duration_secs"]),
         (&json!("Bend"), &json!(0.5), &json!(1.0))
     );
-    assert!(
-        clip["rows"].as_u64() > Some(2),
-        "a quarter turn between two keys needs rows between them"
-    );
+    assert!(clip["rows"].as_u64() > Some(2), "a quarter turn between two keys needs rows between them");
     assert!(clip["worst_error_m"].as_f64() <= clip["tolerance_m"].as_f64());
     let text = String::from_utf8(populace(&["inspect", &file]).stdout).expect("text");
     assert!(text.contains("clip 0 \"Bend\": 1.000 s from 0.500 s"), "{text}");
@@ -259,17 +185,9 @@ fn devices_lists_native_and_what_draws() {
 fn wrong_usage_is_exit_code_2() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
-    refused(
-        &["pose", &file, "--clip", "Bned"],
-        2,
-        &["no clip \"Bned\"", "did you mean \"Bend\"?"],
-    );
+    refused(&["pose", &file, "--clip", "Bned"], 2, &["no clip \"Bned\"", "did you mean \"Bend\"?"]);
     refused(&["pose", &file, "--clip", "7"], 2, &["there is no clip 7"]);
-    refused(
-        &["pose", &file, "--device", "cuda"],
-        2,
-        &["there is no device \"cuda\"", "native, opencl"],
-    );
+    refused(&["pose", &file, "--device", "cuda"], 2, &["there is no device \"cuda\"", "native, opencl"]);
     refused(&["pose", &file, "--time", "NaN"], 2, &["finite"]);
     refused(
         &["pose", &file, "--vertices", "--vertex", "0,0,99"],
@@ -277,22 +195,10 @@ fn wrong_usage_is_exit_code_2() {
         &["no vertex 99 of primitive 0 of node 0"],
     );
     refused(&["pose", &file, "--schedule", "magic"], 2, &["staged"]);
-    refused(
-        &["render", &file, "--members", "0", "--out", "x.png"],
-        2,
-        &["--members"],
-    );
-    refused(
-        &["render", &file, "--size", "640", "--out", "x.png"],
-        2,
-        &["1280x720"],
-    );
+    refused(&["render", &file, "--members", "0", "--out", "x.png"], 2, &["--members"]);
+    refused(&["render", &file, "--size", "640", "--out", "x.png"], 2, &["1280x720"]);
     let out = folder.text("x.png");
-    refused(
-        &["render", &file, "--hide", "mehs", "--out", &out],
-        2,
-        &["no node \"mehs\"", "mesh"],
-    );
+    refused(&["render", &file, "--hide", "mehs", "--out", &out], 2, &["no node \"mehs\"", "mesh"]);
     refused(&[], 2, &["Usage"]);
 }
 
@@ -300,11 +206,7 @@ fn wrong_usage_is_exit_code_2() {
 #[test]
 fn an_opencl_device_that_does_not_exist_is_refused() {
     let folder = Folder::new();
-    refused(
-        &["pose", &folder.text("post.gltf"), "--device", "opencl:99"],
-        2,
-        &["no OpenCL device 99"],
-    );
+    refused(&["pose", &folder.text("post.gltf"), "--device", "opencl:99"], 2, &["no OpenCL device 99"]);
 }
 
 #[test]
@@ -351,33 +253,17 @@ fn render_draws_the_same_crowd_on_every_device_and_again() {
             seed,
         ];
         let output = populace(&args);
-        assert!(
-            output.status.success(),
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         assert!(output.stdout.is_empty(), "talk is for stderr");
         std::fs::read(out).expect("a picture")
     };
     let native = draw("native.png", "native", "1");
-    assert!(
-        native == draw("again.png", "native", "1"),
-        "the same seed gives the same bytes"
-    );
-    assert!(
-        native == draw("opencl.png", "opencl", "1"),
-        "PoCL gives the same bytes as the native device"
-    );
-    assert!(
-        native != draw("other.png", "native", "2"),
-        "another seed gives another crowd"
-    );
+    assert!(native == draw("again.png", "native", "1"), "the same seed gives the same bytes");
+    assert!(native == draw("opencl.png", "opencl", "1"), "PoCL gives the same bytes as the native device");
+    assert!(native != draw("other.png", "native", "2"), "another seed gives another crowd");
     let picture = image::load_from_memory(&native).expect("a PNG").to_rgb8();
     assert_eq!(picture.dimensions(), (160, 90));
-    let red = picture
-        .pixels()
-        .filter(|p| p.0[0] > 100 && p.0[1] < 70 && p.0[2] < 70)
-        .count();
+    let red = picture.pixels().filter(|p| p.0[0] > 100 && p.0[1] < 70 && p.0[2] < 70).count();
     assert!(red > 100, "{red} pixels are as red as the posts");
 }
 
@@ -385,37 +271,19 @@ fn render_draws_the_same_crowd_on_every_device_and_again() {
 fn an_output_that_cannot_be_written_is_exit_code_4_before_the_work() {
     let folder = Folder::new();
     let out = folder.text("no/such/folder/x.png");
-    refused(
-        &["render", &folder.text("post.gltf"), "--out", &out],
-        4,
-        &["cannot write", "x.png"],
-    );
+    refused(&["render", &folder.text("post.gltf"), "--out", &out], 4, &["cannot write", "x.png"]);
 }
 
 #[test]
 fn bench_checks_what_it_measures() {
-    let d = json_of(&[
-        "bench",
-        "--members",
-        "40",
-        "--frames",
-        "2",
-        "--device",
-        "native",
-        "--json",
-    ]);
+    let d = json_of(&["bench", "--members", "40", "--frames", "2", "--device", "native", "--json"]);
     assert_eq!(d["schema"], 1);
     let runs = d["runs"].as_array().expect("runs");
-    let find = |schedule: &str, stage: &str| {
-        runs.iter()
-            .find(|r| r["schedule"] == schedule && r["stage"] == stage)
-    };
+    let find =
+        |schedule: &str, stage: &str| runs.iter().find(|r| r["schedule"] == schedule && r["stage"] == stage);
     assert!(find("floor", "all").is_some());
     let all = find("staged", "all").expect("the whole frame");
-    assert!(
-        all["max_error"].as_f64() > Some(0.0),
-        "single precision is never exactly right"
-    );
+    assert!(all["max_error"].as_f64() > Some(0.0), "single precision is never exactly right");
     assert_eq!((&all["members"], &all["slots"]), (&json!(40), &json!(2)));
     for stage in ["evaluate", "pose", "transform", "write_back"] {
         assert!(find("staged", stage).is_some(), "{stage}");

@@ -34,9 +34,7 @@ fn trials(folder: &Path) -> Vec<Trial> {
     for device in ["native", "opencl"] {
         for (file, entry) in &entries {
             let (path, entry) = (folder.join(file), entry.clone());
-            let trial = Trial::test(format!("{device}: {file}"), move || {
-                check_file(&path, &entry, device)
-            });
+            let trial = Trial::test(format!("{device}: {file}"), move || check_file(&path, &entry, device));
             trials.push(trial.with_ignored_flag(device == "opencl" && cfg!(skip_opencl)));
         }
     }
@@ -57,17 +55,9 @@ fn check_file(path: &PathBuf, entry: &Value, device: &str) -> Result<(), Failed>
 
 fn check_pose(path: &PathBuf, pose: &Value, device: &str, allowed: f64) -> Result<(), Failed> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_populace"));
-    command
-        .arg("pose")
-        .arg(path)
-        .args(["--json", "--vertices", "--device", device]);
+    command.arg("pose").arg(path).args(["--json", "--vertices", "--device", device]);
     if pose["clip"].is_number() {
-        command.args([
-            "--clip",
-            &pose["clip"].to_string(),
-            "--time",
-            &pose["t"].to_string(),
-        ]);
+        command.args(["--clip", &pose["clip"].to_string(), "--time", &pose["t"].to_string()]);
     }
     let wanted = pose["verts"].as_array().expect("vertices");
     for row in wanted {
@@ -83,9 +73,7 @@ fn check_pose(path: &PathBuf, pose: &Value, device: &str, allowed: f64) -> Resul
         return Err(format!("{} vertices instead of {}", found.len(), wanted.len()).into());
     }
     for (found, wanted) in found.iter().zip(wanted) {
-        let off = (3..6)
-            .map(|i| (number(&found[i]) - number(&wanted[i])).abs())
-            .fold(0.0, f64::max);
+        let off = (3..6).map(|i| (number(&found[i]) - number(&wanted[i])).abs()).fold(0.0, f64::max);
         if off > allowed {
             let at = format!("clip {} at {} s", pose["clip"], pose["t"]);
             return Err(format!(

@@ -144,9 +144,7 @@ pub trait Backend: Send {
     ///
     /// A failing device.
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
-        Stage::ALL
-            .into_iter()
-            .try_for_each(|stage| self.run_stage(tables, frame, stage))
+        Stage::ALL.into_iter().try_for_each(|stage| self.run_stage(tables, frame, stage))
     }
 
     /// Reads elements of a buffer, waiting for what was enqueued before.

@@ -235,20 +235,13 @@ impl Character {
         for (index, image) in source.images.iter().enumerate() {
             let pixels = image.width as usize * image.height as usize;
             if pixels == 0 || image.rgba.len() != pixels * 4 {
-                let what = format!(
-                    "{} bytes for {} x {} pixels",
-                    image.rgba.len(),
-                    image.width,
-                    image.height
-                );
+                let what =
+                    format!("{} bytes for {} x {} pixels", image.rgba.len(), image.width, image.height);
                 return fail(format!("image {index}"), what);
             }
         }
         for (index, material) in source.materials.iter().enumerate() {
-            if material
-                .base_color_texture
-                .is_some_and(|t| t.image >= source.images.len())
-            {
+            if material.base_color_texture.is_some_and(|t| t.image >= source.images.len()) {
                 return fail(
                     format!("material {index}"),
                     "its texture names an image that does not exist".into(),
@@ -258,18 +251,12 @@ impl Character {
         for part in &source.parts {
             if let Err(what) = check_part(part, &source) {
                 return fail(
-                    format!(
-                        "node {} \"{}\", primitive {}",
-                        part.node, part.node_name, part.primitive
-                    ),
+                    format!("node {} \"{}\", primitive {}", part.node, part.node_name, part.primitive),
                     what,
                 );
             }
         }
-        let mut character = Self {
-            source,
-            rest_bounds: None,
-        };
+        let mut character = Self { source, rest_bounds: None };
         character.rest_bounds = Bounds::around(character.rest_vertices());
         Ok(character)
     }
@@ -283,8 +270,7 @@ impl Character {
     /// Height at rest in metres: of the meshes, or of the skeleton where there are none.
     #[must_use]
     pub fn height_m(&self) -> f32 {
-        self.rest_bounds
-            .map_or(self.skeleton.size_m(), |b| b.high[1] - b.low[1])
+        self.rest_bounds.map_or(self.skeleton.size_m(), |b| b.high[1] - b.low[1])
     }
 
     fn rest_vertices(&self) -> impl Iterator<Item = [f32; 3]> {
@@ -308,13 +294,12 @@ impl Character {
                 .enumerate()
                 .map(|(vertex, position)| {
                     let range = vertex * width..(vertex + 1) * width;
-                    let moved = influences.entries[range.clone()]
-                        .iter()
-                        .zip(&influences.weights[range])
-                        .map(|(&entry, &weight)| {
+                    let moved = influences.entries[range.clone()].iter().zip(&influences.weights[range]).map(
+                        |(&entry, &weight)| {
                             palette[usize::from(entry)].transform_point3(f64math::vec3(*position))
                                 * f64::from(weight)
-                        });
+                        },
+                    );
                     f64math::to_f32(moved.sum::<glam::DVec3>().to_array())
                 })
                 .collect::<Vec<_>>()
@@ -324,10 +309,7 @@ impl Character {
 
 fn rest_models(skeleton: &Skeleton) -> Vec<glam::DAffine3> {
     let parents: Vec<_> = skeleton.joints().map(|j| skeleton.parent(j)).collect();
-    f64math::model_from_joints(
-        &parents,
-        skeleton.joints().map(|j| f64math::affine(skeleton.rest(j))),
-    )
+    f64math::model_from_joints(&parents, skeleton.joints().map(|j| f64math::affine(skeleton.rest(j))))
 }
 
 /// How far from each joint, in level order, the vertices that it moves lie at rest, times the weight by which it moves
@@ -337,16 +319,8 @@ pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Pa
     let models = rest_models(skeleton);
     let mut reach: Vec<f64> = vec![0.0; models.len()];
     for mesh in parts.iter().map(|p| &p.mesh) {
-        let Influences {
-            per_vertex,
-            entries,
-            weights,
-        } = &mesh.influences;
-        for (at, (&entry, &weight)) in entries
-            .iter()
-            .zip(weights)
-            .enumerate()
-            .filter(|(_, (_, w))| **w > 0.0)
+        let Influences { per_vertex, entries, weights } = &mesh.influences;
+        for (at, (&entry, &weight)) in entries.iter().zip(weights).enumerate().filter(|(_, (_, w))| **w > 0.0)
         {
             let vertex = mesh.positions.get(at / (*per_vertex).max(1));
             let (Some(entry), Some(&vertex)) = (palette.get(usize::from(entry)), vertex) else {
@@ -365,40 +339,19 @@ pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Pa
 }
 
 fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {
-    let Mesh {
-        positions,
-        normals,
-        uvs,
-        colors,
-        influences,
-        indices,
-    } = &part.mesh;
+    let Mesh { positions, normals, uvs, colors, influences, indices } = &part.mesh;
     check_lengths(&part.mesh)?;
     if indices.len() % 3 != 0 || indices.iter().any(|&i| i as usize >= positions.len()) {
-        return Err(format!(
-            "indices must be whole triangles of vertices below {}",
-            positions.len()
-        ));
+        return Err(format!("indices must be whole triangles of vertices below {}", positions.len()));
     }
-    if let Some(entry) = influences
-        .entries
-        .iter()
-        .find(|&&e| usize::from(e) >= source.palette.len())
-    {
-        return Err(format!(
-            "a vertex names palette entry {entry}; there are {}",
-            source.palette.len()
-        ));
+    if let Some(entry) = influences.entries.iter().find(|&&e| usize::from(e) >= source.palette.len()) {
+        return Err(format!("a vertex names palette entry {entry}; there are {}", source.palette.len()));
     }
     if part.material.is_some_and(|m| m >= source.materials.len()) {
         return Err("it names a material that does not exist".into());
     }
-    let finite = positions
-        .iter()
-        .chain(normals)
-        .flatten()
-        .chain(uvs.iter().flatten())
-        .chain(&influences.weights);
+    let finite =
+        positions.iter().chain(normals).flatten().chain(uvs.iter().flatten()).chain(&influences.weights);
     if finite.chain(colors.iter().flatten()).any(|v| !v.is_finite()) {
         return Err("a vertex holds a value that is not a finite number".into());
     }
@@ -406,28 +359,15 @@ fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {
 }
 
 fn check_lengths(mesh: &Mesh) -> Result<(), String> {
-    let Mesh {
-        positions,
-        normals,
-        uvs,
-        colors,
-        influences,
-        ..
-    } = mesh;
+    let Mesh { positions, normals, uvs, colors, influences, .. } = mesh;
     let count = positions.len();
     let per_vertex = influences.per_vertex;
     if per_vertex != 4 && per_vertex != 8 {
-        return Err(format!(
-            "{per_vertex} influences per vertex; 4 or 8 are supported"
-        ));
+        return Err(format!("{per_vertex} influences per vertex; 4 or 8 are supported"));
     }
     let lengths = [
         ("normals", normals.len(), count),
-        (
-            "texture coordinates",
-            uvs.len(),
-            if uvs.is_empty() { 0 } else { count },
-        ),
+        ("texture coordinates", uvs.len(), if uvs.is_empty() { 0 } else { count }),
         ("colours", colors.len(), if colors.is_empty() { 0 } else { count }),
         ("influences", influences.entries.len(), count * per_vertex),
         ("weights", influences.weights.len(), count * per_vertex),

@@ -59,16 +59,8 @@ impl Clip {
         let curves = curves::Curves::new(&source, skeleton)?;
         let rows = Rows::new(&curves, skeleton);
         let ground_speed = ground::ground_speed(&rows, skeleton);
-        let columns = skeleton
-            .joints()
-            .map(|j| (skeleton.name(j).to_owned(), j.0))
-            .collect();
-        Ok(Self {
-            source,
-            columns,
-            rows,
-            ground_speed,
-        })
+        let columns = skeleton.joints().map(|j| (skeleton.name(j).to_owned(), j.0)).collect();
+        Ok(Self { source, columns, rows, ground_speed })
     }
 
     /// The clip's name; may be empty.
@@ -99,12 +91,7 @@ impl Clip {
     #[must_use]
     pub fn stats(&self) -> ClipStats {
         let rows = &self.rows;
-        let keys = self
-            .source
-            .tracks
-            .iter()
-            .map(|t| t.times.len() + t.values.len())
-            .sum::<usize>();
+        let keys = self.source.tracks.iter().map(|t| t.times.len() + t.values.len()).sum::<usize>();
         ClipStats {
             row_count: rows.times.len(),
             evenly_spaced: rows.buckets.is_empty(),
@@ -125,11 +112,7 @@ impl Clip {
     /// If `skeleton` is not the one that the clip was made with.
     #[must_use]
     pub fn measured_error_m(&self, skeleton: &Skeleton, points: usize) -> f32 {
-        assert_eq!(
-            self.columns.len(),
-            skeleton.joint_count(),
-            "not the clip's own skeleton"
-        );
+        assert_eq!(self.columns.len(), skeleton.joint_count(), "not the clip's own skeleton");
         let curves = curves::Curves::new(&self.source, skeleton).expect("checked by `new`");
         self.rows.measured_error_m(&curves, skeleton, points)
     }
@@ -153,11 +136,7 @@ impl Clip {
     }
 
     pub(crate) fn row_times(&self) -> &[f32] {
-        if self.rows.buckets.is_empty() {
-            &[]
-        } else {
-            &self.rows.times
-        }
+        if self.rows.buckets.is_empty() { &[] } else { &self.rows.times }
     }
 
     /// For each bucket a row at or before its start, and buckets per second; empty where rows are evenly spaced.
@@ -186,11 +165,7 @@ impl Binding {
     /// Binds by name.
     #[must_use]
     pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
-        let mut binding = Self {
-            joint_map: Vec::new(),
-            base_pose: Vec::new(),
-            bound_joint_count: 0,
-        };
+        let mut binding = Self { joint_map: Vec::new(), base_pose: Vec::new(), bound_joint_count: 0 };
         for joint in skeleton.joints() {
             let (map, pose) = match clip.columns.get(skeleton.name(joint)) {
                 Some(&column) if clip.rows.drives(column) => {

@@ -12,10 +12,7 @@ pub(crate) fn quat(q: [f32; 4]) -> DQuat {
     DQuat::from_array(q.map(f64::from))
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
 pub(crate) fn to_f32<const N: usize>(v: [f64; N]) -> [f32; N] {
     v.map(|x| x as f32)
 }
@@ -50,16 +47,10 @@ pub(crate) fn rest_extent(parents: &[Option<JointIndex>], rest: &[Trs]) -> f32 {
         high = high.max(model.translation);
     }
     let size = (high - low).max_element();
-    if size > 1e-6 && size.is_finite() {
-        to_f32([size])[0]
-    } else {
-        1.0
-    }
+    if size > 1e-6 && size.is_finite() { to_f32([size])[0] } else { 1.0 }
 }
 
 pub(crate) fn affine_from(m: &crate::Affine) -> DAffine3 {
     let [a, b, c] = m.rows.map(|row| row.map(f64::from));
-    DAffine3::from_cols_array(&[
-        a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3],
-    ])
+    DAffine3::from_cols_array(&[a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3]])
 }

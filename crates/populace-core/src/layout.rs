@@ -288,11 +288,7 @@ pub struct StructLayout {
 #[must_use]
 pub fn device_structs() -> Vec<StructLayout> {
     fn of<T: DeviceStruct>() -> StructLayout {
-        StructLayout {
-            name: T::NAME,
-            size: size_of::<T>(),
-            fields: T::FIELDS,
-        }
+        StructLayout { name: T::NAME, size: size_of::<T>(), fields: T::FIELDS }
     }
     vec![
         of::<Body>(),
@@ -309,10 +305,7 @@ pub fn device_structs() -> Vec<StructLayout> {
 /// All constants and structs as OpenCL C, to stand before the kernels.
 #[must_use]
 pub fn opencl_prelude() -> String {
-    let mut text: String = CONSTS
-        .iter()
-        .map(|(name, value)| format!("#define {name} {value}u\n"))
-        .collect();
+    let mut text: String = CONSTS.iter().map(|(name, value)| format!("#define {name} {value}u\n")).collect();
     text += &format!("#define TICK_SECS {:.12e}f\n", crate::playback::TICK_SECS);
     for declaration in [
         Body::OPENCL_C,
@@ -346,13 +339,7 @@ mod tests {
     fn the_tick_reads_the_same_in_both_languages() {
         let text = opencl_prelude();
         let line = text.lines().find(|l| l.starts_with("#define TICK_SECS")).unwrap();
-        let value: f32 = line
-            .split(' ')
-            .next_back()
-            .unwrap()
-            .trim_end_matches('f')
-            .parse()
-            .unwrap();
+        let value: f32 = line.split(' ').next_back().unwrap().trim_end_matches('f').parse().unwrap();
         assert_eq!(value.to_bits(), crate::playback::TICK_SECS.to_bits());
     }
 }

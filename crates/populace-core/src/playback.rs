@@ -58,11 +58,7 @@ impl Slot {
             phase_rate: phase_rate(duration_secs, speed),
             hold_ticks,
             mode: SLOT_ONCE,
-            held_secs: if backwards {
-                start_secs
-            } else {
-                start_secs + duration_secs
-            },
+            held_secs: if backwards { start_secs } else { start_secs + duration_secs },
             ..Self::still(bound_clip, tick)
         }
     }
@@ -71,11 +67,7 @@ impl Slot {
     /// last the last.
     #[must_use]
     pub fn held(bound_clip: u32, tick: u64, held_secs: f32) -> Self {
-        Self {
-            mode: SLOT_HELD,
-            held_secs,
-            ..Self::still(bound_clip, tick)
-        }
+        Self { mode: SLOT_HELD, held_secs, ..Self::still(bound_clip, tick) }
     }
 
     fn still(bound_clip: u32, tick: u64) -> Self {
@@ -135,9 +127,7 @@ impl Slot {
         if self.mode == SLOT_HELD || (self.mode == SLOT_ONCE && elapsed >= self.hold_ticks) {
             return self.held_secs;
         }
-        let phase = self
-            .start_phase
-            .wrapping_add(elapsed.wrapping_mul(self.phase_rate));
+        let phase = self.start_phase.wrapping_add(elapsed.wrapping_mul(self.phase_rate));
         // The upper 24 bits are exact in single precision and never round up to a whole cycle.
         start_secs + (phase >> 40) as f32 * (1.0 / 16_777_216.0) * duration_secs
     }
@@ -197,10 +187,7 @@ pub struct LayerSettings {
 
 impl Default for LayerSettings {
     fn default() -> Self {
-        Self {
-            mode: LayerMode::Override,
-            weight: 1.0,
-        }
+        Self { mode: LayerMode::Override, weight: 1.0 }
     }
 }
 
@@ -221,10 +208,7 @@ impl Mask {
         if good {
             Ok(Self { weights })
         } else {
-            Err(Error::BadMask {
-                weights: weights.len(),
-                joints: skeleton.joint_count(),
-            })
+            Err(Error::BadMask { weights: weights.len(), joints: skeleton.joint_count() })
         }
     }
 

@@ -65,16 +65,9 @@ impl Skeleton {
         for trs in &mut rest {
             trs.rotation = f64math::normalized(trs.rotation);
         }
-        let parents: Vec<_> = order
-            .iter()
-            .map(|&s| joints[s].parent.map(|p| joint_from_source[p]))
-            .collect();
+        let parents: Vec<_> = order.iter().map(|&s| joints[s].parent.map(|p| joint_from_source[p])).collect();
         let names: Vec<_> = order.iter().map(|&s| joints[s].name.clone()).collect();
-        let by_name = names
-            .iter()
-            .cloned()
-            .zip(order.iter().map(|&s| joint_from_source[s]))
-            .collect();
+        let by_name = names.iter().cloned().zip(order.iter().map(|&s| joint_from_source[s])).collect();
         let size_m = f64math::rest_extent(&parents, &rest);
         let reach_m = vec![0.0; joints.len()];
         Ok(Self {
@@ -108,10 +101,7 @@ impl Skeleton {
 
     /// All joint indices, parents first.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = JointIndex> + use<> {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "`new` refuses more joints than fit in 32 bits"
-        )]
+        #[expect(clippy::cast_possible_truncation, reason = "`new` refuses more joints than fit in 32 bits")]
         let count = self.names.len() as u32;
         (0..count).map(JointIndex)
     }
@@ -180,11 +170,7 @@ fn joint_index(index: usize) -> Result<JointIndex, Error> {
     const LIMIT: usize = 1 << 28; // a binding keeps three flags beside the index
     match u32::try_from(index) {
         Ok(value) if index < LIMIT => Ok(JointIndex(value)),
-        _ => Err(Error::TooLarge {
-            what: "a skeleton",
-            count: index + 1,
-            limit: LIMIT,
-        }),
+        _ => Err(Error::TooLarge { what: "a skeleton", count: index + 1, limit: LIMIT }),
     }
 }
 
@@ -196,20 +182,9 @@ fn check(joints: &[JointSource]) -> Result<(), Error> {
     for (index, joint) in joints.iter().enumerate() {
         let name = || joint.name.clone();
         if let Some(parent) = joint.parent.filter(|&p| p >= joints.len()) {
-            return Err(Error::ParentOutOfRange {
-                joint: index,
-                name: name(),
-                parent,
-                count: joints.len(),
-            });
+            return Err(Error::ParentOutOfRange { joint: index, name: name(), parent, count: joints.len() });
         }
-        let bad_rest = |what| {
-            Err(Error::BadRest {
-                joint: index,
-                name: name(),
-                what,
-            })
-        };
+        let bad_rest = |what| Err(Error::BadRest { joint: index, name: name(), what });
         if !joint.rest.is_finite() {
             return bad_rest("a value that is not a finite number");
         }
@@ -217,11 +192,7 @@ fn check(joints: &[JointSource]) -> Result<(), Error> {
             return bad_rest("a rotation of length zero");
         }
         if let Some(first) = names.insert(joint.name.as_str(), index) {
-            return Err(Error::DuplicateJointName {
-                first,
-                second: index,
-                name: name(),
-            });
+            return Err(Error::DuplicateJointName { first, second: index, name: name() });
         }
     }
     Ok(())
@@ -253,10 +224,7 @@ fn level_order(joints: &[JointSource]) -> Result<(Vec<usize>, Vec<Range<usize>>)
         for _ in 0..joints.len() {
             joint = joints[joint].parent.unwrap_or(joint);
         }
-        return Err(Error::Cycle {
-            joint,
-            name: joints[joint].name.clone(),
-        });
+        return Err(Error::Cycle { joint, name: joints[joint].name.clone() });
     }
     Ok((order, levels))
 }
@@ -267,11 +235,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn joint(name: &str, parent: Option<usize>) -> JointSource {
-        JointSource {
-            name: name.into(),
-            parent,
-            rest: Trs::IDENTITY,
-        }
+        JointSource { name: name.into(), parent, rest: Trs::IDENTITY }
     }
 
     #[test]
@@ -300,30 +264,12 @@ mod tests {
     fn bad_joints_are_refused_by_name() {
         assert_eq!(Skeleton::new(&[]).unwrap_err(), Error::NoJoints);
         let far = Skeleton::new(&[joint("far", Some(7))]).unwrap_err();
-        assert_eq!(
-            far,
-            Error::ParentOutOfRange {
-                joint: 0,
-                name: "far".into(),
-                parent: 7,
-                count: 1
-            }
-        );
+        assert_eq!(far, Error::ParentOutOfRange { joint: 0, name: "far".into(), parent: 7, count: 1 });
         let twins = Skeleton::new(&[joint("twin", None), joint("twin", Some(0))]).unwrap_err();
-        assert_eq!(
-            twins,
-            Error::DuplicateJointName {
-                first: 0,
-                second: 1,
-                name: "twin".into()
-            }
-        );
+        assert_eq!(twins, Error::DuplicateJointName { first: 0, second: 1, name: "twin".into() });
         let mut nan = joint("nan", None);
         nan.rest.scale[1] = f32::NAN;
-        assert!(matches!(
-            Skeleton::new(&[nan]).unwrap_err(),
-            Error::BadRest { joint: 0, .. }
-        ));
+        assert!(matches!(Skeleton::new(&[nan]).unwrap_err(), Error::BadRest { joint: 0, .. }));
     }
 
     proptest! {

@@ -19,11 +19,7 @@ pub struct Table<T> {
 
 impl<T: bytemuck::Pod> Table<T> {
     fn new(name: &'static str) -> Self {
-        Self {
-            name,
-            data: Vec::new(),
-            dirty: 0..0,
-        }
+        Self { name, data: Vec::new(), dirty: 0..0 }
     }
 
     /// The table's name, for errors.
@@ -69,11 +65,7 @@ impl<T: bytemuck::Pod> Table<T> {
         let count = self.data.len();
         if count > LIMIT {
             self.data.truncate(first);
-            return Err(Error::TooLarge {
-                what: self.name,
-                count,
-                limit: LIMIT,
-            });
+            return Err(Error::TooLarge { what: self.name, count, limit: LIMIT });
         }
         self.touch(first..count);
         Ok(u32_from(first))
@@ -88,10 +80,7 @@ impl<T: bytemuck::Pod> Table<T> {
     }
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "tables refuse to grow past 32 bits"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
 fn u32_from(index: usize) -> u32 {
     debug_assert!(index <= u32::MAX as usize);
     index as u32
@@ -206,9 +195,7 @@ impl Tables {
     pub fn page_lengths(&self) -> Vec<usize> {
         let total = self.palette_places();
         let page = PAGE_ENTRIES as usize;
-        (0..total.div_ceil(page))
-            .map(|p| (total - p * page).min(page))
-            .collect()
+        (0..total.div_ceil(page)).map(|p| (total - p * page).min(page)).collect()
     }
 
     /// The widest level of any body at each depth.
@@ -234,17 +221,10 @@ impl Tables {
     pub fn add_body(&mut self, skeleton: &Skeleton, palette: &[PaletteEntry]) -> Result<BodyIndex, Error> {
         if palette.len() > PAGE_ENTRIES as usize {
             let limit = PAGE_ENTRIES as usize;
-            return Err(Error::TooLarge {
-                what: "one character's palette",
-                count: palette.len(),
-                limit,
-            });
+            return Err(Error::TooLarge { what: "one character's palette", count: palette.len(), limit });
         }
-        let joint_first = self.parents.extend(
-            skeleton
-                .joints()
-                .map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)),
-        )?;
+        let joint_first =
+            self.parents.extend(skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)))?;
         let levels = skeleton.levels();
         let starts = levels.iter().map(|l| l.start).chain([skeleton.joint_count()]);
         let level_first = self.levels.extend(starts.map(u32_from))?;
@@ -314,12 +294,7 @@ impl Tables {
     pub fn add_bound_clip(&mut self, clip: u32, binding: &Binding) -> Result<u32, Error> {
         let map_first = self.joint_maps.extend(binding.joint_map().iter().copied())?;
         let base_first = self.add_pose(binding.base_pose())?;
-        self.bound_clips.extend([BoundClip {
-            clip,
-            map_first,
-            base_first,
-            unused: 0,
-        }])
+        self.bound_clips.extend([BoundClip { clip, map_first, base_first, unused: 0 }])
     }
 
     /// Adds a mask and returns the offset that layers name.
@@ -341,22 +316,13 @@ impl Tables {
     ///
     /// If the body does not exist.
     pub fn add_member(&mut self, body: BodyIndex) -> Result<u32, Error> {
-        let Body {
-            padded_count,
-            entry_count,
-            ..
-        } = self.bodies.data[body.0 as usize];
+        let Body { padded_count, entry_count, .. } = self.bodies.data[body.0 as usize];
         let place = match self.free_members.pop() {
             Some(place) => place,
-            None => self.members.extend([Member {
-                body: NONE,
-                ..Member::default()
-            }])?,
+            None => self.members.extend([Member { body: NONE, ..Member::default() }])?,
         };
-        self.slots
-            .resize(self.member_places() * self.slots_per_member, EMPTY_SLOT);
-        self.layers
-            .resize(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
+        self.slots.resize(self.member_places() * self.slots_per_member, EMPTY_SLOT);
+        self.layers.resize(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
         let joint_block = self.joint_space.take((padded_count / JOINT_BLOCK) as usize);
         let palette_block = self.palette_space.take(palette_block_count(entry_count));
         fill(&mut self.joint_blocks, joint_block, place);
@@ -381,31 +347,15 @@ impl Tables {
     /// If the place is not taken.
     pub fn remove_member(&mut self, place: u32) {
         let member = self.members.data[place as usize];
-        let Body {
-            padded_count,
-            entry_count,
-            ..
-        } = self.bodies.data[member.body as usize];
-        let joints = (
-            (member.joint_first / JOINT_BLOCK) as usize,
-            (padded_count / JOINT_BLOCK) as usize,
-        );
-        let palette = (
-            (member.palette_first / PALETTE_BLOCK) as usize,
-            palette_block_count(entry_count),
-        );
+        let Body { padded_count, entry_count, .. } = self.bodies.data[member.body as usize];
+        let joints = ((member.joint_first / JOINT_BLOCK) as usize, (padded_count / JOINT_BLOCK) as usize);
+        let palette = ((member.palette_first / PALETTE_BLOCK) as usize, palette_block_count(entry_count));
         fill(&mut self.joint_blocks, joints, NONE);
         fill(&mut self.palette_blocks, palette, NONE);
         self.joint_space.give_back(joints);
         self.palette_space.give_back(palette);
         self.reset_playback(place);
-        self.members.set(
-            place as usize,
-            Member {
-                body: NONE,
-                ..Member::default()
-            },
-        );
+        self.members.set(place as usize, Member { body: NONE, ..Member::default() });
         self.free_members.push(place);
     }
 
@@ -466,12 +416,7 @@ const EMPTY_SLOT: Slot = Slot {
     unused: 0,
     weight_tick: 0,
 };
-const PLAIN_LAYER: Layer = Layer {
-    weight: 1.0,
-    mask: NONE,
-    mode: crate::layout::LAYER_OVERRIDE,
-    unused: 0,
-};
+const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask: NONE, mode: crate::layout::LAYER_OVERRIDE, unused: 0 };
 
 fn padded(joint_count: usize) -> usize {
     joint_count.next_multiple_of(JOINT_BLOCK as usize)
@@ -483,13 +428,7 @@ fn palette_block_count(entry_count: u32) -> usize {
 
 fn device_entry(entry: &PaletteEntry) -> Entry {
     let [row0, row1, row2] = entry.joint_from_bind.rows.map(Float4);
-    Entry {
-        row0,
-        row1,
-        row2,
-        joint: entry.joint.0,
-        ..Entry::default()
-    }
+    Entry { row0, row1, row2, joint: entry.joint.0, ..Entry::default() }
 }
 
 fn fill(blocks: &mut Table<u32>, (first, count): (usize, usize), place: u32) {
@@ -510,22 +449,14 @@ struct Space {
 
 impl Space {
     fn new(page_blocks: usize) -> Self {
-        Self {
-            page_blocks,
-            end: 0,
-            free: Vec::new(),
-        }
+        Self { page_blocks, end: 0, free: Vec::new() }
     }
 
     fn free_of(&mut self, count: usize) -> &mut Vec<usize> {
-        let at = self
-            .free
-            .iter()
-            .position(|(length, _)| *length == count)
-            .unwrap_or_else(|| {
-                self.free.push((count, Vec::new()));
-                self.free.len() - 1
-            });
+        let at = self.free.iter().position(|(length, _)| *length == count).unwrap_or_else(|| {
+            self.free.push((count, Vec::new()));
+            self.free.len() - 1
+        });
         &mut self.free[at].1
     }
 

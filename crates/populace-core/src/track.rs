@@ -54,11 +54,7 @@ impl Track {
     /// Values of one key: the property's width, three times that for cubic splines.
     #[must_use]
     pub fn values_per_key(&self) -> usize {
-        let triple = if self.interpolation == Interpolation::CubicSpline {
-            3
-        } else {
-            1
-        };
+        let triple = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         self.property.width() * triple
     }
 
@@ -69,13 +65,8 @@ impl Track {
     /// [`Error::BadTrack`] names the joint and says what is wrong: no keys, times that do not increase, a number of
     /// values that does not fit, a value that is not finite, or a rotation of length zero.
     pub fn check(&self) -> Result<(), Error> {
-        let bad = |what: String| {
-            Err(Error::BadTrack {
-                joint: self.joint.clone(),
-                property: self.property,
-                what,
-            })
-        };
+        let bad =
+            |what: String| Err(Error::BadTrack { joint: self.joint.clone(), property: self.property, what });
         if self.times.is_empty() {
             return bad("has no keys; a track needs at least one".into());
         }
@@ -118,11 +109,7 @@ impl Track {
     pub fn value(&self, key: usize) -> &[f32] {
         let width = self.property.width();
         let first = key * self.values_per_key()
-            + if self.interpolation == Interpolation::CubicSpline {
-                width
-            } else {
-                0
-            };
+            + if self.interpolation == Interpolation::CubicSpline { width } else { 0 };
         &self.values[first..first + width]
     }
 
@@ -139,12 +126,9 @@ impl Track {
 
     fn tangents_zero(&self) -> bool {
         let width = self.property.width();
-        self.values.chunks(3 * width).all(|key| {
-            key[..width]
-                .iter()
-                .chain(&key[2 * width..])
-                .all(|tangent| *tangent == 0.0)
-        })
+        self.values
+            .chunks(3 * width)
+            .all(|key| key[..width].iter().chain(&key[2 * width..]).all(|tangent| *tangent == 0.0))
     }
 }
 
@@ -161,11 +145,7 @@ impl ClipSource {
     /// First and last key time over all tracks in seconds, `(0, 0)` without tracks.
     #[must_use]
     pub fn time_range_secs(&self) -> (f32, f32) {
-        let ends = self
-            .tracks
-            .iter()
-            .filter_map(|t| Some((*t.times.first()?, *t.times.last()?)));
-        ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-            .unwrap_or((0.0, 0.0))
+        let ends = self.tracks.iter().filter_map(|t| Some((*t.times.first()?, *t.times.last()?)));
+        ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((0.0, 0.0))
     }
 }

@@ -13,11 +13,7 @@ pub(crate) fn run(tables: &Tables, tick: u64, samples: &mut [SlotSample]) {
 }
 
 fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
-    let weight = if slot.bound_clip == NONE {
-        0.0
-    } else {
-        slot.weight_at(tick)
-    };
+    let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
     if weight > 0.0 {
         let bound = tables.bound_clips.as_slice()[slot.bound_clip as usize];
         let clip = &tables.clips.as_slice()[bound.clip as usize];
@@ -25,12 +21,7 @@ fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
         let (row, between) = find_row(tables, clip, secs);
         let next = if between > 0.0 { row + 1 } else { row };
         let offset = |row: u32| clip.row_first + row * clip.row_stride;
-        SlotSample {
-            row0: offset(row),
-            row1: offset(next),
-            between,
-            weight,
-        }
+        SlotSample { row0: offset(row), row1: offset(next), between, weight }
     } else {
         SlotSample::default()
     }

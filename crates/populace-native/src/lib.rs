@@ -91,10 +91,7 @@ impl NativeBackend {
             StageBuffer::ModelRow1 => &mut self.models.0[1],
             StageBuffer::ModelRow2 => &mut self.models.0[2],
             StageBuffer::Palette => {
-                let page = self
-                    .pages
-                    .get_mut(first / PAGE_ELEMENTS)
-                    .map_or(&mut [][..], Vec::as_mut_slice);
+                let page = self.pages.get_mut(first / PAGE_ELEMENTS).map_or(&mut [][..], Vec::as_mut_slice);
                 return page.get_mut(first % PAGE_ELEMENTS..).unwrap_or(&mut []);
             }
         };
@@ -105,22 +102,14 @@ impl NativeBackend {
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
 
 fn failed(operation: &str, cause: impl std::fmt::Display) -> BackendError {
-    BackendError::Failed {
-        device: DEVICE.into(),
-        operation: operation.into(),
-        cause: cause.to_string(),
-    }
+    BackendError::Failed { device: DEVICE.into(), operation: operation.into(), cause: cause.to_string() }
 }
 
 fn grow<T: Clone + Default>(buffer: &mut Vec<T>, count: usize, what: &str) -> Result<(), BackendError> {
     let more = count.saturating_sub(buffer.len());
     if buffer.try_reserve_exact(more).is_err() {
         let bytes = count.saturating_mul(size_of::<T>());
-        return Err(BackendError::OutOfMemory {
-            device: DEVICE.into(),
-            what: what.into(),
-            bytes,
-        });
+        return Err(BackendError::OutOfMemory { device: DEVICE.into(), what: what.into(), bytes });
     }
     buffer.resize(buffer.len() + more, T::default());
     Ok(())
@@ -137,11 +126,7 @@ impl Backend for NativeBackend {
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
         let joints = tables.joint_places();
-        grow(
-            &mut self.samples,
-            tables.member_places() * tables.slots_per_member(),
-            "slot samples",
-        )?;
+        grow(&mut self.samples, tables.member_places() * tables.slots_per_member(), "slot samples")?;
         grow(&mut self.joints.translations, joints, "joint translations")?;
         grow(&mut self.joints.rotations, joints, "joint rotations")?;
         grow(&mut self.joints.scales, joints, "joint scales")?;
@@ -159,14 +144,7 @@ impl Backend for NativeBackend {
 
     fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
         let start = Instant::now();
-        let Self {
-            pool,
-            samples,
-            joints,
-            models,
-            pages,
-            ..
-        } = self;
+        let Self { pool, samples, joints, models, pages, .. } = self;
         pool.install(|| match stage {
             Stage::Evaluate => evaluate::run(tables, frame.tick, samples),
             Stage::Pose => pose::run(tables, samples, joints),
@@ -187,10 +165,7 @@ impl Backend for NativeBackend {
             let from = self.elements(buffer, first);
             let count = from.len().min(into.len());
             if count == 0 {
-                return Err(failed(
-                    &format!("read {buffer:?}"),
-                    format!("element {first} is past the end"),
-                ));
+                return Err(failed(&format!("read {buffer:?}"), format!("element {first} is past the end")));
             }
             into[..count].copy_from_slice(&from[..count]);
             into = &mut into[count..];
@@ -209,10 +184,7 @@ impl Backend for NativeBackend {
             let to = self.elements(buffer, first);
             let count = to.len().min(from.len());
             if count == 0 {
-                return Err(failed(
-                    &format!("write {buffer:?}"),
-                    format!("element {first} is past the end"),
-                ));
+                return Err(failed(&format!("write {buffer:?}"), format!("element {first} is past the end")));
             }
             to[..count].copy_from_slice(&from[..count]);
             from = &from[count..];
@@ -224,10 +196,7 @@ impl Backend for NativeBackend {
     fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
         let count = self.pages.len();
         let palettes = self.pages.get(page).ok_or_else(|| {
-            failed(
-                "hand over palettes",
-                format!("there is no page {page}; {count} are in use"),
-            )
+            failed("hand over palettes", format!("there is no page {page}; {count} are in use"))
         })?;
         reader(palettes);
         Ok(())
@@ -238,10 +207,7 @@ impl Backend for NativeBackend {
     }
 
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
-        Stage::ALL
-            .into_iter()
-            .map(|stage| (stage, self.times_ms[stage as usize]))
-            .collect()
+        Stage::ALL.into_iter().map(|stage| (stage, self.times_ms[stage as usize])).collect()
     }
 
     fn write_floor(&mut self, _tables: &Tables) -> Result<f64, BackendError> {
@@ -288,15 +254,7 @@ mod tests {
     #[test]
     fn past_the_end_is_an_error() {
         let mut backend = NativeBackend::new(1).unwrap();
-        assert!(
-            backend
-                .read(StageBuffer::Palette, 0, &mut [Float4::default()])
-                .is_err()
-        );
-        assert!(
-            backend
-                .write(StageBuffer::Scales, 9, &[Float4::default()])
-                .is_err()
-        );
+        assert!(backend.read(StageBuffer::Palette, 0, &mut [Float4::default()]).is_err());
+        assert!(backend.write(StageBuffer::Scales, 9, &[Float4::default()]).is_err());
     }
 }

@@ -10,29 +10,23 @@ use populace_core::{Tables, Trs};
 use crate::{JointBuffer, Playback, split};
 
 pub(crate) fn run(tables: &Tables, samples: &[SlotSample], joints: &mut JointBuffer) {
-    let arrays = [
-        &mut joints.translations[..],
-        &mut joints.rotations[..],
-        &mut joints.scales[..],
-    ];
-    split::for_each_member(tables.joint_blocks.as_slice(), arrays, &|place,
-                                                                     _,
-                                                                     [
-        translations,
-        rotations,
-        scales,
-    ]| {
-        let member = &tables.members.as_slice()[place as usize];
-        let body = &tables.bodies.as_slice()[member.body as usize];
-        let playback = Playback::of(tables, samples, place);
-        for joint in 0..body.joint_count {
-            let local = pose_joint(tables, member, body, &playback, joint);
-            let at = joint as usize;
-            translations[at] = Float4::from_xyz(local.translation);
-            rotations[at] = Float4(local.rotation);
-            scales[at] = Float4::from_xyz(local.scale);
-        }
-    });
+    let arrays = [&mut joints.translations[..], &mut joints.rotations[..], &mut joints.scales[..]];
+    split::for_each_member(
+        tables.joint_blocks.as_slice(),
+        arrays,
+        &|place, _, [translations, rotations, scales]| {
+            let member = &tables.members.as_slice()[place as usize];
+            let body = &tables.bodies.as_slice()[member.body as usize];
+            let playback = Playback::of(tables, samples, place);
+            for joint in 0..body.joint_count {
+                let local = pose_joint(tables, member, body, &playback, joint);
+                let at = joint as usize;
+                translations[at] = Float4::from_xyz(local.translation);
+                rotations[at] = Float4(local.rotation);
+                scales[at] = Float4::from_xyz(local.scale);
+            }
+        },
+    );
 }
 
 /// A weighted sum of local transforms; for an additive layer, of differences.
@@ -44,12 +38,7 @@ struct Sum {
 }
 
 impl Sum {
-    const ZERO: Self = Self {
-        translation: [0.0; 3],
-        rotation: [0.0; 4],
-        scale: [0.0; 3],
-        weight: 0.0,
-    };
+    const ZERO: Self = Self { translation: [0.0; 3], rotation: [0.0; 4], scale: [0.0; 3], weight: 0.0 };
 
     fn add(&mut self, value: &Trs, weight: f32) {
         for i in 0..3 {
@@ -94,11 +83,7 @@ fn layer_weight(tables: &Tables, layer: &Layer, layer_index: u32, joint: u32) ->
     if layer_index == 0 {
         return 1.0;
     }
-    let mask = if layer.mask == NONE {
-        1.0
-    } else {
-        tables.masks.as_slice()[(layer.mask + joint) as usize]
-    };
+    let mask = if layer.mask == NONE { 1.0 } else { tables.masks.as_slice()[(layer.mask + joint) as usize] };
     layer.weight * mask
 }
 
@@ -120,12 +105,7 @@ fn sum_layer(
         let value = sample_joint(tables, bound, body.padded_count, joint, sample, rest);
         if additive {
             let first = tables.clips.as_slice()[bound.clip as usize].row_first;
-            let first = SlotSample {
-                row0: first,
-                row1: first,
-                between: 0.0,
-                weight: 0.0,
-            };
+            let first = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
             let reference = sample_joint(tables, bound, body.padded_count, joint, &first, rest);
             sum.add(&difference(&value, &reference), sample.weight);
         } else {
@@ -140,11 +120,7 @@ fn difference(value: &Trs, reference: &Trs) -> Trs {
     let delta = quat::mul(quat::conjugate(reference.rotation), value.rotation);
     let delta = quat::hemisphere(delta, quat::IDENTITY);
     let ratio = |i: usize| {
-        if reference.scale[i] == 0.0 {
-            1.0
-        } else {
-            value.scale[i] / reference.scale[i]
-        }
+        if reference.scale[i] == 0.0 { 1.0 } else { value.scale[i] / reference.scale[i] }
     };
     Trs {
         translation: std::array::from_fn(|i| value.translation[i] - reference.translation[i]),
@@ -167,11 +143,7 @@ fn add_layer(beneath: &Trs, sum: &Sum, layer_weight: f32) -> Trs {
 /// weigh less than 1 in all leaves the remainder to what lies beneath.
 fn mix_layer(beneath: &Trs, sum: &Sum, layer_index: u32, layer_weight: f32, rest: &Trs) -> Trs {
     if layer_index == 0 {
-        return if sum.weight > 1e-3 {
-            sum.mean(rest.rotation)
-        } else {
-            *beneath
-        };
+        return if sum.weight > 1e-3 { sum.mean(rest.rotation) } else { *beneath };
     }
     if sum.weight <= 0.0 {
         return *beneath;
@@ -205,11 +177,7 @@ fn sample_joint(
     let rows = tables.rows.as_slice();
     let between = |place: usize, component: u32| {
         let offset = tables.block_offsets.as_slice()[block + place] + component * JOINT_BLOCK + lane;
-        scalar::mix(
-            rows[(at.row0 + offset) as usize],
-            rows[(at.row1 + offset) as usize],
-            at.between,
-        )
+        scalar::mix(rows[(at.row0 + offset) as usize], rows[(at.row1 + offset) as usize], at.between)
     };
     if map & MAP_ROTATION != 0 {
         let mixed = [between(0, 0), between(0, 1), between(0, 2), between(0, 3)];

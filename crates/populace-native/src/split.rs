@@ -27,10 +27,7 @@ fn split<const N: usize>(
     }
     let (left, right) = halves(arrays, middle);
     let (left_blocks, right_blocks) = blocks.split_at(middle);
-    rayon::join(
-        || split(left_blocks, first, left, job),
-        || split(right_blocks, first + middle, right, job),
-    );
+    rayon::join(|| split(left_blocks, first, left, job), || split(right_blocks, first + middle, right, job));
 }
 
 fn each<const N: usize>(

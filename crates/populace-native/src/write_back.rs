@@ -11,24 +11,17 @@ const GRAIN: usize = 4096;
 
 pub(crate) fn run(tables: &Tables, models: &ModelRows, pages: &mut [Vec<Float4>]) {
     for (page, palettes) in pages.iter_mut().enumerate() {
-        palettes
-            .par_chunks_mut(GRAIN * 3)
-            .enumerate()
-            .for_each(|(chunk, palettes)| {
-                let first = page * PAGE_ENTRIES as usize + chunk * GRAIN;
-                for (place, matrix) in palettes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                    write_entry(tables, models, first + place, matrix);
-                }
-            });
+        palettes.par_chunks_mut(GRAIN * 3).enumerate().for_each(|(chunk, palettes)| {
+            let first = page * PAGE_ENTRIES as usize + chunk * GRAIN;
+            for (place, matrix) in palettes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                write_entry(tables, models, first + place, matrix);
+            }
+        });
     }
 }
 
 fn write_entry(tables: &Tables, models: &ModelRows, place: usize, matrix: &mut [Float4; 3]) {
-    let Some(&owner) = tables
-        .palette_blocks
-        .as_slice()
-        .get(place / PALETTE_BLOCK as usize)
-    else {
+    let Some(&owner) = tables.palette_blocks.as_slice().get(place / PALETTE_BLOCK as usize) else {
         return;
     };
     if owner == NONE {
@@ -42,11 +35,7 @@ fn write_entry(tables: &Tables, models: &ModelRows, place: usize, matrix: &mut [
     }
     let entry = &tables.entries.as_slice()[body.entry_first as usize + index];
     let joint = (member.joint_first + entry.joint) as usize;
-    let model_from_joint = Affine {
-        rows: models.0.each_ref().map(|rows| rows[joint].0),
-    };
-    let joint_from_bind = Affine {
-        rows: [entry.row0.0, entry.row1.0, entry.row2.0],
-    };
+    let model_from_joint = Affine { rows: models.0.each_ref().map(|rows| rows[joint].0) };
+    let joint_from_bind = Affine { rows: [entry.row0.0, entry.row1.0, entry.row2.0] };
     *matrix = model_from_joint.mul(&joint_from_bind).rows.map(Float4);
 }

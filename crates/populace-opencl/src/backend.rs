@@ -63,11 +63,7 @@ impl OpenClBackend {
             },
             tables: DeviceTables::new(device)?,
             buffers: StageBuffers::new(device)?,
-            group: device.group_size(if device.info.kind == DeviceKind::Cpu {
-                CPU_GROUP
-            } else {
-                GPU_GROUP
-            }),
+            group: device.group_size(if device.info.kind == DeviceKind::Cpu { CPU_GROUP } else { GPU_GROUP }),
             events: Default::default(),
             device: Arc::clone(device),
         })
@@ -84,11 +80,7 @@ impl OpenClBackend {
             .ulong("tick", frame.tick)
             .uint("slot_count", narrow(count))
             .buffer("samples", &self.buffers.samples)
-            .run(
-                &self.queue,
-                [count.next_multiple_of(self.group), 1],
-                [self.group, 1],
-            )
+            .run(&self.queue, [count.next_multiple_of(self.group), 1], [self.group, 1])
     }
 
     fn pose(&self, tables: &Tables) -> Result<Event, ClError> {
@@ -112,11 +104,7 @@ impl OpenClBackend {
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
-            .run(
-                &self.queue,
-                [count.next_multiple_of(self.group), 1],
-                [self.group, 1],
-            )
+            .run(&self.queue, [count.next_multiple_of(self.group), 1], [self.group, 1])
     }
 
     fn transform_level(&self, level: usize, width: usize, members: usize) -> Result<Event, ClError> {
@@ -136,14 +124,7 @@ impl OpenClBackend {
             .buffer("row0", &self.buffers.models[0])
             .buffer("row1", &self.buffers.models[1])
             .buffer("row2", &self.buffers.models[2])
-            .run(
-                &self.queue,
-                [
-                    width.next_multiple_of(local[0]),
-                    members.next_multiple_of(local[1]),
-                ],
-                local,
-            )
+            .run(&self.queue, [width.next_multiple_of(local[0]), members.next_multiple_of(local[1])], local)
     }
 
     fn write_back_page(&self, page: usize, entry_count: usize) -> Result<Event, ClError> {
@@ -158,11 +139,7 @@ impl OpenClBackend {
             .uint("page_first", narrow(page * PAGE_ENTRIES as usize))
             .uint("entry_count", narrow(entry_count))
             .buffer("palette", &self.buffers.pages[page])
-            .run(
-                &self.queue,
-                [entry_count.next_multiple_of(self.group), 1],
-                [self.group, 1],
-            )
+            .run(&self.queue, [entry_count.next_multiple_of(self.group), 1], [self.group, 1])
     }
 
     fn enqueue(&self, tables: &Tables, frame: Frame, stage: Stage) -> Result<Vec<Event>, ClError> {
@@ -180,9 +157,7 @@ impl OpenClBackend {
             }
             Stage::WriteBack => {
                 let pages = tables.page_lengths().into_iter().enumerate();
-                pages
-                    .map(|(page, entry_count)| self.write_back_page(page, entry_count))
-                    .collect()
+                pages.map(|(page, entry_count)| self.write_back_page(page, entry_count)).collect()
             }
         }
     }
@@ -198,9 +173,7 @@ impl OpenClBackend {
         let mut events = Vec::new();
         for page in &self.buffers.pages {
             let items = page.len().div_ceil(per_item).next_multiple_of(self.group);
-            let launch = Launch::of(kernel)
-                .buffer("palette", page)
-                .uint("count", narrow(page.len()));
+            let launch = Launch::of(kernel).buffer("palette", page).uint("count", narrow(page.len()));
             events.push(launch.run(&self.queue, [items, 1], [self.group, 1])?);
         }
         self.queue.finish()?;
@@ -209,10 +182,7 @@ impl OpenClBackend {
 }
 
 /// Counts that tables hold below 2^32.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "tables refuse to grow past 32 bits"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
 fn narrow(count: usize) -> u32 {
     debug_assert!(u32::try_from(count).is_ok());
     count as u32
@@ -242,18 +212,12 @@ impl Backend for OpenClBackend {
 
     fn read(&mut self, buffer: StageBuffer, first: usize, into: &mut [Float4]) -> Result<(), BackendError> {
         let result = self.buffers.read(&self.queue, buffer, first, into);
-        result.map_err(|e| {
-            self.device
-                .failed(&format!("read {buffer:?} from element {first} on"), &e)
-        })
+        result.map_err(|e| self.device.failed(&format!("read {buffer:?} from element {first} on"), &e))
     }
 
     fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
         let result = self.buffers.write(&self.queue, buffer, first, from);
-        result.map_err(|e| {
-            self.device
-                .failed(&format!("write {buffer:?} from element {first} on"), &e)
-        })
+        result.map_err(|e| self.device.failed(&format!("write {buffer:?} from element {first} on"), &e))
     }
 
     fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
@@ -262,31 +226,24 @@ impl Backend for OpenClBackend {
             Some(palettes) => palettes.map(&self.queue, reader),
             None => Err(ClError(INVALID_BUFFER)),
         };
-        result.map_err(|e| {
-            self.device
-                .failed(&format!("hand over page {page} of the palettes"), &e)
-        })
+        result.map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
     }
 
     fn finish(&mut self) -> Result<(), BackendError> {
-        self.queue
-            .finish()
-            .map_err(|e| self.device.failed("finish its work", &e))
+        self.queue.finish().map_err(|e| self.device.failed("finish its work", &e))
     }
 
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
-        let times = Stage::ALL
-            .into_iter()
-            .map(|stage| Some((stage, Self::time_ms(&self.events[stage as usize])?)));
+        let times =
+            Stage::ALL.into_iter().map(|stage| Some((stage, Self::time_ms(&self.events[stage as usize])?)));
         times.flatten().collect()
     }
 
     fn write_floor(&mut self, _tables: &Tables) -> Result<f64, BackendError> {
         let mut best = f64::INFINITY;
         for (kernel, per_item) in &self.kernels.floors {
-            let ms = self
-                .floor_ms(kernel, *per_item)
-                .map_err(|e| self.device.failed("write the floor", &e))?;
+            let ms =
+                self.floor_ms(kernel, *per_item).map_err(|e| self.device.failed("write the floor", &e))?;
             best = best.min(ms);
         }
         Ok(best)

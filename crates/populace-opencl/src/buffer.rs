@@ -44,11 +44,8 @@ impl<T: Element> Buffer<T> {
     pub(crate) fn new(device: &OpenClDevice, len: usize, what: &str) -> Result<Self, BackendError> {
         let count = len.max(1);
         let bytes = count.saturating_mul(size_of::<T>());
-        let no_room = || BackendError::OutOfMemory {
-            device: device.info.name.clone(),
-            what: what.into(),
-            bytes,
-        };
+        let no_room =
+            || BackendError::OutOfMemory { device: device.info.name.clone(), what: what.into(), bytes };
         if bytes as u64 > device.info.max_allocation_bytes {
             return Err(no_room());
         }

@@ -84,18 +84,11 @@ fn all_devices() -> Result<Vec<Device>, BackendError> {
         match platform.get_devices(CL_DEVICE_TYPE_ALL) {
             Err(ClError(NO_DEVICE)) => {}
             found => devices.extend(
-                found
-                    .map_err(|e| failed("OpenCL", "list its devices", &e))?
-                    .into_iter()
-                    .map(Device::new),
+                found.map_err(|e| failed("OpenCL", "list its devices", &e))?.into_iter().map(Device::new),
             ),
         }
     }
-    if devices.is_empty() {
-        Err(BackendError::NoRuntime)
-    } else {
-        Ok(devices)
-    }
+    if devices.is_empty() { Err(BackendError::NoRuntime) } else { Ok(devices) }
 }
 
 fn info(index: usize, device: &Device) -> Result<DeviceInfo, ClError> {
@@ -138,10 +131,7 @@ impl OpenClDevice {
 
     pub(crate) fn open_with(index: usize, source: &str) -> Result<Arc<Self>, BackendError> {
         let devices = all_devices()?;
-        let device = *devices.get(index).ok_or(BackendError::NoDevice {
-            index,
-            count: devices.len(),
-        })?;
+        let device = *devices.get(index).ok_or(BackendError::NoDevice { index, count: devices.len() })?;
         let info = info(index, &device).map_err(|e| failed("OpenCL", "describe a device", &e))?;
         let fail = |what: &str| {
             let name = info.name.clone();
@@ -160,12 +150,7 @@ impl OpenClDevice {
                 cause,
             });
         }
-        Ok(Arc::new(Self {
-            info,
-            context,
-            device,
-            program,
-        }))
+        Ok(Arc::new(Self { info, context, device, program }))
     }
 
     /// What the device is.
@@ -176,9 +161,7 @@ impl OpenClDevice {
 
     /// As many work-items per group as wished for, or as the device allows.
     pub(crate) fn group_size(&self, wished: usize) -> usize {
-        self.device
-            .max_work_group_size()
-            .map_or(1, |most| most.clamp(1, wished))
+        self.device.max_work_group_size().map_or(1, |most| most.clamp(1, wished))
     }
 
     pub(crate) fn kernel(&self, name: &str) -> Result<Kernel, BackendError> {
@@ -199,22 +182,12 @@ impl OpenClDevice {
 }
 
 fn failed(device: &str, operation: &str, error: &ClError) -> BackendError {
-    BackendError::Failed {
-        device: device.into(),
-        operation: operation.into(),
-        cause: error.to_string(),
-    }
+    BackendError::Failed { device: device.into(), operation: operation.into(), cause: error.to_string() }
 }
 
 /// Correct rounding of `/` and `sqrt`, where the device has it, makes poses equal the native ones bit for bit too.
 fn options(device: &Device) -> String {
-    let rounded = device
-        .single_fp_config()
-        .is_ok_and(|c| c & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0);
-    let rounding = if rounded {
-        " -cl-fp32-correctly-rounded-divide-sqrt"
-    } else {
-        ""
-    };
+    let rounded = device.single_fp_config().is_ok_and(|c| c & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0);
+    let rounding = if rounded { " -cl-fp32-correctly-rounded-divide-sqrt" } else { "" };
     format!("-cl-std=CL1.2 -cl-kernel-arg-info{rounding}")
 }

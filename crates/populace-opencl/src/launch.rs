@@ -25,11 +25,7 @@ pub(crate) struct Launch<'a> {
 
 impl<'a> Launch<'a> {
     pub(crate) fn of(kernel: &'a Kernel) -> Self {
-        Self {
-            kernel,
-            next: 0,
-            error: None,
-        }
+        Self { kernel, next: 0, error: None }
     }
 
     pub(crate) fn buffer<T: Element>(self, name: &str, buffer: &Buffer<T>) -> Self {
@@ -52,19 +48,9 @@ impl<'a> Launch<'a> {
             let has =
                 |what: Result<String, ClError>| what.unwrap_or_default().trim_end_matches('\0').to_owned();
             let (real, place) = (has(self.kernel.get_arg_name(self.next)), self.next);
-            assert_eq!(
-                real,
-                name,
-                "argument {place} of {:?}",
-                self.kernel.function_name()
-            );
+            assert_eq!(real, name, "argument {place} of {:?}", self.kernel.function_name());
             let real = has(self.kernel.get_arg_type_name(self.next));
-            assert_eq!(
-                real,
-                kind,
-                "type of argument {name} of {:?}",
-                self.kernel.function_name()
-            );
+            assert_eq!(real, kind, "type of argument {name} of {:?}", self.kernel.function_name());
         }
     }
 
@@ -87,12 +73,7 @@ impl<'a> Launch<'a> {
         if let Some(error) = self.error {
             return Err(error);
         }
-        debug_assert_eq!(
-            self.kernel.num_args(),
-            Ok(self.next),
-            "{:?}",
-            self.kernel.function_name()
-        );
+        debug_assert_eq!(self.kernel.num_args(), Ok(self.next), "{:?}", self.kernel.function_name());
         let (global, local) = (global.as_ptr(), local.as_ptr());
         // SAFETY: both sizes have the two dimensions named; every argument was set just now, and buffers are freed
         // only after the queue is done with them, since the driver counts references. Kernels stay inside their

@@ -12,8 +12,5 @@ pub(crate) fn source() -> String {
         include_str!("../kernels/transform.cl"),
         include_str!("../kernels/write_back.cl"),
     ];
-    [rules, &populace_core::layout::opencl_prelude()]
-        .into_iter()
-        .chain(kernels)
-        .collect()
+    [rules, &populace_core::layout::opencl_prelude()].into_iter().chain(kernels).collect()
 }

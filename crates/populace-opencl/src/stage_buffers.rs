@@ -39,12 +39,7 @@ impl StageBuffers {
     /// Makes room for what the tables hold. What stood in a buffer that grows is lost: the next frame writes it anew.
     pub(crate) fn update(&mut self, device: &OpenClDevice, tables: &Tables) -> Result<(), BackendError> {
         let joints = tables.joint_places();
-        grow(
-            device,
-            &mut self.samples,
-            tables.member_places() * tables.slots_per_member(),
-            "slot samples",
-        )?;
+        grow(device, &mut self.samples, tables.member_places() * tables.slots_per_member(), "slot samples")?;
         grow(device, &mut self.translations, joints, "joint translations")?;
         grow(device, &mut self.rotations, joints, "joint rotations")?;
         grow(device, &mut self.scales, joints, "joint scales")?;
@@ -81,10 +76,7 @@ impl StageBuffers {
             StageBuffer::ModelRow1 => &mut self.models[1],
             StageBuffer::ModelRow2 => &mut self.models[2],
             StageBuffer::Samples | StageBuffer::Palette => {
-                let page = self
-                    .pages
-                    .get_mut(first / PAGE_ELEMENTS)
-                    .ok_or(ClError(INVALID_BUFFER))?;
+                let page = self.pages.get_mut(first / PAGE_ELEMENTS).ok_or(ClError(INVALID_BUFFER))?;
                 let at = first % PAGE_ELEMENTS;
                 return Ok((page, at, PAGE_ELEMENTS - at));
             }

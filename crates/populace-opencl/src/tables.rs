@@ -14,9 +14,7 @@ pub(crate) struct DeviceTable<T> {
 
 impl<T: Element> DeviceTable<T> {
     fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
-        Ok(Self {
-            buffer: Buffer::new(device, 0, "an empty table")?,
-        })
+        Ok(Self { buffer: Buffer::new(device, 0, "an empty table")? })
     }
 
     fn update(
@@ -29,11 +27,8 @@ impl<T: Element> DeviceTable<T> {
         let mut changed = table.dirty();
         if all.len() > self.buffer.len() {
             // Half as much again, so that a growing crowd is not copied at every step.
-            let room = if self.buffer.len() == 0 {
-                all.len()
-            } else {
-                all.len().max(self.buffer.len() * 3 / 2)
-            };
+            let room =
+                if self.buffer.len() == 0 { all.len() } else { all.len().max(self.buffer.len() * 3 / 2) };
             self.buffer = Buffer::new(device, room, table.name())?;
             changed = 0..all.len();
         }

@@ -55,22 +55,13 @@ impl Batches {
         let mut places = Vec::with_capacity(instances.len());
         for (index, instance) in instances.iter().enumerate() {
             let Some(facts) = characters.get(instance.character.0) else {
-                return Err(Error::UnknownCharacter {
-                    instance: index,
-                    count: characters.len(),
-                });
+                return Err(Error::UnknownCharacter { instance: index, count: characters.len() });
             };
             let page = (instance.palette_first / PAGE_ENTRIES) as usize;
             let first = (instance.palette_first % PAGE_ENTRIES) as usize;
             let (count, available) = (facts.entry_count, page_len(page));
             if first + count > available {
-                return Err(Error::NoPalette {
-                    instance: index,
-                    page,
-                    first,
-                    count,
-                    available,
-                });
+                return Err(Error::NoPalette { instance: index, page, first, count, available });
             }
             let finite = instance.world_from_model.is_finite() && instance.tint.iter().all(|t| t.is_finite());
             if finite {
@@ -100,26 +91,14 @@ impl Batches {
     fn append(&mut self, instances: &[Instance], places: &[Place]) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for place in places {
-            let Place {
-                page,
-                character,
-                mirrored,
-                index,
-                ..
-            } = *place;
+            let Place { page, character, mirrored, index, .. } = *place;
             let last = runs.last_mut();
             match last.filter(|r| (r.page, r.character, r.mirrored) == (page, character, mirrored)) {
                 Some(run) => run.count += 1,
                 None => {
                     // A crowd of 2^32 would take 256 GiB of instances.
                     let first = u32::try_from(self.instances.len()).unwrap_or(u32::MAX);
-                    runs.push(Run {
-                        page,
-                        character,
-                        mirrored,
-                        first,
-                        count: 1,
-                    });
+                    runs.push(Run { page, character, mirrored, first, count: 1 });
                 }
             }
             let instance = &instances[index];
@@ -147,33 +126,17 @@ mod tests {
     use super::*;
     use crate::CharacterHandle;
 
-    const PLAIN: CharacterFacts = CharacterFacts {
-        entry_count: 3,
-        blended: false,
-    };
-    const GLASSY: CharacterFacts = CharacterFacts {
-        entry_count: 3,
-        blended: true,
-    };
+    const PLAIN: CharacterFacts = CharacterFacts { entry_count: 3, blended: false };
+    const GLASSY: CharacterFacts = CharacterFacts { entry_count: 3, blended: true };
 
     fn instance(character: usize, palette_first: u32, z: f32) -> Instance {
         let mut world_from_model = Affine::IDENTITY;
         world_from_model.rows[2][3] = z;
-        Instance {
-            character: CharacterHandle(character),
-            world_from_model,
-            palette_first,
-            tint: [1.0; 3],
-        }
+        Instance { character: CharacterHandle(character), world_from_model, palette_first, tint: [1.0; 3] }
     }
 
     fn batches(instances: &[Instance], characters: &[CharacterFacts]) -> Result<Batches, Error> {
-        Batches::new(
-            instances,
-            characters,
-            &|page| if page < 2 { 100 } else { 0 },
-            Vec3::new(0.0, 0.0, 10.0),
-        )
+        Batches::new(instances, characters, &|page| if page < 2 { 100 } else { 0 }, Vec3::new(0.0, 0.0, 10.0))
     }
 
     #[test]
@@ -185,13 +148,7 @@ mod tests {
             instance(0, 16, 5.0),
         ];
         let sorted = batches(&list, &[PLAIN, PLAIN]).unwrap();
-        let run = |page, character, first, count| Run {
-            page,
-            character,
-            mirrored: false,
-            first,
-            count,
-        };
+        let run = |page, character, first, count| Run { page, character, mirrored: false, first, count };
         assert_eq!(sorted.opaque, [run(0, 0, 0, 2), run(0, 1, 2, 1), run(1, 0, 3, 1)]);
         let firsts: Vec<_> = sorted.instances.iter().map(|i| i.palette_first).collect();
         assert_eq!(firsts, [16, 0, 8, 4], "near ones first; places within the page");
@@ -200,12 +157,7 @@ mod tests {
 
     #[test]
     fn blended_runs_go_from_far_to_near() {
-        let list = [
-            instance(0, 0, 0.0),
-            instance(1, 0, -5.0),
-            instance(0, 0, -9.0),
-            instance(2, 0, -7.0),
-        ];
+        let list = [instance(0, 0, 0.0), instance(1, 0, -5.0), instance(0, 0, -9.0), instance(2, 0, -7.0)];
         let sorted = batches(&list, &[GLASSY, GLASSY, PLAIN]).unwrap();
         let order: Vec<_> = sorted
             .blended
@@ -220,10 +172,7 @@ mod tests {
         let mut mirrored = instance(0, 0, 0.0);
         mirrored.world_from_model.rows[0][0] = -1.0;
         let sorted = batches(&[mirrored, instance(0, 0, 0.0)], &[PLAIN]).unwrap();
-        assert_eq!(
-            sorted.opaque.iter().map(|r| r.mirrored).collect::<Vec<_>>(),
-            [false, true]
-        );
+        assert_eq!(sorted.opaque.iter().map(|r| r.mirrored).collect::<Vec<_>>(), [false, true]);
     }
 
     #[test]
@@ -231,16 +180,7 @@ mod tests {
         assert!(batches(&[instance(0, 97, 0.0)], &[PLAIN]).is_ok());
         let error = batches(&[instance(0, 0, 0.0), instance(0, 98, 0.0)], &[PLAIN]).unwrap_err();
         assert!(
-            matches!(
-                error,
-                Error::NoPalette {
-                    instance: 1,
-                    page: 0,
-                    first: 98,
-                    count: 3,
-                    available: 100
-                }
-            ),
+            matches!(error, Error::NoPalette { instance: 1, page: 0, first: 98, count: 3, available: 100 }),
             "{error}"
         );
         assert!(batches(&[instance(0, 2 * PAGE_ENTRIES, 0.0)], &[PLAIN]).is_err());
@@ -249,24 +189,8 @@ mod tests {
     #[test]
     fn strangers_are_refused_and_nonsense_is_left_out() {
         let error = batches(&[instance(1, 0, 0.0)], &[PLAIN]).unwrap_err();
-        assert!(
-            matches!(
-                error,
-                Error::UnknownCharacter {
-                    instance: 0,
-                    count: 1
-                }
-            ),
-            "{error}"
-        );
+        assert!(matches!(error, Error::UnknownCharacter { instance: 0, count: 1 }), "{error}");
         let sorted = batches(&[instance(0, 0, f32::NAN), instance(0, 4, 0.0)], &[PLAIN]).unwrap();
-        assert_eq!(
-            sorted
-                .instances
-                .iter()
-                .map(|i| i.palette_first)
-                .collect::<Vec<_>>(),
-            [4]
-        );
+        assert_eq!(sorted.instances.iter().map(|i| i.palette_first).collect::<Vec<_>>(), [4]);
     }
 }

@@ -25,60 +25,44 @@ pub struct Camera {
 impl Default for Camera {
     /// A person of 1.8 m at the origin, from the front.
     fn default() -> Self {
-        Self::framing([-0.5, 0.0, -0.5], [0.5, 1.8, 0.5], 16.0 / 9.0)
+        Self::framing([[-0.5, 0.0, 0.0], [0.5, 1.8, 0.0]], 16.0 / 9.0)
     }
 }
 
-/// What the box may take of the picture's width and height.
+/// What the framed points may take of the picture's width and height.
 const FILL: f32 = 0.94;
 
 impl Camera {
-    /// Frames what stands in the box from `low` to `high`, seen from the front (+Z) and a little above, with the
-    /// horizon in the picture. `aspect` is the picture's width over its height.
+    /// Frames points (feet and heads of a crowd, corners of a box), seen from the front (+Z) and a little above, with
+    /// the horizon in the picture. `aspect` is the picture's width over its height.
     ///
     /// A single character is seen almost level; the deeper the crowd, the more from above, so that the rows behind
-    /// show. A box or aspect that is not finite is taken as a box of one metre or a square picture.
+    /// show. Points that are not finite are passed over; without any, a box of one metre is framed. An aspect that is
+    /// not finite is taken as 1.
     #[must_use]
-    pub fn framing(low: [f32; 3], high: [f32; 3], aspect: f32) -> Self {
-        let (mut low, mut high) = (Vec3::from(low), Vec3::from(high));
-        if !(low.is_finite() && high.is_finite()) {
-            (low, high) = (Vec3::ZERO, Vec3::ONE);
+    pub fn framing(points: impl IntoIterator<Item = [f32; 3]>, aspect: f32) -> Self {
+        let mut points: Vec<Vec3> = points.into_iter().map(Vec3::from).filter(|p| p.is_finite()).collect();
+        if points.is_empty() {
+            points = vec![Vec3::ZERO, Vec3::ONE];
         }
-        let aspect = if aspect.is_finite() && aspect > 0.0 {
-            aspect
-        } else {
-            1.0
-        };
-        let size = (high - low).abs().max(Vec3::splat(0.01));
-        let middle = 0.5 * (low + high);
+        let aspect = if aspect.is_finite() && aspect > 0.0 { aspect } else { 1.0 };
+        let low = points.iter().copied().reduce(Vec3::min).unwrap_or_default();
+        let high = points.iter().copied().reduce(Vec3::max).unwrap_or_default();
+        let size = (high - low).max(Vec3::splat(0.01));
         // From 0 for one character to 1 for many rows.
         let crowd = (size.z / (12.0 * size.y)).min(1.0);
         let fov_y_rad = 0.6 + 0.2 * crowd;
         let back = Vec3::new(0.0, 0.06 + 0.24 * crowd, 1.0).normalize();
         let up = back.cross(Vec3::X);
-        // How fast the part of the picture that may be filled widens with distance.
-        let widening_y = (0.5 * fov_y_rad).tan() * FILL;
-        let widening_x = widening_y * aspect;
-        // For each corner: how far from the middle the camera must be to have it within the left and right edges, and
-        // where the upper and lower edges would cut the plane through the middle.
-        let (mut distance, mut behind) = (0.0_f32, 0.0_f32);
-        let (mut upper, mut lower) = (f32::NEG_INFINITY, f32::INFINITY);
-        for corner in corners(Vec3::ZERO, 0.5 * size) {
-            let (depth, height) = (corner.dot(back), corner.dot(up));
-            distance = distance.max(depth + corner.x.abs() / widening_x);
-            behind = behind.max(-depth);
-            upper = upper.max(height + depth * widening_y);
-            lower = lower.min(height - depth * widening_y);
-        }
-        distance = distance.max(0.5 * (upper - lower) / widening_y);
-        let target = middle + up * balanced_height(0.5 * size, back, up, distance);
+        let eye = eye(&points, [Vec3::X, up, back], (0.5 * fov_y_rad).tan() * FILL, aspect, size.length());
+        let distance = (eye - 0.5 * (low + high)).dot(back);
         Self {
-            eye: (target + back * distance).to_array(),
-            target: target.to_array(),
+            eye: eye.to_array(),
+            target: (eye - back * distance).to_array(),
             up: [0.0, 1.0, 0.0],
             fov_y_rad,
-            near: 0.02 * distance,
-            far: 12.0 * (distance + behind),
+            near: 0.01 * distance,
+            far: 12.0 * (distance + size.length()),
         }
     }
 
@@ -108,32 +92,27 @@ impl Camera {
     }
 }
 
-/// How far above the box's middle the camera must look, from this distance, to see as much of the picture left above
-/// the box as below.
-fn balanced_height(half: Vec3, back: Vec3, up: Vec3, distance: f32) -> f32 {
-    let (mut low, mut high) = (-half.length(), half.length());
-    // Single precision has no more bits than this to settle.
-    for _ in 0..24 {
-        let height = 0.5 * (low + high);
-        let (mut above, mut below) = (0.0_f32, 0.0_f32);
-        for corner in corners(Vec3::ZERO, half) {
-            let at = (corner.dot(up) - height) / (distance - corner.dot(back));
-            (above, below) = (above.max(at), below.max(-at));
-        }
-        if above > below {
-            low = height
-        } else {
-            high = height
-        }
-    }
-    0.5 * (low + high)
-}
-
-fn corners(middle: Vec3, half: Vec3) -> impl Iterator<Item = Vec3> {
-    (0..8).map(move |bits: u32| {
-        let sign = |bit: u32| if bits & bit == 0 { -1.0 } else { 1.0 };
-        middle + half * Vec3::new(sign(1), sign(2), sign(4))
-    })
+/// The nearest place along `back` from which all points lie within the edges, with as much room left of them as right,
+/// and most of the room there is above them: sky says more than bare ground before the first row. `slope` is how far the part of the picture that may be filled reaches up per metre of distance.
+///
+/// For a point at `(x, z)` across and along the axes, the right edge asks that `x + slope z <= eye.x + slope eye.z`, the
+/// left one that `-x + slope z <= -eye.x + slope eye.z`; the largest left-hand sides give both coordinates.
+fn eye(points: &[Vec3], [right, up, back]: [Vec3; 3], slope: f32, aspect: f32, room: f32) -> Vec3 {
+    let edges = |axis: Vec3, slope: f32| {
+        let most = |sign: f32| {
+            points.iter().map(|p| sign * p.dot(axis) + slope * p.dot(back)).fold(f32::MIN, f32::max)
+        };
+        (most(1.0), most(-1.0))
+    };
+    let (to_right, to_left) = edges(right, slope * aspect);
+    let (to_top, to_bottom) = edges(up, slope);
+    let nearest = points.iter().map(|p| p.dot(back)).fold(f32::MIN, f32::max);
+    let distance = ((to_right + to_left) / (2.0 * slope * aspect))
+        .max((to_top + to_bottom) / (2.0 * slope))
+        .max(nearest + 0.05 * room);
+    let spare = slope * distance - 0.5 * (to_top + to_bottom);
+    let height = 0.5 * (to_top - to_bottom) + 0.7 * spare;
+    right * (0.5 * (to_right - to_left)) + up * height + back * distance
 }
 
 #[cfg(test)]
@@ -141,46 +120,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn framing_shows_the_whole_box_and_the_horizon() {
-        for (low, high) in [
+    fn framing_shows_all_points_and_the_horizon() {
+        let boxes = [
             ([-0.5, 0.0, -0.5], [0.5, 1.8, 0.5]),
             ([-30.0, 0.0, -60.0], [30.0, 2.0, 0.0]),
             ([100.0, 0.0, -3.0], [400.0, 2.0, 3.0]),
             ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
-        ] {
+        ];
+        for (low, high) in boxes.map(|(low, high)| (Vec3::from(low), Vec3::from(high))) {
+            let corners = (0..8u32).map(|bits| {
+                let of = |axis: usize| {
+                    if bits >> axis & 1 == 0 { low[axis] } else { high[axis] }
+                };
+                [of(0), of(1), of(2)]
+            });
             for aspect in [0.3, 1.0, 16.0 / 9.0, 4.0] {
-                let camera = Camera::framing(low, high, aspect);
+                let camera = Camera::framing(corners.clone(), aspect);
                 let clip = camera.clip_from_world(aspect).unwrap();
-                let (middle, half) = (
-                    0.5 * (Vec3::from(low) + Vec3::from(high)),
-                    0.5 * (Vec3::from(high) - Vec3::from(low)),
+                let seen: Vec<Vec3> = corners.clone().map(|c| clip.project_point3(Vec3::from(c))).collect();
+                let least = seen.iter().copied().reduce(Vec3::min).unwrap();
+                let most = seen.iter().copied().reduce(Vec3::max).unwrap();
+                assert!(
+                    least.min_element() > -1.0 && most.max_element() < 1.0,
+                    "{low} {high}: {least} {most}"
                 );
-                let mut widest = 0.0_f32;
-                let (mut top, mut bottom) = (-1.0_f32, 1.0_f32);
-                for corner in corners(middle, half) {
-                    let at = clip.project_point3(corner);
-                    (top, bottom) = (top.max(at.y), bottom.min(at.y));
-                    let at = at.abs();
-                    assert!(
-                        at.max_element() < 1.0,
-                        "{corner} of {low:?} {high:?} is at {at} at aspect {aspect}"
-                    );
-                    widest = widest.max(at.x).max(at.y);
+                if low != high {
+                    let fill = (most.x - least.x).max(most.y - least.y) / 2.0;
+                    assert!((0.85..0.95).contains(&fill), "{low} {high} take {fill} at aspect {aspect}");
                 }
-                assert!(
-                    widest > 0.8 || low == high,
-                    "{low:?} {high:?} take only {widest} at aspect {aspect}"
-                );
-                assert!(
-                    (top + bottom).abs() < 0.01 || low == high,
-                    "{low:?} {high:?} stand from {bottom} to {top}"
-                );
-                let horizon = clip.project_point3(Vec3::from(camera.eye) + Vec3::new(0.0, 0.0, -1e5));
-                assert!(
-                    horizon.y > 0.0 && horizon.y < 0.95,
-                    "the horizon is at {}",
-                    horizon.y
-                );
+                let horizon = clip.project_point3(Vec3::from(camera.eye) + Vec3::new(0.0, 0.0, -1e5)).y;
+                assert!((0.0..0.95).contains(&horizon), "the horizon is at {horizon}");
             }
         }
     }
@@ -188,11 +157,8 @@ mod tests {
     #[test]
     fn framing_takes_nonsense() {
         for aspect in [f32::NAN, 0.0, -1.0, f32::INFINITY] {
-            assert!(
-                Camera::framing([f32::NAN; 3], [1.0; 3], aspect)
-                    .clip_from_world(1.0)
-                    .is_ok()
-            );
+            assert!(Camera::framing([[f32::NAN; 3], [1.0; 3]], aspect).clip_from_world(1.0).is_ok());
+            assert!(Camera::framing([], aspect).clip_from_world(1.0).is_ok());
         }
     }
 }

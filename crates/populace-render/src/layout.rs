@@ -221,10 +221,7 @@ mod tests {
              float unused0;\n    float unused1;\n    float unused2;\n};\n"
         );
         assert_eq!(
-            glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES])
-                .lines()
-                .last()
-                .unwrap(),
+            glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),
             "layout(location = 8) in uint palette_first;"
         );
     }
@@ -236,13 +233,7 @@ mod tests {
             a.offset_bytes + width * usize::from(a.component_count)
         };
         assert_eq!(Vertex::ATTRIBUTES.last().map(end), Some(size_of::<Vertex>()));
-        assert_eq!(
-            Influences8::ATTRIBUTES.last().map(end),
-            Some(size_of::<Influences8>())
-        );
-        assert_eq!(
-            InstanceData::ATTRIBUTES.last().map(end),
-            Some(size_of::<InstanceData>())
-        );
+        assert_eq!(Influences8::ATTRIBUTES.last().map(end), Some(size_of::<Influences8>()));
+        assert_eq!(InstanceData::ATTRIBUTES.last().map(end), Some(size_of::<InstanceData>()));
     }
 }

@@ -19,7 +19,7 @@
 //!     palette_first: 0,
 //!     tint: [1.0; 3],
 //! };
-//! let camera = Camera::framing([-1.0, 0.0, -1.0], [1.0, 1.8, 1.0], 1280.0 / 720.0);
+//! let camera = Camera::framing([[-1.0, 0.0, -1.0], [1.0, 1.8, 1.0]], 1280.0 / 720.0);
 //! renderer.draw(&Scene { camera, ..Scene::default() }, &[instance])?;
 //! write_png("knight.png", &renderer.read_image()?)
 //! # }

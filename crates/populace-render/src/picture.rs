@@ -18,29 +18,19 @@ use crate::Error;
 /// path if the file cannot be written.
 pub fn write_png(path: impl AsRef<Path>, picture: &Image) -> Result<(), Error> {
     let path = path.as_ref();
-    let Image {
-        width,
-        height,
-        ref rgba,
-    } = *picture;
+    let Image { width, height, ref rgba } = *picture;
     if rgba.is_empty() || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
         return Err(Error::EmptyPicture { width, height });
     }
-    let rgb: Vec<u8> = rgba
-        .chunks_exact(4)
-        .flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
-        .collect();
-    let output = |source| Error::Output {
-        path: path.to_owned(),
-        source,
-    };
+    let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let output = |source| Error::Output { path: path.to_owned(), source };
     let mut file = BufWriter::new(File::create(path).map_err(output)?);
-    PngEncoder::new(&mut file)
-        .write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)
-        .map_err(|error| match error {
+    PngEncoder::new(&mut file).write_image(&rgb, width, height, image::ExtendedColorType::Rgb8).map_err(
+        |error| match error {
             image::ImageError::IoError(source) => output(source),
             other => output(std::io::Error::other(other)),
-        })?;
+        },
+    )?;
     std::io::Write::flush(&mut file).map_err(output)
 }
 
@@ -49,28 +39,18 @@ mod tests {
     use super::*;
 
     fn gray() -> Image {
-        Image {
-            width: 1,
-            height: 1,
-            rgba: vec![128, 128, 128, 255],
-        }
+        Image { width: 1, height: 1, rgba: vec![128, 128, 128, 255] }
     }
 
     #[test]
     fn an_error_names_the_path() {
         let error = write_png("no-such-folder/picture.png", &gray()).unwrap_err();
-        assert!(
-            error.to_string().contains("no-such-folder/picture.png"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("no-such-folder/picture.png"), "{error}");
     }
 
     #[test]
     fn missing_pixels_are_refused() {
         let error = write_png("never-written.png", &Image { width: 2, ..gray() }).unwrap_err();
-        assert!(
-            matches!(error, Error::EmptyPicture { width: 2, height: 1 }),
-            "{error}"
-        );
+        assert!(matches!(error, Error::EmptyPicture { width: 2, height: 1 }), "{error}");
     }
 }

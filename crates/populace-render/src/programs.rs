@@ -31,17 +31,11 @@ const LIGHT: &str = include_str!("shaders/light.glsl");
 /// The vertex and the fragment shader's text.
 fn sources(kind: Kind) -> [String; 2] {
     match kind {
-        Kind::Member {
-            eight_influences,
-            alpha,
-        } => [
+        Kind::Member { eight_influences, alpha } => [
             skinned(eight_influences, include_str!("shaders/member.vert")),
             surfaced(alpha, &[LIGHT, include_str!("shaders/member.frag")]),
         ],
-        Kind::Shadow {
-            eight_influences,
-            alpha,
-        } => [
+        Kind::Shadow { eight_influences, alpha } => [
             skinned(eight_influences, include_str!("shaders/shadow.vert")),
             surfaced(alpha, &[include_str!("shaders/shadow.frag")]),
         ],
@@ -83,10 +77,7 @@ pub(crate) struct Programs {
 
 impl Programs {
     pub(crate) fn new(gl: &Rc<Gl>) -> Self {
-        Self {
-            gl: Rc::clone(gl),
-            compiled: HashMap::new(),
-        }
+        Self { gl: Rc::clone(gl), compiled: HashMap::new() }
     }
 
     /// The program of a kind.
@@ -112,10 +103,7 @@ mod tests {
     fn the_driver_lays_uniform_blocks_out_as_rust_does() {
         let gl = Gl::headless().unwrap();
         let mut programs = Programs::new(&gl);
-        let kind = Kind::Member {
-            eight_influences: false,
-            alpha: Alpha::Masked,
-        };
+        let kind = Kind::Member { eight_influences: false, alpha: Alpha::Masked };
         let program = programs.get(kind).unwrap();
         for fields in [Frame::FIELDS, Surface::FIELDS] {
             let names: Vec<_> = fields.iter().map(|(name, _)| *name).collect();

@@ -114,23 +114,12 @@ impl Renderer {
     pub fn upload_page(&mut self, page: usize, palette: &[Float4]) -> Result<(), Error> {
         if page >= PAGE_LIMIT {
             let (size, limit) = (page as u64, PAGE_LIMIT as u64 - 1);
-            return Err(Error::TooLarge {
-                what: "a page number",
-                size,
-                limit,
-            });
+            return Err(Error::TooLarge { what: "a page number", size, limit });
         }
         let page_bytes = u64::from(PAGE_ENTRIES) * (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
-        let (size, limit) = (
-            size_of_val(palette) as u64,
-            page_bytes.min(self.gl.limits().storage_bytes),
-        );
+        let (size, limit) = (size_of_val(palette) as u64, page_bytes.min(self.gl.limits().storage_bytes));
         if size > limit {
-            return Err(Error::TooLarge {
-                what: "the size in bytes of a page",
-                size,
-                limit,
-            });
+            return Err(Error::TooLarge { what: "the size in bytes of a page", size, limit });
         }
         if !palette.len().is_multiple_of(ENTRY_ELEMENTS) {
             return Err(Error::PartialMatrix { len: palette.len() });
@@ -161,19 +150,13 @@ impl Renderer {
         let clip_from_world = scene.camera.clip_from_world(aspect)?;
         let facts: Vec<CharacterFacts> = self.models.iter().map(|model| model.facts).collect();
         let page_len = |page: usize| {
-            self.pages
-                .get(page)
-                .and_then(Option::as_ref)
-                .map_or(0, Buffer::len)
-                / ENTRY_ELEMENTS
+            self.pages.get(page).and_then(Option::as_ref).map_or(0, Buffer::len) / ENTRY_ELEMENTS
         };
         let batches = Batches::new(instances, &facts, &page_len, Vec3::from(scene.camera.eye))?;
         self.gl.make_current()?;
-        self.instances
-            .fill(&batches.instances, "upload the crowd's places")?;
+        self.instances.fill(&batches.instances, "upload the crowd's places")?;
         let sun = self.sun_view(scene, instances, clip_from_world)?;
-        self.frame
-            .fill(&[frame(scene, clip_from_world, sun)], "upload the scene")?;
+        self.frame.fill(&[frame(scene, clip_from_world, sun)], "upload the scene")?;
         self.frame.bind_uniform();
         if let (Some(_), Some(shadow)) = (sun, &self.shadow) {
             shadow.begin();
@@ -231,14 +214,8 @@ impl Renderer {
                     continue;
                 }
                 let kind = match pass {
-                    Pass::Shadow => Kind::Shadow {
-                        eight_influences,
-                        alpha,
-                    },
-                    Pass::Opaque | Pass::Blended => Kind::Member {
-                        eight_influences,
-                        alpha,
-                    },
+                    Pass::Shadow => Kind::Shadow { eight_influences, alpha },
+                    Pass::Opaque | Pass::Blended => Kind::Member { eight_influences, alpha },
                 };
                 self.programs.get(kind)?.bind();
                 self.gl.set_state(state(pass, part.cull(run.mirrored)));
@@ -258,24 +235,13 @@ impl Renderer {
     /// The ground goes behind members by a hair, so that soles at y = 0 show; both come after them, which saves
     /// shading what they hide.
     fn draw_surroundings(&mut self, ground: Option<Ground>) -> Result<(), Error> {
-        let surroundings = DrawState {
-            cull: Cull::Nothing,
-            ..DrawState::OPAQUE
-        };
+        let surroundings = DrawState { cull: Cull::Nothing, ..DrawState::OPAQUE };
         if ground.is_some() {
-            self.gl.set_state(DrawState {
-                depth_offset: [1.0, 1.0],
-                ..surroundings
-            });
-            self.gl
-                .draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
+            self.gl.set_state(DrawState { depth_offset: [1.0, 1.0], ..surroundings });
+            self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
         }
-        self.gl.set_state(DrawState {
-            depth_write: false,
-            ..surroundings
-        });
-        self.gl
-            .draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
+        self.gl.set_state(DrawState { depth_write: false, ..surroundings });
+        self.gl.draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
         Ok(())
     }
 }
@@ -283,9 +249,7 @@ impl Renderer {
 /// As fine as the picture, and half as fine again since the map's texels lie askew to its pixels.
 fn shadow_size([width, height]: [u32; 2]) -> u32 {
     let [low, high] = SHADOW_SIZES;
-    (width.max(height).min(high) * 3 / 2)
-        .next_power_of_two()
-        .clamp(low, high)
+    (width.max(height).min(high) * 3 / 2).next_power_of_two().clamp(low, high)
 }
 
 fn range<'a, I>(
@@ -306,22 +270,9 @@ fn range<'a, I>(
 
 fn state(pass: Pass, cull: Cull) -> DrawState {
     match pass {
-        Pass::Shadow => DrawState {
-            cull,
-            depth_offset: [1.5, 2.0],
-            depth_clamp: true,
-            ..DrawState::OPAQUE
-        },
-        Pass::Opaque => DrawState {
-            cull,
-            ..DrawState::OPAQUE
-        },
-        Pass::Blended => DrawState {
-            cull,
-            blend: true,
-            depth_write: false,
-            ..DrawState::OPAQUE
-        },
+        Pass::Shadow => DrawState { cull, depth_offset: [1.5, 2.0], depth_clamp: true, ..DrawState::OPAQUE },
+        Pass::Opaque => DrawState { cull, ..DrawState::OPAQUE },
+        Pass::Blended => DrawState { cull, blend: true, depth_write: false, ..DrawState::OPAQUE },
     }
 }
 

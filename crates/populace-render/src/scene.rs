@@ -80,23 +80,10 @@ impl Default for Scene {
     fn default() -> Self {
         Self {
             camera: Camera::default(),
-            sun: Sun {
-                to_sun: [0.55, 1.0, 0.6],
-                color: [0.86, 0.81, 0.72],
-                casts_shadows: true,
-            },
-            ambient: Ambient {
-                sky: [0.4, 0.45, 0.54],
-                ground: [0.2, 0.19, 0.18],
-            },
-            ground: Some(Ground {
-                color: [0.4, 0.37, 0.32],
-                line_color: [0.27, 0.25, 0.22],
-            }),
-            sky: Sky {
-                zenith: [0.17, 0.36, 0.7],
-                horizon: [0.66, 0.76, 0.86],
-            },
+            sun: Sun { to_sun: [0.55, 1.0, 0.6], color: [0.86, 0.81, 0.72], casts_shadows: true },
+            ambient: Ambient { sky: [0.4, 0.45, 0.54], ground: [0.2, 0.19, 0.18] },
+            ground: Some(Ground { color: [0.4, 0.37, 0.32], line_color: [0.27, 0.25, 0.22] }),
+            sky: Sky { zenith: [0.17, 0.36, 0.7], horizon: [0.66, 0.76, 0.86] },
         }
     }
 }
@@ -104,10 +91,7 @@ impl Default for Scene {
 impl Scene {
     /// Refuses what would turn the whole picture into nothing.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let ground = self.ground.unwrap_or(Ground {
-            color: [0.0; 3],
-            line_color: [0.0; 3],
-        });
+        let ground = self.ground.unwrap_or(Ground { color: [0.0; 3], line_color: [0.0; 3] });
         let finite = [
             ("sun colour", self.sun.color),
             ("sky light", self.ambient.sky),
@@ -117,17 +101,12 @@ impl Scene {
             ("ground colour", ground.color),
             ("line colour", ground.line_color),
         ];
-        if let Some((what, _)) = finite
-            .iter()
-            .find(|(_, color)| color.iter().any(|c| !c.is_finite()))
-        {
+        if let Some((what, _)) = finite.iter().find(|(_, color)| color.iter().any(|c| !c.is_finite())) {
             return Err(Error::BadScene { what });
         }
         match glam::Vec3::from(self.sun.to_sun).try_normalize() {
             Some(_) => Ok(()),
-            None => Err(Error::BadScene {
-                what: "direction to the sun",
-            }),
+            None => Err(Error::BadScene { what: "direction to the sun" }),
         }
     }
 }

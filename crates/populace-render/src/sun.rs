@@ -44,10 +44,7 @@ impl SunView {
         };
         let shown: Vec<&Ball> = balls.iter().filter(near_picture).collect();
         let distance = |ball: &Ball| (ball.middle.distance(eye) - ball.radius).max(0.0);
-        let nearest = shown
-            .iter()
-            .map(|ball| distance(ball))
-            .fold(f32::INFINITY, f32::min);
+        let nearest = shown.iter().map(|ball| distance(ball)).fold(f32::INFINITY, f32::min);
         let largest = shown.iter().map(|ball| ball.radius).fold(0.0, f32::max);
         let limit = (DISTANCE_RATIO * nearest).max(DISTANCE_RADII * largest);
         let side = if to_sun.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
@@ -73,11 +70,8 @@ impl SunView {
         // Depth grows away from the sun.
         let scale = Mat4::from_scale(Vec3::new(1.0 / half.x, 1.0 / half.y, -1.0 / half.z));
         let shadow_from_world = scale * Mat4::from_translation(-middle) * Mat4::from_mat3(sun_from_world);
-        Some(Self {
-            shadow_from_world,
-            texel_m: texel.x.max(texel.y),
-        })
-        .filter(|view| view.shadow_from_world.is_finite())
+        Some(Self { shadow_from_world, texel_m: texel.x.max(texel.y) })
+            .filter(|view| view.shadow_from_world.is_finite())
     }
 }
 
@@ -112,30 +106,17 @@ mod tests {
             far: 1000.0,
         };
         let clip = camera.clip_from_world(1.0).unwrap();
-        SunView::over(
-            balls,
-            Vec3::from(camera.eye),
-            clip,
-            Vec3::new(0.6, 0.8, 0.0),
-            1000,
-        )
+        SunView::over(balls, Vec3::from(camera.eye), clip, Vec3::new(0.6, 0.8, 0.0), 1000)
     }
 
     fn ball(x: f32, z: f32) -> Ball {
-        Ball {
-            middle: Vec3::new(x, 1.0, z),
-            radius: 1.0,
-        }
+        Ball { middle: Vec3::new(x, 1.0, z), radius: 1.0 }
     }
 
     #[test]
     fn what_is_shown_lies_in_the_map() {
         let seen = view(&[ball(0.0, 0.0), ball(2.0, -3.0)]).unwrap();
-        for middle in [
-            Vec3::new(0.0, 1.0, 0.0),
-            Vec3::new(2.0, 2.0, -3.0),
-            Vec3::new(2.0, 1.0, -4.0),
-        ] {
+        for middle in [Vec3::new(0.0, 1.0, 0.0), Vec3::new(2.0, 2.0, -3.0), Vec3::new(2.0, 1.0, -4.0)] {
             let at = seen.shadow_from_world.project_point3(middle);
             assert!(at.abs().max_element() <= 1.0, "{middle} is at {at}");
         }

@@ -47,48 +47,33 @@ impl Corruption {
     /// One element of one joint's `model_from_joint`.
     #[must_use]
     pub fn model() -> Self {
-        Self {
-            buffer: StageBuffer::ModelRow1,
-            amount: Amount::By(single(2.5 * MODEL_CAP)),
-        }
+        Self { buffer: StageBuffer::ModelRow1, amount: Amount::By(single(2.5 * MODEL_CAP)) }
     }
 
     /// One element of one palette entry.
     #[must_use]
     pub fn palette() -> Self {
-        Self {
-            buffer: StageBuffer::Palette,
-            amount: Amount::By(single(2.5 * MODEL_CAP)),
-        }
+        Self { buffer: StageBuffer::Palette, amount: Amount::By(single(2.5 * MODEL_CAP)) }
     }
 
     /// One element of one joint's `model_from_joint`, by far less: for checks of a stage alone.
     #[must_use]
     pub fn model_rounding() -> Self {
         let amount = Amount::By(single(2.5 * ROUNDING_CAP));
-        Self {
-            amount,
-            ..Self::model()
-        }
+        Self { amount, ..Self::model() }
     }
 
     /// One element of one palette entry, by far less: for checks of a stage alone.
     #[must_use]
     pub fn palette_rounding() -> Self {
         let amount = Amount::By(single(2.5 * ROUNDING_CAP));
-        Self {
-            amount,
-            ..Self::palette()
-        }
+        Self { amount, ..Self::palette() }
     }
 
     /// One element of one palette entry by one unit in the last place, where there is more than one member.
     #[must_use]
     pub fn palette_bit() -> Self {
-        Self {
-            buffer: StageBuffer::Palette,
-            amount: Amount::OneUnitInACrowd,
-        }
+        Self { buffer: StageBuffer::Palette, amount: Amount::OneUnitInACrowd }
     }
 
     /// One slot's weight.
@@ -108,11 +93,7 @@ pub struct Broken<B> {
 impl<B: Backend> Broken<B> {
     /// Breaks a backend.
     pub fn new(inner: B, corruption: Corruption) -> Self {
-        Self {
-            inner,
-            corruption,
-            target: None,
-        }
+        Self { inner, corruption, target: None }
     }
 
     /// The element to corrupt: in the middle of what the last member has.
@@ -122,15 +103,11 @@ impl<B: Backend> Broken<B> {
         let body = |m: &populace_core::layout::Member| tables.bodies.as_slice()[m.body as usize];
         let alone = taken().count() < 2;
         let target = match self.corruption.buffer {
-            StageBuffer::Samples => taken()
-                .next_back()
-                .map(|(place, _)| place * tables.slots_per_member()),
+            StageBuffer::Samples => taken().next_back().map(|(place, _)| place * tables.slots_per_member()),
             StageBuffer::Palette => taken()
                 .rfind(|(_, m)| body(m).entry_count > 0)
                 .map(|(_, m)| 3 * (m.palette_first + body(m).entry_count / 2) as usize + 1),
-            _ => taken()
-                .next_back()
-                .map(|(_, m)| (m.joint_first + body(m).joint_count / 2) as usize),
+            _ => taken().next_back().map(|(_, m)| (m.joint_first + body(m).joint_count / 2) as usize),
         };
         self.target = target.filter(|_| !(alone && self.corruption.amount == Amount::OneUnitInACrowd));
     }

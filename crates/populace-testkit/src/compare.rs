@@ -3,8 +3,9 @@
 use glam::DAffine3;
 use populace_core::Backend;
 
-use crate::crowd::{Expected, MemberReading, TestCrowd};
+use crate::expected::Expected;
 use crate::tolerance::{LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
+use crate::{MemberReading, TestCrowd};
 
 /// Compares number by number, and keeps count, so that a check that compared nothing fails too.
 pub(crate) struct Judge {
@@ -18,21 +19,12 @@ pub(crate) struct Judge {
 impl Judge {
     /// For whole frames.
     pub(crate) fn new(check: &'static str) -> Self {
-        Self {
-            check,
-            model_cap: MODEL_CAP,
-            compared: 0,
-            left_out: 0,
-            worst: 0.0,
-        }
+        Self { check, model_cap: MODEL_CAP, compared: 0, left_out: 0, worst: 0.0 }
     }
 
     /// For a stage alone, where only rounding is left.
     pub(crate) fn of_stage(check: &'static str) -> Self {
-        Self {
-            model_cap: ROUNDING_CAP,
-            ..Self::new(check)
-        }
+        Self { model_cap: ROUNDING_CAP, ..Self::new(check) }
     }
 
     /// Fails where `got` is further from `wanted` than `bound`; leaves it out where the bound is above `cap`.
@@ -83,13 +75,7 @@ impl Judge {
 
     /// Ends the check.
     pub(crate) fn done(self) {
-        let Self {
-            check,
-            compared,
-            left_out,
-            worst,
-            ..
-        } = self;
+        let Self { check, compared, left_out, worst, .. } = self;
         println!(
             "{check}: {compared} numbers compared, {left_out} left out, worst at {worst:.2} of its bound"
         );
@@ -118,11 +104,7 @@ impl Judge {
             }
             // A quaternion and its negative are one rotation.
             let want = local.rotation.to_array();
-            let side: f64 = got.rotations[joint]
-                .iter()
-                .zip(want)
-                .map(|(g, w)| f64::from(*g) * w)
-                .sum();
+            let side: f64 = got.rotations[joint].iter().zip(want).map(|(g, w)| f64::from(*g) * w).sum();
             for c in 0..4 {
                 let want = if side < 0.0 { -want[c] } else { want[c] };
                 let value = got.rotations[joint][c];
@@ -140,25 +122,12 @@ impl Judge {
         wanted: &Expected,
     ) {
         let cap = self.model_cap;
-        for (joint, (model, bound)) in wanted
-            .pose
-            .model_from_joint
-            .iter()
-            .zip(&wanted.models)
-            .enumerate()
-        {
+        for (joint, (model, bound)) in wanted.pose.model_from_joint.iter().zip(&wanted.models).enumerate() {
             let want = row_major(model);
             for (element, want) in want.into_iter().enumerate() {
-                let bound = if element % 4 == 3 {
-                    bound.translation
-                } else {
-                    bound.linear
-                };
+                let bound = if element % 4 == 3 { bound.translation } else { bound.linear };
                 self.number(got.models[joint][element], want, bound, cap, || {
-                    format!(
-                        "{} model_from_joint element {element}",
-                        joint_place(crowd, member, joint)
-                    )
+                    format!("{} model_from_joint element {element}", joint_place(crowd, member, joint))
                 });
             }
         }
@@ -166,20 +135,11 @@ impl Judge {
 
     /// The palette.
     pub(crate) fn palette(&mut self, member: usize, got: &[[f32; 12]], wanted: &Expected) {
-        assert_eq!(
-            got.len(),
-            wanted.pose.palette.len(),
-            "{}: palette length",
-            self.check
-        );
+        assert_eq!(got.len(), wanted.pose.palette.len(), "{}: palette length", self.check);
         let cap = self.model_cap;
         for (entry, (want, bound)) in wanted.pose.palette.iter().zip(&wanted.palette).enumerate() {
             for element in 0..12 {
-                let bound = if element % 4 == 3 {
-                    bound.translation
-                } else {
-                    bound.linear
-                };
+                let bound = if element % 4 == 3 { bound.translation } else { bound.linear };
                 self.number(got[entry][element], want[element], bound, cap, || {
                     format!("member {member} palette entry {entry} element {element}")
                 });
@@ -192,9 +152,7 @@ impl Judge {
         assert_eq!(got.len(), wanted.len(), "{}: {what} length", self.check);
         for (at, (got, wanted)) in got.iter().zip(wanted).enumerate() {
             for element in 0..12 {
-                self.bits(got[element], wanted[element], || {
-                    format!("{what} {at} element {element}")
-                });
+                self.bits(got[element], wanted[element], || format!("{what} {at} element {element}"));
             }
         }
     }

@@ -27,30 +27,21 @@ impl Limits {
     /// Pictures made by the same program on the same machine: every byte.
     #[must_use]
     pub const fn exact() -> Self {
-        Self {
-            channel_difference: 0,
-            bad_share: 0.0,
-        }
+        Self { channel_difference: 0, bad_share: 0.0 }
     }
 
     /// Flat surfaces under plain light, by any version of one rasteriser: shading rounds to one step of a channel up or
     /// down, and its gamma curve may double that; a few pixels on edges go to the other side.
     #[must_use]
     pub const fn surfaces() -> Self {
-        Self {
-            channel_difference: 2,
-            bad_share: 0.001,
-        }
+        Self { channel_difference: 2, bad_share: 0.001 }
     }
 
     /// Textured and far away, or by another rasteriser: filtering weights have as few as 8 bits, and every silhouette
     /// may move by a fraction of a pixel.
     #[must_use]
     pub const fn textures() -> Self {
-        Self {
-            channel_difference: 8,
-            bad_share: 0.01,
-        }
+        Self { channel_difference: 8, bad_share: 0.01 }
     }
 }
 
@@ -104,21 +95,13 @@ impl fmt::Display for Mismatch {
                 let ((w, h), (rw, rh)) = (actual, reference);
                 write!(f, "the picture is {w} x {h} pixels, its reference {rw} x {rh}")
             }
-            Self::Pixels {
-                bad,
-                allowed,
-                worst,
-                difference,
-            } => write!(
+            Self::Pixels { bad, allowed, worst, difference } => write!(
                 f,
                 "{bad} pixels are off, where {allowed} may be, the worst by {worst} of 255; see {}",
                 difference.display()
             ),
             Self::TooLarge { bytes } => {
-                write!(
-                    f,
-                    "a reference of {bytes} bytes is too large to keep; the limit is {REFERENCE_BYTES}"
-                )
+                write!(f, "a reference of {bytes} bytes is too large to keep; the limit is {REFERENCE_BYTES}")
             }
             Self::File(what) => f.write_str(what),
         }
@@ -190,20 +173,14 @@ fn compare(
     let actual_path = folders.failures.join(format!("{name}.actual.png"));
     if !reference_path.exists() {
         save(actual, &actual_path)?;
-        return Err(Mismatch::NoReference {
-            reference: reference_path,
-            actual: actual_path,
-        });
+        return Err(Mismatch::NoReference { reference: reference_path, actual: actual_path });
     }
     let reference = ::image::open(&reference_path)
         .map_err(|error| Mismatch::File(format!("{}: {error}", reference_path.display())))?
         .to_rgba8();
     if reference.dimensions() != actual.dimensions() {
         save(actual, &actual_path)?;
-        return Err(Mismatch::Size {
-            actual: actual.dimensions(),
-            reference: reference.dimensions(),
-        });
+        return Err(Mismatch::Size { actual: actual.dimensions(), reference: reference.dimensions() });
     }
     let difference = Difference::of(actual, &reference, limits);
     if difference.bad <= difference.allowed {
@@ -239,11 +216,7 @@ impl Difference {
             let is_bad = off > limits.channel_difference;
             bad += usize::from(is_bad);
             let gray = off.saturating_mul(16);
-            *shown = if is_bad {
-                Rgba([255, 0, 0, 255])
-            } else {
-                Rgba([gray, gray, gray, 255])
-            };
+            *shown = if is_bad { Rgba([255, 0, 0, 255]) } else { Rgba([gray, gray, gray, 255]) };
         }
         let pixels = f64::from(actual.width()) * f64::from(actual.height());
         #[expect(
@@ -252,12 +225,7 @@ impl Difference {
             reason = "a count of pixels, rounded down"
         )]
         let allowed = (pixels * limits.bad_share) as usize;
-        Self {
-            bad,
-            allowed,
-            worst,
-            picture,
-        }
+        Self { bad, allowed, worst, picture }
     }
 }
 
@@ -297,10 +265,7 @@ mod tests {
 
         fn check(&self, picture: &RgbaImage, limits: Limits, update: &str) -> Result<(), Mismatch> {
             let (references, failures) = (self.0.join("references"), self.0.join("failures"));
-            let folders = Folders {
-                references: &references,
-                failures: &failures,
-            };
+            let folders = Folders { references: &references, failures: &failures };
             compare("gray", picture, limits, folders, update)
         }
 
@@ -322,9 +287,7 @@ mod tests {
     #[test]
     fn a_missing_reference_fails_and_shows_the_picture() {
         let scratch = Scratch::new("missing");
-        let error = scratch
-            .check(&gray(4, 4), Limits::exact(), "grayish,other")
-            .unwrap_err();
+        let error = scratch.check(&gray(4, 4), Limits::exact(), "grayish,other").unwrap_err();
         assert!(error.to_string().contains("POPULACE_UPDATE"), "{error}");
         assert!(scratch.has("gray.actual.png"));
     }
@@ -342,16 +305,7 @@ mod tests {
         let scratch = Scratch::new("size");
         scratch.check(&gray(4, 4), Limits::textures(), "gray").unwrap();
         let error = scratch.check(&gray(4, 5), Limits::textures(), "").unwrap_err();
-        assert!(
-            matches!(
-                error,
-                Mismatch::Size {
-                    actual: (4, 5),
-                    reference: (4, 4)
-                }
-            ),
-            "{error}"
-        );
+        assert!(matches!(error, Mismatch::Size { actual: (4, 5), reference: (4, 4) }), "{error}");
     }
 
     #[test]
@@ -369,15 +323,7 @@ mod tests {
         scratch.check(&picture, Limits::surfaces(), "").unwrap();
         picture.put_pixel(2, 0, Rgba([128, 128, 128, 0]));
         let error = scratch.check(&picture, Limits::surfaces(), "").unwrap_err();
-        let expected = matches!(
-            error,
-            Mismatch::Pixels {
-                bad: 3,
-                allowed: 2,
-                worst: 255,
-                ..
-            }
-        );
+        let expected = matches!(error, Mismatch::Pixels { bad: 3, allowed: 2, worst: 255, .. });
         assert!(expected, "{error}");
         assert!(scratch.has("gray.actual.png") && scratch.has("gray.difference.png"));
     }
@@ -387,9 +333,7 @@ mod tests {
         let scratch = Scratch::new("large");
         let mut rng = crate::Rng::new(5);
         let mut noise = gray(200, 200);
-        noise
-            .pixels_mut()
-            .for_each(|p| p.0 = u32::try_from(rng.bits() >> 32).unwrap().to_le_bytes());
+        noise.pixels_mut().for_each(|p| p.0 = u32::try_from(rng.bits() >> 32).unwrap().to_le_bytes());
         let error = scratch.check(&noise, Limits::exact(), "gray").unwrap_err();
         assert!(matches!(error, Mismatch::TooLarge { .. }), "{error}");
     }
@@ -398,10 +342,7 @@ mod tests {
     #[should_panic(expected = "15 bytes are no 2 x 2 picture")]
     fn bytes_that_are_no_picture_fail() {
         let folder = std::env::temp_dir();
-        let folders = Folders {
-            references: &folder,
-            failures: &folder,
-        };
+        let folders = Folders { references: &folder, failures: &folder };
         assert_picture("gray", 2, 2, &[0; 15], Limits::exact(), folders);
     }
 }

@@ -17,21 +17,23 @@ mod broken;
 mod compare;
 pub mod conformance;
 mod crowd;
+mod expected;
 pub mod image;
 pub mod oracle;
+mod plan;
+mod reading;
 mod rng;
 pub mod scenes;
 pub mod tolerance;
 
 pub use broken::{Broken, Corruption};
-pub use crowd::{LayerPlan, MemberPlan, MemberReading, Play, TestCrowd};
+pub use crowd::TestCrowd;
+pub use plan::{LayerPlan, MemberPlan, Play};
+pub use reading::MemberReading;
 pub use rng::Rng;
 
 /// The nearest single-precision number.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
 pub(crate) fn single(x: f64) -> f32 {
     x as f32
 }

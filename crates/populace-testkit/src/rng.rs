@@ -42,11 +42,7 @@ impl Rng {
 
     /// Three numbers.
     pub fn vector(&mut self, low: f64, high: f64) -> DVec3 {
-        DVec3::new(
-            self.between(low, high),
-            self.between(low, high),
-            self.between(low, high),
-        )
+        DVec3::new(self.between(low, high), self.between(low, high), self.between(low, high))
     }
 
     /// A direction of length 1.

@@ -148,11 +148,7 @@ impl Crowd {
     /// Settings to build a crowd from.
     #[must_use]
     pub fn builder() -> CrowdBuilder {
-        CrowdBuilder {
-            device: None,
-            capacity: 1000,
-            slots_per_member: 4,
-        }
+        CrowdBuilder { device: None, capacity: 1000, slots_per_member: 4 }
     }
 
     /// The device in use.
@@ -195,11 +191,7 @@ impl Crowd {
         let body = self.tables.add_body(&character.skeleton, &character.palette)?;
         let id = CharacterId(u32_from(self.characters.len()));
         let clips = character.clips.clone();
-        self.characters.push(CharacterState {
-            character,
-            body,
-            clips: Vec::new(),
-        });
+        self.characters.push(CharacterState { character, body, clips: Vec::new() });
         for clip in &clips {
             self.add_clip(id, clip)?;
         }
@@ -240,19 +232,12 @@ impl Crowd {
     /// [`Error::UnknownClip`] with the nearest names.
     pub fn clip(&self, character: CharacterId, name: &str) -> Result<ClipId, Error> {
         let state = self.character_state(character)?;
-        let named = state
-            .clips
-            .iter()
-            .filter_map(|id| Some((self.clips.get(id.0)?.name(), *id)));
-        named
-            .clone()
-            .find(|(n, _)| *n == name)
-            .map(|(_, id)| id)
-            .ok_or_else(|| Error::UnknownClip {
-                character: state.character.name.clone(),
-                name: name.to_owned(),
-                nearest: nearest_names(name, named.map(|(n, _)| n)),
-            })
+        let named = state.clips.iter().filter_map(|id| Some((self.clips.get(id.0)?.name(), *id)));
+        named.clone().find(|(n, _)| *n == name).map(|(_, id)| id).ok_or_else(|| Error::UnknownClip {
+            character: state.character.name.clone(),
+            name: name.to_owned(),
+            nearest: nearest_names(name, named.map(|(n, _)| n)),
+        })
     }
 
     /// A character's clips, in the order they were added.
@@ -262,9 +247,7 @@ impl Crowd {
     /// A character of another crowd.
     pub fn clips(&self, character: CharacterId) -> Result<Vec<(ClipId, Arc<Clip>)>, Error> {
         let ids = self.character_state(character)?.clips.iter();
-        Ok(ids
-            .filter_map(|id| Some((*id, Arc::clone(self.clips.get(id.0)?))))
-            .collect())
+        Ok(ids.filter_map(|id| Some((*id, Arc::clone(self.clips.get(id.0)?)))).collect())
     }
 
     /// Adds a member. Until a clip plays it stands in the rest pose.
@@ -275,28 +258,19 @@ impl Crowd {
     pub fn spawn(&mut self, character: CharacterId, placement: Placement) -> Result<Member, Error> {
         placement.check()?;
         if self.member_count == self.capacity {
-            return Err(Error::Full {
-                capacity: self.capacity,
-            });
+            return Err(Error::Full { capacity: self.capacity });
         }
         let body = self.character_state(character)?.body;
         let place = self.tables.add_member(body)?;
         if self.members.len() <= place as usize {
-            let free = MemberState {
-                generation: 0,
-                character: None,
-                placement,
-            };
+            let free = MemberState { generation: 0, character: None, placement };
             self.members.resize(place as usize + 1, free);
         }
         let state = &mut self.members[place as usize];
         state.character = Some(character);
         state.placement = placement;
         self.member_count += 1;
-        Ok(Member {
-            place,
-            generation: state.generation,
-        })
+        Ok(Member { place, generation: state.generation })
     }
 
     /// Removes a member; its handle goes stale.
@@ -383,10 +357,7 @@ impl Crowd {
         if weights != joints {
             return Err(populace_core::Error::BadMask { weights, joints }.into());
         }
-        Ok(MaskId {
-            character,
-            first: self.tables.add_mask(mask)?,
-        })
+        Ok(MaskId { character, first: self.tables.add_mask(mask)? })
     }
 
     /// Sets how a layer above 0 meets what lies beneath it, for all joints or through a mask.
@@ -405,19 +376,11 @@ impl Crowd {
         check_layer(layer)?;
         check_weight("the weight of a layer", settings.weight)?;
         if let Some(mask) = mask.filter(|m| m.character != character) {
-            return Err(Error::UnknownId {
-                what: "mask of this character",
-                index: mask.first,
-            });
+            return Err(Error::UnknownId { what: "mask of this character", index: mask.first });
         }
         let place = self.tables.layer_range(member.place).start + layer;
         let mask = mask.map_or(NONE, |m| m.first);
-        let value = Layer {
-            weight: settings.weight,
-            mask,
-            mode: settings.mode.device_value(),
-            unused: 0,
-        };
+        let value = Layer { weight: settings.weight, mask, mode: settings.mode.device_value(), unused: 0 };
         self.tables.layers.set(place, value);
         self.use_layer(member, layer);
         Ok(())
@@ -438,22 +401,14 @@ impl Crowd {
             reason = "not negative; `as` saturates"
         )]
         let whole = ticks.round().max(0.0) as u64;
-        self.clock = Clock {
-            tick: self.clock.tick.wrapping_add(whole),
-            left_over: ticks - whole as f64,
-        };
+        self.clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
         self.evaluate()
     }
 
     fn evaluate(&mut self) -> Result<(), Error> {
         self.backend.update(&self.tables)?;
         self.tables.mark_clean();
-        Ok(self.backend.run(
-            &self.tables,
-            Frame {
-                tick: self.clock.tick,
-            },
-        )?)
+        Ok(self.backend.run(&self.tables, Frame { tick: self.clock.tick })?)
     }
 
     /// Waits until the device has done all its work.
@@ -470,10 +425,7 @@ impl Crowd {
         let members = self.members.iter().zip(self.tables.members.as_slice());
         members.zip(0u32..).filter_map(|((state, member), place)| {
             Some(Instance {
-                member: Member {
-                    place,
-                    generation: state.generation,
-                },
+                member: Member { place, generation: state.generation },
                 character: state.character?,
                 world_from_model: state.placement.world_from_model(),
                 palette_first: member.palette_first,
@@ -505,19 +457,8 @@ impl Crowd {
     pub fn palette(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
         let (row, body) = self.device_member(member)?;
         let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
-        self.backend.read(
-            StageBuffer::Palette,
-            row.palette_first as usize * 3,
-            &mut elements,
-        )?;
-        Ok(elements
-            .as_chunks::<3>()
-            .0
-            .iter()
-            .map(|rows| Affine {
-                rows: rows.map(|r| r.0),
-            })
-            .collect())
+        self.backend.read(StageBuffer::Palette, row.palette_first as usize * 3, &mut elements)?;
+        Ok(elements.as_chunks::<3>().0.iter().map(|rows| Affine { rows: rows.map(|r| r.0) }).collect())
     }
 
     /// A member's joints in model space after the last update, in level order. Waits for it.
@@ -526,19 +467,9 @@ impl Crowd {
     ///
     /// [`Error::StaleMember`], or a failing device.
     pub fn model_from_joints(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
-        let buffers = [
-            StageBuffer::ModelRow0,
-            StageBuffer::ModelRow1,
-            StageBuffer::ModelRow2,
-        ];
+        let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
         let [a, b, c] = self.read_joints(member, buffers)?;
-        Ok(a.iter()
-            .zip(&b)
-            .zip(&c)
-            .map(|((a, b), c)| Affine {
-                rows: [a.0, b.0, c.0],
-            })
-            .collect())
+        Ok(a.iter().zip(&b).zip(&c).map(|((a, b), c)| Affine { rows: [a.0, b.0, c.0] }).collect())
     }
 
     /// A member's local transforms after the last update, in level order. Waits for it.
@@ -547,20 +478,10 @@ impl Crowd {
     ///
     /// [`Error::StaleMember`], or a failing device.
     pub fn local_pose(&mut self, member: Member) -> Result<Vec<Trs>, Error> {
-        let buffers = [
-            StageBuffer::Translations,
-            StageBuffer::Rotations,
-            StageBuffer::Scales,
-        ];
+        let buffers = [StageBuffer::Translations, StageBuffer::Rotations, StageBuffer::Scales];
         let [t, r, s] = self.read_joints(member, buffers)?;
         let joints = t.iter().zip(&r).zip(&s);
-        Ok(joints
-            .map(|((t, r), s)| Trs {
-                translation: t.xyz(),
-                rotation: r.0,
-                scale: s.xyz(),
-            })
-            .collect())
+        Ok(joints.map(|((t, r), s)| Trs { translation: t.xyz(), rotation: r.0, scale: s.xyz() }).collect())
     }
 
     /// Milliseconds that each stage of the last update took on the device, where it measures that.
@@ -600,24 +521,15 @@ impl Crowd {
     }
 
     fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
-        self.characters.get(id.index()).ok_or(Error::UnknownId {
-            what: "character",
-            index: id.0,
-        })
+        self.characters.get(id.index()).ok_or(Error::UnknownId { what: "character", index: id.0 })
     }
 
     fn character_state_mut(&mut self, id: CharacterId) -> Result<&mut CharacterState, Error> {
-        self.characters.get_mut(id.index()).ok_or(Error::UnknownId {
-            what: "character",
-            index: id.0,
-        })
+        self.characters.get_mut(id.index()).ok_or(Error::UnknownId { what: "character", index: id.0 })
     }
 
     fn check(&self, member: Member) -> Result<CharacterId, Error> {
-        let state = self
-            .members
-            .get(member.place as usize)
-            .filter(|s| s.generation == member.generation);
+        let state = self.members.get(member.place as usize).filter(|s| s.generation == member.generation);
         state.and_then(|s| s.character).ok_or(Error::StaleMember)
     }
 
@@ -639,12 +551,7 @@ impl Crowd {
             Mode::Held { secs } => Slot::held(bound, tick, secs),
         };
         slot.layer = u32_from(play.layer);
-        slot.ramp_weight(
-            tick,
-            0.0,
-            play.weight,
-            if first { 0.0 } else { play.fade_in_secs },
-        );
+        slot.ramp_weight(tick, 0.0, play.weight, if first { 0.0 } else { play.fade_in_secs });
         let place = self.weakest_slot(member);
         self.tables.slots.set(place, slot);
         self.use_layer(member, play.layer);
@@ -657,10 +564,7 @@ impl Crowd {
         if let Some(&bound) = self.bound_clips.get(&key) {
             return Ok(bound);
         }
-        let known = self.clips.get(clip.0).ok_or(Error::UnknownId {
-            what: "clip",
-            index: clip.0.0,
-        })?;
+        let known = self.clips.get(clip.0).ok_or(Error::UnknownId { what: "clip", index: clip.0.0 })?;
         let binding = Binding::new(known, &state.character.skeleton);
         let bound = self.tables.add_bound_clip(clip.0.0, &binding)?;
         self.bound_clips.insert(key, bound);
@@ -716,10 +620,7 @@ fn faded_out(slot: &Slot, tick: u64) -> bool {
     slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "counts of characters and layers, far below 2^32"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "counts of characters and layers, far below 2^32")]
 fn u32_from(index: usize) -> u32 {
     index as u32
 }

@@ -65,9 +65,7 @@ impl FromStr for Device {
 
     /// Reads `native`, `opencl` (the first OpenCL device) or `opencl:N`.
     fn from_str(name: &str) -> Result<Self, Error> {
-        let unknown = || Error::UnknownDevice {
-            name: name.to_owned(),
-        };
+        let unknown = || Error::UnknownDevice { name: name.to_owned() };
         match name.split_once(':') {
             None if name == "native" => Ok(Self::native()),
             None if name == "opencl" => Ok(Self::opencl(0)),
@@ -114,18 +112,13 @@ mod opencl {
     pub(super) fn best() -> Option<Device> {
         let found = populace_opencl::devices().ok()?;
         let first = |kind| found.iter().find(|d| d.kind == kind);
-        first(DeviceKind::Gpu)
-            .or(first(DeviceKind::Cpu))
-            .map(|d| Device::opencl(d.index))
+        first(DeviceKind::Gpu).or(first(DeviceKind::Cpu)).map(|d| Device::opencl(d.index))
     }
 
     /// Opens a device, whose context and kernels all crowds of this process share.
     pub(super) fn open(index: usize) -> Result<Box<dyn Backend>, Error> {
         static OPEN: OnceLock<Mutex<HashMap<usize, Arc<OpenClDevice>>>> = OnceLock::new();
-        let mut open = OPEN
-            .get_or_init(Mutex::default)
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
+        let mut open = OPEN.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
         let device = match open.get(&index) {
             Some(device) => Arc::clone(device),
             None => Arc::clone(open.entry(index).or_insert(OpenClDevice::open(index)?)),
@@ -137,11 +130,7 @@ mod opencl {
         let found = match populace_opencl::devices() {
             Ok(found) => found,
             Err(error) => {
-                return vec![DeviceReport {
-                    device: None,
-                    name: "opencl".into(),
-                    detail: error.to_string(),
-                }];
+                return vec![DeviceReport { device: None, name: "opencl".into(), detail: error.to_string() }];
             }
         };
         found
@@ -178,11 +167,7 @@ mod opencl {
     }
 
     pub(super) fn reports() -> Vec<DeviceReport> {
-        vec![DeviceReport {
-            device: None,
-            name: "opencl".into(),
-            detail: Error::WithoutOpenCl.to_string(),
-        }]
+        vec![DeviceReport { device: None, name: "opencl".into(), detail: Error::WithoutOpenCl.to_string() }]
     }
 }
 
@@ -197,10 +182,7 @@ mod tests {
         }
         assert_eq!("opencl".parse(), Ok(Device::opencl(0)));
         for name in ["", "cuda", "opencl:", "opencl:x", "opencl:-1", "native:2"] {
-            assert_eq!(
-                name.parse::<Device>(),
-                Err(Error::UnknownDevice { name: name.into() })
-            );
+            assert_eq!(name.parse::<Device>(), Err(Error::UnknownDevice { name: name.into() }));
         }
     }
 }

@@ -78,11 +78,8 @@ pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -
         let inside = !wanted.is_empty() && (candidate.contains(&wanted) || wanted.contains(&candidate));
         strsim::jaro_winkler(&wanted, &candidate) + if inside { 0.5 } else { 0.0 }
     };
-    let mut scored: Vec<_> = names
-        .into_iter()
-        .map(|n| (likeness(n), n))
-        .filter(|(score, _)| *score > 0.6)
-        .collect();
+    let mut scored: Vec<_> =
+        names.into_iter().map(|n| (likeness(n), n)).filter(|(score, _)| *score > 0.6).collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     scored.into_iter().take(3).map(|(_, n)| n.to_owned()).collect()
 }
@@ -90,11 +87,7 @@ pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -
 /// Refuses values that are not finite.
 pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
     match values.iter().find(|v| !v.is_finite()) {
-        Some(&value) => Err(Error::BadValue {
-            what,
-            value,
-            rule: "a finite number",
-        }),
+        Some(&value) => Err(Error::BadValue { what, value, rule: "a finite number" }),
         None => Ok(()),
     }
 }

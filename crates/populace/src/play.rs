@@ -25,14 +25,7 @@ pub(crate) enum Mode {
 
 impl Play {
     const fn new(mode: Mode) -> Self {
-        Self {
-            mode,
-            speed: 1.0,
-            phase: 0.0,
-            weight: 1.0,
-            fade_in_secs: 0.0,
-            layer: 0,
-        }
+        Self { mode, speed: 1.0, phase: 0.0, weight: 1.0, fade_in_secs: 0.0, layer: 0 }
     }
 
     /// Again and again.
@@ -105,11 +98,7 @@ pub(crate) fn check_weight(what: &'static str, value: f32) -> Result<(), Error> 
     if (0.0..=1.0).contains(&value) {
         Ok(())
     } else {
-        Err(Error::BadValue {
-            what,
-            value,
-            rule: "from 0 to 1",
-        })
+        Err(Error::BadValue { what, value, rule: "from 0 to 1" })
     }
 }
 
@@ -117,11 +106,7 @@ pub(crate) fn check_secs(what: &'static str, value: f32) -> Result<(), Error> {
     if value >= 0.0 && value.is_finite() {
         Ok(())
     } else {
-        Err(Error::BadValue {
-            what,
-            value,
-            rule: "finite and not negative",
-        })
+        Err(Error::BadValue { what, value, rule: "finite and not negative" })
     }
 }
 
@@ -129,11 +114,7 @@ pub(crate) fn check_layer(layer: usize) -> Result<(), Error> {
     if layer < populace_core::MAX_LAYERS {
         Ok(())
     } else {
-        Err(Error::BadValue {
-            what: "the layer",
-            value: layer as f32,
-            rule: "0 to 3",
-        })
+        Err(Error::BadValue { what: "the layer", value: layer as f32, rule: "0 to 3" })
     }
 }
 
@@ -149,11 +130,7 @@ impl Placement {
     /// At a point in metres, facing +Z.
     #[must_use]
     pub const fn at(position: [f32; 3]) -> Self {
-        Self {
-            position,
-            yaw_rad: 0.0,
-            scale: 1.0,
-        }
+        Self { position, yaw_rad: 0.0, scale: 1.0 }
     }
 
     /// Turned about +Y: 0 faces +Z, a quarter turn faces +X.
@@ -177,11 +154,7 @@ impl Placement {
             Ok(())
         } else {
             let rule = "finite and above zero";
-            Err(Error::BadValue {
-                what: "the scale of a member",
-                value: self.scale,
-                rule,
-            })
+            Err(Error::BadValue { what: "the scale of a member", value: self.scale, rule })
         }
     }
 
@@ -189,14 +162,9 @@ impl Placement {
     #[must_use]
     pub fn world_from_model(&self) -> Affine {
         let (sin, cos) = f64::from(self.yaw_rad).sin_cos();
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "rounding to the nearest f32 is what is wanted"
-        )]
+        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
         let (sin, cos) = (sin as f32 * self.scale, cos as f32 * self.scale);
         let [x, y, z] = self.position;
-        Affine {
-            rows: [[cos, 0.0, sin, x], [0.0, self.scale, 0.0, y], [-sin, 0.0, cos, z]],
-        }
+        Affine { rows: [[cos, 0.0, sin, x], [0.0, self.scale, 0.0, y], [-sin, 0.0, cos, z]] }
     }
 }

@@ -20,41 +20,18 @@ fn track(joint: &str, height: f32) -> Track {
 
 /// A body of two joints whose clips lift them: "low" from 0 to 1 m, "high" from 10 to 11 m, "tip" the tip alone.
 fn lift() -> Character {
-    let joint = |name: &str, parent| JointSource {
-        name: name.into(),
-        parent,
-        rest: Trs::IDENTITY,
-    };
+    let joint = |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint("base", None), joint("tip", Some(0))]).unwrap();
     let clip = |name: &str, joint: &str, height| {
-        let source = ClipSource {
-            name: name.into(),
-            tracks: vec![track(joint, height)],
-        };
+        let source = ClipSource { name: name.into(), tracks: vec![track(joint, height)] };
         Arc::new(Clip::new(source, &skeleton).unwrap())
     };
-    let clips = vec![
-        clip("low", "base", 0.0),
-        clip("high", "base", 10.0),
-        clip("tip", "tip", 5.0),
-    ];
-    let palette = vec![PaletteEntry {
-        joint: JointIndex(1),
-        joint_from_bind: Affine::IDENTITY,
-    }];
+    let clips = vec![clip("low", "base", 0.0), clip("high", "base", 10.0), clip("tip", "tip", 5.0)];
+    let palette = vec![PaletteEntry { joint: JointIndex(1), joint_from_bind: Affine::IDENTITY }];
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
     let name = "lift".into();
-    Character::new(CharacterSource {
-        name,
-        skeleton,
-        palette,
-        parts,
-        materials,
-        images,
-        skins,
-        clips,
-    })
-    .unwrap()
+    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
+        .unwrap()
 }
 
 fn height(crowd: &mut Crowd, member: Member, joint: usize) -> f32 {
@@ -67,11 +44,7 @@ fn assert_near(value: f32, wanted: f32) {
 }
 
 fn crowd_of(device: Device, capacity: usize) -> (Crowd, populace::CharacterId) {
-    let mut crowd = Crowd::builder()
-        .device(device)
-        .capacity(capacity)
-        .build()
-        .unwrap();
+    let mut crowd = Crowd::builder().device(device).capacity(capacity).build().unwrap();
     let id = crowd.add_character(lift()).unwrap();
     (crowd, id)
 }
@@ -84,15 +57,11 @@ fn play_crossfade_and_stop(device: Device) {
     assert_near(height(&mut crowd, member, 0), 0.0); // rest
 
     // The first clip starts at full weight although it was asked to fade in.
-    crowd
-        .play(member, low, Play::held_at_secs(0.5).fade_in_secs(1.0))
-        .unwrap();
+    crowd.play(member, low, Play::held_at_secs(0.5).fade_in_secs(1.0)).unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.5);
 
-    crowd
-        .play(member, high, Play::held_at_secs(0.5).fade_in_secs(1.0))
-        .unwrap();
+    crowd.play(member, high, Play::held_at_secs(0.5).fade_in_secs(1.0)).unwrap();
     crowd.update(0.25).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.75 * 0.5 + 0.25 * 10.5);
     crowd.update(0.75).unwrap();
@@ -107,45 +76,24 @@ fn blends_and_layers(device: Device) {
     let (mut crowd, id) = crowd_of(device, 4);
     let [low, high, tip] = ["low", "high", "tip"].map(|name| crowd.clip(id, name).unwrap());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    crowd
-        .play(member, low, Play::held_at_secs(0.0).weight(0.25))
-        .unwrap();
-    crowd
-        .blend(member, high, Play::held_at_secs(0.0).weight(0.75))
-        .unwrap();
+    crowd.play(member, low, Play::held_at_secs(0.0).weight(0.25)).unwrap();
+    crowd.blend(member, high, Play::held_at_secs(0.0).weight(0.75)).unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 0), 7.5);
 
     let skeleton = crowd.character(id).unwrap().skeleton.clone();
     let on_tip = Mask::subtree(&skeleton, skeleton.find("tip").unwrap());
     let on_tip = crowd.add_mask(id, &on_tip).unwrap();
-    let half = LayerSettings {
-        mode: LayerMode::Override,
-        weight: 0.5,
-    };
-    crowd
-        .play(member, tip, Play::held_at_secs(0.0).on_layer(1))
-        .unwrap();
+    let half = LayerSettings { mode: LayerMode::Override, weight: 0.5 };
+    crowd.play(member, tip, Play::held_at_secs(0.0).on_layer(1)).unwrap();
     crowd.set_layer(member, 1, half, Some(on_tip)).unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 0), 7.5); // masked
     assert_near(height(&mut crowd, member, 1), 7.5 + 2.5);
 
     // "tip" rises by 0.4 m from its first row to 0.4 s.
-    crowd
-        .play(member, tip, Play::held_at_secs(0.4).on_layer(2))
-        .unwrap();
-    crowd
-        .set_layer(
-            member,
-            2,
-            LayerSettings {
-                mode: LayerMode::Additive,
-                weight: 1.0,
-            },
-            None,
-        )
-        .unwrap();
+    crowd.play(member, tip, Play::held_at_secs(0.4).on_layer(2)).unwrap();
+    crowd.set_layer(member, 2, LayerSettings { mode: LayerMode::Additive, weight: 1.0 }, None).unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 1), 7.5 + 2.5 + 0.4);
 }
@@ -164,10 +112,7 @@ fn members_come_and_go(device: Device) {
     assert_eq!(crowd.despawn(members[1]), Err(Error::StaleMember));
 
     let newcomer = spawn(&mut crowd).unwrap();
-    assert_eq!(
-        crowd.place(members[1], Placement::at([1.0; 3])),
-        Err(Error::StaleMember)
-    );
+    assert_eq!(crowd.place(members[1], Placement::at([1.0; 3])), Err(Error::StaleMember));
     crowd.play(newcomer, low, Play::held_at_secs(1.0)).unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, newcomer, 0), 1.0);
@@ -184,9 +129,7 @@ fn twenty_clips_in_a_third_of_a_second(device: Device) {
     crowd.play(member, high, Play::held_at_secs(0.0)).unwrap();
     for step in 0..20 {
         let clip = if step % 2 == 0 { high } else { low };
-        crowd
-            .play(member, clip, Play::held_at_secs(1.0).fade_in_secs(0.2))
-            .unwrap();
+        crowd.play(member, clip, Play::held_at_secs(1.0).fade_in_secs(0.2)).unwrap();
         crowd.update(0.015).unwrap();
         assert!(height(&mut crowd, member, 0) > 0.9, "step {step}");
     }
@@ -197,13 +140,8 @@ fn a_clip_added_now_plays_now(device: Device) {
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     crowd.update(0.1).unwrap();
     let skeleton = crowd.character(id).unwrap().skeleton.clone();
-    let source = ClipSource {
-        name: "late".into(),
-        tracks: vec![track("base", 20.0)],
-    };
-    let late = crowd
-        .add_clip(id, &Arc::new(Clip::new(source, &skeleton).unwrap()))
-        .unwrap();
+    let source = ClipSource { name: "late".into(), tracks: vec![track("base", 20.0)] };
+    let late = crowd.add_clip(id, &Arc::new(Clip::new(source, &skeleton).unwrap())).unwrap();
     assert_eq!(crowd.clip(id, "late").unwrap(), late);
     crowd.play(member, late, Play::looping().phase(0.5)).unwrap();
     crowd.update(0.25).unwrap();
@@ -216,20 +154,13 @@ fn bad_values_are_refused_and_harm_nobody(device: Device) {
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     assert!(crowd.spawn(id, Placement::at([f32::NAN, 0.0, 0.0])).is_err());
     assert!(crowd.place(member, Placement::at([0.0; 3]).scaled(0.0)).is_err());
-    assert!(
-        crowd
-            .play(member, low, Play::looping().speed(f32::INFINITY))
-            .is_err()
-    );
+    assert!(crowd.play(member, low, Play::looping().speed(f32::INFINITY)).is_err());
     assert!(crowd.play(member, low, Play::looping().weight(1.5)).is_err());
     assert!(crowd.play(member, low, Play::looping().on_layer(4)).is_err());
     assert!(crowd.update(-1.0).is_err());
     assert!(crowd.update(f32::NAN).is_err());
     let error = crowd.clip(id, "hihg").unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "\"lift\" has no clip \"hihg\"; did you mean \"high\"?"
-    );
+    assert_eq!(error.to_string(), "\"lift\" has no clip \"hihg\"; did you mean \"high\"?");
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.0);
     assert_eq!(crowd.member_count(), 1);
@@ -281,13 +212,7 @@ fn a_mask_of_another_character_is_refused() {
     let (mut crowd, id) = crowd_of(Device::native(), 2);
     let other = crowd.add_character(lift()).unwrap();
     let skeleton = crowd.character(other).unwrap().skeleton.clone();
-    let mask = crowd
-        .add_mask(other, &Mask::subtree(&skeleton, JointIndex(0)))
-        .unwrap();
+    let mask = crowd.add_mask(other, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    assert!(
-        crowd
-            .set_layer(member, 1, LayerSettings::default(), Some(mask))
-            .is_err()
-    );
+    assert!(crowd.set_layer(member, 1, LayerSettings::default(), Some(mask)).is_err());
 }

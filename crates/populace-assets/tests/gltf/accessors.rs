@@ -22,10 +22,7 @@ fn interleaved_vertices_are_read_by_their_stride() {
     file.json["accessors"][0]["bufferView"] = view.into();
     assert_eq!(positions(&file).concat(), TRIANGLE);
     file.json["bufferViews"][view]["byteStride"] = 8.into();
-    assert_problem(
-        &file.glb(),
-        "accessors[0]: has elements of 12 bytes, but bufferViews[4] says 8",
-    );
+    assert_problem(&file.glb(), "accessors[0]: has elements of 12 bytes, but bufferViews[4] says 8");
     for stride in [2, 6, 256] {
         file.json["bufferViews"][view]["byteStride"] = stride.into();
         let problem =
@@ -38,10 +35,7 @@ fn interleaved_vertices_are_read_by_their_stride() {
 fn sparse_elements_stand_in_for_others() {
     let mut file = rigid();
     let indices = file.view(&[1, 2]);
-    let values: Vec<u8> = [5.0f32, 6.0, 7.0, 8.0, 9.0, 10.0]
-        .iter()
-        .flat_map(|v| v.to_le_bytes())
-        .collect();
+    let values: Vec<u8> = [5.0f32, 6.0, 7.0, 8.0, 9.0, 10.0].iter().flat_map(|v| v.to_le_bytes()).collect();
     let values = file.view(&values);
     file.json["accessors"][0]["sparse"] = json!({
         "count": 2,
@@ -50,10 +44,7 @@ fn sparse_elements_stand_in_for_others() {
     });
     assert_eq!(positions(&file), [[0.0; 3], [5.0, 6.0, 7.0], [8.0, 9.0, 10.0]]);
     // Without a buffer view the others are zero.
-    file.json["accessors"][0]
-        .as_object_mut()
-        .unwrap()
-        .remove("bufferView");
+    file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     assert_eq!(positions(&file)[1], [5.0, 6.0, 7.0]);
     let at = usize::try_from(file.json["bufferViews"][indices]["byteOffset"].as_u64().unwrap()).unwrap();
     for wrong in [[1, 1], [2, 1], [1, 3]] {
@@ -64,10 +55,7 @@ fn sparse_elements_stand_in_for_others() {
     assert!(problems(&file.glb())[0].starts_with("accessors[0].sparse.count: is 4"));
     file.json["accessors"][0]["sparse"]["count"] = 1.into();
     file.json["accessors"][0]["sparse"]["indices"]["componentType"] = F32.into();
-    assert_problem(
-        &file.glb(),
-        "accessors[0].sparse.indices.componentType: must be an unsigned",
-    );
+    assert_problem(&file.glb(), "accessors[0].sparse.indices.componentType: must be an unsigned");
     file.json["accessors"][0]["sparse"]["indices"]["componentType"] = U16.into();
     file.json["accessors"][0]["sparse"]["indices"]["byteOffset"] = 1.into();
     assert!(problems(&file.glb())[0].starts_with("accessors[0].sparse.indices: starts at byte 1"));
@@ -83,23 +71,14 @@ fn nothing_reaches_past_its_end() {
     );
     file.json["accessors"][0]["count"] = 3.into();
     file.json["accessors"][0]["byteOffset"] = 4.into();
-    assert_problem(
-        &file.glb(),
-        "accessors[0]: has 3 elements of 12 bytes from byte 4 on",
-    );
+    assert_problem(&file.glb(), "accessors[0]: has 3 elements of 12 bytes from byte 4 on");
     file.json["accessors"][0]["byteOffset"] = u64::MAX.into();
     assert!(problems(&file.glb())[0].starts_with("accessors[0]: starts at byte 18446744073709551615"));
     let mut file = rigid();
     file.json["bufferViews"][0]["byteOffset"] = 100_000.into();
-    assert_problem(
-        &file.glb(),
-        "bufferViews[0]: reaches from byte 100000 for 36 bytes, but buffer 0 has",
-    );
+    assert_problem(&file.glb(), "bufferViews[0]: reaches from byte 100000 for 36 bytes, but buffer 0 has");
     file.json["bufferViews"][0]["byteOffset"] = u64::MAX.into();
-    assert_problem(
-        &file.glb(),
-        "bufferViews[0]: reaches from byte 18446744073709551615",
-    );
+    assert_problem(&file.glb(), "bufferViews[0]: reaches from byte 18446744073709551615");
     let mut file = rigid();
     file.json["buffers"] = json!([{"byteLength": file.bin.len() + 4}]);
     assert_problem(&file.glb(), "buffers[0]: has");
@@ -138,17 +117,11 @@ fn numbers_are_finite() {
 #[test]
 fn a_small_file_cannot_ask_for_much_memory() {
     let mut file = rigid();
-    file.json["accessors"][0]
-        .as_object_mut()
-        .unwrap()
-        .remove("bufferView");
+    file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     for count in [1_u64 << 33, u64::MAX >> 4] {
         file.json["accessors"][0]["count"] = count.into();
         let listed = problems(&file.glb());
-        assert!(
-            listed.iter().any(|p| p.contains("out of proportion to its size")),
-            "{listed:?}"
-        );
+        assert!(listed.iter().any(|p| p.contains("out of proportion to its size")), "{listed:?}");
     }
     // Nor by using one array again and again.
     let mut file = rigid();
@@ -158,34 +131,23 @@ fn a_small_file_cannot_ask_for_much_memory() {
         file.add("nodes", json!({"mesh": 0}));
     }
     let listed = problems(&file.glb());
-    assert!(
-        listed.iter().all(|p| p.contains("out of proportion to its size")),
-        "{listed:?}"
-    );
+    assert!(listed.iter().all(|p| p.contains("out of proportion to its size")), "{listed:?}");
 }
 
 #[test]
 fn integers_become_the_numbers_they_stand_for() {
     let mut file = rigid();
     file.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-    let shorts: Vec<u8> = [0i16, 0, 0, 0, 32767, 0, 0, 0, -32768, 16384, 0, 0]
-        .iter()
-        .flat_map(|v| v.to_le_bytes())
-        .collect();
+    let shorts: Vec<u8> =
+        [0i16, 0, 0, 0, 32767, 0, 0, 0, -32768, 16384, 0, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
     let view = file.view(&shorts);
     file.json["bufferViews"][view]["byteStride"] = 8.into();
     let accessor = &mut file.json["accessors"][0];
     accessor["bufferView"] = view.into();
     accessor["componentType"] = 5122.into();
-    assert_eq!(
-        positions(&file),
-        [[0.0; 3], [32767.0, 0.0, 0.0], [-32768.0, 16384.0, 0.0]]
-    );
+    assert_eq!(positions(&file), [[0.0; 3], [32767.0, 0.0, 0.0], [-32768.0, 16384.0, 0.0]]);
     file.json["accessors"][0]["normalized"] = true.into();
-    assert_eq!(
-        positions(&file),
-        [[0.0; 3], [1.0, 0.0, 0.0], [-1.0, 16384.0 / 32767.0, 0.0]]
-    );
+    assert_eq!(positions(&file), [[0.0; 3], [1.0, 0.0, 0.0], [-1.0, 16384.0 / 32767.0, 0.0]]);
     file.json.as_object_mut().unwrap().remove("extensionsRequired");
     assert_problem(
         &file.glb(),

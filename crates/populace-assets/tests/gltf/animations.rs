@@ -22,10 +22,7 @@ fn channels_become_tracks_of_named_joints() {
     assert_eq!(clip.name(), "turn");
     assert_eq!((clip.start_secs(), clip.duration_secs()), (0.5, 1.0));
     let track = &clip.source().tracks[0];
-    assert_eq!(
-        (track.joint.as_str(), track.property),
-        ("head", Property::Rotation)
-    );
+    assert_eq!((track.joint.as_str(), track.property), ("head", Property::Rotation));
     assert_eq!(track.interpolation, Interpolation::Linear);
     assert_eq!(track.times, [0.5, 1.5]);
     assert_eq!(track.values[..4], [0.0, 0.0, 0.0, 1.0]);
@@ -33,39 +30,21 @@ fn channels_become_tracks_of_named_joints() {
 
 #[test]
 fn steps_splines_translations_and_scales_are_read() {
-    let steps = with_keys(
-        &[0.0, 1.0],
-        "VEC3",
-        &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
-        "translation",
-        "STEP",
-    );
+    let steps = with_keys(&[0.0, 1.0], "VEC3", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "translation", "STEP");
     let track = loaded(&steps.glb()).character.clips[0].source().tracks[0].clone();
-    assert_eq!(
-        (track.property, track.interpolation),
-        (Property::Translation, Interpolation::Step)
-    );
+    assert_eq!((track.property, track.interpolation), (Property::Translation, Interpolation::Step));
     assert_eq!(track.value(1), [4.0, 5.0, 6.0]);
     let values: Vec<f32> = (0..18).map(|v| v as f32).collect();
     let spline = with_keys(&[0.0, 1.0], "VEC3", &values, "scale", "CUBICSPLINE");
     let track = loaded(&spline.glb()).character.clips[0].source().tracks[0].clone();
-    assert_eq!(
-        (track.property, track.interpolation),
-        (Property::Scale, Interpolation::CubicSpline)
-    );
-    assert_eq!(
-        (track.value(0), track.value(1)),
-        (&[3.0, 4.0, 5.0][..], &[12.0, 13.0, 14.0][..])
-    );
+    assert_eq!((track.property, track.interpolation), (Property::Scale, Interpolation::CubicSpline));
+    assert_eq!((track.value(0), track.value(1)), (&[3.0, 4.0, 5.0][..], &[12.0, 13.0, 14.0][..]));
 }
 
 #[test]
 fn rotations_may_be_normalised_integers() {
     let mut file = skinned();
-    let turns: Vec<u8> = [0i8, 0, 0, 127, 0, 90, 0, -128]
-        .iter()
-        .map(|v| v.cast_unsigned())
-        .collect();
+    let turns: Vec<u8> = [0i8, 0, 0, 127, 0, 90, 0, -128].iter().map(|v| v.cast_unsigned()).collect();
     let output = file.accessor(&turns, 5120, 2, "VEC4");
     file.json["animations"][0]["samplers"][0]["output"] = output.into();
     assert_problem(
@@ -80,35 +59,18 @@ fn rotations_may_be_normalised_integers() {
 #[test]
 fn times_increase_and_values_fit_them() {
     let same = with_keys(&[1.0, 1.0], "VEC3", &[0.0; 6], "scale", "LINEAR");
-    assert_problem(
-        &same.glb(),
-        "animations[0].samplers[0]: has key 1 at 1 s after key 0 at 1 s",
-    );
+    assert_problem(&same.glb(), "animations[0].samplers[0]: has key 1 at 1 s after key 0 at 1 s");
     let few = with_keys(&[0.0, 1.0], "VEC3", &[0.0; 9], "scale", "LINEAR");
     assert_problem(&few.glb(), "animations[0].channels[0]: has 2 keys and 3 values");
     let single = with_keys(&[0.0], "VEC3", &[0.0; 9], "scale", "CUBICSPLINE");
-    assert_problem(
-        &single.glb(),
-        "animations[0].samplers[0]: has 1 keys; a cubic spline needs two",
-    );
-    let zero = with_keys(
-        &[0.0, 1.0],
-        "VEC4",
-        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
-        "rotation",
-        "LINEAR",
-    );
-    assert_problem(
-        &zero.glb(),
-        "animations[0].samplers[0]: has a rotation of length zero in element 1",
-    );
+    assert_problem(&single.glb(), "animations[0].samplers[0]: has 1 keys; a cubic spline needs two");
+    let zero =
+        with_keys(&[0.0, 1.0], "VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0], "rotation", "LINEAR");
+    assert_problem(&zero.glb(), "animations[0].samplers[0]: has a rotation of length zero in element 1");
     let kind = with_keys(&[0.0], "VEC4", &[0.0; 4], "scale", "LINEAR");
     assert!(super::problems(&kind.glb())[0].contains("is VEC4 of float; values of scale must be VEC3"));
     let word = with_keys(&[0.0], "VEC3", &[1.0; 3], "scale", "BEZIER");
-    assert_problem(
-        &word.glb(),
-        "animations[0].samplers[0].interpolation: is \"BEZIER\"",
-    );
+    assert_problem(&word.glb(), "animations[0].samplers[0].interpolation: is \"BEZIER\"");
 }
 
 #[test]
@@ -127,10 +89,7 @@ fn what_drives_nothing_is_noted_and_stays_a_clip() {
         (json!({"path": "rotation"}), "names no node"),
         (json!({"node": 2, "path": "weights"}), "drives morph targets"),
         (json!({"path": "pointer"}), "drives a pointer"),
-        (
-            json!({"node": 2, "path": "colour"}),
-            "has the unknown path \"colour\"",
-        ),
+        (json!({"node": 2, "path": "colour"}), "has the unknown path \"colour\""),
     ] {
         target(&mut file, value);
         assert_note(&file.glb(), &format!("{place}{note}"));
@@ -146,24 +105,12 @@ fn what_drives_nothing_is_noted_and_stays_a_clip() {
 fn one_channel_drives_a_property_and_never_that_of_a_matrix() {
     let mut file = skinned();
     let again = file.json["animations"][0]["channels"][0].clone();
-    file.json["animations"][0]["channels"]
-        .as_array_mut()
-        .unwrap()
-        .push(again);
-    assert_problem(
-        &file.glb(),
-        "animations[0].channels[1]: drives the same property of node 2",
-    );
+    file.json["animations"][0]["channels"].as_array_mut().unwrap().push(again);
+    assert_problem(&file.glb(), "animations[0].channels[1]: drives the same property of node 2");
     let mut file = skinned();
-    file.json["nodes"][2]
-        .as_object_mut()
-        .unwrap()
-        .remove("translation");
+    file.json["nodes"][2].as_object_mut().unwrap().remove("translation");
     file.json["nodes"][2]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 1]);
-    assert_problem(
-        &file.glb(),
-        "animations[0].channels[0].target: drives node 2, which has a matrix",
-    );
+    assert_problem(&file.glb(), "animations[0].channels[0].target: drives node 2, which has a matrix");
 }
 
 #[test]

@@ -17,10 +17,7 @@ pub(crate) struct File {
 
 impl File {
     pub(crate) fn new() -> Self {
-        Self {
-            json: json!({"asset": {"version": "2.0"}}),
-            bin: Vec::new(),
-        }
+        Self { json: json!({"asset": {"version": "2.0"}}), bin: Vec::new() }
     }
 
     /// Adds to a list of the file; gives the index.
@@ -38,10 +35,7 @@ impl File {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let offset = self.bin.len();
         self.bin.extend_from_slice(bytes);
-        self.add(
-            "bufferViews",
-            json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()}),
-        )
+        self.add("bufferViews", json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()}))
     }
 
     /// Adds an accessor of everything in a new buffer view.
@@ -146,19 +140,14 @@ pub(crate) fn rigid() -> File {
     let uvs = file.floats("VEC2", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
     let indices = file.bytes("SCALAR", &[0, 1, 2]);
     let attributes = json!({"POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uvs});
-    file.add(
-        "meshes",
-        json!({"primitives": [{"attributes": attributes, "indices": indices}]}),
-    );
+    file.add("meshes", json!({"primitives": [{"attributes": attributes, "indices": indices}]}));
     file.add("nodes", json!({"name": "body", "mesh": 0}));
     file
 }
 
 /// Column-major, moving by `y`.
 pub(crate) fn moved_up(y: f32) -> [f32; 16] {
-    [
-        1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, y, 0.0, 1.0,
-    ]
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, y, 0.0, 1.0]
 }
 
 /// Hips, a head one metre above them, a triangle on both, and a clip that turns the head.
@@ -173,10 +162,7 @@ pub(crate) fn skinned() -> File {
     file.json["nodes"][0]["skin"] = 0.into();
     file.add("nodes", json!({"name": "hips", "children": [2]}));
     file.add("nodes", json!({"name": "head", "translation": [0, 1, 0]}));
-    file.add(
-        "skins",
-        json!({"name": "skin", "joints": [1, 2], "inverseBindMatrices": binds}),
-    );
+    file.add("skins", json!({"name": "skin", "joints": [1, 2], "inverseBindMatrices": binds}));
     let times = file.floats("SCALAR", &[0.5, 1.5]);
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let turns = file.floats("VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, half, 0.0, half]);

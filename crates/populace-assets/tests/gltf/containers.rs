@@ -22,53 +22,31 @@ fn content_not_name_tells_the_kind_and_buffers_are_found_beside_the_file() {
     assert_eq!(load(&path).unwrap().character.name, "binary");
     // The name is percent-encoded in the file, and a buffer file may be longer than declared.
     std::fs::create_dir(folder.path().join("data")).unwrap();
-    std::fs::write(
-        folder.path().join("data/a b.bin"),
-        [&file.bin[..], b"more"].concat(),
-    )
-    .unwrap();
+    std::fs::write(folder.path().join("data/a b.bin"), [&file.bin[..], b"more"].concat()).unwrap();
     let path = folder.path().join("text.glb");
     std::fs::write(&path, file.gltf_beside("data/a%20b.bin")).unwrap();
     assert_eq!(load(&path).unwrap().character.parts.len(), 1);
     std::fs::write(folder.path().join("data/a b.bin"), &file.bin[..8]).unwrap();
     let error = load(&path).unwrap_err().to_string();
-    assert!(
-        error.contains("buffers[0].uri: names \"data/a b.bin\", which has 8 bytes where"),
-        "{error}"
-    );
+    assert!(error.contains("buffers[0].uri: names \"data/a b.bin\", which has 8 bytes where"), "{error}");
 }
 
 #[test]
 fn missing_files_and_folders_are_told_apart_from_bad_ones() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(matches!(
-        load(folder.path().join("none.glb")),
-        Err(Error::Io { .. })
-    ));
+    assert!(matches!(load(folder.path().join("none.glb")), Err(Error::Io { .. })));
     std::fs::create_dir(folder.path().join("folder")).unwrap();
     let file = rigid().gltf_beside("folder");
-    let error = load_from_slice(&file, Some(folder.path()))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("buffers[0].uri: names \"folder\", which is no regular file"),
-        "{error}"
-    );
-    assert_problem(
-        &file,
-        "buffers[0].uri: names the file \"folder\", but files beside this one",
-    );
+    let error = load_from_slice(&file, Some(folder.path())).unwrap_err().to_string();
+    assert!(error.contains("buffers[0].uri: names \"folder\", which is no regular file"), "{error}");
+    assert_problem(&file, "buffers[0].uri: names the file \"folder\", but files beside this one");
 }
 
 #[test]
 fn addresses_and_absolute_paths_are_refused() {
-    for uri in [
-        "http://example.com/a.bin",
-        "/etc/passwd",
-        "file:///etc/passwd",
-        "%2Fetc/passwd",
-        "C:%5Ca.bin",
-    ] {
+    for uri in
+        ["http://example.com/a.bin", "/etc/passwd", "file:///etc/passwd", "%2Fetc/passwd", "C:%5Ca.bin"]
+    {
         assert_problem(&rigid().gltf_beside(uri), "buffers[0].uri: ");
     }
 }
@@ -88,24 +66,12 @@ fn chunks_must_be_whole_aligned_and_in_order() {
     let other = (*b"WHAT", vec![1, 2, 3, 4]);
     loaded(&container(std::slice::from_ref(&json)));
     assert_note(&container(&[json.clone(), bin.clone()]), "chunk 1: holds data");
-    assert_note(
-        &container(&[json.clone(), bin.clone(), other.clone()]),
-        "chunk 2: is of the unknown kind",
-    );
+    assert_note(&container(&[json.clone(), bin.clone(), other.clone()]), "chunk 2: is of the unknown kind");
     assert_problem(&container(std::slice::from_ref(&bin)), "chunk 0: is of kind");
-    assert_problem(
-        &container(&[json.clone(), json.clone()]),
-        "chunk 1: is a second JSON",
-    );
-    assert_problem(
-        &container(&[json.clone(), bin.clone(), bin.clone()]),
-        "chunk 2: is a second BIN",
-    );
+    assert_problem(&container(&[json.clone(), json.clone()]), "chunk 1: is a second JSON");
+    assert_problem(&container(&[json.clone(), bin.clone(), bin.clone()]), "chunk 2: is a second BIN");
     assert_problem(&container(&[json.clone(), other, bin]), "chunk 2: is BIN");
-    assert_problem(
-        &container(&[(*b"JSON", b"{}   ".to_vec())]),
-        "chunk 0: has 5 bytes",
-    );
+    assert_problem(&container(&[(*b"JSON", b"{}   ".to_vec())]), "chunk 0: has 5 bytes");
     assert_problem(&container(&[(*b"JSON", vec![])]), "chunk 0: is empty");
     let good = container(&[json]);
     assert_problem(&good[..good.len() - 1], "header: says the file has");
@@ -125,10 +91,7 @@ fn what_is_no_gltf_says_so() {
     assert_problem(b"\xEF\xBB\xBF{}", "file: begins with a byte order mark");
     assert_problem(b"{", "file: is no valid JSON");
     assert_problem(b"{}", "asset: is missing");
-    assert_problem(
-        &b"{\"a\":".repeat(100_000),
-        "file: is no valid JSON: recursion limit",
-    );
+    assert_problem(&b"{\"a\":".repeat(100_000), "file: is no valid JSON: recursion limit");
     let mut file = File::new();
     file.json["asset"]["version"] = "1.0".into();
     assert_problem(&file.gltf(), "asset.version: is \"1.0\"");

@@ -14,10 +14,7 @@ fn required_extensions_that_are_not_supported_are_refused_by_name() {
     ] {
         let mut file = rigid();
         file.json["extensionsUsed"] = json!([name]);
-        assert_note(
-            &file.glb(),
-            &format!("extensionsUsed[0]: uses {name}, which is ignored"),
-        );
+        assert_note(&file.glb(), &format!("extensionsUsed[0]: uses {name}, which is ignored"));
         file.json["extensionsRequired"] = json!(["KHR_texture_transform", name]);
         assert_problem(&file.glb(), &format!("extensionsRequired[1]: requires {name}"));
     }
@@ -25,25 +22,14 @@ fn required_extensions_that_are_not_supported_are_refused_by_name() {
 
 #[test]
 fn required_extensions_that_change_looks_alone_are_ignored_and_noted() {
-    for name in [
-        "KHR_materials_unlit",
-        "KHR_materials_pbrSpecularGlossiness",
-        "KHR_lights_punctual",
-    ] {
+    for name in ["KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness", "KHR_lights_punctual"] {
         let mut file = rigid();
         file.json["extensionsUsed"] = json!([name]);
         file.json["extensionsRequired"] = json!([name]);
-        assert_note(
-            &file.glb(),
-            &format!("extensionsUsed[0]: uses {name}, which is ignored"),
-        );
+        assert_note(&file.glb(), &format!("extensionsUsed[0]: uses {name}, which is ignored"));
     }
     let mut file = rigid();
-    for supported in [
-        "KHR_mesh_quantization",
-        "KHR_texture_transform",
-        "EXT_texture_webp",
-    ] {
+    for supported in ["KHR_mesh_quantization", "KHR_texture_transform", "EXT_texture_webp"] {
         file.json["extensionsUsed"] = json!([supported]);
         file.json["extensionsRequired"] = json!([supported]);
         assert!(loaded(&file.glb()).notes.is_empty(), "{supported}");

@@ -31,18 +31,12 @@ fn problems(file: &[u8]) -> Vec<String> {
 #[track_caller]
 fn assert_problem(file: &[u8], begins: &str) {
     let problems = problems(file);
-    assert!(
-        problems.len() == 1 && problems[0].starts_with(begins),
-        "not `{begins}`: {problems:#?}"
-    );
+    assert!(problems.len() == 1 && problems[0].starts_with(begins), "not `{begins}`: {problems:#?}");
 }
 
 /// Asserts that a file loads and some note begins so.
 #[track_caller]
 fn assert_note(file: &[u8], begins: &str) {
     let notes: Vec<_> = loaded(file).notes.iter().map(ToString::to_string).collect();
-    assert!(
-        notes.iter().any(|n| n.starts_with(begins)),
-        "not `{begins}`: {notes:#?}"
-    );
+    assert!(notes.iter().any(|n| n.starts_with(begins)), "not `{begins}`: {notes:#?}");
 }

@@ -8,9 +8,8 @@ use super::{assert_note, assert_problem, loaded};
 
 fn encoded(format: image::ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    let pixels = image::RgbImage::from_fn(2, 1, |x, _| {
-        image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })
-    });
+    let pixels =
+        image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] }));
     pixels.write_to(&mut bytes, format).expect("memory takes it all");
     bytes.into_inner()
 }
@@ -46,10 +45,7 @@ fn factors_alpha_and_sides_are_read() {
     assert_eq!((glass.name.as_str(), glass.double_sided), ("glass", true));
     assert_eq!(glass.base_color, [0.5, 0.25, 1.0, 1.0]);
     assert_eq!(glass.alpha, AlphaMode::Mask { cutoff: 0.25 });
-    assert_note(
-        &file.glb(),
-        "materials[0].pbrMetallicRoughness: has a baseColorFactor outside 0 to 1",
-    );
+    assert_note(&file.glb(), "materials[0].pbrMetallicRoughness: has a baseColorFactor outside 0 to 1");
     file.json["materials"][0]["alphaMode"] = "BLEND".into();
     assert_eq!(material(&file).alpha, AlphaMode::Blend);
     file.json["materials"][0]["alphaMode"] = "ADD".into();
@@ -60,19 +56,12 @@ fn factors_alpha_and_sides_are_read() {
 
 #[test]
 fn png_jpeg_and_webp_are_decoded_by_content() {
-    for format in [
-        image::ImageFormat::Png,
-        image::ImageFormat::Jpeg,
-        image::ImageFormat::WebP,
-    ] {
+    for format in [image::ImageFormat::Png, image::ImageFormat::Jpeg, image::ImageFormat::WebP] {
         let character = loaded(&textured(&encoded(format)).glb()).character;
         let image = &character.images[0];
         assert_eq!((image.width, image.height, image.rgba.len()), (2, 1, 8));
         let texture = character.materials[0].base_color_texture.unwrap();
-        assert_eq!(
-            (texture.image, texture.wrap_u, texture.filter),
-            (0, Wrap::Repeat, TextureFilter::Linear)
-        );
+        assert_eq!((texture.image, texture.wrap_u, texture.filter), (0, Wrap::Repeat, TextureFilter::Linear));
         if format != image::ImageFormat::Jpeg {
             assert_eq!(image.rgba, [255, 0, 0, 255, 0, 0, 255, 255]);
         }
@@ -82,16 +71,10 @@ fn png_jpeg_and_webp_are_decoded_by_content() {
 #[test]
 fn samplers_say_how_textures_are_read() {
     let mut file = textured(&encoded(image::ImageFormat::Png));
-    file.add(
-        "samplers",
-        json!({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}),
-    );
+    file.add("samplers", json!({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}));
     file.json["textures"][0]["sampler"] = 0.into();
     let texture = material(&file).base_color_texture.unwrap();
-    assert_eq!(
-        (texture.wrap_u, texture.wrap_v),
-        (Wrap::ClampToEdge, Wrap::MirroredRepeat)
-    );
+    assert_eq!((texture.wrap_u, texture.wrap_v), (Wrap::ClampToEdge, Wrap::MirroredRepeat));
     assert_eq!(texture.filter, TextureFilter::Nearest);
     file.json["textures"][0]["sampler"] = 1.into();
     assert_problem(&file.glb(), "textures[0].sampler: names sampler 1");
@@ -115,11 +98,7 @@ fn an_image_that_cannot_be_had_leaves_a_note_and_the_plain_colour() {
     broken.truncate(40);
     let mut file = textured(&broken);
     assert_note(&file.glb(), "images[0]: cannot be decoded");
-    for uri in [
-        "gone.png",
-        "http://example.com/a.png",
-        "data:image/png;base64,AAAA",
-    ] {
+    for uri in ["gone.png", "http://example.com/a.png", "data:image/png;base64,AAAA"] {
         file.json["images"][0] = json!({"uri": uri});
         assert_note(&file.glb(), "images[0]");
         assert_eq!(material(&file).base_color_texture, None, "{uri}");

@@ -10,14 +10,8 @@ fn mesh(file: &File) -> populace_core::Mesh {
 /// A square of two triangles, folded or flat, without normals.
 fn square(fold: f32) -> File {
     let mut file = File::new();
-    let positions = file.floats(
-        "VEC3",
-        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, fold],
-    );
-    file.add(
-        "meshes",
-        json!({"primitives": [{"attributes": {"POSITION": positions}}]}),
-    );
+    let positions = file.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, fold]);
+    file.add("meshes", json!({"primitives": [{"attributes": {"POSITION": positions}}]}));
     file.add("nodes", json!({"name": "square", "mesh": 0}));
     file
 }
@@ -43,11 +37,7 @@ fn lists_strips_and_fans_become_triangles_and_points_and_lines_nothing() {
     assert_problem(&file.glb(), "meshes[0].primitives[0].mode: is 7");
     file.primitive()["mode"] = 5.into();
     file.primitive().as_object_mut().unwrap().remove("indices");
-    assert_eq!(
-        mesh(&file).indices,
-        [0, 1, 2, 1, 3, 2],
-        "without indices vertices count in order"
-    );
+    assert_eq!(mesh(&file).indices, [0, 1, 2, 1, 3, 2], "without indices vertices count in order");
 }
 
 #[test]
@@ -61,10 +51,7 @@ fn indices_stay_below_the_vertex_count() {
     );
     let floats = file.floats("SCALAR", &[0.0, 1.0, 2.0]);
     file.primitive()["indices"] = floats.into();
-    assert_problem(
-        &file.glb(),
-        &format!("accessors[{floats}]: is SCALAR of float; indices must be"),
-    );
+    assert_problem(&file.glb(), &format!("accessors[{floats}]: is SCALAR of float; indices must be"));
 }
 
 #[test]
@@ -89,19 +76,13 @@ fn normals_are_made_unit_length() {
     let mut file = rigid();
     let normals = file.floats("VEC3", &[0.0, 0.0, 9.0, 0.0, -0.5, 0.0, 0.0, 0.0, 0.0]);
     file.primitive()["attributes"]["NORMAL"] = normals.into();
-    assert_eq!(
-        mesh(&file).normals,
-        [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]
-    );
+    assert_eq!(mesh(&file).normals, [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]);
 }
 
 #[test]
 fn without_positions_there_is_nothing_to_draw() {
     let mut file = rigid();
-    file.primitive()["attributes"]
-        .as_object_mut()
-        .unwrap()
-        .remove("POSITION");
+    file.primitive()["attributes"].as_object_mut().unwrap().remove("POSITION");
     assert_note(&file.glb(), "meshes[0].primitives[0]: has no POSITION");
     assert!(loaded(&file.glb()).character.parts.is_empty());
 }
@@ -133,20 +114,14 @@ fn colours_have_three_or_four_components_of_several_kinds() {
     file.primitive()["attributes"]["COLOR_0"] = colors.into();
     assert_eq!(mesh(&file).colors, [[0.0, 0.2, 1.0, 0.4]; 3]);
     file.json["accessors"][colors]["normalized"] = false.into();
-    assert_problem(
-        &file.glb(),
-        &format!("accessors[{colors}]: is VEC4 of 8-bit unsigned; COLOR_0 must be"),
-    );
+    assert_problem(&file.glb(), &format!("accessors[{colors}]: is VEC4 of 8-bit unsigned; COLOR_0 must be"));
 }
 
 #[test]
 fn morph_targets_are_noted_once() {
     let mut file = rigid();
     file.primitive()["targets"] = json!([{"POSITION": 0}]);
-    assert_note(
-        &file.glb(),
-        "meshes[0].primitives[0]: has morph targets, which are ignored",
-    );
+    assert_note(&file.glb(), "meshes[0].primitives[0]: has morph targets, which are ignored");
 }
 
 #[test]
@@ -154,12 +129,17 @@ fn a_mesh_that_no_node_shows_is_checked_only_as_far_as_its_indices_go() {
     let mut file = rigid();
     file.add("meshes", json!({"primitives": [{"attributes": {"JOINTS_7": 0}}]}));
     loaded(&file.glb());
-    file.add(
-        "meshes",
-        json!({"primitives": [{"attributes": {"POSITION": 77}}]}),
-    );
-    assert_problem(
-        &file.glb(),
-        "meshes[2].primitives[0].attributes.POSITION: names accessor 77",
-    );
+    file.add("meshes", json!({"primitives": [{"attributes": {"POSITION": 77}}]}));
+    assert_problem(&file.glb(), "meshes[2].primitives[0].attributes.POSITION: names accessor 77");
+}
+
+#[test]
+fn many_nodes_times_many_empty_primitives_are_refused_at_once() {
+    let mut file = rigid();
+    file.primitive()["mode"] = 0.into();
+    let points = file.primitive().clone();
+    file.json["meshes"][0]["primitives"] = vec![points; 2_000].into();
+    file.json["nodes"] = vec![json!({"mesh": 0}); 20_000].into();
+    let listed = super::problems(&file.glb());
+    assert!(listed.iter().all(|p| p.contains("out of proportion")), "{listed:?}");
 }

@@ -15,10 +15,7 @@ fn joints_their_ancestors_and_what_hangs_on_them_form_the_skeleton() {
     // 0 is the skinned mesh, 1 hips, 2 head.
     let hat = file.add("nodes", json!({"name": "hat"}));
     file.json["nodes"][2]["children"] = json!([hat]);
-    file.add(
-        "nodes",
-        json!({"name": "armature", "children": [1, 0], "scale": [2, 2, 2]}),
-    );
+    file.add("nodes", json!({"name": "armature", "children": [1, 0], "scale": [2, 2, 2]}));
     let lamp = file.add("nodes", json!({"name": "lamp"}));
     assert_eq!(joint_names(&file), ["armature", "hips", "head", "hat"]);
     file.json["animations"][0]["channels"][0]["target"]["node"] = lamp.into();
@@ -33,10 +30,7 @@ fn nodes_without_a_name_or_with_a_taken_one_get_their_own() {
     let twin = file.add("nodes", json!({"name": "x"}));
     file.json["skins"][0]["joints"] = json!([1, 2, twin]);
     file.json["skins"][0]["inverseBindMatrices"].take();
-    file.json["skins"][0]
-        .as_object_mut()
-        .unwrap()
-        .remove("inverseBindMatrices");
+    file.json["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
     assert_eq!(joint_names(&file), ["node1", "x#2", "x"]);
     assert_note(&file.glb(), "nodes[3]: shares the name \"x\"");
 }
@@ -46,10 +40,7 @@ fn a_skinned_meshs_own_transform_is_ignored() {
     let mut file = skinned();
     let still = loaded(&file.glb()).character.rest_bounds();
     file.json["nodes"][0]["translation"] = json!([100, 0, 0]);
-    file.add(
-        "nodes",
-        json!({"name": "far", "children": [0], "translation": [0, 100, 0]}),
-    );
+    file.add("nodes", json!({"name": "far", "children": [0], "translation": [0, 100, 0]}));
     assert_eq!(loaded(&file.glb()).character.rest_bounds(), still);
 }
 
@@ -83,10 +74,7 @@ fn nodes_must_form_a_forest() {
     assert_problem(&file.glb(), "nodes[1]: is its own ancestor");
     file.json["nodes"][2]["children"] = json!([0]);
     file.json["nodes"][1]["children"] = json!([0]);
-    assert_problem(
-        &file.glb(),
-        "nodes[2].children: makes node 0 a child, but it is one of node 1",
-    );
+    assert_problem(&file.glb(), "nodes[2].children: makes node 0 a child, but it is one of node 1");
     file.json["nodes"][2]["children"] = json!([7]);
     assert_problem(&file.glb(), "nodes[2].children[0]: names node 7");
 }
@@ -95,14 +83,8 @@ fn nodes_must_form_a_forest() {
 fn the_default_scene_is_shown_else_the_first_else_everything() {
     let mut file = rigid();
     file.add("nodes", json!({"name": "other", "mesh": 0}));
-    let shown = |file: &File| -> Vec<usize> {
-        loaded(&file.glb())
-            .character
-            .parts
-            .iter()
-            .map(|p| p.node)
-            .collect()
-    };
+    let shown =
+        |file: &File| -> Vec<usize> { loaded(&file.glb()).character.parts.iter().map(|p| p.node).collect() };
     assert_eq!(shown(&file), [0, 1]);
     file.json["scenes"] = json!([{"nodes": [1]}, {"nodes": [0]}]);
     assert_eq!(shown(&file), [1]);
@@ -113,10 +95,7 @@ fn the_default_scene_is_shown_else_the_first_else_everything() {
     assert_problem(&file.glb(), "scene: names scene 2");
     file.json["scene"] = 0.into();
     file.json["nodes"][0]["children"] = json!([1]);
-    assert_problem(
-        &file.glb(),
-        "scenes[0].nodes[0]: names node 1, which is a child of node 0",
-    );
+    assert_problem(&file.glb(), "scenes[0].nodes[0]: names node 1, which is a child of node 0");
 }
 
 #[test]
@@ -132,16 +111,9 @@ fn triangles_of_a_mirrored_rigid_mesh_are_turned_over() {
 #[test]
 fn one_mesh_under_two_nodes_is_two_parts() {
     let mut file = rigid();
-    file.add(
-        "nodes",
-        json!({"name": "twin", "mesh": 0, "translation": [0, 0, 5]}),
-    );
+    file.add("nodes", json!({"name": "twin", "mesh": 0, "translation": [0, 0, 5]}));
     let character = loaded(&file.glb()).character;
-    let names: Vec<_> = character
-        .parts
-        .iter()
-        .map(|p| (p.node, p.node_name.as_str()))
-        .collect();
+    let names: Vec<_> = character.parts.iter().map(|p| (p.node, p.node_name.as_str())).collect();
     assert_eq!(names, [(0, "body"), (1, "twin")]);
     assert_eq!(character.palette.len(), 2);
     assert_eq!(character.rest_bounds().unwrap().high, [1.0, 1.0, 5.0]);

@@ -37,17 +37,9 @@ fn joints_know_the_nodes_they_were() {
 #[test]
 fn without_inverse_bind_matrices_they_are_identities() {
     let mut file = skinned();
-    file.json["skins"][0]
-        .as_object_mut()
-        .unwrap()
-        .remove("inverseBindMatrices");
+    file.json["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
     let character = loaded(&file.glb()).character;
-    assert!(
-        character
-            .palette
-            .iter()
-            .all(|e| e.joint_from_bind == Affine::IDENTITY)
-    );
+    assert!(character.palette.iter().all(|e| e.joint_from_bind == Affine::IDENTITY));
     // The head, one metre up, now lifts its vertices by that.
     assert_eq!(character.rest_bounds().unwrap().high, [1.0, 1.75, 0.0]);
 }
@@ -62,16 +54,8 @@ fn weights_and_joints_come_in_all_sizes() {
     file.json["accessors"][weights]["normalized"] = true.into();
     replace_attribute(&mut file, "WEIGHTS_0", weights);
     let bytes = loaded(&file.glb()).character;
-    assert_eq!(
-        bytes.parts[0].mesh.influences.entries,
-        floats.parts[0].mesh.influences.entries
-    );
-    for (a, b) in bytes.parts[0]
-        .mesh
-        .influences
-        .weights
-        .iter()
-        .zip(&floats.parts[0].mesh.influences.weights)
+    assert_eq!(bytes.parts[0].mesh.influences.entries, floats.parts[0].mesh.influences.entries);
+    for (a, b) in bytes.parts[0].mesh.influences.weights.iter().zip(&floats.parts[0].mesh.influences.weights)
     {
         assert!((a - b).abs() < 0.5 / 255.0, "{a} {b}");
     }
@@ -88,10 +72,7 @@ fn a_second_set_gives_eight_influences_and_needs_both_halves() {
     let joints = file.bytes("VEC4", &[1; 12]);
     let weights = file.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
     replace_attribute(&mut file, "JOINTS_1", joints);
-    assert_problem(
-        &file.glb(),
-        "meshes[0].primitives[0]: must have both JOINTS_1 and WEIGHTS_1",
-    );
+    assert_problem(&file.glb(), "meshes[0].primitives[0]: must have both JOINTS_1 and WEIGHTS_1");
     replace_attribute(&mut file, "WEIGHTS_1", weights);
     let character = loaded(&file.glb()).character;
     let influences = &character.parts[0].mesh.influences;
@@ -99,34 +80,19 @@ fn a_second_set_gives_eight_influences_and_needs_both_halves() {
     assert_eq!(influences.weights[..8], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
     replace_attribute(&mut file, "JOINTS_2", joints);
     replace_attribute(&mut file, "WEIGHTS_2", weights);
-    assert_note(
-        &file.glb(),
-        "meshes[0].primitives[0]: has more than eight influences",
-    );
+    assert_note(&file.glb(), "meshes[0].primitives[0]: has more than eight influences");
 }
 
 #[test]
 fn strange_weights_are_kept_or_repaired_and_said() {
     let mut file = skinned();
-    let weights = file.floats(
-        "VEC4",
-        &[0.0, 0.0, 0.0, 0.0, 2.0, 6.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0],
-    );
+    let weights = file.floats("VEC4", &[0.0, 0.0, 0.0, 0.0, 2.0, 6.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0]);
     replace_attribute(&mut file, "WEIGHTS_0", weights);
     let influences = loaded(&file.glb()).character.parts[0].mesh.influences.clone();
-    assert_eq!(
-        influences.weights,
-        [1.0, 0.0, 0.0, 0.0, 2.0, 6.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]
-    );
-    assert_note(
-        &file.glb(),
-        "meshes[0].primitives[0]: has vertices whose weights are all zero",
-    );
+    assert_eq!(influences.weights, [1.0, 0.0, 0.0, 0.0, 2.0, 6.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    assert_note(&file.glb(), "meshes[0].primitives[0]: has vertices whose weights are all zero");
     assert_note(&file.glb(), "meshes[0].primitives[0]: has negative weights");
-    assert_note(
-        &file.glb(),
-        "meshes[0].primitives[0]: has vertices whose weights do not sum to 1",
-    );
+    assert_note(&file.glb(), "meshes[0].primitives[0]: has vertices whose weights do not sum to 1");
 }
 
 #[test]
@@ -134,10 +100,7 @@ fn a_vertex_must_not_follow_a_joint_that_the_skin_lacks() {
     let mut file = skinned();
     let joints = file.bytes("VEC4", &[0, 9, 9, 9, 2, 0, 0, 0, 0, 1, 0, 0]);
     replace_attribute(&mut file, "JOINTS_0", joints);
-    assert_problem(
-        &file.glb(),
-        "meshes[0].primitives[0]: binds vertex 1 to joint 2, but the skin has 2",
-    );
+    assert_problem(&file.glb(), "meshes[0].primitives[0]: binds vertex 1 to joint 2, but the skin has 2");
 }
 
 #[test]
@@ -150,10 +113,7 @@ fn inverse_bind_matrices_are_enough_affine_and_matrices() {
     projective[19] = 0.5;
     let binds = file.floats("MAT4", &projective);
     file.json["skins"][0]["inverseBindMatrices"] = binds.into();
-    assert_problem(
-        &file.glb(),
-        "skins[0]: has an inverse bind matrix 1 whose last row",
-    );
+    assert_problem(&file.glb(), "skins[0]: has an inverse bind matrix 1 whose last row");
     let vectors = file.floats("VEC4", &projective);
     file.json["skins"][0]["inverseBindMatrices"] = vectors.into();
     assert_problem(
@@ -172,19 +132,10 @@ fn two_skins_bind_one_joint_differently() {
     file.add("nodes", json!({"name": "coat", "mesh": 0, "skin": 1}));
     let character = loaded(&file.glb()).character;
     assert_eq!(character.parts.len(), 2);
-    assert_eq!(
-        character.palette.len(),
-        3,
-        "the head's pair is shared, the hips' are two"
-    );
+    assert_eq!(character.palette.len(), 3, "the head's pair is shared, the hips' are two");
     assert_eq!(character.skins.len(), 2);
     let last = &character.parts[1].mesh.influences;
-    assert_eq!(
-        character.palette[usize::from(last.entries[0])]
-            .joint_from_bind
-            .rows[1][3],
-        -0.5
-    );
+    assert_eq!(character.palette[usize::from(last.entries[0])].joint_from_bind.rows[1][3], -0.5);
 }
 
 #[test]
@@ -217,16 +168,10 @@ fn joints_are_vectors_of_unsigned_integers() {
     let mut file = skinned();
     let joints = file.floats("VEC4", &[0.0; 12]);
     replace_attribute(&mut file, "JOINTS_0", joints);
-    assert_problem(
-        &file.glb(),
-        &format!("accessors[{joints}]: is VEC4 of float; JOINTS_0 must be"),
-    );
+    assert_problem(&file.glb(), &format!("accessors[{joints}]: is VEC4 of float; JOINTS_0 must be"));
     let joints = file.accessor(&[0; 24], U16, 4, "VEC3");
     replace_attribute(&mut file, "JOINTS_0", joints);
-    assert_problem(
-        &file.glb(),
-        &format!("accessors[{joints}]: is VEC3 of 16-bit unsigned"),
-    );
+    assert_problem(&file.glb(), &format!("accessors[{joints}]: is VEC3 of 16-bit unsigned"));
     let joints = file.accessor(&[0; 32], F32, 2, "VEC4");
     replace_attribute(&mut file, "JOINTS_0", joints);
     assert!(!super::problems(&file.glb()).is_empty());

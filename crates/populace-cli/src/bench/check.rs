@@ -18,30 +18,20 @@ const PROBE_M: f64 = 0.03;
 /// first and last of each page; and what may be expected: twice the clips' own tolerance, since two clips that each
 /// stray by it are blended joint by joint.
 pub(crate) fn worst_error_m(scene: &Scene, staging: &mut Staging, tick: u64) -> Result<(f64, f64), Error> {
-    let bodies: Vec<_> = scene
-        .characters
-        .iter()
-        .map(|c| OracleBody::from_character(c))
-        .collect();
+    let bodies: Vec<_> = scene.characters.iter().map(|c| OracleBody::from_character(c)).collect();
     let (mut worst, mut allowed): (f64, f64) = (0.0, 0.0);
     for index in chosen(staging) {
         let (member, kind, played) = &staging.members[index];
         let character = &scene.characters[*kind];
-        let slots: Vec<_> = played
-            .iter()
-            .map(|slot| oracle_slot(&character.clips[slot.clip], slot, tick))
-            .collect();
+        let slots: Vec<_> =
+            played.iter().map(|slot| oracle_slot(&character.clips[slot.clip], slot, tick)).collect();
         let wanted = evaluate(&bodies[*kind], &slots, &[]);
         let found = staging.crowd.palette(*member)?;
         let probe = PROBE_M * f64::from(character.skeleton.size_m()) / 1.8;
         for ((found, wanted), entry) in found.iter().zip(&wanted.palette).zip(&character.palette) {
             worst = worst.max(distance(found, wanted, &entry.joint_from_bind, probe));
         }
-        let tolerance = character
-            .clips
-            .iter()
-            .map(|clip| clip.stats().tolerance_m)
-            .fold(0.0, f32::max);
+        let tolerance = character.clips.iter().map(|clip| clip.stats().tolerance_m).fold(0.0, f32::max);
         allowed = allowed.max(2.0 * f64::from(tolerance));
     }
     Ok((worst, allowed))
@@ -51,11 +41,7 @@ fn chosen(staging: &Staging) -> Vec<usize> {
     let count = staging.members.len();
     let mut random = Random::new(count as u64);
     let mut chosen: Vec<usize> = (0..SAMPLE.min(count)).map(|_| random.below(count)).collect();
-    let pages: Vec<u32> = staging
-        .crowd
-        .instances()
-        .map(|i| i.palette_first / PAGE_ENTRIES)
-        .collect();
+    let pages: Vec<u32> = staging.crowd.instances().map(|i| i.palette_first / PAGE_ENTRIES).collect();
     let on_border = |at: &usize| {
         let other = |neighbour: Option<usize>| neighbour.and_then(|n| pages.get(n)) != Some(&pages[*at]);
         other(at.checked_sub(1)) || other(at.checked_add(1))
@@ -94,7 +80,5 @@ fn distance(found: &Affine, wanted: &[f64; 12], joint_from_bind: &Affine, probe:
 
 fn wide(m: &Affine) -> DAffine3 {
     let [a, b, c] = m.rows.map(|row| row.map(f64::from));
-    DAffine3::from_cols_array(&[
-        a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3],
-    ])
+    DAffine3::from_cols_array(&[a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3]])
 }

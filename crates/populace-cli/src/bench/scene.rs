@@ -46,16 +46,9 @@ impl Scene {
         let mut random = Random::new(seed);
         let counts = joints.map_or(JOINT_COUNTS.to_vec(), |n| vec![n as usize]);
         let clips_each = CLIP_COUNT / counts.len();
-        let characters: Result<Vec<_>, _> = counts
-            .into_iter()
-            .map(|count| character(count, clips_each, &mut random).map(Arc::new))
-            .collect();
-        Ok(Self {
-            characters: characters?,
-            member_count: members as usize,
-            slot_count: slots as usize,
-            seed,
-        })
+        let characters: Result<Vec<_>, _> =
+            counts.into_iter().map(|count| character(count, clips_each, &mut random).map(Arc::new)).collect();
+        Ok(Self { characters: characters?, member_count: members as usize, slot_count: slots as usize, seed })
     }
 
     pub(crate) fn member_count(&self) -> usize {
@@ -70,19 +63,14 @@ impl Scene {
     pub(crate) fn joint_count(&self) -> usize {
         let kinds = self.characters.len();
         let of_kind = |kind: usize| (self.member_count + kinds - 1 - kind) / kinds;
-        let joints = self
-            .characters
-            .iter()
-            .enumerate()
-            .map(|(kind, c)| c.skeleton.joint_count() * of_kind(kind));
+        let joints =
+            self.characters.iter().enumerate().map(|(kind, c)| c.skeleton.joint_count() * of_kind(kind));
         joints.sum()
     }
 
     pub(crate) fn stage(&self, device: Device) -> Result<Staging, Error> {
-        let builder = Crowd::builder()
-            .device(device)
-            .capacity(self.member_count)
-            .slots_per_member(self.slot_count);
+        let builder =
+            Crowd::builder().device(device).capacity(self.member_count).slots_per_member(self.slot_count);
         let mut crowd = builder.build()?;
         let mut ids = Vec::new();
         for character in &self.characters {
@@ -120,13 +108,8 @@ fn character(joint_count: usize, clip_count: usize, random: &mut Random) -> Resu
     let clips: Result<Vec<_>, _> = (0..clip_count)
         .map(|index| Clip::new(clip(index, &skeleton, random), &skeleton).map(Arc::new))
         .collect();
-    let palette = skeleton
-        .joints()
-        .map(|joint| PaletteEntry {
-            joint,
-            joint_from_bind: bind(random),
-        })
-        .collect();
+    let palette =
+        skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: bind(random) }).collect();
     Ok(Character::new(CharacterSource {
         name: format!("{joint_count} joints"),
         skeleton,
@@ -176,34 +159,13 @@ fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
         let name = skeleton.name(joint);
         let mut add = |property, values| {
             let (joint, interpolation, times) = (name.to_owned(), Interpolation::Linear, times.clone());
-            tracks.push(Track {
-                joint,
-                property,
-                interpolation,
-                times,
-                values,
-            });
+            tracks.push(Track { joint, property, interpolation, times, values });
         };
-        let (axis, swing, shift) = (
-            random_axis(random),
-            0.2 + 0.4 * random.unit(),
-            random.unit() * TAU,
-        );
+        let (axis, swing, shift) = (random_axis(random), 0.2 + 0.4 * random.unit(), random.unit() * TAU);
         let wave = |key: usize| f64::from(angle(key) + shift).sin();
-        add(
-            Property::Rotation,
-            (0..key_count)
-                .flat_map(|k| turn(axis, swing * narrow(wave(k))))
-                .collect(),
-        );
+        add(Property::Rotation, (0..key_count).flat_map(|k| turn(axis, swing * narrow(wave(k)))).collect());
         if skeleton.parent(joint).is_none() {
-            let sway = |k: usize| {
-                [
-                    narrow(wave(k)) * 0.1,
-                    0.9,
-                    narrow(f64::from(angle(k)).cos()) * 0.1,
-                ]
-            };
+            let sway = |k: usize| [narrow(wave(k)) * 0.1, 0.9, narrow(f64::from(angle(k)).cos()) * 0.1];
             add(Property::Translation, (0..key_count).flat_map(sway).collect());
         }
         if joint.index() % 8 == 3 {
@@ -211,20 +173,13 @@ fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
             add(Property::Scale, (0..key_count).flat_map(swell).collect());
         }
     }
-    ClipSource {
-        name: format!("clip {index}"),
-        tracks,
-    }
+    ClipSource { name: format!("clip {index}"), tracks }
 }
 
 fn bind(random: &mut Random) -> Affine {
     let translation = [random.signed(), random.signed(), random.signed()];
     let scale = [0.5 + random.unit(), 0.5 + random.unit(), 0.5 + random.unit()];
-    Affine::from_trs(&Trs {
-        translation,
-        rotation: turn(random_axis(random), random.signed() * 3.0),
-        scale,
-    })
+    Affine::from_trs(&Trs { translation, rotation: turn(random_axis(random), random.signed() * 3.0), scale })
 }
 
 fn random_axis(random: &mut Random) -> [f32; 3] {
@@ -239,10 +194,7 @@ fn turn([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 4] {
     [x * sin, y * sin, z * sin, narrow(cos)]
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
 fn narrow(x: f64) -> f32 {
     x as f32
 }

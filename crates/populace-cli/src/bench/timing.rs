@@ -110,13 +110,7 @@ impl Track {
         let bytes: f64 = Stage::ALL.iter().map(|&stage| stage_bytes(scene, stage)).sum();
         add(self.schedule, "all", &mut self.all_ms, bytes, Some(error_m));
         for (stage, times) in &mut self.stage_ms {
-            add(
-                self.schedule,
-                stage.name(),
-                times,
-                stage_bytes(scene, *stage),
-                None,
-            );
+            add(self.schedule, stage.name(), times, stage_bytes(scene, *stage), None);
         }
     }
 }

@@ -9,11 +9,7 @@ use crate::failure::Failure;
 use crate::report;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
-    let devices = if args.device.is_empty() {
-        all_devices()
-    } else {
-        args.device.clone()
-    };
+    let devices = if args.device.is_empty() { all_devices() } else { args.device.clone() };
     let scene = Scene::new(args.members, args.joints, args.slots, args.seed)?;
     eprintln!(
         "populace: {} members, {} joints, on {} devices",
@@ -29,11 +25,8 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     } else {
         report::text(&as_table(&runs, &scene, &machine))?;
     }
-    let wrong = runs.iter().find_map(|r| {
-        r.error_m
-            .filter(|(error, allowed)| error > allowed)
-            .map(|e| (r.device, e))
-    });
+    let wrong =
+        runs.iter().find_map(|r| r.error_m.filter(|(error, allowed)| error > allowed).map(|e| (r.device, e)));
     match wrong {
         None => Ok(()),
         Some((device, (error, allowed))) => Err(Failure::Run(anyhow::anyhow!(
@@ -43,10 +36,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
 }
 
 fn all_devices() -> Vec<Device> {
-    populace::devices()
-        .into_iter()
-        .filter_map(|report| report.device)
-        .collect()
+    populace::devices().into_iter().filter_map(|report| report.device).collect()
 }
 
 fn ns_per_joint(run: &Run, scene: &Scene) -> f64 {
@@ -81,9 +71,7 @@ fn as_table(runs: &[Run], scene: &Scene, machine: &str) -> String {
     text += "| device | schedule | stage | ms, median | ms, least | ns per joint | MiB on the device | worst error, mm |\n";
     text += "|---|---|---|---|---|---|---|---|\n";
     for run in runs {
-        let error = run
-            .error_m
-            .map_or(String::new(), |(error, _)| format!("{:.3}", error * 1e3));
+        let error = run.error_m.map_or(String::new(), |(error, _)| format!("{:.3}", error * 1e3));
         text += &format!(
             "| {} | {} | {} | {:.2} | {:.2} | {:.1} | {} | {error} |\n",
             run.device,
@@ -102,13 +90,7 @@ fn as_table(runs: &[Run], scene: &Scene, machine: &str) -> String {
 fn machine() -> String {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = cpuinfo
-        .lines()
-        .find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let model = cpuinfo.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     let model = model.map_or("unknown processor", |(_, name)| name.trim());
-    format!(
-        "{model}, {threads} threads, {} {}",
-        std::env::consts::OS,
-        std::env::consts::ARCH
-    )
+    format!("{model}, {threads} threads, {} {}", std::env::consts::OS, std::env::consts::ARCH)
 }

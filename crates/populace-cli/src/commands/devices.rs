@@ -27,11 +27,7 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
     let mut text = String::new();
     for d in &devices {
         let device = d.device.map_or("cannot be used".to_owned(), |d| d.to_string());
-        let best = if d.device == Some(best) {
-            ", used unless another is named"
-        } else {
-            ""
-        };
+        let best = if d.device == Some(best) { ", used unless another is named" } else { "" };
         text += &format!("{device:<10} {}: {}{best}\n", d.name, d.detail);
     }
     text += &match drawing {

@@ -14,31 +14,19 @@ const ERROR_POINTS: usize = 4;
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     let imported = populace_assets::load(&args.file)?;
     let document = describe(&imported, &args.file.display().to_string());
-    if args.json {
-        report::json(&document)
-    } else {
-        report::text(&as_text(&document))
-    }
+    if args.json { report::json(&document) } else { report::text(&as_text(&document)) }
 }
 
 fn describe(imported: &Imported, file: &str) -> Value {
     let character = &imported.character;
     let skeleton = &character.skeleton;
-    let clips: Vec<_> = character
-        .clips
-        .iter()
-        .map(|clip| describe_clip(clip, skeleton))
-        .collect();
+    let clips: Vec<_> = character.clips.iter().map(|clip| describe_clip(clip, skeleton)).collect();
     let skins: Vec<_> = character
         .skins
         .iter()
         .map(|s| json!({"skin": s.skin, "node": s.node, "joints": s.joints.len()}))
         .collect();
-    let notes: Vec<_> = imported
-        .notes
-        .iter()
-        .map(|n| json!({"place": n.place, "what": n.what}))
-        .collect();
+    let notes: Vec<_> = imported.notes.iter().map(|n| json!({"place": n.place, "what": n.what})).collect();
     json!({
         "schema": 1,
         "file": file,
@@ -112,10 +100,7 @@ fn as_text(d: &Value) -> String {
         d["palette_entries"]
     );
     for s in list("skins") {
-        text += &format!(
-            "  skin {} on node {}: {} joints\n",
-            s["skin"], s["node"], s["joints"]
-        );
+        text += &format!("  skin {} on node {}: {} joints\n", s["skin"], s["node"], s["joints"]);
     }
     for p in list("parts") {
         text += &format!(
@@ -136,11 +121,7 @@ fn as_text(d: &Value) -> String {
             m["base_color"],
             m["image"],
             m["alpha"].as_str().unwrap_or_default(),
-            if m["double_sided"] == true {
-                ", double-sided"
-            } else {
-                ""
-            }
+            if m["double_sided"] == true { ", double-sided" } else { "" }
         );
     }
     for (index, i) in list("images").iter().enumerate() {
@@ -158,20 +139,15 @@ fn as_text(d: &Value) -> String {
 
 fn clip_line(index: usize, c: &Value) -> String {
     let number = |name: &str| c[name].as_f64().unwrap_or_default();
-    let speed = c["ground_speed_m_per_sec"]
-        .as_f64()
-        .map_or(String::new(), |v| format!(", ground speed {v:.2} m/s"));
+    let speed =
+        c["ground_speed_m_per_sec"].as_f64().map_or(String::new(), |v| format!(", ground speed {v:.2} m/s"));
     format!(
         "  clip {index} {}: {:.3} s from {:.3} s, {} rows{}, worst error {:.3} mm of {:.3} mm{speed}\n",
         c["name"],
         number("duration_secs"),
         number("start_secs"),
         c["rows"],
-        if c["evenly_spaced"] == true {
-            " evenly spaced"
-        } else {
-            ""
-        },
+        if c["evenly_spaced"] == true { " evenly spaced" } else { "" },
         number("worst_error_m") * 1e3,
         number("tolerance_m") * 1e3,
     )

@@ -20,39 +20,24 @@ pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
     }
     let imported = populace_assets::load(&args.file)?;
     let document = evaluate(&imported, args)?;
-    if args.json {
-        report::json(&document)
-    } else {
-        report::text(&as_text(&document))
-    }
+    if args.json { report::json(&document) } else { report::text(&as_text(&document)) }
 }
 
 fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let character = Arc::new(imported.character.clone());
     let device = args.device.device.unwrap_or_else(Device::best);
-    let mut crowd = Crowd::builder()
-        .device(device)
-        .capacity(1)
-        .slots_per_member(1)
-        .build()?;
+    let mut crowd = Crowd::builder().device(device).capacity(1).slots_per_member(1).build()?;
     let id = crowd.add_character(Arc::clone(&character))?;
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
-    let clip = args
-        .clip
-        .as_deref()
-        .map(|name| find_clip(&crowd, id, name))
-        .transpose()?;
+    let clip = args.clip.as_deref().map(|name| find_clip(&crowd, id, name)).transpose()?;
     if let Some((clip, _)) = &clip {
         crowd.play(member, *clip, Play::held_at_secs(args.time))?;
     }
     crowd.update(0.0)?;
     let palette = crowd.palette(member)?;
     let models = crowd.model_from_joints(member)?;
-    let skins: Vec<_> = character
-        .skins
-        .iter()
-        .map(|skin| skin_palette(skin, &character, &palette, &models))
-        .collect();
+    let skins: Vec<_> =
+        character.skins.iter().map(|skin| skin_palette(skin, &character, &palette, &models)).collect();
     Ok(json!({
         "schema": 1,
         "file": args.file.display().to_string(),
@@ -75,10 +60,7 @@ fn find_clip(crowd: &Crowd, id: populace::CharacterId, name: &str) -> Result<(Cl
     let clips = crowd.clips(id)?;
     match name.parse::<usize>().ok().map(|index| clips.get(index)) {
         Some(Some((clip, known))) => Ok((*clip, known.name().to_owned())),
-        Some(None) => Err(Failure::usage(format!(
-            "there is no clip {name}; the file has {}",
-            clips.len()
-        ))),
+        Some(None) => Err(Failure::usage(format!("there is no clip {name}; the file has {}", clips.len()))),
         None => Err(unknown.into()),
     }
 }
@@ -101,10 +83,7 @@ fn joints(imported: &Imported, models: &[Affine]) -> Vec<Value> {
 fn skin_palette(skin: &SkinInstance, character: &Character, palette: &[Affine], models: &[Affine]) -> Value {
     let matrices = skin.joints.iter().map(|wanted| {
         let entry = character.palette.iter().position(|entry| entry == wanted);
-        entry.map_or_else(
-            || models[wanted.joint.index()].mul(&wanted.joint_from_bind),
-            |e| palette[e],
-        )
+        entry.map_or_else(|| models[wanted.joint.index()].mul(&wanted.joint_from_bind), |e| palette[e])
     });
     let rows: Vec<Vec<f32>> = matrices.map(|m| m.rows.concat()).collect();
     json!({"skin": skin.skin, "node": skin.node, "palette": rows})
@@ -116,29 +95,17 @@ fn vertices(character: &Character, palette: &[Affine], wanted: &[VertexId]) -> R
         json!([part.node, part.primitive, vertex, x, y, z])
     };
     if wanted.is_empty() {
-        let all = character
-            .parts
-            .iter()
-            .flat_map(|p| (0..p.mesh.positions.len()).map(move |v| row(p, v)));
+        let all = character.parts.iter().flat_map(|p| (0..p.mesh.positions.len()).map(move |v| row(p, v)));
         return Ok(all.collect());
     }
     let find = |id: &VertexId| {
-        let part = character
-            .parts
-            .iter()
-            .find(|p| p.node == id.node && p.primitive == id.primitive);
-        let part = part
-            .filter(|p| id.vertex < p.mesh.positions.len())
-            .ok_or_else(|| {
-                let VertexId {
-                    node,
-                    primitive,
-                    vertex,
-                } = id;
-                Failure::usage(format!(
-                    "the file draws no vertex {vertex} of primitive {primitive} of node {node}"
-                ))
-            })?;
+        let part = character.parts.iter().find(|p| p.node == id.node && p.primitive == id.primitive);
+        let part = part.filter(|p| id.vertex < p.mesh.positions.len()).ok_or_else(|| {
+            let VertexId { node, primitive, vertex } = id;
+            Failure::usage(format!(
+                "the file draws no vertex {vertex} of primitive {primitive} of node {node}"
+            ))
+        })?;
         Ok(row(part, id.vertex))
     };
     wanted.iter().map(find).collect()
@@ -150,10 +117,7 @@ fn skinned(part: &Part, vertex: usize, palette: &[Affine]) -> [f64; 3] {
     let range = vertex * influences.per_vertex..(vertex + 1) * influences.per_vertex;
     let [x, y, z] = part.mesh.positions[vertex].map(f64::from);
     let mut sum = [0.0; 3];
-    for (&entry, &weight) in influences.entries[range.clone()]
-        .iter()
-        .zip(&influences.weights[range])
-    {
+    for (&entry, &weight) in influences.entries[range.clone()].iter().zip(&influences.weights[range]) {
         for (to, row) in sum.iter_mut().zip(palette[usize::from(entry)].rows) {
             let [a, b, c, d] = row.map(f64::from);
             *to += f64::from(weight) * (a * x + b * y + c * z + d);
@@ -163,10 +127,7 @@ fn skinned(part: &Part, vertex: usize, palette: &[Affine]) -> [f64; 3] {
 }
 
 fn as_text(d: &Value) -> String {
-    let mut text = format!(
-        "{} at {} s on {}, {}\n",
-        d["clip"], d["time"], d["device"], d["schedule"]
-    );
+    let mut text = format!("{} at {} s on {}, {}\n", d["clip"], d["time"], d["device"], d["schedule"]);
     for joint in d["joints"].as_array().into_iter().flatten() {
         let m = |i: usize| joint["model_from_joint"][i].as_f64().unwrap_or_default();
         text += &format!(

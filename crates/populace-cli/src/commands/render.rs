@@ -15,23 +15,18 @@ use crate::placement::{Random, places};
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     check_output(&args.out)?;
     let device = args.device.device.unwrap_or_else(Device::best);
-    let mut crowd = Crowd::builder()
-        .device(device)
-        .capacity(args.members as usize)
-        .slots_per_member(1)
-        .build()?;
+    let mut crowd =
+        Crowd::builder().device(device).capacity(args.members as usize).slots_per_member(1).build()?;
     let roles = cast::load(&mut crowd, &args.files, args.clip.as_deref())?;
     check_hidden(&roles, &args.hide)?;
-    let bounds = populate(&mut crowd, &roles, args)?;
+    let framed = populate(&mut crowd, &roles, args)?;
     crowd.update(0.0)?;
 
     let mut renderer = Renderer::headless(args.size.0)?;
     let hidden = |part: &populace::core::Part| args.hide.contains(&part.node_name);
-    let handles: Result<Vec<_>, _> = roles
-        .iter()
-        .map(|r| renderer.add_character(&r.character, &hidden))
-        .collect();
-    draw(&mut crowd, &mut renderer, &handles?, bounds, args.size.0)?;
+    let handles: Result<Vec<_>, _> =
+        roles.iter().map(|r| renderer.add_character(&r.character, &hidden)).collect();
+    draw(&mut crowd, &mut renderer, &handles?, framed, args.size.0)?;
     write_png(&args.out, &renderer.read_image()?)?;
     eprintln!(
         "populace: {} members on {} ({}), drawn by {}, written to {}",
@@ -56,12 +51,7 @@ fn check_output(path: &Path) -> Result<(), Failure> {
 }
 
 fn check_hidden(roles: &[Role], hide: &[String]) -> Result<(), Failure> {
-    let names = || {
-        roles
-            .iter()
-            .flat_map(|r| &r.character.parts)
-            .map(|p| p.node_name.as_str())
-    };
+    let names = || roles.iter().flat_map(|r| &r.character.parts).map(|p| p.node_name.as_str());
     match hide.iter().find(|wanted| !names().any(|n| n == wanted.as_str())) {
         None => Ok(()),
         Some(unknown) => {
@@ -71,36 +61,21 @@ fn check_hidden(roles: &[Role], hide: &[String]) -> Result<(), Failure> {
             } else {
                 format!("; did you mean {}?", nearest.join(" or "))
             };
-            Err(Failure::usage(format!(
-                "no node \"{unknown}\" draws anything{hint}"
-            )))
+            Err(Failure::usage(format!("no node \"{unknown}\" draws anything{hint}")))
         }
     }
 }
 
-/// Spawns the members apart from each other, each at its own point of its clip; returns the box that they fill.
-fn populate(crowd: &mut Crowd, roles: &[Role], args: &RenderArgs) -> Result<Bounds, Failure> {
+/// Spawns the members apart from each other, each at its own point of its clip; returns points that the picture must
+/// show.
+fn populate(crowd: &mut Crowd, roles: &[Role], args: &RenderArgs) -> Result<Vec<[f32; 3]>, Failure> {
     let mut random = Random::new(args.seed);
-    let height = roles
-        .iter()
-        .map(|r| r.character.height_m() * r.scale)
-        .fold(0.0, f32::max);
+    let height = roles.iter().map(|r| r.character.height_m() * r.scale).fold(0.0, f32::max);
     let spacing = roles.iter().map(footprint_m).fold(0.0, f32::max) * 1.3;
     let places = places(args.members as usize, spacing, &mut random);
-    let mut lengths = std::collections::HashMap::new();
-    for role in roles {
-        lengths.extend(
-            crowd
-                .clips(role.id)?
-                .into_iter()
-                .map(|(id, clip)| (id, clip.duration_secs())),
-        );
-    }
     for (index, position) in places.iter().enumerate() {
         let role = &roles[index % roles.len()];
-        let placement = Placement::at(*position)
-            .facing(random.signed() * 0.5)
-            .scaled(role.scale);
+        let placement = Placement::at(*position).facing(random.signed() * 0.5).scaled(role.scale);
         let member = crowd.spawn(role.id, placement)?;
         let phase = random.unit();
         if !role.clips.is_empty() {
@@ -108,26 +83,16 @@ fn populate(crowd: &mut Crowd, roles: &[Role], args: &RenderArgs) -> Result<Boun
             crowd.play(member, clip, Play::looping().phase(phase))?;
         }
     }
-    let low = places.iter().fold([f32::MAX, 0.0, f32::MAX], |a, p| {
-        [a[0].min(p[0]), 0.0, a[2].min(p[2])]
-    });
-    let high = places.iter().fold([f32::MIN, height, f32::MIN], |a, p| {
-        [a[0].max(p[0]), height, a[2].max(p[2])]
-    });
-    let reach = spacing / 2.0;
-    Ok(Bounds {
-        low: [low[0] - reach, 0.0, low[2] - reach],
-        high: [high[0] + reach, height, high[2] + reach],
-    })
+    let tops = places.iter().map(|p| [p[0], height, p[2]]);
+    let beside =
+        places.iter().flat_map(|p| [[p[0] - spacing / 2.0, 0.0, p[2]], [p[0] + spacing / 2.0, 0.0, p[2]]]);
+    Ok(tops.chain(beside).collect())
 }
 
 /// How much ground a member takes. Many rest with their arms spread, which says nothing of how they stand; so a body
 /// counts as wide as it is deep, or as half its height.
 fn footprint_m(role: &Role) -> f32 {
-    let bounds = role.character.rest_bounds().unwrap_or(Bounds {
-        low: [0.0; 3],
-        high: [1.0; 3],
-    });
+    let bounds = role.character.rest_bounds().unwrap_or(Bounds { low: [0.0; 3], high: [1.0; 3] });
     let size = |axis: usize| bounds.high[axis] - bounds.low[axis];
     (size(2).max(size(0).min(size(1) * 0.5)) * role.scale).max(1e-3)
 }
@@ -136,14 +101,12 @@ fn draw(
     crowd: &mut Crowd,
     renderer: &mut Renderer,
     handles: &[CharacterHandle],
-    bounds: Bounds,
+    framed: Vec<[f32; 3]>,
     [width, height]: [u32; 2],
 ) -> Result<(), Failure> {
     for page in 0..crowd.page_count() {
         let mut result = Ok(());
-        crowd.with_page(page, &mut |palettes| {
-            result = renderer.upload_page(page, palettes)
-        })?;
+        crowd.with_page(page, &mut |palettes| result = renderer.upload_page(page, palettes))?;
         result?;
     }
     let instances: Vec<_> = crowd
@@ -155,12 +118,6 @@ fn draw(
             tint: [1.0; 3],
         })
         .collect();
-    let camera = Camera::framing(bounds.low, bounds.high, width as f32 / height as f32);
-    Ok(renderer.draw(
-        &Scene {
-            camera,
-            ..Scene::default()
-        },
-        &instances,
-    )?)
+    let camera = Camera::framing(framed, width as f32 / height as f32);
+    Ok(renderer.draw(&Scene { camera, ..Scene::default() }, &instances)?)
 }

@@ -54,11 +54,7 @@ impl<'a> Curves<'a> {
                 scale: f64math::vec3(trs.scale),
             }
         });
-        Ok(Self {
-            tracks,
-            rest: rest.collect(),
-            source,
-        })
+        Ok(Self { tracks, rest: rest.collect(), source })
     }
 
     pub(super) fn track(&self, joint: JointIndex, property: Property) -> Option<&'a Track> {
@@ -146,8 +142,5 @@ fn combine<const N: usize>(terms: [(f64, [f64; 4]); N]) -> [f64; 4] {
 }
 
 fn slerp(a: [f64; 4], b: [f64; 4], u: f64) -> [f64; 4] {
-    DQuat::from_array(a)
-        .normalize()
-        .slerp(DQuat::from_array(b).normalize(), u)
-        .to_array()
+    DQuat::from_array(a).normalize().slerp(DQuat::from_array(b).normalize(), u).to_array()
 }

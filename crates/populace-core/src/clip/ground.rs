@@ -45,16 +45,10 @@ fn feet(skeleton: &Skeleton) -> Vec<JointIndex> {
     let named = |word: &str| -> Vec<JointIndex> {
         let is_foot = |name: &str| {
             let name = name.to_lowercase();
-            let helper = ["control", "ik", "roll", "pole", "target", "end"]
-                .iter()
-                .any(|h| name.contains(h));
+            let helper = ["control", "ik", "roll", "pole", "target", "end"].iter().any(|h| name.contains(h));
             name.contains(word) && !helper
         };
         skeleton.joints().filter(|&j| is_foot(skeleton.name(j))).collect()
     };
-    ["toe", "foot", "ankle"]
-        .iter()
-        .map(|word| named(word))
-        .find(|feet| !feet.is_empty())
-        .unwrap_or_default()
+    ["toe", "foot", "ankle"].iter().map(|word| named(word)).find(|feet| !feet.is_empty()).unwrap_or_default()
 }

@@ -47,10 +47,7 @@ struct Row {
 
 impl Row {
     fn new(curves: &Curves, skeleton: &Skeleton, secs: f32, side: Side) -> Self {
-        let pose = skeleton
-            .joints()
-            .map(|j| curves.local(j, f64::from(secs), side))
-            .collect();
+        let pose = skeleton.joints().map(|j| curves.local(j, f64::from(secs), side)).collect();
         Self { secs, side, pose }
     }
 }
@@ -59,29 +56,15 @@ impl Rows {
     pub(super) fn new(curves: &Curves, skeleton: &Skeleton) -> Self {
         let scale = f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
         let tolerance = TOLERANCE_M * scale;
-        let probes: Vec<f64> = skeleton
-            .reach_m()
-            .iter()
-            .map(|&r| f64::from(r).max(PROBE_M * scale))
-            .collect();
+        let probes: Vec<f64> =
+            skeleton.reach_m().iter().map(|&r| f64::from(r).max(PROBE_M * scale)).collect();
         let reach = reaches(skeleton, &probes);
         let mut rows = Vec::new();
         let mut worst: f64 = 0.0;
         for (secs, jumps) in key_times(curves) {
-            let row = Row::new(
-                curves,
-                skeleton,
-                secs,
-                if jumps { Side::Before } else { Side::After },
-            );
+            let row = Row::new(curves, skeleton, secs, if jumps { Side::Before } else { Side::After });
             if let Some(last) = rows.pop() {
-                let gap = Gap {
-                    curves,
-                    skeleton,
-                    probes: &probes,
-                    reach: &reach,
-                    tolerance,
-                };
+                let gap = Gap { curves, skeleton, probes: &probes, reach: &reach, tolerance };
                 worst = worst.max(gap.fill(last, &row, MAX_HALVINGS, &mut rows));
             }
             rows.push(row);
@@ -89,10 +72,8 @@ impl Rows {
                 rows.push(Row::new(curves, skeleton, secs, Side::After));
             }
         }
-        let driven: Vec<_> = skeleton
-            .joints()
-            .map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some()))
-            .collect();
+        let driven: Vec<_> =
+            skeleton.joints().map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some())).collect();
         let [error_bound_m, tolerance_m] = f64math::to_f32([worst, tolerance]);
         store(&rows, driven, error_bound_m, tolerance_m)
     }
@@ -107,9 +88,7 @@ impl Rows {
             for point in 0..=if from < to { points } else { 0 } {
                 let u = point as f64 / (points + 1) as f64;
                 let secs = from + (to - from) * u;
-                let exact = skeleton
-                    .joints()
-                    .map(|j| curves.local(j, secs, Side::After).affine());
+                let exact = skeleton.joints().map(|j| curves.local(j, secs, Side::After).affine());
                 let exact = f64math::model_from_joints(&parents, exact);
                 let stored = skeleton.joints().map(|j| self.local(j, at, u).affine());
                 let stored = f64math::model_from_joints(&parents, stored);
@@ -134,9 +113,7 @@ impl Rows {
         };
         let first = &self.first_pose[joint.index()];
         let vector = |property, still: [f32; 3]| {
-            DVec3::from_array(std::array::from_fn(|c| {
-                fetch(property, c).unwrap_or(f64::from(still[c]))
-            }))
+            DVec3::from_array(std::array::from_fn(|c| fetch(property, c).unwrap_or(f64::from(still[c]))))
         };
         let rotation =
             std::array::from_fn(|c| fetch(Property::Rotation, c).unwrap_or(f64::from(first.rotation[c])));
@@ -184,9 +161,7 @@ fn reaches(skeleton: &Skeleton, probes: &[f64]) -> Vec<f64> {
     let mut reach = probes.to_vec();
     for joint in (0..parents.len()).rev() {
         if let Some(parent) = parents[joint] {
-            let bone = models[joint]
-                .translation
-                .distance(models[parent.index()].translation);
+            let bone = models[joint].translation.distance(models[parent.index()].translation);
             reach[parent.index()] = reach[parent.index()].max(reach[joint] + bone);
         }
     }
@@ -225,10 +200,7 @@ impl Gap<'_> {
         let mut totals = Vec::with_capacity(self.reach.len());
         let mut worst: f64 = 0.0;
         for joint in self.skeleton.joints() {
-            let above = self
-                .skeleton
-                .parent(joint)
-                .map_or(0.0, |p: JointIndex| totals[p.index()]);
+            let above = self.skeleton.parent(joint).map_or(0.0, |p: JointIndex| totals[p.index()]);
             let total = above + self.deviation(joint, from, to);
             worst = worst.max(total);
             totals.push(total);
@@ -243,16 +215,9 @@ impl Gap<'_> {
         for place in 1..MEASURED {
             let u = f64::from(place) / f64::from(MEASURED);
             let secs = f64::from(from.secs) + (f64::from(to.secs) - f64::from(from.secs)) * u;
-            let exact = self
-                .skeleton
-                .joints()
-                .map(|j| self.curves.local(j, secs, Side::After).affine());
+            let exact = self.skeleton.joints().map(|j| self.curves.local(j, secs, Side::After).affine());
             let exact = f64math::model_from_joints(&parents, exact);
-            let stored = from
-                .pose
-                .iter()
-                .zip(&to.pose)
-                .map(|(a, b)| between(a, b, u).affine());
+            let stored = from.pose.iter().zip(&to.pose).map(|(a, b)| between(a, b, u).affine());
             let stored = f64math::model_from_joints(&parents, stored);
             for ((a, b), &probe) in exact.iter().zip(&stored).zip(self.probes) {
                 worst = worst.max(distance_at_probes(a, b, probe));
@@ -263,15 +228,9 @@ impl Gap<'_> {
 
     fn deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
         let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
-        let kind = |property| {
-            self.curves
-                .track(joint, property)
-                .map(|track| track.interpolation)
-        };
+        let kind = |property| self.curves.track(joint, property).map(|track| track.interpolation);
         let reach = self.reach[joint.index()];
-        let cubic = PROPERTIES
-            .iter()
-            .any(|&p| kind(p) == Some(Interpolation::CubicSpline));
+        let cubic = PROPERTIES.iter().any(|&p| kind(p) == Some(Interpolation::CubicSpline));
         if cubic {
             return self.sampled_deviation(joint, from, to);
         }
@@ -301,11 +260,7 @@ impl Gap<'_> {
 
 /// Two rows as devices interpolate between them.
 fn between(a: &Local, b: &Local, u: f64) -> Local {
-    let near = if a.rotation.dot(b.rotation) < 0.0 {
-        -b.rotation
-    } else {
-        b.rotation
-    };
+    let near = if a.rotation.dot(b.rotation) < 0.0 { -b.rotation } else { b.rotation };
     Local {
         rotation: (a.rotation * (1.0 - u) + near * u).normalize(),
         translation: a.translation.lerp(b.translation, u),
@@ -327,9 +282,7 @@ fn distance_at_probes(a: &DAffine3, b: &DAffine3, probe: f64) -> f64 {
     let centre = a.translation - b.translation;
     let axis = |x: DVec3, y: DVec3| (centre + (x - y) * (probe / x.length().max(1e-9))).length();
     let (m, n) = (&a.matrix3, &b.matrix3);
-    axis(m.x_axis, n.x_axis)
-        .max(axis(m.y_axis, n.y_axis))
-        .max(axis(m.z_axis, n.z_axis))
+    axis(m.x_axis, n.x_axis).max(axis(m.y_axis, n.y_axis)).max(axis(m.z_axis, n.z_axis))
 }
 
 fn store(rows: &[Row], driven: Vec<[bool; 3]>, error_bound_m: f32, tolerance_m: f32) -> Rows {
@@ -338,16 +291,10 @@ fn store(rows: &[Row], driven: Vec<[bool; 3]>, error_bound_m: f32, tolerance_m: 
     let (block_offsets, stride) = lay_out(&moving);
     let data = fill(&poses, &block_offsets, stride);
     let times: Vec<f32> = rows.iter().map(|row| row.secs).collect();
-    debug_assert!(
-        rows.windows(2)
-            .all(|w| w[0].secs < w[1].secs || w[0].side < w[1].side)
-    );
+    debug_assert!(rows.windows(2).all(|w| w[0].secs < w[1].secs || w[0].side < w[1].side));
     let rows_per_sec = even_rate(&times);
-    let (buckets, buckets_per_sec) = if rows_per_sec > 0.0 || times.len() < 2 {
-        (Vec::new(), 0.0)
-    } else {
-        buckets(&times)
-    };
+    let (buckets, buckets_per_sec) =
+        if rows_per_sec > 0.0 || times.len() < 2 { (Vec::new(), 0.0) } else { buckets(&times) };
     let first_pose = poses.into_iter().next().unwrap_or_default();
     Rows {
         times,
@@ -433,10 +380,7 @@ fn lay_out(moving: &[[bool; 3]]) -> (Vec<u32>, usize) {
     for property in [Property::Rotation, Property::Translation, Property::Scale] {
         for (block, columns) in moving.chunks(BLOCK).enumerate() {
             if columns.iter().any(|moves| moves[property as usize]) {
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "skeletons have fewer than 2^28 joints"
-                )]
+                #[expect(clippy::cast_possible_truncation, reason = "skeletons have fewer than 2^28 joints")]
                 let offset = stride as u32;
                 offsets[block * 3 + PLACE[property as usize]] = offset;
                 stride += property.width() * BLOCK;
@@ -459,11 +403,7 @@ fn even_rate(times: &[f32]) -> f32 {
         .iter()
         .enumerate()
         .all(|(row, &t)| (f64::from(t) - start - spacing * row as f64).abs() <= EVEN_SPACING * spacing);
-    if even {
-        f64math::to_f32([1.0 / spacing])[0]
-    } else {
-        0.0
-    }
+    if even { f64math::to_f32([1.0 / spacing])[0] } else { 0.0 }
 }
 
 /// One bucket for each row: the last row at or before the bucket's start, one bucket early so that rounding on a
@@ -479,10 +419,7 @@ fn buckets(times: &[f32]) -> (Vec<u32>, f32) {
         while row + 1 < count && f64::from(times[row + 1]) <= from {
             row += 1;
         }
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "rows are limited by the memory of their keys"
-        )]
+        #[expect(clippy::cast_possible_truncation, reason = "rows are limited by the memory of their keys")]
         let row = row as u32;
         row
     });

@@ -12,9 +12,8 @@ pub struct Affine {
 
 impl Affine {
     /// The transform that changes nothing.
-    pub const IDENTITY: Self = Self {
-        rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
-    };
+    pub const IDENTITY: Self =
+        Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
     /// The matrix of translation times rotation times scale (glTF 2.0, section 3.5.3).
     #[inline]
@@ -60,9 +59,7 @@ impl Affine {
                 a[0] * b[0][3] + a[1] * b[1][3] + a[2] * b[2][3] + a[3],
             ]
         };
-        Self {
-            rows: [row(self.rows[0]), row(self.rows[1]), row(self.rows[2])],
-        }
+        Self { rows: [row(self.rows[0]), row(self.rows[1]), row(self.rows[2])] }
     }
 
     /// The image of a point.
@@ -76,21 +73,13 @@ impl Affine {
     #[must_use]
     pub fn to_cols_array(&self) -> [f32; 16] {
         let [a, b, c] = self.rows;
-        [
-            a[0], b[0], c[0], 0.0, a[1], b[1], c[1], 0.0, a[2], b[2], c[2], 0.0, a[3], b[3], c[3], 1.0,
-        ]
+        [a[0], b[0], c[0], 0.0, a[1], b[1], c[1], 0.0, a[2], b[2], c[2], 0.0, a[3], b[3], c[3], 1.0]
     }
 
     /// Builds from the sixteen elements of a 4x4 matrix, column-major; the fourth row is not looked at.
     #[must_use]
     pub fn from_cols_array(m: &[f32; 16]) -> Self {
-        Self {
-            rows: [
-                [m[0], m[4], m[8], m[12]],
-                [m[1], m[5], m[9], m[13]],
-                [m[2], m[6], m[10], m[14]],
-            ],
-        }
+        Self { rows: [[m[0], m[4], m[8], m[12]], [m[1], m[5], m[9], m[13]], [m[2], m[6], m[10], m[14]]] }
     }
 
     /// Whether every element is finite.

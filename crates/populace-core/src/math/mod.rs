@@ -25,19 +25,12 @@ pub struct Trs {
 
 impl Trs {
     /// The transform that changes nothing.
-    pub const IDENTITY: Self = Self {
-        translation: [0.0; 3],
-        rotation: [0.0, 0.0, 0.0, 1.0],
-        scale: [1.0, 1.0, 1.0],
-    };
+    pub const IDENTITY: Self =
+        Self { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0, 1.0, 1.0] };
 
     /// Whether every component is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        self.translation
-            .iter()
-            .chain(&self.rotation)
-            .chain(&self.scale)
-            .all(|v| v.is_finite())
+        self.translation.iter().chain(&self.rotation).chain(&self.scale).all(|v| v.is_finite())
     }
 }

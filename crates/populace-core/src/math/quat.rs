@@ -38,22 +38,14 @@ pub fn mix(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
 #[must_use]
 pub fn normalize_or(a: [f32; 4], fallback: [f32; 4]) -> [f32; 4] {
     let length_squared = dot(a, a);
-    if length_squared > 1e-20 {
-        scale(a, 1.0 / sqrt(length_squared))
-    } else {
-        fallback
-    }
+    if length_squared > 1e-20 { scale(a, 1.0 / sqrt(length_squared)) } else { fallback }
 }
 
 /// `a` or `-a`, whichever lies in the half-space of `towards`. Both stand for the same rotation.
 #[inline]
 #[must_use]
 pub fn hemisphere(a: [f32; 4], towards: [f32; 4]) -> [f32; 4] {
-    if dot(a, towards) < 0.0 {
-        [-a[0], -a[1], -a[2], -a[3]]
-    } else {
-        a
-    }
+    if dot(a, towards) < 0.0 { [-a[0], -a[1], -a[2], -a[3]] } else { a }
 }
 
 /// The inverse of a unit quaternion.

@@ -23,24 +23,15 @@ fn shared_structs_are_laid_out_alike() {
         body += &format!("*out++ = sizeof({});\n", layout.name);
         expected.push(u32::try_from(layout.size).unwrap());
         for (field, offset) in layout.fields {
-            body += &format!(
-                "{{ {0} x; *out++ = (uint)((char *)&x.{field} - (char *)&x); }}\n",
-                layout.name
-            );
+            body += &format!("{{ {0} x; *out++ = (uint)((char *)&x.{field} - (char *)&x); }}\n", layout.name);
             expected.push(u32::try_from(*offset).unwrap());
         }
     }
-    let source = format!(
-        "{}\n__kernel void probe(__global uint *out) {{\n{body}}}\n",
-        program::source()
-    );
+    let source = format!("{}\n__kernel void probe(__global uint *out) {{\n{body}}}\n", program::source());
     let device = OpenClDevice::open_with(0, &source).unwrap();
     let (kernel, queue) = (device.kernel("probe").unwrap(), device.queue().unwrap());
     let out = crate::buffer::Buffer::<u32>::new(&device, expected.len(), "the probe's answers").unwrap();
-    Launch::of(&kernel)
-        .buffer("out", &out)
-        .run(&queue, [1, 1], [1, 1])
-        .unwrap();
+    Launch::of(&kernel).buffer("out", &out).run(&queue, [1, 1], [1, 1]).unwrap();
     let mut answers = vec![0; expected.len()];
     out.read(&queue, 0, &mut answers).unwrap();
     assert_eq!(answers, expected, "{structs:#?}");
@@ -50,16 +41,8 @@ fn shared_structs_are_laid_out_alike() {
 #[test]
 fn past_the_end_is_an_error() {
     let mut backend = OpenClBackend::new(&device()).unwrap();
-    assert!(
-        backend
-            .read(StageBuffer::Palette, 0, &mut [Float4::default()])
-            .is_err()
-    );
-    assert!(
-        backend
-            .write(StageBuffer::Scales, 9, &[Float4::default()])
-            .is_err()
-    );
+    assert!(backend.read(StageBuffer::Palette, 0, &mut [Float4::default()]).is_err());
+    assert!(backend.write(StageBuffer::Scales, 9, &[Float4::default()]).is_err());
     assert!(backend.with_page(0, &mut |_| ()).is_err());
 }
 
@@ -67,13 +50,8 @@ fn past_the_end_is_an_error() {
 #[test]
 fn more_memory_than_there_is_is_an_error_that_says_how_much() {
     let result = crate::buffer::Buffer::<Float4>::new(&device(), 1 << 50, "a test");
-    let Err(error) = result else {
-        panic!("16 PiB were allocated")
-    };
-    assert!(
-        error.to_string().contains("18014398509481984 bytes of a test"),
-        "{error}"
-    );
+    let Err(error) = result else { panic!("16 PiB were allocated") };
+    assert!(error.to_string().contains("18014398509481984 bytes of a test"), "{error}");
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
@@ -87,10 +65,7 @@ fn a_kernel_that_does_not_build_gives_the_compilers_words() {
 #[test]
 fn a_device_that_does_not_exist_is_refused() {
     let error = OpenClDevice::open(99).unwrap_err();
-    assert!(
-        matches!(error, BackendError::NoDevice { index: 99, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, BackendError::NoDevice { index: 99, .. }), "{error}");
 }
 
 mod conformance {

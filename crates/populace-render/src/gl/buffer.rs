@@ -32,22 +32,13 @@ impl<T: bytemuck::Pod> Buffer<T> {
     /// An empty buffer.
     pub(crate) fn new(gl: &Rc<Gl>, usage: BufferUse) -> Result<Self, Error> {
         // SAFETY: the context is current.
-        let raw = unsafe { gl.functions.create_buffer() }.map_err(|code| Error::GlError {
-            operation: "create a buffer".into(),
-            code,
-        })?;
+        let raw = unsafe { gl.functions.create_buffer() }
+            .map_err(|code| Error::GlError { operation: "create a buffer".into(), code })?;
         let usage = match usage {
             BufferUse::Static => glow::STATIC_DRAW,
             BufferUse::Stream => glow::STREAM_DRAW,
         };
-        Ok(Self {
-            gl: Rc::clone(gl),
-            raw,
-            usage,
-            len: 0,
-            capacity: 0,
-            element: PhantomData,
-        })
+        Ok(Self { gl: Rc::clone(gl), raw, usage, len: 0, capacity: 0, element: PhantomData })
     }
 
     /// A buffer that holds `data`.
@@ -94,9 +85,7 @@ impl<T: bytemuck::Pod> Buffer<T> {
     pub(crate) fn bind_storage(&self, binding: u32) {
         // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and ours are below.
         unsafe {
-            self.gl
-                .functions
-                .bind_buffer_base(glow::SHADER_STORAGE_BUFFER, binding, Some(self.raw));
+            self.gl.functions.bind_buffer_base(glow::SHADER_STORAGE_BUFFER, binding, Some(self.raw));
         }
     }
 }
@@ -106,9 +95,7 @@ impl<T: UniformBlock> Buffer<T> {
     pub(crate) fn bind_uniform(&self) {
         // SAFETY: the context is current; OpenGL 4.3 has at least 36 binding points, and ours are below.
         unsafe {
-            self.gl
-                .functions
-                .bind_buffer_base(glow::UNIFORM_BUFFER, T::BINDING, Some(self.raw));
+            self.gl.functions.bind_buffer_base(glow::UNIFORM_BUFFER, T::BINDING, Some(self.raw));
         }
     }
 }

@@ -42,13 +42,7 @@ impl Context {
         let say = |what: &'static str| move |cause: egl::Error| format!("{what} failed, {cause}");
         egl.initialize(display).map_err(say("eglInitialize"))?;
         egl.bind_api(egl::OPENGL_API).map_err(say("eglBindAPI"))?;
-        let wanted = [
-            egl::SURFACE_TYPE,
-            egl::PBUFFER_BIT,
-            egl::RENDERABLE_TYPE,
-            egl::OPENGL_BIT,
-            egl::NONE,
-        ];
+        let wanted = [egl::SURFACE_TYPE, egl::PBUFFER_BIT, egl::RENDERABLE_TYPE, egl::OPENGL_BIT, egl::NONE];
         let config = egl
             .choose_first_config(display, &wanted)
             .map_err(say("eglChooseConfig"))?
@@ -65,12 +59,7 @@ impl Context {
         let context = egl
             .create_context(display, config, None, &version)
             .map_err(say("eglCreateContext for OpenGL 4.3"))?;
-        let mut made = Self {
-            egl,
-            display,
-            context,
-            surface: None,
-        };
+        let mut made = Self { egl, display, context, surface: None };
         if !has_extension(egl, Some(display), "EGL_KHR_surfaceless_context") {
             let size = [egl::WIDTH, 1, egl::HEIGHT, 1, egl::NONE];
             let surface = egl.create_pbuffer_surface(display, config, &size);
@@ -86,15 +75,11 @@ impl Context {
         }
         self.egl
             .make_current(self.display, self.surface, self.surface, Some(self.context))
-            .map_err(|cause| Error::ContextLost {
-                cause: cause.to_string(),
-            })
+            .map_err(|cause| Error::ContextLost { cause: cause.to_string() })
     }
 
     pub(super) fn proc_address(&self, name: &str) -> *const c_void {
-        self.egl
-            .get_proc_address(name)
-            .map_or(std::ptr::null(), |f| f as *const c_void)
+        self.egl.get_proc_address(name).map_or(std::ptr::null(), |f| f as *const c_void)
     }
 }
 
@@ -113,10 +98,7 @@ impl Drop for Context {
 }
 
 fn no_gl(tried: String) -> Error {
-    Error::NoGl {
-        tried,
-        remedy: REMEDY,
-    }
+    Error::NoGl { tried, remedy: REMEDY }
 }
 
 /// Loads libEGL once per process, and never unloads it: drivers leave threads and thread-local destructors behind.
@@ -163,11 +145,8 @@ fn candidates(egl: &'static Egl) -> Vec<(String, Open)> {
 }
 
 fn has_extension(egl: &Egl, display: Option<egl::Display>, name: &str) -> bool {
-    egl.query_string(display, egl::EXTENSIONS).is_ok_and(|list| {
-        list.to_string_lossy()
-            .split(' ')
-            .any(|extension| extension == name)
-    })
+    egl.query_string(display, egl::EXTENSIONS)
+        .is_ok_and(|list| list.to_string_lossy().split(' ').any(|extension| extension == name))
 }
 
 struct Device {
@@ -201,26 +180,16 @@ fn devices(egl: &Egl) -> Vec<Device> {
         let extensions = query_string(handle, egl::EXTENSIONS);
         // SAFETY: for a handle that eglQueryDevicesEXT gave, the string is null or ends in a zero and is never freed.
         !extensions.is_null()
-            && unsafe { CStr::from_ptr(extensions) }
-                .to_string_lossy()
-                .contains("EGL_MESA_device_software")
+            && unsafe { CStr::from_ptr(extensions) }.to_string_lossy().contains("EGL_MESA_device_software")
     };
-    handles[..count]
-        .iter()
-        .map(|&handle| Device {
-            handle,
-            software: is_software(handle),
-        })
-        .collect()
+    handles[..count].iter().map(|&handle| Device { handle, software: is_software(handle) }).collect()
 }
 
 /// `eglGetPlatformDisplay`, by hand: khronos-egl's panics where a driver gives neither display nor error.
 fn platform_display(egl: &Egl, platform: egl::Enum, native: *mut c_void) -> Result<egl::Display, String> {
     type GetPlatformDisplay =
         extern "system" fn(egl::Enum, *mut c_void, *const egl::Attrib) -> egl::EGLDisplay;
-    let get = egl
-        .get_proc_address("eglGetPlatformDisplay")
-        .ok_or("eglGetPlatformDisplay is missing")?;
+    let get = egl.get_proc_address("eglGetPlatformDisplay").ok_or("eglGetPlatformDisplay is missing")?;
     // SAFETY: EGL 1.5, which `library` asked for, gives this name this type.
     let get = unsafe { std::mem::transmute::<extern "system" fn(), GetPlatformDisplay>(get) };
     let display = get(platform, native, std::ptr::null());

@@ -3,10 +3,7 @@
 //! Everything here is a safe wrapper for the rest of the crate. Objects hold the context they belong to, make it
 //! current before they are touched, and delete themselves. What the compiler cannot know, that ranges drawn lie within
 //! buffers, is checked here or named as a duty of the caller in the `SAFETY` lines.
-#![expect(
-    unsafe_code,
-    reason = "EGL and OpenGL are C; this module is the crate's only boundary to them"
-)]
+#![expect(unsafe_code, reason = "EGL and OpenGL are C; this module is the crate's only boundary to them")]
 
 mod buffer;
 mod egl;
@@ -91,12 +88,7 @@ impl Gl {
         // SAFETY: the context is current; both are strings of core OpenGL.
         let [renderer, version] =
             [glow::RENDERER, glow::VERSION].map(|name| unsafe { functions.get_parameter_string(name) });
-        let gl = Self {
-            functions,
-            limits,
-            driver: format!("{renderer}, OpenGL {version}"),
-            context,
-        };
+        let gl = Self { functions, limits, driver: format!("{renderer}, OpenGL {version}"), context };
         gl.check("start")?;
         Ok(Rc::new(gl))
     }
@@ -133,10 +125,7 @@ impl Gl {
         match first {
             glow::NO_ERROR => Ok(()),
             glow::OUT_OF_MEMORY => Err(Error::OutOfMemory { operation }),
-            code => Err(Error::GlError {
-                operation,
-                code: error_name(code),
-            }),
+            code => Err(Error::GlError { operation, code: error_name(code) }),
         }
     }
 
@@ -145,18 +134,9 @@ impl Gl {
         let gl = &self.functions;
         let switch = |capability, on| {
             // SAFETY: the context is current; each capability named below is one of core OpenGL 4.3.
-            unsafe {
-                if on {
-                    gl.enable(capability)
-                } else {
-                    gl.disable(capability)
-                }
-            }
+            unsafe { if on { gl.enable(capability) } else { gl.disable(capability) } }
         };
-        switch(
-            glow::CULL_FACE,
-            matches!(state.cull, Cull::Back | Cull::BackMirrored),
-        );
+        switch(glow::CULL_FACE, matches!(state.cull, Cull::Back | Cull::BackMirrored));
         switch(glow::BLEND, state.blend);
         switch(glow::DEPTH_TEST, true);
         switch(glow::DEPTH_CLAMP, state.depth_clamp);
@@ -186,8 +166,7 @@ impl Gl {
         // SAFETY: the context is current; `vertex_array` has no attribute that could be read past its end, see
         // `VertexArray::empty`.
         unsafe {
-            self.functions
-                .draw_arrays(glow::TRIANGLE_STRIP, 0, i32::from(vertex_count));
+            self.functions.draw_arrays(glow::TRIANGLE_STRIP, 0, i32::from(vertex_count));
         }
     }
 }
@@ -207,17 +186,12 @@ impl Limits {
         // SAFETY: the context is current; this parameter is two integers, for which there is room.
         unsafe { functions.get_parameter_i32_slice(glow::MAX_VIEWPORT_DIMS, &mut viewport) }
         let viewport = viewport.map(|side| u32::try_from(side).unwrap_or(0));
-        let anisotropic = [
-            "GL_ARB_texture_filter_anisotropic",
-            "GL_EXT_texture_filter_anisotropic",
-        ]
-        .iter()
-        .any(|name| functions.supported_extensions().contains(*name));
+        let anisotropic = ["GL_ARB_texture_filter_anisotropic", "GL_EXT_texture_filter_anisotropic"]
+            .iter()
+            .any(|name| functions.supported_extensions().contains(*name));
         // SAFETY: the context is current; this is a string of core OpenGL.
         let renderer = unsafe { functions.get_parameter_string(glow::RENDERER) };
-        let software = ["llvmpipe", "softpipe", "swrast"]
-            .iter()
-            .any(|name| renderer.contains(name));
+        let software = ["llvmpipe", "softpipe", "swrast"].iter().any(|name| renderer.contains(name));
         // A processor takes three times as long for a whole picture with it.
         let anisotropy = if anisotropic && !software {
             // SAFETY: the context is current and has the extension that defines the parameter.

@@ -17,20 +17,13 @@ impl Program {
     /// Compiles and links; `name` is for error messages.
     pub(crate) fn new(gl: &Rc<Gl>, name: &str, vertex: &str, fragment: &str) -> Result<Self, Error> {
         let functions = &gl.functions;
-        let fail = |log: String| Error::Shader {
-            name: name.to_owned(),
-            log,
-        };
+        let fail = |log: String| Error::Shader { name: name.to_owned(), log };
         // SAFETY: the context is current.
         let raw = unsafe { functions.create_program() }.map_err(fail)?;
-        let program = Self {
-            gl: Rc::clone(gl),
-            raw,
-        };
-        for (stage, extension, text) in [
-            (glow::VERTEX_SHADER, "vert", vertex),
-            (glow::FRAGMENT_SHADER, "frag", fragment),
-        ] {
+        let program = Self { gl: Rc::clone(gl), raw };
+        for (stage, extension, text) in
+            [(glow::VERTEX_SHADER, "vert", vertex), (glow::FRAGMENT_SHADER, "frag", fragment)]
+        {
             // SAFETY: the context is current; the shader is deleted once the program lets go of it, at link's end.
             let log = unsafe {
                 let shader = functions.create_shader(stage).map_err(fail)?;
@@ -41,10 +34,7 @@ impl Program {
                 (!functions.get_shader_compile_status(shader)).then(|| functions.get_shader_info_log(shader))
             };
             if let Some(log) = log {
-                return Err(Error::Shader {
-                    name: format!("{name}.{extension}"),
-                    log,
-                });
+                return Err(Error::Shader { name: format!("{name}.{extension}"), log });
             }
         }
         // SAFETY: the context is current; both shaders are attached and compiled.

@@ -22,16 +22,9 @@ struct Target {
 impl Target {
     fn new(gl: &Rc<Gl>) -> Result<Self, Error> {
         // SAFETY: the context is current.
-        let framebuffer = unsafe { gl.functions.create_framebuffer() }.map_err(|code| Error::GlError {
-            operation: "create a framebuffer".into(),
-            code,
-        })?;
-        Ok(Self {
-            gl: Rc::clone(gl),
-            framebuffer,
-            renderbuffers: Vec::new(),
-            texture: None,
-        })
+        let framebuffer = unsafe { gl.functions.create_framebuffer() }
+            .map_err(|code| Error::GlError { operation: "create a framebuffer".into(), code })?;
+        Ok(Self { gl: Rc::clone(gl), framebuffer, renderbuffers: Vec::new(), texture: None })
     }
 
     fn bind(&self, target: u32) {
@@ -43,10 +36,8 @@ impl Target {
         let functions = &self.gl.functions;
         self.bind(glow::FRAMEBUFFER);
         // SAFETY: the context is current.
-        let renderbuffer = unsafe { functions.create_renderbuffer() }.map_err(|code| Error::GlError {
-            operation: "create a renderbuffer".into(),
-            code,
-        })?;
+        let renderbuffer = unsafe { functions.create_renderbuffer() }
+            .map_err(|code| Error::GlError { operation: "create a renderbuffer".into(), code })?;
         self.renderbuffers.push(renderbuffer);
         // SAFETY: the context is current, the framebuffer bound; a size or count that is refused shows in `check`.
         unsafe {
@@ -70,10 +61,7 @@ impl Target {
             return self.gl.check(what);
         }
         let code = format!("framebuffer status 0x{status:04x}");
-        Err(Error::GlError {
-            operation: what.to_owned(),
-            code,
-        })
+        Err(Error::GlError { operation: what.to_owned(), code })
     }
 }
 
@@ -110,24 +98,13 @@ impl PictureTarget {
             return Err(Error::EmptyPicture { width, height });
         }
         let limit = gl.limits().picture_size;
-        let (Ok(w), Ok(h), true) = (
-            i32::try_from(width),
-            i32::try_from(height),
-            width.max(height) <= limit,
-        ) else {
+        let (Ok(w), Ok(h), true) = (i32::try_from(width), i32::try_from(height), width.max(height) <= limit)
+        else {
             let (size, limit) = (u64::from(width.max(height)), u64::from(limit));
-            return Err(Error::TooLarge {
-                what: "a picture's side",
-                size,
-                limit,
-            });
+            return Err(Error::TooLarge { what: "a picture's side", size, limit });
         };
         let size = [w, h];
-        let samples = if gl.limits().samples >= SAMPLES {
-            SAMPLES.cast_signed()
-        } else {
-            0
-        };
+        let samples = if gl.limits().samples >= SAMPLES { SAMPLES.cast_signed() } else { 0 };
         // Drivers may refuse many samples at large sizes; one is then better than none.
         let drawn = match Self::target(gl, samples, size) {
             Err(_) if samples > 0 => Self::target(gl, 0, size)?,
@@ -136,11 +113,7 @@ impl PictureTarget {
         let mut resolved = Target::new(gl)?;
         resolved.attach(glow::COLOR_ATTACHMENT0, glow::SRGB8_ALPHA8, 0, size)?;
         resolved.complete("a picture of that size")?;
-        Ok(Self {
-            drawn,
-            resolved,
-            size,
-        })
+        Ok(Self { drawn, resolved, size })
     }
 
     fn target(gl: &Rc<Gl>, samples: i32, size: [i32; 2]) -> Result<Target, Error> {
@@ -198,21 +171,14 @@ impl PictureTarget {
         }
         gl.check("read the picture")?;
         flip_rows(&mut rgba, row_bytes);
-        Ok(Image {
-            width: width.unsigned_abs(),
-            height: height.unsigned_abs(),
-            rgba,
-        })
+        Ok(Image { width: width.unsigned_abs(), height: height.unsigned_abs(), rgba })
     }
 }
 
 /// OpenGL's first row is the lowest.
 fn flip_rows(rgba: &mut [u8], row_bytes: usize) {
     let (upper, lower) = rgba.split_at_mut(rgba.len() / row_bytes / 2 * row_bytes);
-    for (a, b) in upper
-        .chunks_exact_mut(row_bytes)
-        .zip(lower.chunks_exact_mut(row_bytes).rev())
-    {
+    for (a, b) in upper.chunks_exact_mut(row_bytes).zip(lower.chunks_exact_mut(row_bytes).rev()) {
         a.swap_with_slice(b);
     }
 }
@@ -230,10 +196,8 @@ impl ShadowTarget {
         let mut target = Target::new(gl)?;
         let functions = &gl.functions;
         // SAFETY: the context is current.
-        let texture = unsafe { functions.create_texture() }.map_err(|code| Error::GlError {
-            operation: "create a texture".into(),
-            code,
-        })?;
+        let texture = unsafe { functions.create_texture() }
+            .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
         target.texture = Some(texture);
         let parameters = [
             (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
@@ -291,10 +255,7 @@ impl ShadowTarget {
         // SAFETY: the context is current; OpenGL 4.3 has at least 48 units, and ours are below.
         unsafe {
             self.target.gl.functions.active_texture(glow::TEXTURE0 + unit);
-            self.target
-                .gl
-                .functions
-                .bind_texture(glow::TEXTURE_2D, self.target.texture);
+            self.target.gl.functions.bind_texture(glow::TEXTURE_2D, self.target.texture);
         }
     }
 }

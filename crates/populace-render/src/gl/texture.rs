@@ -32,22 +32,13 @@ impl Texture {
         let sizes = (i32::try_from(image.width), i32::try_from(image.height));
         let (Ok(width), Ok(height), true) = (sizes.0, sizes.1, largest <= limit) else {
             let (size, limit) = (u64::from(largest), u64::from(limit));
-            return Err(Error::TooLarge {
-                what: "a texture's side",
-                size,
-                limit,
-            });
+            return Err(Error::TooLarge { what: "a texture's side", size, limit });
         };
         let levels = i32::try_from(u32::BITS - largest.leading_zeros()).unwrap_or(1);
         // SAFETY: the context is current.
-        let raw = unsafe { gl.functions.create_texture() }.map_err(|code| Error::GlError {
-            operation: "create a texture".into(),
-            code,
-        })?;
-        let texture = Self {
-            gl: Rc::clone(gl),
-            raw,
-        };
+        let raw = unsafe { gl.functions.create_texture() }
+            .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
+        let texture = Self { gl: Rc::clone(gl), raw };
         texture.bind(0);
         // SAFETY: the context is current and the texture bound; the driver reads width x height x 4 bytes, which is
         // what `populace_core::Character::new` makes sure `rgba` holds. Rows of 4-byte pixels need no padding.
@@ -92,11 +83,7 @@ impl Texture {
         ];
         for (name, value) in parameters {
             // SAFETY: the context is current and the texture bound; enumerants are below 2^31.
-            unsafe {
-                self.gl
-                    .functions
-                    .tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed())
-            }
+            unsafe { self.gl.functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed()) }
         }
         let anisotropy = self.gl.limits().anisotropy.min(ANISOTROPY);
         if anisotropy > 1.0 && sampling.filter == TextureFilter::Linear {

@@ -32,14 +32,9 @@ impl VertexArray {
     /// No attributes, for shaders that make up their vertices.
     pub(crate) fn empty(gl: &Rc<Gl>) -> Result<Self, Error> {
         // SAFETY: the context is current.
-        let raw = unsafe { gl.functions.create_vertex_array() }.map_err(|code| Error::GlError {
-            operation: "create a vertex array".into(),
-            code,
-        })?;
-        Ok(Self {
-            gl: Rc::clone(gl),
-            raw,
-        })
+        let raw = unsafe { gl.functions.create_vertex_array() }
+            .map_err(|code| Error::GlError { operation: "create a vertex array".into(), code })?;
+        Ok(Self { gl: Rc::clone(gl), raw })
     }
 
     /// The attributes of skinned meshes whose influences are `I`.
@@ -51,9 +46,7 @@ impl VertexArray {
             (INFLUENCES, I::ATTRIBUTES),
             (INSTANCES, InstanceData::ATTRIBUTES),
         ];
-        let attributes = bindings
-            .iter()
-            .flat_map(|(binding, list)| list.iter().map(move |a| (*binding, a)));
+        let attributes = bindings.iter().flat_map(|(binding, list)| list.iter().map(move |a| (*binding, a)));
         for (location, (binding, attribute)) in (0..).zip(attributes) {
             array.declare(location, binding, attribute);
         }
@@ -95,10 +88,7 @@ impl VertexArray {
     /// not drawn; nor is one whose buffers differ in length.
     pub(crate) fn draw<I: VertexStruct>(&self, range: &DrawRange<'_, I>) {
         let end = range.first_instance as usize + range.instance_count as usize;
-        let counts = (
-            i32::try_from(range.indices.len()),
-            i32::try_from(range.instance_count),
-        );
+        let counts = (i32::try_from(range.indices.len()), i32::try_from(range.instance_count));
         let (Ok(index_count), Ok(instance_count)) = counts else {
             return;
         };
@@ -118,12 +108,7 @@ impl VertexArray {
                 0,
                 stride(size_of::<Vertex>()),
             );
-            functions.bind_vertex_buffer(
-                INFLUENCES,
-                Some(range.influences.raw()),
-                0,
-                stride(size_of::<I>()),
-            );
+            functions.bind_vertex_buffer(INFLUENCES, Some(range.influences.raw()), 0, stride(size_of::<I>()));
             let instances = Some(range.instances.raw());
             functions.bind_vertex_buffer(INSTANCES, instances, 0, stride(size_of::<InstanceData>()));
             functions.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(range.indices.raw()));

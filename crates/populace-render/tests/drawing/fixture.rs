@@ -9,11 +9,7 @@ use populace_core::{
 /// A rotation about an axis along z, then a translation, at a scale.
 pub(crate) fn place(translation: [f32; 3], roll_rad: f32, scale: [f32; 3]) -> Affine {
     let rotation = glam::Quat::from_rotation_z(roll_rad).to_array();
-    Affine::from_trs(&Trs {
-        translation,
-        rotation,
-        scale,
-    })
+    Affine::from_trs(&Trs { translation, rotation, scale })
 }
 
 /// Only a translation.
@@ -32,18 +28,10 @@ pub(crate) fn box_mesh(low: [f32; 3], high: [f32; 3], entry: u16) -> Mesh {
     (mesh.positions, mesh.normals, mesh.indices) = (Vec::new(), Vec::new(), Vec::new());
     for axis in 0..3 {
         for (side, sign) in [(low, -1.0), (high, 1.0)] {
-            let (u, v) = if sign > 0.0 {
-                ((axis + 1) % 3, (axis + 2) % 3)
-            } else {
-                ((axis + 2) % 3, (axis + 1) % 3)
-            };
+            let (u, v) =
+                if sign > 0.0 { ((axis + 1) % 3, (axis + 2) % 3) } else { ((axis + 2) % 3, (axis + 1) % 3) };
             let first = u32::try_from(mesh.positions.len()).unwrap();
-            for (at_u, at_v) in [
-                (low[u], low[v]),
-                (high[u], low[v]),
-                (high[u], high[v]),
-                (low[u], high[v]),
-            ] {
+            for (at_u, at_v) in [(low[u], low[v]), (high[u], low[v]), (high[u], high[v]), (low[u], high[v])] {
                 let mut position = side;
                 (position[u], position[v]) = (at_u, at_v);
                 mesh.positions.push(position);
@@ -62,12 +50,7 @@ pub(crate) fn box_mesh(low: [f32; 3], high: [f32; 3], entry: u16) -> Mesh {
 /// A square from -1 to 1 that faces +Z; its upper left corner is at u = v = 0.
 pub(crate) fn quad_mesh(entry: u16) -> Mesh {
     Mesh {
-        positions: vec![
-            [-1.0, -1.0, 0.0],
-            [1.0, -1.0, 0.0],
-            [1.0, 1.0, 0.0],
-            [-1.0, 1.0, 0.0],
-        ],
+        positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
         normals: vec![[0.0, 0.0, 1.0]; 4],
         uvs: vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]],
         colors: Vec::new(),
@@ -86,34 +69,18 @@ pub(crate) fn one_influence(vertices: usize, entry: u16) -> Influences {
 
 /// A part named `name`, of the material of that index.
 pub(crate) fn part(name: &str, material: usize, mesh: Mesh) -> Part {
-    Part {
-        node: 0,
-        node_name: name.into(),
-        primitive: 0,
-        material: Some(material),
-        mesh,
-    }
+    Part { node: 0, node_name: name.into(), primitive: 0, material: Some(material), mesh }
 }
 
 pub(crate) fn plain(base_color: [f32; 4]) -> Material {
-    Material {
-        base_color,
-        ..Material::default()
-    }
+    Material { base_color, ..Material::default() }
 }
 
 /// A character of these parts on `entry_count` joints of their own, all at the origin.
 pub(crate) fn source(parts: Vec<Part>, materials: Vec<Material>, entry_count: u32) -> CharacterSource {
-    let joint = |index| JointSource {
-        name: format!("joint {index}"),
-        parent: None,
-        rest: Trs::IDENTITY,
-    };
+    let joint = |index| JointSource { name: format!("joint {index}"), parent: None, rest: Trs::IDENTITY };
     let joints: Vec<_> = (0..entry_count).map(joint).collect();
-    let entry = |index| PaletteEntry {
-        joint: JointIndex(index),
-        joint_from_bind: Affine::IDENTITY,
-    };
+    let entry = |index| PaletteEntry { joint: JointIndex(index), joint_from_bind: Affine::IDENTITY };
     CharacterSource {
         name: "fixture".into(),
         skeleton: Skeleton::new(&joints).unwrap(),

@@ -1,8 +1,5 @@
 //! Draws small things and looks at the pixels. Needs OpenGL: see `POPULACE_SKIP` in `build.rs`.
-#![expect(
-    clippy::unwrap_used,
-    reason = "what fails while a test prepares fails the test"
-)]
+#![expect(clippy::unwrap_used, reason = "what fails while a test prepares fails the test")]
 
 mod fixture;
 mod palettes;

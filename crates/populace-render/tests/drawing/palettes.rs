@@ -39,10 +39,7 @@ fn each_part_follows_its_palette_entry() {
 fn a_palette_rotates_and_scales_about_the_models_origin() {
     let mut rig = Rig::new();
     let person = rig.add(&red_and_green());
-    rig.upload(&[
-        place([0.0; 3], std::f32::consts::FRAC_PI_2, [1.0; 3]),
-        place([0.0; 3], 0.0, [0.5; 3]),
-    ]);
+    rig.upload(&[place([0.0; 3], std::f32::consts::FRAC_PI_2, [1.0; 3]), place([0.0; 3], 0.0, [0.5; 3])]);
     let drawn = rig.draw(&[instance(person, Affine::IDENTITY, 0)]);
     drawn.expect(-1.1, 0.0, RED);
     drawn.expect(0.0, 0.8, GREEN);
@@ -54,16 +51,8 @@ fn a_palette_rotates_and_scales_about_the_models_origin() {
 fn instances_have_their_own_palette_place_and_tint() {
     let mut rig = Rig::new();
     let white = rig.add(&person([1.0; 3], [1.0; 3]));
-    rig.upload(&[
-        Affine::IDENTITY,
-        Affine::IDENTITY,
-        at(0.0, -1.0, 0.0),
-        at(0.0, -3.0, 0.0),
-    ]);
-    let mut list = [
-        instance(white, at(-1.0, 0.0, 0.0), 0),
-        instance(white, at(1.0, 0.0, 0.0), 2),
-    ];
+    rig.upload(&[Affine::IDENTITY, Affine::IDENTITY, at(0.0, -1.0, 0.0), at(0.0, -3.0, 0.0)]);
+    let mut list = [instance(white, at(-1.0, 0.0, 0.0), 0), instance(white, at(1.0, 0.0, 0.0), 2)];
     list[1].tint = [0.0, 1.0, 0.0];
     let drawn = rig.draw(&list);
     drawn.expect(-1.0, 1.6, [255; 3]);
@@ -79,12 +68,7 @@ fn palettes_are_found_in_their_page() {
     let mut rig = Rig::new();
     let person = rig.add(&red_and_green());
     rig.upload(&[at(50.0, 0.0, 0.0); 4]);
-    let page1 = [
-        at(50.0, 0.0, 0.0),
-        at(50.0, 0.0, 0.0),
-        at(0.0, -1.0, 0.0),
-        Affine::IDENTITY,
-    ];
+    let page1 = [at(50.0, 0.0, 0.0), at(50.0, 0.0, 0.0), at(0.0, -1.0, 0.0), Affine::IDENTITY];
     rig.renderer.upload_page(1, &palette(&page1)).unwrap();
     let drawn = rig.draw(&[
         instance(person, at(-50.0 + 1.0, 0.0, 0.0), 2),
@@ -105,12 +89,8 @@ fn a_page_can_grow_and_shrink() {
         entries[count - 2..].fill(Affine::IDENTITY);
         rig.upload(&entries);
         let last = u32::try_from(count - 2).unwrap();
-        rig.draw(&[instance(person, Affine::IDENTITY, last)])
-            .expect(0.0, 1.1, RED);
-        assert!(
-            rig.try_draw(&[instance(person, Affine::IDENTITY, last + 1)])
-                .is_err()
-        );
+        rig.draw(&[instance(person, Affine::IDENTITY, last)]).expect(0.0, 1.1, RED);
+        assert!(rig.try_draw(&[instance(person, Affine::IDENTITY, last + 1)]).is_err());
     }
 }
 
@@ -125,12 +105,9 @@ fn all_influences_of_a_vertex_count() {
             entries: (0..width).collect::<Vec<_>>().repeat(4),
             weights: vec![share; 4 * usize::from(width)],
         };
-        let character = Character::new(source(
-            vec![part("quad", 0, mesh)],
-            vec![plain([1.0; 4])],
-            u32::from(width),
-        ))
-        .unwrap();
+        let character =
+            Character::new(source(vec![part("quad", 0, mesh)], vec![plain([1.0; 4])], u32::from(width)))
+                .unwrap();
         let mut rig = Rig::new();
         let quad = rig.add(&character);
         // Shrunk to a tenth. Each entry moves it by 0.8 m, in pairs along different ways: +x, +y, -x twice, -y twice.
@@ -145,21 +122,14 @@ fn all_influences_of_a_vertex_count() {
             [-8.0, 0.0],
         ];
         let steps = &steps[..usize::from(width)];
-        let entries: Vec<_> = steps
-            .iter()
-            .map(|[x, y]| place([*x, *y, 0.0], 0.0, [0.1; 3]))
-            .collect();
+        let entries: Vec<_> = steps.iter().map(|[x, y]| place([*x, *y, 0.0], 0.0, [0.1; 3])).collect();
         rig.upload(&entries);
         let mean = |axis: usize| steps.iter().map(|step| step[axis]).sum::<f32>() * share;
         let drawn = rig.draw(&[instance(quad, at(0.0, 0.0, 0.0), 0)]);
         let (x, y) = (mean(0), mean(1));
         assert_ne!((x, y), (0.0, 0.0));
         // Off the picture for four influences, so it is brought back by the instance.
-        let drawn = if width == 4 {
-            rig.draw(&[instance(quad, at(-x, -y, 0.0), 0)])
-        } else {
-            drawn
-        };
+        let drawn = if width == 4 { rig.draw(&[instance(quad, at(-x, -y, 0.0), 0)]) } else { drawn };
         let (x, y) = if width == 4 { (0.0, 0.0) } else { (x, y) };
         drawn.expect(x, y, [255; 3]);
         drawn.expect(x + 0.3, y, NOTHING);
@@ -171,10 +141,7 @@ fn all_influences_of_a_vertex_count() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn hidden_parts_are_gone() {
     let mut rig = Rig::new();
-    let headless = rig
-        .renderer
-        .add_character(&red_and_green(), &|part| part.node_name == "head")
-        .unwrap();
+    let headless = rig.renderer.add_character(&red_and_green(), &|part| part.node_name == "head").unwrap();
     rig.upload(&[Affine::IDENTITY; 2]);
     let drawn = rig.draw(&[instance(headless, Affine::IDENTITY, 0)]);
     drawn.expect(0.0, 1.6, NOTHING);
@@ -189,14 +156,12 @@ fn the_nearer_one_hides_the_farther_in_any_order() {
     let green = rig.add(&person([0.0, 1.0, 0.0], [0.0, 1.0, 0.0]));
     rig.upload(&[Affine::IDENTITY; 2]);
     let (near, far) = (at(0.0, 0.0, 1.0), at(0.0, 0.0, -1.0));
-    for list in [
-        [instance(red, near, 0), instance(green, far, 0)],
-        [instance(green, far, 0), instance(red, near, 0)],
-    ] {
+    for list in
+        [[instance(red, near, 0), instance(green, far, 0)], [instance(green, far, 0), instance(red, near, 0)]]
+    {
         rig.draw(&list).expect(0.0, 1.1, RED);
     }
-    rig.draw(&[instance(red, far, 0), instance(green, near, 0)])
-        .expect(0.0, 1.1, GREEN);
+    rig.draw(&[instance(red, far, 0), instance(green, near, 0)]).expect(0.0, 1.1, GREEN);
 }
 
 #[test]
@@ -214,10 +179,7 @@ fn one_members_nonsense_does_not_reach_another() {
         instance(person, Affine::IDENTITY, 0),
     ]);
     alone.expect(0.0, 1.1, RED);
-    assert!(
-        alone.0 == among.0,
-        "a member that is not finite changed the picture"
-    );
+    assert!(alone.0 == among.0, "a member that is not finite changed the picture");
 }
 
 #[test]
@@ -230,17 +192,10 @@ fn renderers_on_one_thread_do_not_mix() {
         rig.upload(&[Affine::IDENTITY; 2]);
     }
     let [first, second] = &mut rigs;
-    first
-        .renderer
-        .draw(&first.scene, &[instance(handles[0], Affine::IDENTITY, 0)])
-        .unwrap();
-    second
-        .draw(&[instance(handles[1], Affine::IDENTITY, 0)])
-        .expect(0.0, 1.1, GREEN);
+    first.renderer.draw(&first.scene, &[instance(handles[0], Affine::IDENTITY, 0)]).unwrap();
+    second.draw(&[instance(handles[1], Affine::IDENTITY, 0)]).expect(0.0, 1.1, GREEN);
     let [mut first, mut second] = rigs;
     Picture(first.renderer.read_image().unwrap()).expect(0.0, 1.1, RED);
     drop(first);
-    second
-        .draw(&[instance(handles[1], at(1.0, 0.0, 0.0), 0)])
-        .expect(1.0, 1.1, GREEN);
+    second.draw(&[instance(handles[1], at(1.0, 0.0, 0.0), 0)]).expect(1.0, 1.1, GREEN);
 }

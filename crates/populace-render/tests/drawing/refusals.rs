@@ -22,10 +22,7 @@ fn pictures_have_at_least_one_pixel_and_no_more_than_the_driver_takes() {
         let mut renderer = Renderer::headless(size).unwrap();
         renderer.draw(&Scene::default(), &[]).unwrap();
         let Image { width, height, rgba } = renderer.read_image().unwrap();
-        assert_eq!(
-            ([width, height], rgba.len()),
-            (size, 4 * (width * height) as usize)
-        );
+        assert_eq!(([width, height], rgba.len()), (size, 4 * (width * height) as usize));
         assert!(rgba.iter().skip(3).step_by(4).all(|alpha| *alpha == 255));
     }
 }
@@ -38,17 +35,7 @@ fn pages_are_whole_matrices_within_the_limits() {
     let error = page(&mut rig, 0, 4).unwrap_err();
     assert!(matches!(error, Error::PartialMatrix { len: 4 }), "{error}");
     let error = page(&mut rig, 4096, 3).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            Error::TooLarge {
-                size: 4096,
-                limit: 4095,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, Error::TooLarge { size: 4096, limit: 4095, .. }), "{error}");
     let error = page(&mut rig, 0, 3 * (PAGE_ENTRIES as usize + 1)).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
     page(&mut rig, 0, 0).unwrap();
@@ -63,34 +50,10 @@ fn members_need_a_character_and_a_palette() {
     let here = rig.add(&character);
     let one = instance(here, Affine::IDENTITY, 0);
     let error = rig.try_draw(&[one]).err().unwrap();
-    assert!(
-        matches!(
-            error,
-            Error::NoPalette {
-                available: 0,
-                count: 2,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, Error::NoPalette { available: 0, count: 2, .. }), "{error}");
     rig.upload(&[Affine::IDENTITY; 3]);
-    let error = rig
-        .try_draw(&[one, instance(here, Affine::IDENTITY, 2)])
-        .err()
-        .unwrap();
-    assert!(
-        matches!(
-            error,
-            Error::NoPalette {
-                instance: 1,
-                first: 2,
-                available: 3,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    let error = rig.try_draw(&[one, instance(here, Affine::IDENTITY, 2)]).err().unwrap();
+    assert!(matches!(error, Error::NoPalette { instance: 1, first: 2, available: 3, .. }), "{error}");
     rig.draw(&[one]).expect(0.0, 1.1, [255; 3]);
 }
 
@@ -103,54 +66,22 @@ fn handles_of_another_renderer_are_refused() {
     other.add(&character);
     let elsewhere = other.add(&character);
     rig.upload(&[Affine::IDENTITY; 2]);
-    let error = rig
-        .try_draw(&[instance(elsewhere, Affine::IDENTITY, 0)])
-        .err()
-        .unwrap();
-    assert!(
-        matches!(
-            error,
-            Error::UnknownCharacter {
-                instance: 0,
-                count: 1
-            }
-        ),
-        "{error}"
-    );
+    let error = rig.try_draw(&[instance(elsewhere, Affine::IDENTITY, 0)]).err().unwrap();
+    assert!(matches!(error, Error::UnknownCharacter { instance: 0, count: 1 }), "{error}");
 }
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn textures_past_the_drivers_limit_are_refused() {
-    let texture = Texture {
-        image: 0,
-        wrap_u: Wrap::Repeat,
-        wrap_v: Wrap::Repeat,
-        filter: TextureFilter::Linear,
-    };
-    let material = Material {
-        base_color_texture: Some(texture),
-        ..Material::default()
-    };
+    let texture =
+        Texture { image: 0, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, filter: TextureFilter::Linear };
+    let material = Material { base_color_texture: Some(texture), ..Material::default() };
     let mut pieces = source(vec![part("quad", 0, quad_mesh(0))], vec![material], 1);
-    pieces.images = vec![Image {
-        width: 1 << 20,
-        height: 1,
-        rgba: vec![255; 4 << 20],
-    }];
+    pieces.images = vec![Image { width: 1 << 20, height: 1, rgba: vec![255; 4 << 20] }];
     let mut rig = Rig::new();
     let long = Character::new(pieces).unwrap();
     let error = rig.renderer.add_character(&long, &|_| false).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            Error::TooLarge {
-                what: "a texture's side",
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, Error::TooLarge { what: "a texture's side", .. }), "{error}");
     rig.renderer.add_character(&long, &|_| true).unwrap();
 }
 
@@ -173,11 +104,8 @@ fn cameras_and_scenes_must_make_sense() {
         let error = rig.try_draw(&[]).err().unwrap();
         assert!(matches!(error, Error::BadCamera { .. }), "{error}");
     }
-    let spoilers: [&dyn Fn(&mut Scene); 3] = [
-        &|s| s.sun.to_sun = [0.0; 3],
-        &|s| s.sun.color[1] = f32::INFINITY,
-        &|s| s.sky.horizon[2] = f32::NAN,
-    ];
+    let spoilers: [&dyn Fn(&mut Scene); 3] =
+        [&|s| s.sun.to_sun = [0.0; 3], &|s| s.sun.color[1] = f32::INFINITY, &|s| s.sky.horizon[2] = f32::NAN];
     for spoil in spoilers {
         rig.scene = good;
         spoil(&mut rig.scene);

@@ -17,10 +17,7 @@ pub(crate) struct Rig {
 
 impl Rig {
     pub(crate) fn new() -> Self {
-        Self {
-            renderer: Renderer::headless([SIZE; 2]).unwrap(),
-            scene: flat_scene(),
-        }
+        Self { renderer: Renderer::headless([SIZE; 2]).unwrap(), scene: flat_scene() }
     }
 
     pub(crate) fn add(&mut self, character: &Character) -> CharacterHandle {
@@ -53,31 +50,16 @@ pub(crate) fn flat_scene() -> Scene {
             near: 0.1,
             far: 200.0,
         },
-        sun: Sun {
-            to_sun: [0.0, 0.0, 1.0],
-            color: [0.0; 3],
-            casts_shadows: false,
-        },
-        ambient: Ambient {
-            sky: [1.0; 3],
-            ground: [1.0; 3],
-        },
+        sun: Sun { to_sun: [0.0, 0.0, 1.0], color: [0.0; 3], casts_shadows: false },
+        ambient: Ambient { sky: [1.0; 3], ground: [1.0; 3] },
         ground: None,
-        sky: Sky {
-            zenith: [0.0; 3],
-            horizon: [0.0; 3],
-        },
+        sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3] },
     }
 }
 
 /// An instance that is not tinted.
 pub(crate) fn instance(character: CharacterHandle, world_from_model: Affine, palette_first: u32) -> Instance {
-    Instance {
-        character,
-        world_from_model,
-        palette_first,
-        tint: [1.0; 3],
-    }
+    Instance { character, world_from_model, palette_first, tint: [1.0; 3] }
 }
 
 pub(crate) struct Picture(pub(crate) Image);
@@ -107,16 +89,8 @@ impl Picture {
 
 /// How a linear value is stored (IEC 61966-2-1).
 pub(crate) fn srgb(linear: f64) -> u8 {
-    let stored = if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
-    };
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to a byte"
-    )]
+    let stored = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
     let byte = (stored.clamp(0.0, 1.0) * 255.0).round() as u8;
     byte
 }

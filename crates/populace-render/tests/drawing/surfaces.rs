@@ -16,16 +16,8 @@ fn mesh_of(mesh: Mesh, material: Material) -> Character {
 }
 
 fn textured(image: Image, filter: TextureFilter) -> Character {
-    let texture = Texture {
-        image: 0,
-        wrap_u: Wrap::Repeat,
-        wrap_v: Wrap::Repeat,
-        filter,
-    };
-    let material = Material {
-        base_color_texture: Some(texture),
-        ..Material::default()
-    };
+    let texture = Texture { image: 0, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, filter };
+    let material = Material { base_color_texture: Some(texture), ..Material::default() };
     let mut pieces = source(vec![part("quad", 0, quad_mesh(0))], vec![material], 1);
     pieces.images = vec![image];
     Character::new(pieces).unwrap()
@@ -34,22 +26,9 @@ fn textured(image: Image, filter: TextureFilter) -> Character {
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn textures_stand_upright_and_are_srgb() {
-    let rgba = [
-        [255, 0, 0, 255],
-        [0, 255, 0, 255],
-        [0, 0, 255, 255],
-        [128, 128, 128, 255],
-    ]
-    .concat();
+    let rgba = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [128, 128, 128, 255]].concat();
     let mut rig = Rig::new();
-    let quad = rig.add(&textured(
-        Image {
-            width: 2,
-            height: 2,
-            rgba,
-        },
-        TextureFilter::Nearest,
-    ));
+    let quad = rig.add(&textured(Image { width: 2, height: 2, rgba }, TextureFilter::Nearest));
     rig.upload(&[Affine::IDENTITY]);
     let drawn = rig.draw(&[instance(quad, Affine::IDENTITY, 0)]);
     drawn.expect(-0.5, 0.5, [255, 0, 0]);
@@ -61,18 +40,9 @@ fn textures_stand_upright_and_are_srgb() {
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn smaller_mip_levels_average_light_not_bytes() {
-    let rgba = (0..64 * 64)
-        .flat_map(|i| [if (i / 64 + i) % 2 == 0 { 255 } else { 0 }, 0, 0, 255])
-        .collect();
+    let rgba = (0..64 * 64).flat_map(|i| [if (i / 64 + i) % 2 == 0 { 255 } else { 0 }, 0, 0, 255]).collect();
     let mut rig = Rig::new();
-    let quad = rig.add(&textured(
-        Image {
-            width: 64,
-            height: 64,
-            rgba,
-        },
-        TextureFilter::Linear,
-    ));
+    let quad = rig.add(&textured(Image { width: 64, height: 64, rgba }, TextureFilter::Linear));
     rig.upload(&[Affine::IDENTITY]);
     // 64 texels on 32 pixels.
     let drawn = rig.draw(&[instance(quad, place([0.0; 3], 0.0, [0.5; 3]), 0)]);
@@ -90,8 +60,7 @@ fn linear_colors_multiply() {
     rig.upload(&[Affine::IDENTITY]);
     let mut one = instance(quad, Affine::IDENTITY, 0);
     one.tint = [1.0, 1.0, 0.2];
-    rig.draw(&[one])
-        .expect(0.0, 0.0, [srgb(0.25), srgb(0.5), srgb(0.2)]);
+    rig.draw(&[one]).expect(0.0, 0.0, [srgb(0.25), srgb(0.5), srgb(0.2)]);
 }
 
 #[test]
@@ -99,18 +68,13 @@ fn linear_colors_multiply() {
 fn back_faces_show_only_where_double_sided() {
     let mut rig = Rig::new();
     let single = rig.add(&quad_of(plain([1.0; 4])));
-    let double = rig.add(&quad_of(Material {
-        double_sided: true,
-        ..plain([1.0; 4])
-    }));
+    let double = rig.add(&quad_of(Material { double_sided: true, ..plain([1.0; 4]) }));
     rig.upload(&[Affine::IDENTITY]);
     // A half turn about y.
     let behind = place([0.0; 3], 0.0, [-1.0, 1.0, -1.0]);
-    rig.draw(&[instance(single, Affine::IDENTITY, 0)])
-        .expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(single, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
     rig.draw(&[instance(single, behind, 0)]).expect(0.0, 0.0, NOTHING);
-    rig.draw(&[instance(double, Affine::IDENTITY, 0)])
-        .expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(double, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
     rig.draw(&[instance(double, behind, 0)]).expect(0.0, 0.0, WHITE);
 }
 
@@ -121,10 +85,7 @@ fn both_sides_are_lit_by_what_they_face() {
     rig.scene.ambient.sky = [0.0; 3];
     rig.scene.ambient.ground = [0.0; 3];
     rig.scene.sun.color = [0.5; 3];
-    let double = rig.add(&quad_of(Material {
-        double_sided: true,
-        ..plain([1.0; 4])
-    }));
+    let double = rig.add(&quad_of(Material { double_sided: true, ..plain([1.0; 4]) }));
     rig.upload(&[Affine::IDENTITY]);
     let lit = [srgb(0.5); 3];
     for world in [
@@ -136,8 +97,7 @@ fn both_sides_are_lit_by_what_they_face() {
         rig.draw(&[instance(double, world, 0)]).expect(0.0, 0.0, lit);
     }
     rig.scene.sun.to_sun = [0.0, 0.0, -1.0];
-    rig.draw(&[instance(double, Affine::IDENTITY, 0)])
-        .expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(double, Affine::IDENTITY, 0)]).expect(0.0, 0.0, NOTHING);
 }
 
 #[test]
@@ -155,13 +115,10 @@ fn mirrored_bodies_keep_their_outside() {
     rig.upload(&[Affine::IDENTITY, mirror]);
     let lit = [srgb(0.5); 3];
     rig.draw(&[instance(plain_quad, mirror, 0)]).expect(0.0, 0.0, lit);
-    rig.draw(&[instance(mirrored_at_rest, Affine::IDENTITY, 1)])
-        .expect(0.0, 0.0, lit);
-    rig.draw(&[instance(mirrored_at_rest, mirror, 1)])
-        .expect(0.0, 0.0, lit);
+    rig.draw(&[instance(mirrored_at_rest, Affine::IDENTITY, 1)]).expect(0.0, 0.0, lit);
+    rig.draw(&[instance(mirrored_at_rest, mirror, 1)]).expect(0.0, 0.0, lit);
     let behind = place([0.0; 3], 0.0, [1.0, 1.0, -1.0]);
-    rig.draw(&[instance(plain_quad, behind, 0)])
-        .expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(plain_quad, behind, 0)]).expect(0.0, 0.0, NOTHING);
 }
 
 #[test]
@@ -183,50 +140,34 @@ fn normals_stay_normal_under_uneven_scale() {
     rig.upload(&[Affine::IDENTITY, wide]);
     // The plane z = -x / 4 has the normal (1, 0, 4).
     let lit = [srgb(0.5 * 4.0 / 17_f64.sqrt()); 3];
-    rig.draw(&[instance(quad, Affine::IDENTITY, 1)])
-        .expect(0.0, 0.0, lit);
+    rig.draw(&[instance(quad, Affine::IDENTITY, 1)]).expect(0.0, 0.0, lit);
     rig.draw(&[instance(quad, wide, 0)]).expect(0.0, 0.0, lit);
 }
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn masks_leave_pixels_out_and_blends_mix() {
-    let alpha = |mode, alpha| {
-        quad_of(Material {
-            alpha: mode,
-            ..plain([1.0, 1.0, 1.0, alpha])
-        })
-    };
+    let alpha = |mode, alpha| quad_of(Material { alpha: mode, ..plain([1.0, 1.0, 1.0, alpha]) });
     let mut rig = Rig::new();
     rig.upload(&[Affine::IDENTITY]);
     let cut = rig.add(&alpha(AlphaMode::Mask { cutoff: 0.5 }, 0.4));
     let kept = rig.add(&alpha(AlphaMode::Mask { cutoff: 0.5 }, 0.6));
     let opaque = rig.add(&alpha(AlphaMode::Opaque, 0.1));
-    rig.draw(&[instance(cut, Affine::IDENTITY, 0)])
-        .expect(0.0, 0.0, NOTHING);
-    rig.draw(&[instance(kept, Affine::IDENTITY, 0)])
-        .expect(0.0, 0.0, WHITE);
-    rig.draw(&[instance(opaque, Affine::IDENTITY, 0)])
-        .expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(cut, Affine::IDENTITY, 0)]).expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(kept, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(opaque, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
 
-    let half = |[r, g, b]: [f32; 3]| {
-        quad_of(Material {
-            alpha: AlphaMode::Blend,
-            ..plain([r, g, b, 0.5])
-        })
-    };
+    let half = |[r, g, b]: [f32; 3]| quad_of(Material { alpha: AlphaMode::Blend, ..plain([r, g, b, 0.5]) });
     let red = rig.add(&half([1.0, 0.0, 0.0]));
     let green = rig.add(&half([0.0, 1.0, 0.0]));
     let (near, far) = (at(0.0, 0.0, 1.0), at(0.0, 0.0, 0.0));
     let wanted = [srgb(0.5), srgb(0.25), 0];
-    for list in [
-        [instance(red, near, 0), instance(green, far, 0)],
-        [instance(green, far, 0), instance(red, near, 0)],
-    ] {
+    for list in
+        [[instance(red, near, 0), instance(green, far, 0)], [instance(green, far, 0), instance(red, near, 0)]]
+    {
         rig.draw(&list).expect(0.0, 0.0, wanted);
     }
     // Opaque ones behind show through although they are of a later character.
     let blue = rig.add(&quad_of(plain([0.0, 0.0, 1.0, 1.0])));
-    rig.draw(&[instance(red, near, 0), instance(blue, far, 0)])
-        .expect(0.0, 0.0, [srgb(0.5), 0, srgb(0.5)]);
+    rig.draw(&[instance(red, near, 0), instance(blue, far, 0)]).expect(0.0, 0.0, [srgb(0.5), 0, srgb(0.5)]);
 }

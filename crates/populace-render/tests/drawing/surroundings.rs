@@ -10,14 +10,8 @@ use crate::rig::{Rig, instance, srgb};
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn the_ground_is_at_the_feet_and_the_sky_above() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground {
-        color: [0.0, 1.0, 0.0],
-        line_color: [0.0, 1.0, 0.0],
-    });
-    rig.scene.sky = Sky {
-        zenith: [0.0, 0.0, 1.0],
-        horizon: [0.0, 0.0, 1.0],
-    };
+    rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
+    rig.scene.sky = Sky { zenith: [0.0, 0.0, 1.0], horizon: [0.0, 0.0, 1.0] };
     // One metre up; the feet are one metre below the middle of the picture.
     rig.scene.camera.eye = [0.0, 1.0, 10.0];
     rig.scene.camera.target = [0.0, 1.0, 0.0];
@@ -30,22 +24,15 @@ fn the_ground_is_at_the_feet_and_the_sky_above() {
     drawn.expect(0.6, 0.1, [0, 0, 255]);
     drawn.expect(0.6, 1.9, [0, 0, 255]);
     rig.scene.ground = None;
-    rig.draw(&[instance(red, Affine::IDENTITY, 0)])
-        .expect(0.6, -0.9, [0, 0, 255]);
+    rig.draw(&[instance(red, Affine::IDENTITY, 0)]).expect(0.6, -0.9, [0, 0, 255]);
 }
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn haze_hides_the_distance() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground {
-        color: [0.0, 1.0, 0.0],
-        line_color: [0.0, 1.0, 0.0],
-    });
-    rig.scene.sky = Sky {
-        zenith: [0.0, 0.0, 1.0],
-        horizon: [0.0, 0.0, 1.0],
-    };
+    rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
+    rig.scene.sky = Sky { zenith: [0.0, 0.0, 1.0], horizon: [0.0, 0.0, 1.0] };
     rig.scene.camera.eye = [0.0, 1.0, 10.0];
     rig.scene.camera.target = [0.0, 1.0, 0.0];
     rig.scene.camera.far = 30.0;
@@ -53,10 +40,7 @@ fn haze_hides_the_distance() {
     // The ground there is 6, 20 and 28 m away.
     let [near, middle, far] = [-1.7, -0.5, -0.36].map(|y| drawn.at(0.0, y));
     assert!(near[1] > 240 && near[2] < 80, "{near:?}");
-    assert!(
-        (100..200).contains(&middle[1]) && (150..250).contains(&middle[2]),
-        "{middle:?}"
-    );
+    assert!((100..200).contains(&middle[1]) && (150..250).contains(&middle[2]), "{middle:?}");
     assert!(far[1] < 60 && far[2] > 240, "{far:?}");
 }
 
@@ -64,26 +48,14 @@ fn haze_hides_the_distance() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn paving_shows_lines_every_metre() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground {
-        color: [0.5; 3],
-        line_color: [0.0; 3],
-    });
+    rig.scene.ground = Some(Ground { color: [0.5; 3], line_color: [0.0; 3] });
     // From right above; up in the picture is -Z.
-    rig.scene.camera = Camera {
-        eye: [0.5, 10.0, 0.5],
-        target: [0.5, 0.0, 0.5],
-        up: [0.0, 0.0, -1.0],
-        ..rig.scene.camera
-    };
+    rig.scene.camera =
+        Camera { eye: [0.5, 10.0, 0.5], target: [0.5, 0.0, 0.5], up: [0.0, 0.0, -1.0], ..rig.scene.camera };
     let drawn = rig.draw(&[]);
     drawn.expect(0.0, 0.0, [srgb(0.5); 3]);
     drawn.expect(0.9, 0.9, [srgb(0.5); 3]);
-    let darkest = |x: f32| {
-        (0..5)
-            .map(|i| drawn.at(x + 0.02 * (i as f32 - 2.0), 0.0)[0])
-            .min()
-            .unwrap()
-    };
+    let darkest = |x: f32| (0..5).map(|i| drawn.at(x + 0.02 * (i as f32 - 2.0), 0.0)[0]).min().unwrap();
     assert!(darkest(0.5) < srgb(0.4), "a line at x = 1");
     assert!(darkest(-0.5) < darkest(0.5), "a wider one at x = 0");
 }
@@ -92,19 +64,12 @@ fn paving_shows_lines_every_metre() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn members_throw_shadows_on_the_ground_and_on_each_other() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground {
-        color: [1.0; 3],
-        line_color: [1.0; 3],
-    });
+    rig.scene.ground = Some(Ground { color: [1.0; 3], line_color: [1.0; 3] });
     rig.scene.ambient.sky = [0.1; 3];
     rig.scene.ambient.ground = [0.1; 3];
     rig.scene.sun.color = [0.5; 3];
-    rig.scene.camera = Camera {
-        eye: [0.0, 10.0, 0.0],
-        target: [0.0; 3],
-        up: [0.0, 0.0, -1.0],
-        ..rig.scene.camera
-    };
+    rig.scene.camera =
+        Camera { eye: [0.0, 10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, -1.0], ..rig.scene.camera };
     let white = rig.add(&person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY; 2]);
     // From the left at 45 degrees: the shadow reaches 1.75 m to the right.
@@ -137,9 +102,7 @@ fn lit_surfaces_do_not_shade_themselves() {
     let white = rig.add(&person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY; 2]);
     // A crowd wide enough for coarse texels, one of them in front of the camera.
-    let list: Vec<_> = (0..41)
-        .map(|i| instance(white, at((i as f32 - 20.0) * 1.5, 0.0, 0.0), 0))
-        .collect();
+    let list: Vec<_> = (0..41).map(|i| instance(white, at((i as f32 - 20.0) * 1.5, 0.0, 0.0), 0)).collect();
     let drawn = rig.draw(&list);
     let lit = [srgb(0.9 * f64::sqrt(0.5)); 3];
     for y in [0.1, 0.3, 0.5, 0.9, 1.0, 1.1, 1.2, 1.3] {

@@ -1,11 +1,11 @@
 //! Two backends beside each other.
 
-use populace_core::{Backend, Stage};
+use populace_core::{Backend, Stage, ticks_from_secs};
 
 use super::plans;
 use super::stages::{two_of_each, write_locals};
 use crate::compare::Judge;
-use crate::crowd::{Expected, ticks};
+use crate::expected::Expected;
 use crate::scenes::Scene;
 use crate::tolerance::{LOCAL_CAP, SampleBound};
 use crate::{MemberReading, Rng, TestCrowd};
@@ -33,22 +33,12 @@ fn same_bits(a: &mut dyn Backend, b: &mut dyn Backend) {
         }
         crowd.run_stage(backend, 0, Stage::Transform);
         crowd.run_stage(backend, 0, Stage::WriteBack);
-        (0..12)
-            .map(|member| crowd.read(backend, member))
-            .collect::<Vec<_>>()
+        (0..12).map(|member| crowd.read(backend, member)).collect::<Vec<_>>()
     };
     let (one, other) = (from_locals(a), from_locals(b));
     for (member, (one, other)) in one.iter().zip(&other).enumerate() {
-        judge.same_matrices(
-            &format!("member {member} model_from_joint"),
-            &other.models,
-            &one.models,
-        );
-        judge.same_matrices(
-            &format!("member {member} palette entry"),
-            &other.palette,
-            &one.palette,
-        );
+        judge.same_matrices(&format!("member {member} model_from_joint"), &other.models, &one.models);
+        judge.same_matrices(&format!("member {member} palette entry"), &other.palette, &one.palette);
     }
     judge.done();
 }
@@ -58,21 +48,16 @@ fn same_pose(a: &mut dyn Backend, b: &mut dyn Backend) {
     let mut judge = Judge::new("agreement of poses");
     let clips: Vec<usize> = (0..scene.clips.len()).collect();
     let plans = plans::members(82, &scene, &clips, 48, 8);
-    let tick = ticks(7.7);
+    let tick = ticks_from_secs(7.7);
     let run = |backend: &mut dyn Backend, crowd: &mut TestCrowd<'_>| {
         crowd.run_stages(backend, tick);
-        (0..48)
-            .map(|member| crowd.read(backend, member))
-            .collect::<Vec<_>>()
+        (0..48).map(|member| crowd.read(backend, member)).collect::<Vec<_>>()
     };
     let mut crowd = plans::crowd(&scene, 8, plans.clone());
     let one = run(a, &mut crowd);
     let other = run(b, &mut plans::crowd(&scene, 8, plans));
     for (member, _, plan) in crowd.members() {
-        let jumps = plan
-            .plays
-            .iter()
-            .any(|p| p.timing.is_near_jump(tick, &scene.clips[p.clip].clip));
+        let jumps = plan.plays.iter().any(|p| p.timing.is_near_jump(tick, &scene.clips[p.clip].clip));
         if jumps {
             judge.leave_out(10 * one[member].rotations.len());
             continue;
@@ -97,18 +82,8 @@ fn pair_up(judge: &mut Judge, member: usize, got: &MemberReading, with: &MemberR
                 judge.number(sign * got, f64::from(*with), 2.0 * bound, 2.0 * LOCAL_CAP, place);
             }
         };
-        pair(
-            "rotation",
-            &got.rotations[joint],
-            &with.rotations[joint],
-            bound.rotation,
-        );
-        pair(
-            "translation",
-            &got.translations[joint],
-            &with.translations[joint],
-            bound.translation,
-        );
+        pair("rotation", &got.rotations[joint], &with.rotations[joint], bound.rotation);
+        pair("translation", &got.translations[joint], &with.translations[joint], bound.translation);
         pair("scale", &got.scales[joint], &with.scales[joint], bound.scale);
     }
 }

@@ -1,10 +1,9 @@
 //! Pose: slots mixed within a layer.
 
-use populace_core::Backend;
+use populace_core::{Backend, ticks_from_secs};
 
 use super::plans;
 use crate::compare::Judge;
-use crate::crowd::ticks;
 use crate::scenes::{Scene, body, clip};
 use crate::tolerance::LOCAL_CAP;
 use crate::{MemberPlan, Play, Rng, single};
@@ -28,7 +27,7 @@ pub fn check_blends(backend: &mut dyn Backend) {
     });
     let mut crowd = plans::crowd(&scene, 8, plans);
     for step in 0..5 {
-        judge.frame(backend, &mut crowd, ticks(LATER_SECS + 0.31 * f64::from(step)));
+        judge.frame(backend, &mut crowd, ticks_from_secs(LATER_SECS + 0.31 * f64::from(step)));
     }
     judge.done();
 }
@@ -50,7 +49,7 @@ pub fn check_slot_order(backend: &mut dyn Backend) {
         plan.plays.reverse();
         crowd.add(plan);
     }
-    let tick = ticks(LATER_SECS);
+    let tick = ticks_from_secs(LATER_SECS);
     crowd.run_stages(backend, tick);
     for member in (0..48).step_by(2) {
         let (one, other) = (crowd.read(backend, member), crowd.read(backend, member + 1));
@@ -67,11 +66,7 @@ pub fn check_slot_order(backend: &mut dyn Backend) {
                 }
             };
             pair(&other.rotations[joint], &one.rotations[joint], bound.rotation);
-            pair(
-                &other.translations[joint],
-                &one.translations[joint],
-                bound.translation,
-            );
+            pair(&other.translations[joint], &one.translations[joint], bound.translation);
             pair(&other.scales[joint], &one.scales[joint], bound.scale);
         }
     }
@@ -101,7 +96,7 @@ pub fn check_zero_weights(backend: &mut dyn Backend) {
         crowd.add(with);
     }
     for step in 0..3 {
-        crowd.run(backend, ticks(LATER_SECS + 0.4 * f64::from(step)));
+        crowd.run(backend, ticks_from_secs(LATER_SECS + 0.4 * f64::from(step)));
         for member in (0..48).step_by(2) {
             let without = crowd.read_palette(backend, member);
             let with = crowd.read_palette(backend, member + 1);
@@ -129,10 +124,7 @@ pub fn check_small_totals(backend: &mut dyn Backend) {
         let two = [play.weighing(half), Play::held(clip::STILL, 0.0).weighing(half)];
         plans.push(MemberPlan::plain(body::SMALL, two.to_vec()));
     }
-    plans.push(MemberPlan::plain(
-        body::SMALL,
-        vec![Play::held(clip::LINEAR_AND_STEPS, 0.8).weighing(0.01)],
-    ));
+    plans.push(MemberPlan::plain(body::SMALL, vec![Play::held(clip::LINEAR_AND_STEPS, 0.8).weighing(0.01)]));
     let mut crowd = plans::crowd(&scene, 2, plans);
     judge.frame(backend, &mut crowd, 0);
     judge.done();

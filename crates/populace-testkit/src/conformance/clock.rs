@@ -1,25 +1,18 @@
 //! Evaluate: slots from the clock.
 
 use populace_core::layout::Float4;
-use populace_core::{Backend, StageBuffer};
+use populace_core::{Backend, StageBuffer, ticks_from_secs};
 
 use super::plans;
 use crate::compare::Judge;
-use crate::crowd::ticks;
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::{Scene, clip};
 use crate::tolerance::{LOCAL_CAP, WEIGHT_ERROR};
 use crate::{MemberPlan, Play, Rng};
 
 /// Clips whose pose tells the time at any moment.
-const CLOCKS: [usize; 6] = [
-    clip::EVEN,
-    clip::UNEVEN,
-    clip::SCALED,
-    clip::STEPS,
-    clip::LINEAR_AND_STEPS,
-    clip::STILL,
-];
+const CLOCKS: [usize; 6] =
+    [clip::EVEN, clip::UNEVEN, clip::SCALED, clip::STEPS, clip::LINEAR_AND_STEPS, clip::STILL];
 
 /// Loops, single runs and held times, forwards, backwards, slow and fast, at many readings of the clock.
 ///
@@ -32,32 +25,22 @@ pub fn check_clock(backend: &mut dyn Backend) {
     let mut members = Vec::new();
     for clip in CLOCKS {
         for speed in [1.0, -1.0, 0.37, -2.3, 4.0, 0.0] {
-            let start_tick = ticks(0.25);
+            let start_tick = ticks_from_secs(0.25);
             let phase = if speed < 0.0 { 0.8 } else { 0.15 };
-            let timings = [
-                Timing::Loop {
-                    start_tick,
-                    phase,
-                    speed,
-                },
-                Timing::Once { start_tick, speed },
-            ];
+            let timings = [Timing::Loop { start_tick, phase, speed }, Timing::Once { start_tick, speed }];
             members.extend(timings.map(|timing| (clip, timing)));
         }
         members.push((clip, Timing::Held { secs: 0.6 }));
     }
     let plan = |(clip, timing): (usize, Timing)| {
-        let play = Play {
-            timing,
-            ..Play::held(clip, 0.0)
-        };
+        let play = Play { timing, ..Play::held(clip, 0.0) };
         MemberPlan::plain(scene.clips[clip].body, vec![play])
     };
     let mut crowd = plans::crowd(&scene, 3, members.into_iter().map(plan));
     let mut rng = Rng::new(11);
     let mut secs = 0.25;
     for _ in 0..24 {
-        judge.frame(backend, &mut crowd, ticks(secs));
+        judge.frame(backend, &mut crowd, ticks_from_secs(secs));
         secs += rng.between(0.01, 0.7);
     }
     judge.done();
@@ -72,12 +55,8 @@ pub fn check_clock(backend: &mut dyn Backend) {
 pub fn check_weights(backend: &mut dyn Backend) {
     let scene = Scene::new();
     let mut judge = Judge::new("weights");
-    let ramp = |secs_from: f64, from, to, secs| Weighting::Ramp {
-        tick: ticks(secs_from),
-        from,
-        to,
-        secs,
-    };
+    let ramp =
+        |secs_from: f64, from, to, secs| Weighting::Ramp { tick: ticks_from_secs(secs_from), from, to, secs };
     let fades = [
         [ramp(0.0, 0.0, 1.0, 0.5), ramp(0.0, 1.0, 0.0, 0.5)],
         [ramp(0.1, 0.2, 0.9, 3.0), Weighting::Constant(0.5)],
@@ -85,20 +64,14 @@ pub fn check_weights(backend: &mut dyn Backend) {
         [Weighting::Constant(0.35), ramp(0.1, 1.0, 0.25, 7.3)],
     ];
     let plan = |weightings: [Weighting; 2]| {
-        let held = [
-            Play::held(clip::EVEN, 0.5),
-            Play::held(clip::LINEAR_AND_STEPS, 1.2),
-        ];
-        let plays = held
-            .into_iter()
-            .zip(weightings)
-            .map(|(play, weighting)| Play { weighting, ..play });
+        let held = [Play::held(clip::EVEN, 0.5), Play::held(clip::LINEAR_AND_STEPS, 1.2)];
+        let plays = held.into_iter().zip(weightings).map(|(play, weighting)| Play { weighting, ..play });
         MemberPlan::plain(scene.clips[clip::EVEN].body, plays.collect())
     };
     let mut crowd = plans::crowd(&scene, 4, fades.map(plan));
     let mut secs = 0.1;
     while secs < 20.0 {
-        let tick = ticks(secs);
+        let tick = ticks_from_secs(secs);
         judge.frame(backend, &mut crowd, tick);
         for (member, place, plan) in crowd.members() {
             let mut samples = [Float4::default(); 4];

@@ -1,10 +1,9 @@
 //! Pose: layers laid over each other.
 
-use populace_core::{Backend, LayerMode};
+use populace_core::{Backend, LayerMode, ticks_from_secs};
 
 use super::plans;
 use crate::compare::Judge;
-use crate::crowd::ticks;
 use crate::scenes::Scene;
 use crate::{LayerPlan, MemberPlan, Rng, single};
 
@@ -41,11 +40,7 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
         if n % 5 == 0 {
             // At the ends of their ranges; layer 0's are not looked at.
             layers.iter_mut().for_each(|layer| layer.weight = 1.0);
-            layers[0] = LayerPlan {
-                mode: LayerMode::Additive,
-                weight: 0.0,
-                mask: Some(vec![0.0; joints]),
-            };
+            layers[0] = LayerPlan { mode: LayerMode::Additive, weight: 0.0, mask: Some(vec![0.0; joints]) };
         }
         let count = rng.below(9);
         let plays = (0..count).map(|_| {
@@ -58,7 +53,7 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
     }
     let mut crowd = plans::crowd(&scene, 8, plans);
     for secs in [6.0, 6.7, 9.1] {
-        judge.frame(backend, &mut crowd, ticks(secs));
+        judge.frame(backend, &mut crowd, ticks_from_secs(secs));
     }
     judge.done();
 }

@@ -1,10 +1,9 @@
 //! Many kinds of members in one dispatch.
 
-use populace_core::Backend;
+use populace_core::{Backend, ticks_from_secs};
 
 use super::plans;
 use crate::compare::Judge;
-use crate::crowd::ticks;
 use crate::scenes::Scene;
 use crate::{MemberPlan, Rng};
 
@@ -33,7 +32,7 @@ pub fn check_mixed_dispatch(make: &mut dyn FnMut() -> Box<dyn Backend>) {
     let scene = Scene::new();
     let mut judge = Judge::new("mixed dispatch");
     let plans = any_members(61, &scene, 25);
-    let tick = ticks(7.3);
+    let tick = ticks_from_secs(7.3);
     let apart: Vec<Palette> = plans.iter().map(|plan| alone(make, &scene, plan, tick)).collect();
     for seed in 0..3 {
         let mut order: Vec<usize> = (0..plans.len()).collect();
@@ -63,7 +62,7 @@ pub fn check_churn(make: &mut dyn FnMut() -> Box<dyn Backend>) {
     let mut backend = make();
     let mut crowd = plans::crowd(&scene, 8, any_members(63, &scene, 18));
     for round in 0..4 {
-        let tick = ticks(6.0 + 0.21 * f64::from(round));
+        let tick = ticks_from_secs(6.0 + 0.21 * f64::from(round));
         crowd.run(&mut *backend, tick);
         let there: Vec<usize> = crowd.members().map(|(member, ..)| member).collect();
         for member in there {
@@ -79,7 +78,7 @@ pub fn check_churn(make: &mut dyn FnMut() -> Box<dyn Backend>) {
             crowd.add(plan);
         }
     }
-    let tick = ticks(8.4);
+    let tick = ticks_from_secs(8.4);
     crowd.run(&mut *backend, tick);
     for (member, _, plan) in crowd.members() {
         let place = format!("member {member} palette entry");

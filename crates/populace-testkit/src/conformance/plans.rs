@@ -1,27 +1,19 @@
 //! Plans of members by chance.
 
-use populace_core::LayerMode;
+use populace_core::{LayerMode, ticks_from_secs};
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
 use crate::{LayerPlan, MemberPlan, Play, Rng, TestCrowd, single};
 
-use crate::crowd::ticks;
-
 /// Any playing clip out of `clips`, begun before 5 s.
 pub(super) fn play(rng: &mut Rng, clips: &[usize]) -> Play {
-    let start_tick = ticks(rng.between(0.0, 5.0));
+    let start_tick = ticks_from_secs(rng.between(0.0, 5.0));
     let speed = single(rng.between(-1.5, 2.0));
     let timing = match rng.below(4) {
         0 => Timing::Once { start_tick, speed },
-        1 => Timing::Held {
-            secs: single(rng.between(-0.5, 2.5)),
-        },
-        _ => Timing::Loop {
-            start_tick,
-            phase: rng.between(0.0, 1.0),
-            speed,
-        },
+        1 => Timing::Held { secs: single(rng.between(-0.5, 2.5)) },
+        _ => Timing::Loop { start_tick, phase: rng.between(0.0, 1.0), speed },
     };
     Play {
         clip: clips[rng.below(clips.len())],
@@ -33,11 +25,7 @@ pub(super) fn play(rng: &mut Rng, clips: &[usize]) -> Play {
 
 /// A layer above layer 0 by chance.
 pub(super) fn layer(rng: &mut Rng, joints: usize) -> LayerPlan {
-    let mode = if rng.chance(0.5) {
-        LayerMode::Override
-    } else {
-        LayerMode::Additive
-    };
+    let mode = if rng.chance(0.5) { LayerMode::Override } else { LayerMode::Additive };
     LayerPlan {
         mode,
         weight: single(rng.between(0.1, 1.0)),
@@ -47,9 +35,7 @@ pub(super) fn layer(rng: &mut Rng, joints: usize) -> LayerPlan {
 
 /// Weights of which some are 0 and some 1.
 pub(super) fn mask(rng: &mut Rng, joints: usize) -> Vec<f32> {
-    (0..joints)
-        .map(|_| single(rng.between(-0.3, 1.3).clamp(0.0, 1.0)))
-        .collect()
+    (0..joints).map(|_| single(rng.between(-0.3, 1.3).clamp(0.0, 1.0))).collect()
 }
 
 /// A member of a body with up to `most` slots on up to four layers.
@@ -77,9 +63,7 @@ pub(super) fn members(
     most: usize,
 ) -> Vec<MemberPlan> {
     let mut rng = Rng::new(seed);
-    (0..count)
-        .map(|n| member(&mut rng, scene, n % scene.bodies.len(), clips, most))
-        .collect()
+    (0..count).map(|n| member(&mut rng, scene, n % scene.bodies.len(), clips, most)).collect()
 }
 
 /// A crowd of these members.

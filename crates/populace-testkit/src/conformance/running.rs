@@ -1,10 +1,10 @@
 //! Crowds that run for a while.
 
-use populace_core::Backend;
+use populace_core::{Backend, ticks_from_secs};
 
 use super::plans;
 use crate::compare::Judge;
-use crate::crowd::{FRAME_TICKS, ticks};
+use crate::plan::FRAME_TICKS;
 use crate::scenes::{Scene, body};
 use crate::{LayerPlan, MemberPlan, Play, Rng};
 
@@ -19,21 +19,15 @@ pub fn check_growth(backend: &mut dyn Backend) {
     let mut rng = Rng::new(71);
     let mut crowd = plans::crowd(&scene, 4, [MemberPlan::plain(body::SMALL, vec![])]);
     for (step, clip) in scene.tight_clips().into_iter().enumerate() {
-        let tick = ticks(6.0) + step as u64 * FRAME_TICKS;
+        let tick = ticks_from_secs(6.0) + step as u64 * FRAME_TICKS;
         let body = scene.clips[clip].body;
         let joints = scene.bodies[body].joints.len();
         let play = plans::play(&mut rng, &[clip]);
         let mut plan = MemberPlan::plain(body, vec![play, Play { layer: 1, ..play }]);
-        plan.layers.push(LayerPlan {
-            mask: Some(plans::mask(&mut rng, joints)),
-            ..LayerPlan::default()
-        });
+        plan.layers.push(LayerPlan { mask: Some(plans::mask(&mut rng, joints)), ..LayerPlan::default() });
         crowd.add(plan);
         // The first member changes over to the clip just added.
-        crowd.direct(
-            0,
-            MemberPlan::plain(body::SMALL, vec![plans::play(&mut rng, &[clip])]),
-        );
+        crowd.direct(0, MemberPlan::plain(body::SMALL, vec![plans::play(&mut rng, &[clip])]));
         judge.frame(backend, &mut crowd, tick);
     }
     judge.done();
@@ -49,7 +43,7 @@ pub fn check_long_run(backend: &mut dyn Backend) {
     let mut judge = Judge::new("long run");
     let clips = scene.tight_clips();
     let mut crowd = plans::crowd(&scene, 6, plans::members(72, &scene, &clips, 30, 6));
-    let start = ticks(5.0);
+    let start = ticks_from_secs(5.0);
     for frame in 0..=600 {
         let tick = start + frame * FRAME_TICKS;
         if [0, 299, 599, 600].contains(&frame) {

@@ -5,7 +5,7 @@ use populace_core::Backend;
 
 use super::plans;
 use crate::compare::{Judge, joint_place};
-use crate::crowd::Expected;
+use crate::expected::Expected;
 use crate::scenes::{Scene, SceneClip, body};
 use crate::{MemberPlan, MemberReading, Play, Rng, TestCrowd, single};
 
@@ -30,10 +30,7 @@ pub fn check_sampling_at_keys(backend: &mut dyn Backend) {
         }
         let bodies = [clip.body, clip.body, clip.body, body::SMALL, body::LARGE];
         for (n, time) in times.into_iter().enumerate() {
-            plans.push(MemberPlan::plain(
-                bodies[n % bodies.len()],
-                vec![Play::held(index, time)],
-            ));
+            plans.push(MemberPlan::plain(bodies[n % bodies.len()], vec![Play::held(index, time)]));
         }
     }
     let mut crowd = plans::crowd(&scene, 1, plans);

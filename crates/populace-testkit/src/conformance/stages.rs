@@ -2,11 +2,11 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_core::layout::Float4;
-use populace_core::{Backend, Stage, StageBuffer};
+use populace_core::{Backend, Stage, StageBuffer, ticks_from_secs};
 
 use super::plans;
 use crate::compare::Judge;
-use crate::crowd::Expected;
+use crate::expected::Expected;
 use crate::oracle::{Gain, Local, OraclePose, model_from_joints, palettes};
 use crate::scenes::Scene;
 use crate::tolerance::{AffineBound, LocalBound, model_bounds, palette_bounds};
@@ -60,9 +60,8 @@ pub fn check_transform_alone(backend: &mut dyn Backend) {
     let mut rng = Rng::new(51);
     let mut crowd = two_of_each(&scene);
     crowd.run_stages(backend, 0);
-    let locals: Vec<Vec<Local>> = (0..12)
-        .map(|member| write_locals(&mut rng, backend, &crowd, member))
-        .collect();
+    let locals: Vec<Vec<Local>> =
+        (0..12).map(|member| write_locals(&mut rng, backend, &crowd, member)).collect();
     crowd.run_stage(backend, 0, Stage::Transform);
     for (member, locals) in locals.into_iter().enumerate() {
         let body = &scene.bodies[crowd.plan(member).body].oracle;
@@ -86,9 +85,8 @@ pub fn check_write_back_alone(backend: &mut dyn Backend) {
     let mut rng = Rng::new(52);
     let mut crowd = two_of_each(&scene);
     crowd.run_stages(backend, 0);
-    let models: Vec<Vec<DAffine3>> = (0..12)
-        .map(|member| write_models(&mut rng, backend, &crowd, member))
-        .collect();
+    let models: Vec<Vec<DAffine3>> =
+        (0..12).map(|member| write_models(&mut rng, backend, &crowd, member)).collect();
     crowd.run_stage(backend, 0, Stage::WriteBack);
     for (member, models) in models.into_iter().enumerate() {
         let body = &scene.bodies[crowd.plan(member).body].oracle;
@@ -112,11 +110,7 @@ fn write_models(
     for row in &mut rows {
         row.extend((0..count).map(|_| [(); 4].map(|()| single(rng.between(-1.2, 1.2)))));
     }
-    let buffers = [
-        StageBuffer::ModelRow0,
-        StageBuffer::ModelRow1,
-        StageBuffer::ModelRow2,
-    ];
+    let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
     for (buffer, row) in buffers.into_iter().zip(&rows) {
         crowd.write_joints(backend, member, buffer, row);
     }
@@ -138,12 +132,7 @@ fn expected(
     palette_bounds: Vec<AffineBound>,
 ) -> Expected {
     Expected {
-        pose: OraclePose {
-            gains: Vec::<Gain>::new(),
-            locals,
-            model_from_joint,
-            palette,
-        },
+        pose: OraclePose { gains: Vec::<Gain>::new(), locals, model_from_joint, palette },
         locals: vec![],
         models,
         palette: palette_bounds,
@@ -160,18 +149,12 @@ pub fn check_pages(backend: &mut dyn Backend) {
     let mut judge = Judge::of_stage("pages");
     let clips: Vec<usize> = (0..scene.clips.len()).collect();
     let mut crowd = plans::crowd(&scene, 4, plans::members(53, &scene, &clips, 18, 4));
-    crowd.run(backend, crate::crowd::ticks(6.0));
+    crowd.run(backend, ticks_from_secs(6.0));
     let mut pages: Vec<Vec<Float4>> = Vec::new();
     for (page, length) in crowd.tables.page_lengths().into_iter().enumerate() {
         let mut copy = Vec::new();
-        backend
-            .with_page(page, &mut |elements| copy = elements.to_vec())
-            .expect("the page exists");
-        assert!(
-            copy.len() >= 3 * length,
-            "page {page} is off by {} elements",
-            3 * length - copy.len()
-        );
+        backend.with_page(page, &mut |elements| copy = elements.to_vec()).expect("the page exists");
+        assert!(copy.len() >= 3 * length, "page {page} is off by {} elements", 3 * length - copy.len());
         copy.truncate(3 * length);
         pages.push(copy);
     }

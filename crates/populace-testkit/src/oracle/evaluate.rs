@@ -47,22 +47,14 @@ impl Timing {
         let (start, duration) = (f64::from(clip.start_secs()), f64::from(clip.duration_secs()));
         match *self {
             Self::Loop { .. } if duration == 0.0 => start,
-            Self::Loop {
-                start_tick,
-                phase,
-                speed,
-            } => {
+            Self::Loop { start_tick, phase, speed } => {
                 let cycles = phase + elapsed_secs(start_tick, tick) * f64::from(speed) / duration;
                 start + (cycles - cycles.floor()) * duration
             }
             Self::Once { start_tick, speed } => {
                 let gone = elapsed_secs(start_tick, tick) * f64::from(speed.abs());
                 let gone = gone.min(duration);
-                if speed < 0.0 {
-                    start + duration - gone
-                } else {
-                    start + gone
-                }
+                if speed < 0.0 { start + duration - gone } else { start + gone }
             }
             Self::Held { secs } => f64::from(secs),
         }
@@ -83,12 +75,7 @@ impl Timing {
         let (start, duration) = (f64::from(clip.start_secs()), f64::from(clip.duration_secs()));
         let seam = matches!(self, Self::Loop { .. }) && duration > 0.0;
         let jumps = |track: &&populace_core::Track| track.interpolation == populace_core::Interpolation::Step;
-        let steps = clip
-            .source()
-            .tracks
-            .iter()
-            .filter(jumps)
-            .flat_map(|t| &t.times[1..]);
+        let steps = clip.source().tracks.iter().filter(jumps).flat_map(|t| &t.times[1..]);
         (seam && (time - start < near || start + duration - time < near))
             || steps.map(|t| f64::from(*t)).any(|t| (t - time).abs() < near)
     }

@@ -1,7 +1,7 @@
 //! The oracle: what a character looks like at a time, in double precision, from source curves and equations.
 //!
-//! One file per stage, named after it: [`evaluate`](Timing), `sample` and `pose`, `transform`, `write_back`. Joints
-//! are in the order of the source list, not in level order; nothing is flattened, packed or sorted.
+//! One file per stage, named after it: `evaluate.rs`, `pose.rs` (with `sample.rs`, the curves), `transform.rs` and
+//! `write_back.rs`. Joints are in the order of the source list, not in level order; nothing is flattened or packed.
 
 mod evaluate;
 mod pose;
@@ -113,11 +113,7 @@ pub struct OracleLayer {
 
 impl Default for OracleLayer {
     fn default() -> Self {
-        Self {
-            mode: LayerMode::Override,
-            weight: 1.0,
-            mask: None,
-        }
+        Self { mode: LayerMode::Override, weight: 1.0, mask: None }
     }
 }
 
@@ -144,10 +140,5 @@ pub fn evaluate(body: &OracleBody, slots: &[OracleSlot<'_>], layers: &[OracleLay
     let (locals, gains) = pose::pose(body, slots, layers);
     let model_from_joint = model_from_joints(body, &locals);
     let palette = palettes(body, &model_from_joint);
-    OraclePose {
-        locals,
-        gains,
-        model_from_joint,
-        palette,
-    }
+    OraclePose { locals, gains, model_from_joint, palette }
 }

@@ -24,11 +24,7 @@ pub struct Gain {
 }
 
 impl Gain {
-    const ONE: Self = Self {
-        translation: 1.0,
-        rotation: 1.0,
-        scale: 1.0,
-    };
+    const ONE: Self = Self { translation: 1.0, rotation: 1.0, scale: 1.0 };
 }
 
 struct Sample {
@@ -75,11 +71,7 @@ pub(super) fn pose(
 
 /// Layer 0: its mix, or rest where nearly nothing plays.
 fn base(rest: &Local, samples: &[Sample]) -> Posed {
-    if total(samples) > LEAST_TOTAL {
-        mix(rest, samples)
-    } else {
-        (*rest, Gain::ONE)
-    }
+    if total(samples) > LEAST_TOTAL { mix(rest, samples) } else { (*rest, Gain::ONE) }
 }
 
 fn total(samples: &[Sample]) -> f64 {
@@ -101,21 +93,10 @@ fn mix(rest: &Local, samples: &[Sample]) -> Posed {
         clear &= is_clear(rest, sample.value.rotation);
     }
     let gain = Gain {
-        rotation: if clear || samples.len() == 1 {
-            1.0 / rotation.length()
-        } else {
-            f64::INFINITY
-        },
+        rotation: if clear || samples.len() == 1 { 1.0 / rotation.length() } else { f64::INFINITY },
         ..Gain::ONE
     };
-    (
-        Local {
-            translation,
-            rotation: unit(rotation),
-            scale,
-        },
-        gain,
-    )
+    (Local { translation, rotation: unit(rotation), scale }, gain)
 }
 
 /// An override layer: the mix over what lies beneath, by slot total, layer weight and mask.
@@ -195,11 +176,7 @@ fn add(beneath: Posed, samples: &[Sample], strength: f64) -> Posed {
 /// Component by component; 1 where the reference is 0.
 fn ratio(value: DVec3, reference: DVec3) -> DVec3 {
     let one = |v: f64, r: f64| if r == 0.0 { 1.0 } else { v / r };
-    DVec3::new(
-        one(value.x, reference.x),
-        one(value.y, reference.y),
-        one(value.z, reference.z),
-    )
+    DVec3::new(one(value.x, reference.x), one(value.y, reference.y), one(value.z, reference.z))
 }
 
 fn four(q: DQuat) -> DVec4 {
@@ -212,11 +189,7 @@ fn unit(v: DVec4) -> DQuat {
 
 /// A rotation in the hemisphere of the rest rotation.
 fn towards(rest: &Local, rotation: DQuat) -> DVec4 {
-    if rest.rotation.dot(rotation) < 0.0 {
-        -four(rotation)
-    } else {
-        four(rotation)
-    }
+    if rest.rotation.dot(rotation) < 0.0 { -four(rotation) } else { four(rotation) }
 }
 
 /// Whether single precision agrees about the hemisphere.

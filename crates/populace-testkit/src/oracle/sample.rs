@@ -44,11 +44,7 @@ pub fn track_value(track: &Track, time_secs: f64) -> DVec4 {
             }
         }
     };
-    if track.property == Property::Rotation {
-        value.normalize()
-    } else {
-        value
-    }
+    if track.property == Property::Rotation { value.normalize() } else { value }
 }
 
 /// The shorter great arc from `a` to `b` at constant speed.
@@ -73,11 +69,7 @@ enum Part {
 
 /// A key's value or tangent, four wide.
 fn part(track: &Track, key: usize, part: Part) -> DVec4 {
-    let width = if track.property == Property::Rotation {
-        4
-    } else {
-        3
-    };
+    let width = if track.property == Property::Rotation { 4 } else { 3 };
     let first = if track.interpolation == Interpolation::CubicSpline {
         (key * 3 + part as usize) * width
     } else {
@@ -89,11 +81,7 @@ fn part(track: &Track, key: usize, part: Part) -> DVec4 {
     }
     let is_plain_rotation =
         track.property == Property::Rotation && track.interpolation != Interpolation::CubicSpline;
-    if is_plain_rotation {
-        DVec4::from_array(wide).normalize()
-    } else {
-        DVec4::from_array(wide)
-    }
+    if is_plain_rotation { DVec4::from_array(wide).normalize() } else { DVec4::from_array(wide) }
 }
 
 fn quat(v: DVec4) -> DQuat {

@@ -19,57 +19,31 @@ fn four(q: DQuat) -> [f32; 4] {
 }
 
 fn track(property: Property, interpolation: Interpolation, times: &[f32], values: &[f32]) -> Track {
-    Track {
-        joint: "a".into(),
-        property,
-        interpolation,
-        times: times.to_vec(),
-        values: values.to_vec(),
-    }
+    Track { joint: "a".into(), property, interpolation, times: times.to_vec(), values: values.to_vec() }
 }
 
 fn joint(name: &str, parent: Option<usize>, rest: Trs) -> JointSource {
-    JointSource {
-        name: name.into(),
-        parent,
-        rest,
-    }
+    JointSource { name: name.into(), parent, rest }
 }
 
 fn one_joint(rest: Trs) -> OracleBody {
-    OracleBody {
-        joints: vec![joint("a", None, rest)],
-        palette: vec![],
-    }
+    OracleBody { joints: vec![joint("a", None, rest)], palette: vec![] }
 }
 
 fn clip(tracks: Vec<Track>) -> ClipSource {
-    ClipSource {
-        name: String::new(),
-        tracks,
-    }
+    ClipSource { name: String::new(), tracks }
 }
 
 /// A clip that stands at one translation and rotation.
 fn still(x: f32, turn: DQuat) -> ClipSource {
     clip(vec![
-        track(
-            Property::Translation,
-            Interpolation::Linear,
-            &[0.0],
-            &[x, 0.0, 0.0],
-        ),
+        track(Property::Translation, Interpolation::Linear, &[0.0], &[x, 0.0, 0.0]),
         track(Property::Rotation, Interpolation::Linear, &[0.0], &four(turn)),
     ])
 }
 
 fn slot(clip: &ClipSource, weight: f64, layer: usize) -> OracleSlot<'_> {
-    OracleSlot {
-        clip,
-        time_secs: 0.0,
-        weight,
-        layer,
-    }
+    OracleSlot { clip, time_secs: 0.0, weight, layer }
 }
 
 #[track_caller]
@@ -94,12 +68,8 @@ fn slerp_turns_at_constant_speed_along_the_shorter_arc() {
 
 #[test]
 fn linear_translations_run_straight_and_hold_at_both_ends() {
-    let track = track(
-        Property::Translation,
-        Interpolation::Linear,
-        &[1.0, 3.0],
-        &[0.0, 2.0, 4.0, 4.0, 2.0, 0.0],
-    );
+    let track =
+        track(Property::Translation, Interpolation::Linear, &[1.0, 3.0], &[0.0, 2.0, 4.0, 4.0, 2.0, 0.0]);
     assert_eq!(track_value(&track, 1.5).to_array(), [1.0, 2.0, 3.0, 0.0]);
     assert_eq!(track_value(&track, -9.0).to_array(), [0.0, 2.0, 4.0, 0.0]);
     assert_eq!(track_value(&track, 9.0).to_array(), [4.0, 2.0, 0.0, 0.0]);
@@ -119,12 +89,7 @@ fn a_spline_follows_the_hermite_polynomials_with_tangents_per_second() {
     // In-tangent, value, out-tangent of x for keys at 0 s and 2 s; y and z stay 0.
     let key = |into: f32, value: f32, out: f32| [into, 0.0, 0.0, value, 0.0, 0.0, out, 0.0, 0.0];
     let values = [key(99.0, 1.0, 0.5), key(-1.0, 3.0, 99.0)].concat();
-    let track = track(
-        Property::Translation,
-        Interpolation::CubicSpline,
-        &[0.0, 2.0],
-        &values,
-    );
+    let track = track(Property::Translation, Interpolation::CubicSpline, &[0.0, 2.0], &values);
     // At a quarter: 0.84375 * 1 + 0.140625 * 2 * 0.5 + 0.15625 * 3 + (-0.046875) * 2 * (-1).
     assert_eq!(track_value(&track, 0.5).x, 1.546_875);
     assert_eq!(track_value(&track, 0.0).x, 1.0);
@@ -135,12 +100,7 @@ fn a_spline_follows_the_hermite_polynomials_with_tangents_per_second() {
 fn a_spline_of_rotations_is_normalised() {
     let zero = [0.0; 4];
     let values = [zero, four(DQuat::IDENTITY), zero, zero, four(about_z(90.0)), zero].concat();
-    let track = track(
-        Property::Rotation,
-        Interpolation::CubicSpline,
-        &[0.0, 1.0],
-        &values,
-    );
+    let track = track(Property::Rotation, Interpolation::CubicSpline, &[0.0, 1.0], &values);
     let value = DQuat::from_array(track_value(&track, 0.5).to_array());
     close(value.length(), 1.0);
     close(value.dot(about_z(45.0)).abs(), 1.0);
@@ -148,15 +108,8 @@ fn a_spline_of_rotations_is_normalised() {
 
 #[test]
 fn a_rotated_child_under_nonuniform_scale_shears() {
-    let parent = Trs {
-        scale: [2.0, 1.0, 1.0],
-        ..Trs::IDENTITY
-    };
-    let child = Trs {
-        translation: [1.0, 0.0, 0.0],
-        rotation: four(about_z(45.0)),
-        ..Trs::IDENTITY
-    };
+    let parent = Trs { scale: [2.0, 1.0, 1.0], ..Trs::IDENTITY };
+    let child = Trs { translation: [1.0, 0.0, 0.0], rotation: four(about_z(45.0)), ..Trs::IDENTITY };
     // The child stands before its parent in the source.
     let mut bind = [0.0; 12];
     (bind[0], bind[5], bind[10], bind[7]) = (1.0, 1.0, 1.0, 1.0);
@@ -191,16 +144,10 @@ fn slots_of_a_layer_are_divided_by_their_total() {
 
 #[test]
 fn an_override_layer_mixes_by_total_weight_and_mask() {
-    let body = one_joint(Trs {
-        translation: [8.0, 0.0, 0.0],
-        ..Trs::IDENTITY
-    });
+    let body = one_joint(Trs { translation: [8.0, 0.0, 0.0], ..Trs::IDENTITY });
     let (below, above) = (still(0.0, DQuat::IDENTITY), still(4.0, about_z(90.0)));
-    let layer = |weight: f64, mask: f64| OracleLayer {
-        weight,
-        mask: Some(vec![mask]),
-        ..OracleLayer::default()
-    };
+    let layer =
+        |weight: f64, mask: f64| OracleLayer { weight, mask: Some(vec![mask]), ..OracleLayer::default() };
     // Layer 0 says 0, which is not looked at.
     let x = |weight: f64, layer_weight: f64, mask: f64| {
         let slots = [slot(&below, 1.0, 0), slot(&above, weight, 1)];
@@ -212,12 +159,7 @@ fn an_override_layer_mixes_by_total_weight_and_mask() {
     close(x(0.0, 1.0, 1.0).translation.x, 0.0);
     same_turn_within(x(0.5, 1.0, 1.0).rotation, about_z(45.0));
     // Nothing plays beneath: the layer lies over the rest pose.
-    let over_rest = evaluate(
-        &body,
-        &[slot(&above, 0.5, 1)],
-        &[layer(1.0, 1.0), layer(1.0, 1.0)],
-    )
-    .locals[0];
+    let over_rest = evaluate(&body, &[slot(&above, 0.5, 1)], &[layer(1.0, 1.0), layer(1.0, 1.0)]).locals[0];
     close(over_rest.translation.x, 6.0);
 }
 
@@ -236,34 +178,17 @@ fn an_additive_layer_adds_the_difference_from_the_first_pose() {
     let body = one_joint(rest);
     let nod = clip(vec![
         // The clip begins at 1 s; the translation's own keys come later, so its first value is the reference.
-        track(
-            Property::Translation,
-            Interpolation::Linear,
-            &[2.0, 3.0],
-            &[1.0, 0.0, 0.0, 1.5, 0.0, 0.0],
-        ),
+        track(Property::Translation, Interpolation::Linear, &[2.0, 3.0], &[1.0, 0.0, 0.0, 1.5, 0.0, 0.0]),
         track(
             Property::Rotation,
             Interpolation::Linear,
             &[1.0, 3.0],
             &[four(about_z(30.0)), four(-about_z(90.0))].concat(),
         ),
-        track(
-            Property::Scale,
-            Interpolation::Step,
-            &[1.0, 3.0],
-            &[2.0, 0.0, 1.0, 3.0, 7.0, 1.0],
-        ),
+        track(Property::Scale, Interpolation::Step, &[1.0, 3.0], &[2.0, 0.0, 1.0, 3.0, 7.0, 1.0]),
     ]);
-    let additive = OracleLayer {
-        mode: LayerMode::Additive,
-        weight: 0.5,
-        mask: None,
-    };
-    let playing = OracleSlot {
-        time_secs: 3.0,
-        ..slot(&nod, 1.0, 1)
-    };
+    let additive = OracleLayer { mode: LayerMode::Additive, weight: 0.5, mask: None };
+    let playing = OracleSlot { time_secs: 3.0, ..slot(&nod, 1.0, 1) };
     let local = evaluate(&body, &[playing], &[OracleLayer::default(), additive]).locals[0];
     close(local.translation.x, 10.25);
     // Half of the way from identity to 60 degrees, after what lies beneath.
@@ -280,27 +205,14 @@ fn additive_slots_add_up_whatever_their_order() {
     let moves = |x: f32, turn: DQuat| {
         let rotation = [four(DQuat::IDENTITY), four(turn)].concat();
         clip(vec![
-            track(
-                Property::Translation,
-                Interpolation::Linear,
-                &[0.0, 1.0],
-                &[0.0, 0.0, 0.0, x, 0.0, 0.0],
-            ),
+            track(Property::Translation, Interpolation::Linear, &[0.0, 1.0], &[0.0, 0.0, 0.0, x, 0.0, 0.0]),
             track(Property::Rotation, Interpolation::Linear, &[0.0, 1.0], &rotation),
         ])
     };
     let (one, other) = (moves(1.0, about_z(40.0)), moves(2.0, DQuat::from_rotation_x(0.7)));
-    let layers = [
-        OracleLayer::default(),
-        OracleLayer {
-            mode: LayerMode::Additive,
-            ..OracleLayer::default()
-        },
-    ];
-    let at = |clip, weight| OracleSlot {
-        time_secs: 1.0,
-        ..slot(clip, weight, 1)
-    };
+    let layers =
+        [OracleLayer::default(), OracleLayer { mode: LayerMode::Additive, ..OracleLayer::default() }];
+    let at = |clip, weight| OracleSlot { time_secs: 1.0, ..slot(clip, weight, 1) };
     let a = evaluate(&body, &[at(&one, 0.8), at(&other, 0.9)], &layers).locals[0];
     let b = evaluate(&body, &[at(&other, 0.9), at(&one, 0.8)], &layers).locals[0];
     close(a.translation.x, 0.8 + 1.8);
@@ -310,15 +222,9 @@ fn additive_slots_add_up_whatever_their_order() {
 
 #[test]
 fn a_body_read_back_from_its_skeleton_is_in_the_order_of_the_source() {
-    let rest = |x: f32| Trs {
-        translation: [x, 0.0, 0.0],
-        ..Trs::IDENTITY
-    };
-    let joints = [
-        joint("hand", Some(2), rest(1.0)),
-        joint("prop", None, rest(2.0)),
-        joint("hips", None, rest(3.0)),
-    ];
+    let rest = |x: f32| Trs { translation: [x, 0.0, 0.0], ..Trs::IDENTITY };
+    let joints =
+        [joint("hand", Some(2), rest(1.0)), joint("prop", None, rest(2.0)), joint("hips", None, rest(3.0))];
     let skeleton = Skeleton::new(&joints).expect("sound");
     let palette = [PaletteEntry {
         joint: skeleton.joint_from_source(0),
@@ -334,40 +240,24 @@ fn a_body_read_back_from_its_skeleton_is_in_the_order_of_the_source() {
 
 #[test]
 fn time_wraps_holds_and_runs_backwards() {
-    let rises = track(
-        Property::Translation,
-        Interpolation::Linear,
-        &[1.0, 3.0],
-        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
-    );
+    let rises =
+        track(Property::Translation, Interpolation::Linear, &[1.0, 3.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     let skeleton = Skeleton::new(&[joint("a", None, Trs::IDENTITY)]).expect("sound");
     let clip = Clip::new(clip(vec![rises]), &skeleton).expect("sound");
     let tick = |secs: f64| populace_core::ticks_from_secs(secs);
-    let looping = |speed| Timing::Loop {
-        start_tick: tick(1.0),
-        phase: 0.25,
-        speed,
-    };
+    let looping = |speed| Timing::Loop { start_tick: tick(1.0), phase: 0.25, speed };
     close(looping(1.0).time_secs(tick(1.0), &clip), 1.5);
     close(looping(1.0).time_secs(tick(3.0), &clip), 1.5);
     close(looping(2.0).time_secs(tick(2.0), &clip), 1.5);
     close(looping(-1.0).time_secs(tick(2.0), &clip), 2.5);
-    let once = |speed| Timing::Once {
-        start_tick: tick(1.0),
-        speed,
-    };
+    let once = |speed| Timing::Once { start_tick: tick(1.0), speed };
     close(once(1.0).time_secs(tick(2.0), &clip), 2.0);
     close(once(1.0).time_secs(tick(9.0), &clip), 3.0);
     close(once(-0.5).time_secs(tick(2.0), &clip), 2.5);
     close(once(-1.0).time_secs(tick(9.0), &clip), 1.0);
     assert!(looping(1.0).is_near_jump(tick(2.5), &clip), "the seam");
     assert!(!looping(1.0).is_near_jump(tick(2.4), &clip));
-    let ramp = Weighting::Ramp {
-        tick: tick(1.0),
-        from: 1.0,
-        to: 0.5,
-        secs: 2.0,
-    };
+    let ramp = Weighting::Ramp { tick: tick(1.0), from: 1.0, to: 0.5, secs: 2.0 };
     close(ramp.weight(tick(2.0)), 0.75);
     close(ramp.weight(tick(8.0)), 0.5);
 }

@@ -12,9 +12,7 @@ use super::{Local, OracleBody};
 #[must_use]
 pub fn model_from_joints(body: &OracleBody, locals: &[Local]) -> Vec<DAffine3> {
     assert_eq!(body.joints.len(), locals.len(), "one local transform per joint");
-    (0..locals.len())
-        .map(|joint| model_from_joint(body, locals, joint, 0))
-        .collect()
+    (0..locals.len()).map(|joint| model_from_joint(body, locals, joint, 0)).collect()
 }
 
 fn model_from_joint(body: &OracleBody, locals: &[Local], joint: usize, below: usize) -> DAffine3 {
@@ -29,8 +27,5 @@ fn model_from_joint(body: &OracleBody, locals: &[Local], joint: usize, below: us
 /// The matrix of translation times rotation times scale (glTF 2.0, section 3.5.3).
 fn parent_from_joint(local: &Local) -> DAffine3 {
     let turn = DMat3::from_quat(local.rotation);
-    DAffine3 {
-        matrix3: turn * DMat3::from_diagonal(local.scale),
-        translation: local.translation,
-    }
+    DAffine3 { matrix3: turn * DMat3::from_diagonal(local.scale), translation: local.translation }
 }

@@ -7,14 +7,8 @@ use crate::oracle::OracleBody;
 use crate::{Rng, single};
 
 pub(super) fn all() -> Vec<SceneBody> {
-    let plans = [
-        (2, 1, false),
-        (24, 1, false),
-        (54, 2, false),
-        (54, 1, true),
-        (300, 1, false),
-        (17, 1, false),
-    ];
+    let plans =
+        [(2, 1, false), (24, 1, false), (54, 2, false), (54, 1, true), (300, 1, false), (17, 1, false)];
     let mut seed = 0;
     plans
         .map(|(count, roots, scaled)| {
@@ -33,10 +27,7 @@ fn body(rng: &mut Rng, joints: Vec<JointSource>, drawn: bool) -> SceneBody {
         let one = palette.is_empty() && joint.index() + 1 == skeleton.joint_count();
         for _ in 0..[0, 1, 1, 1, 2, 3][rng.below(6)].max(usize::from(one)) {
             let rows = [(); 3].map(|()| [(); 4].map(|()| single(rng.between(-1.0, 1.0))));
-            palette.push(PaletteEntry {
-                joint,
-                joint_from_bind: Affine { rows },
-            });
+            palette.push(PaletteEntry { joint, joint_from_bind: Affine { rows } });
         }
     }
     rng.shuffle(&mut palette);
@@ -45,16 +36,8 @@ fn body(rng: &mut Rng, joints: Vec<JointSource>, drawn: bool) -> SceneBody {
         let wide = std::array::from_fn(|element| f64::from(flat[element]));
         (skeleton.source_from_joint(e.joint), wide)
     };
-    let oracle = OracleBody {
-        joints: joints.clone(),
-        palette: palette.iter().map(entry).collect(),
-    };
-    SceneBody {
-        joints,
-        skeleton,
-        palette,
-        oracle,
-    }
+    let oracle = OracleBody { joints: joints.clone(), palette: palette.iter().map(entry).collect() };
+    SceneBody { joints, skeleton, palette, oracle }
 }
 
 /// A random tree in shuffled order. Joints of one number have one name and nearly one rest rotation on all bodies, so
@@ -65,11 +48,8 @@ fn joints(rng: &mut Rng, count: usize, roots: usize, scaled: bool) -> Vec<JointS
     let mut joints: Vec<Option<JointSource>> = vec![None; count];
     for number in 0..count {
         let parent = (number >= roots).then(|| place[number - 1 - rng.below(number.min((count / 7).max(3)))]);
-        joints[place[number]] = Some(JointSource {
-            name: format!("joint {number}"),
-            parent,
-            rest: rest(rng, number, scaled),
-        });
+        joints[place[number]] =
+            Some(JointSource { name: format!("joint {number}"), parent, rest: rest(rng, number, scaled) });
     }
     joints.into_iter().flatten().collect()
 }
@@ -79,14 +59,6 @@ fn rest(rng: &mut Rng, number: usize, scaled: bool) -> Trs {
     let (angle, length) = (rng.between(0.0, 0.35), rng.between(0.05, 0.25));
     let rotation = common * rng.turn(angle);
     let translation = rng.direction() * length;
-    let scale = if scaled {
-        rng.vector(0.85, 1.2).to_array().map(single)
-    } else {
-        [1.0; 3]
-    };
-    Trs {
-        translation: translation.to_array().map(single),
-        rotation: rotation.to_array().map(single),
-        scale,
-    }
+    let scale = if scaled { rng.vector(0.85, 1.2).to_array().map(single) } else { [1.0; 3] };
+    Trs { translation: translation.to_array().map(single), rotation: rotation.to_array().map(single), scale }
 }

@@ -28,10 +28,8 @@ const CLIPS: [(&str, usize); 14] = [
 pub(super) fn all(bodies: &[SceneBody]) -> Vec<SceneClip> {
     let mut rng = Rng::new(77);
     let mut clip = |(index, (name, body)): (usize, (&str, usize))| {
-        let source = ClipSource {
-            name: name.to_owned(),
-            tracks: tracks(index, &mut rng, &bodies[body].joints),
-        };
+        let source =
+            ClipSource { name: name.to_owned(), tracks: tracks(index, &mut rng, &bodies[body].joints) };
         SceneClip::new(source, &bodies[body], body)
     };
     CLIPS.into_iter().enumerate().map(&mut clip).collect()
@@ -121,10 +119,7 @@ fn linear_and_steps(rng: &mut Rng, joints: &[JointSource], times: &[f32]) -> Vec
 fn strangers(rng: &mut Rng, joints: &[JointSource], times: &[f32]) -> Vec<Track> {
     let mut tracks = gentle(rng, joints, 0.3, times);
     for name in ["tail", "left ear", "cape 7"] {
-        let stranger = JointSource {
-            name: name.into(),
-            ..joints[0].clone()
-        };
+        let stranger = JointSource { name: name.into(), ..joints[0].clone() };
         tracks.insert(rng.below(tracks.len()), swing(rng, &stranger, Linear, times));
     }
     tracks

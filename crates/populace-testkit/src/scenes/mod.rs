@@ -49,13 +49,7 @@ impl SceneClip {
     /// All key times, ascending, each once.
     #[must_use]
     pub fn key_times(&self) -> Vec<f32> {
-        let mut times: Vec<f32> = self
-            .clip
-            .source()
-            .tracks
-            .iter()
-            .flat_map(|t| t.times.clone())
-            .collect();
+        let mut times: Vec<f32> = self.clip.source().tracks.iter().flat_map(|t| t.times.clone()).collect();
         times.sort_by(f32::total_cmp);
         times.dedup();
         times
@@ -83,9 +77,7 @@ impl Scene {
     /// Clips that are held to a tight bound at every time, not only at keys.
     #[must_use]
     pub fn tight_clips(&self) -> Vec<usize> {
-        (0..self.clips.len())
-            .filter(|&clip| self.clips[clip].between_keys.is_some())
-            .collect()
+        (0..self.clips.len()).filter(|&clip| self.clips[clip].between_keys.is_some()).collect()
     }
 }
 
@@ -154,21 +146,12 @@ mod tests {
         let scene = Scene::new();
         let counts: Vec<_> = scene.bodies.iter().map(|b| b.skeleton.joint_count()).collect();
         assert_eq!(counts, [2, 24, 54, 54, 300, 17]);
-        let roots = |b: usize| {
-            scene.bodies[b]
-                .joints
-                .iter()
-                .filter(|j| j.parent.is_none())
-                .count()
-        };
+        let roots = |b: usize| scene.bodies[b].joints.iter().filter(|j| j.parent.is_none()).count();
         assert_eq!(roots(body::TWO_ROOTS), 2);
         assert!(scene.bodies[body::BARE].palette.is_empty());
         let small = &scene.bodies[body::SMALL];
         let first_child = |(at, joint): (usize, &JointSource)| joint.parent.is_some_and(|p| p > at);
-        assert!(
-            small.joints.iter().enumerate().any(first_child),
-            "a child stands before its parent"
-        );
+        assert!(small.joints.iter().enumerate().any(first_child), "a child stands before its parent");
         let entries = |joint| small.palette.iter().filter(|e| e.joint == joint).count();
         let counts: Vec<_> = small.skeleton.joints().map(entries).collect();
         assert!(counts.contains(&0) && counts.iter().any(|&c| c > 1), "{counts:?}");
@@ -187,11 +170,7 @@ mod tests {
             let tracks = &scene.clips[clip::ALL_KINDS].clip.source().tracks;
             tracks.iter().filter(|t| t.interpolation == kind).count()
         };
-        for kind in [
-            Interpolation::Linear,
-            Interpolation::Step,
-            Interpolation::CubicSpline,
-        ] {
+        for kind in [Interpolation::Linear, Interpolation::Step, Interpolation::CubicSpline] {
             assert!(kinds(kind) > 2, "{kind:?}");
         }
     }

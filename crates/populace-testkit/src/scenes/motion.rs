@@ -8,13 +8,7 @@ use populace_core::{Interpolation, JointSource, Property, Track};
 use crate::{Rng, single};
 
 fn track(joint: &str, property: Property, interpolation: Interpolation, times: &[f32]) -> Track {
-    Track {
-        joint: joint.to_owned(),
-        property,
-        interpolation,
-        times: times.to_vec(),
-        values: Vec::new(),
-    }
+    Track { joint: joint.to_owned(), property, interpolation, times: times.to_vec(), values: Vec::new() }
 }
 
 fn rest_rotation(joint: &JointSource) -> DQuat {
@@ -84,11 +78,7 @@ pub(super) fn wide_turns(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> T
     let mut track = track(&joint.name, Property::Rotation, Interpolation::Linear, times);
     let mut value = rest_rotation(joint);
     for _ in times {
-        let angle = if rng.chance(0.3) {
-            170f64.to_radians()
-        } else {
-            rng.between(0.3, 2.9)
-        };
+        let angle = if rng.chance(0.3) { 170f64.to_radians() } else { rng.between(0.3, 2.9) };
         value = (value * rng.turn(angle)).normalize();
         let sign = if rng.chance(0.5) { -1.0 } else { 1.0 };
         track.values.extend((value * sign).to_array().map(single));
@@ -131,9 +121,7 @@ pub(super) fn spline(rng: &mut Rng, joint: &JointSource, property: Property, tim
         let tangent =
             |rng: &mut Rng| -> Vec<f64> { value.iter().map(|_| rng.between(-reach, reach)).collect() };
         let (into, out) = (tangent(rng), tangent(rng));
-        track
-            .values
-            .extend([into, value, out].concat().into_iter().map(single));
+        track.values.extend([into, value, out].concat().into_iter().map(single));
     }
     track
 }

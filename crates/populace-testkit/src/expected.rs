@@ -1,0 +1,92 @@
+//! What the oracle says of a crowd's members.
+
+use crate::oracle::{OracleLayer, OraclePose, OracleSlot, Timing, Weighting, evaluate};
+use crate::tolerance::{AffineBound, LocalBound, SampleBound, WEIGHT_ERROR, model_bounds, palette_bounds};
+use crate::{LayerPlan, MemberPlan, Play, TestCrowd};
+
+/// What the oracle says of a member, and how far a backend may be off.
+#[derive(Clone, Debug)]
+pub(crate) struct Expected {
+    pub(crate) pose: OraclePose,
+    pub(crate) locals: Vec<LocalBound>,
+    pub(crate) models: Vec<AffineBound>,
+    pub(crate) palette: Vec<AffineBound>,
+}
+
+impl<'a> TestCrowd<'a> {
+    /// The slots of a member at a time, for the oracle.
+    #[must_use]
+    pub fn oracle_slots(&self, plan: &MemberPlan, tick: u64) -> Vec<OracleSlot<'a>> {
+        let scene = self.scene;
+        let slot = |play: &Play| {
+            let clip = &scene.clips[play.clip].clip;
+            OracleSlot {
+                clip: clip.source(),
+                time_secs: play.timing.time_secs(tick, clip),
+                weight: play.weighting.weight(tick),
+                layer: play.layer as usize,
+            }
+        };
+        plan.plays.iter().map(slot).collect()
+    }
+
+    /// What a member must look like; `None` where one of its clips jumps so near that either side is right, or where
+    /// only a clip's own bound holds.
+    pub(crate) fn expected(&self, member: usize, tick: u64) -> Option<Expected> {
+        let plan = self.plan(member);
+        let clip = |play: &Play| &self.scene.clips[play.clip];
+        let jumps = |play: &Play| play.timing.is_near_jump(tick, &clip(play).clip);
+        if plan.plays.iter().any(jumps) {
+            return None;
+        }
+        let mut bound = SampleBound::default();
+        for play in &plan.plays {
+            let of_clip = match play.timing {
+                Timing::Held { secs } if is_exact(&clip(play).key_times(), secs) => clip(play).at_keys,
+                _ => clip(play).between_keys?,
+            };
+            bound = bound.or(of_clip);
+        }
+        Some(self.expected_within(member, tick, bound))
+    }
+
+    /// What a member must look like where each slot's sample is within `bound`.
+    pub(crate) fn expected_within(&self, member: usize, tick: u64, bound: SampleBound) -> Expected {
+        let plan = self.plan(member);
+        let body = &self.scene.bodies[plan.body].oracle;
+        let layer = |layer: &LayerPlan| OracleLayer {
+            mode: layer.mode,
+            weight: f64::from(layer.weight),
+            mask: layer.mask.as_ref().map(|mask| mask.iter().map(|w| f64::from(*w)).collect()),
+        };
+        let layers: Vec<_> = plan.layers.iter().map(layer).collect();
+        let slots = self.oracle_slots(plan, tick);
+        let pose = evaluate(body, &slots, &layers);
+        let bound = widen_for_ramps(bound, plan, &slots);
+        let locals: Vec<_> = (0..body.joints.len())
+            .map(|j| LocalBound::after_pose(&bound, &body.rest(j), &pose.gains[j], slots.len()))
+            .collect();
+        let models = model_bounds(body, &pose.locals, &pose.model_from_joint, &locals);
+        let palette = palette_bounds(body, &pose.model_from_joint, &models);
+        Expected { pose, locals, models, palette }
+    }
+}
+
+/// Whether rows hold the value at a time exactly: a key's, or one outside of all keys.
+fn is_exact(key_times: &[f32], secs: f32) -> bool {
+    let outside = key_times.first().is_none_or(|t| secs <= *t) || key_times.last().is_none_or(|t| secs >= *t);
+    outside || key_times.contains(&secs)
+}
+
+fn widen_for_ramps(bound: SampleBound, plan: &MemberPlan, slots: &[OracleSlot<'_>]) -> SampleBound {
+    let ramps = |play: &Play| matches!(play.weighting, Weighting::Ramp { .. });
+    if !plan.plays.iter().any(ramps) {
+        return bound;
+    }
+    let total = |layer: usize| -> f64 {
+        let of_layer = slots.iter().filter(|s| s.layer == layer);
+        of_layer.map(|s| s.weight).sum()
+    };
+    let least = (0..plan.layers.len()).map(total).filter(|t| *t > 0.0).fold(1.0, f64::min);
+    bound.with_weight_error(WEIGHT_ERROR, slots.len(), least)
+}

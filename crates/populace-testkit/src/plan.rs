@@ -1,0 +1,79 @@
+//! Members under test, planned in plain words.
+
+use populace_core::{LayerMode, TICKS_PER_SEC};
+
+use crate::oracle::{Timing, Weighting};
+
+/// Ticks of one frame at 60 Hz.
+pub(crate) const FRAME_TICKS: u64 = TICKS_PER_SEC / 60;
+
+/// A playing clip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Play {
+    /// Index into [`Scene::clips`].
+    pub clip: usize,
+    /// When it shows what.
+    pub timing: Timing,
+    /// How much it weighs.
+    pub weighting: Weighting,
+    /// Its layer.
+    pub layer: u32,
+}
+
+impl Play {
+    /// A clip that stands at a time, of weight 1, in layer 0.
+    #[must_use]
+    pub fn held(clip: usize, secs: f32) -> Self {
+        Self { clip, timing: Timing::Held { secs }, weighting: Weighting::Constant(1.0), layer: 0 }
+    }
+
+    /// With another weight.
+    #[must_use]
+    pub fn weighing(self, weight: f32) -> Self {
+        let weighting = Weighting::Constant(weight);
+        Self { weighting, ..self }
+    }
+
+    /// On another layer.
+    #[must_use]
+    pub fn on_layer(self, layer: u32) -> Self {
+        Self { layer, ..self }
+    }
+}
+
+/// A layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerPlan {
+    /// How it meets what lies beneath.
+    pub mode: LayerMode,
+    /// From 0 to 1.
+    pub weight: f32,
+    /// A weight per joint, in the order of the source.
+    pub mask: Option<Vec<f32>>,
+}
+
+impl Default for LayerPlan {
+    fn default() -> Self {
+        Self { mode: LayerMode::Override, weight: 1.0, mask: None }
+    }
+}
+
+/// A member.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MemberPlan {
+    /// Index into [`Scene::bodies`].
+    pub body: usize,
+    /// Its slots, in order.
+    pub plays: Vec<Play>,
+    /// Its layers, at least one.
+    pub layers: Vec<LayerPlan>,
+}
+
+impl MemberPlan {
+    /// A member with one plain layer.
+    #[must_use]
+    pub fn plain(body: usize, plays: Vec<Play>) -> Self {
+        let layers = vec![LayerPlan::default()];
+        Self { body, plays, layers }
+    }
+}
