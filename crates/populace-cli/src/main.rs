@@ -10,6 +10,7 @@ mod commands;
 mod failure;
 mod placement;
 mod report;
+mod skin;
 
 use std::process::ExitCode;
 

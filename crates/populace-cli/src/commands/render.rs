@@ -3,7 +3,6 @@
 use std::fs::OpenOptions;
 use std::path::Path;
 
-use populace::core::Bounds;
 use populace::{Crowd, Device, Placement, Play};
 use populace_render::{Camera, CharacterHandle, Renderer, Scene, write_png};
 
@@ -11,6 +10,7 @@ use crate::cast::{self, Role};
 use crate::cli::RenderArgs;
 use crate::failure::Failure;
 use crate::placement::{Random, places};
+use crate::skin::skinned;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     check_output(&args.out)?;
@@ -71,7 +71,10 @@ fn check_hidden(roles: &[Role], hide: &[String]) -> Result<(), Failure> {
 fn populate(crowd: &mut Crowd, roles: &[Role], args: &RenderArgs) -> Result<Vec<[f32; 3]>, Failure> {
     let mut random = Random::new(args.seed);
     let height = roles.iter().map(|r| r.character.height_m() * r.scale).fold(0.0, f32::max);
-    let spacing = roles.iter().map(footprint_m).fold(0.0, f32::max) * 1.3;
+    let mut spacing: f32 = 0.0;
+    for role in roles {
+        spacing = spacing.max(footprint_m(crowd, role, args)? * 1.15);
+    }
     let places = places(args.members as usize, spacing, &mut random);
     for (index, position) in places.iter().enumerate() {
         let role = &roles[index % roles.len()];
@@ -89,12 +92,28 @@ fn populate(crowd: &mut Crowd, roles: &[Role], args: &RenderArgs) -> Result<Vec<
     Ok(tops.chain(beside).collect())
 }
 
-/// How much ground a member takes. Many rest with their arms spread, which says nothing of how they stand; so a body
-/// counts as wide as it is deep, or as half its height.
-fn footprint_m(role: &Role) -> f32 {
-    let bounds = role.character.rest_bounds().unwrap_or(Bounds { low: [0.0; 3], high: [1.0; 3] });
-    let size = |axis: usize| bounds.high[axis] - bounds.low[axis];
-    (size(2).max(size(0).min(size(1) * 0.5)) * role.scale).max(1e-3)
+/// How much ground a member takes: the larger side of what it shows, playing its first clip. Many rest with their arms
+/// spread, which says nothing of how they stand, so a member is posed and looked at.
+fn footprint_m(crowd: &mut Crowd, role: &Role, args: &RenderArgs) -> Result<f32, Failure> {
+    let member = crowd.spawn(role.id, Placement::at([0.0; 3]))?;
+    if let Some(clip) = role.clips.first() {
+        crowd.play(member, *clip, Play::looping())?;
+    }
+    crowd.update(0.0)?;
+    let palette = crowd.palette(member)?;
+    crowd.despawn(member)?;
+    let shown = role.character.parts.iter().filter(|part| !args.hide.contains(&part.node_name));
+    let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
+    for part in shown {
+        for vertex in 0..part.mesh.positions.len() {
+            let at = skinned(part, vertex, &palette);
+            low = std::array::from_fn(|axis| low[axis].min(at[axis]));
+            high = std::array::from_fn(|axis| high[axis].max(at[axis]));
+        }
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+    let side = (high[0] - low[0]).max(high[2] - low[2]) as f32;
+    Ok((side * role.scale).max(1e-3))
 }
 
 fn draw(
