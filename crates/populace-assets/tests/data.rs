@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DVec3};
 use libtest_mimic::{Arguments, Failed, Trial};
 use populace_assets::{Error, Imported, load};
-use populace_core::{Affine, Character, Interpolation};
+use populace_core::{Affine, Character};
 use serde_json::Value;
 
 mod expectations;
@@ -102,10 +102,7 @@ fn check_loaded(name: &str, imported: &Imported, reference: Option<&Value>) -> R
         check(stats.error_bound_m <= stats.tolerance_m, || {
             format!("clip \"{}\" has an error bound of {} m", clip.name(), stats.error_bound_m)
         })?;
-        // Measured where the reference says that the whole import is right. At a STEP key two rows stand at one time,
-        // and the measure compares both with the value after the step.
-        let steps = clip.source().tracks.iter().any(|t| t.interpolation == Interpolation::Step);
-        if reference.is_some() && !steps && stats.row_count * skeleton.joint_count() <= 5000 {
+        if reference.is_some() && stats.row_count * skeleton.joint_count() <= 5000 {
             let error = clip.measured_error_m(skeleton, 5);
             check(error <= stats.tolerance_m, || {
                 format!("clip \"{}\" is off by {error} m, more than {} m", clip.name(), stats.tolerance_m)

@@ -73,7 +73,7 @@ fn populate(crowd: &mut Crowd, roles: &[Role], args: &RenderArgs) -> Result<Vec<
     let height = roles.iter().map(|r| r.character.height_m() * r.scale).fold(0.0, f32::max);
     let mut spacing: f32 = 0.0;
     for role in roles {
-        spacing = spacing.max(footprint_m(crowd, role, args)? * 1.15);
+        spacing = spacing.max(footprint_m(crowd, role, args)? * 1.3);
     }
     let places = places(args.members as usize, spacing, &mut random);
     for (index, position) in places.iter().enumerate() {

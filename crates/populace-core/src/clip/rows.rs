@@ -12,7 +12,7 @@ const TOLERANCE_M: f64 = 0.000_1;
 const TOLERANCE_BODY_M: f64 = 1.8;
 /// Where it is measured: this far from each joint, or as far as the vertices lie that the joint moves.
 const PROBE_M: f64 = 0.03;
-/// Places between two rows at which their error is measured.
+/// Parts of a gap between rows, at whose ends the error is measured.
 const MEASURED: u32 = 8;
 /// A gap between keys is halved at most this often.
 const MAX_HALVINGS: u32 = 12;
@@ -59,6 +59,7 @@ impl Rows {
         let probes: Vec<f64> =
             skeleton.reach_m().iter().map(|&r| f64::from(r).max(PROBE_M * scale)).collect();
         let reach = reaches(skeleton, &probes);
+        let probes = in_joint_units(skeleton, &probes);
         let mut rows = Vec::new();
         let mut worst: f64 = 0.0;
         for (secs, jumps) in key_times(curves) {
@@ -80,19 +81,23 @@ impl Rows {
 
     /// See [`super::Clip::measured_error_m`].
     pub(super) fn measured_error_m(&self, curves: &Curves, skeleton: &Skeleton, points: usize) -> f32 {
-        let probe = PROBE_M * f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
+        let probes = vec![PROBE_M * f64::from(skeleton.size_m()) / TOLERANCE_BODY_M; skeleton.joint_count()];
+        let probes = in_joint_units(skeleton, &probes);
         let parents = parents(skeleton);
         let mut worst: f64 = 0.0;
         for at in 0..self.times.len() - 1 {
             let (from, to) = (f64::from(self.times[at]), f64::from(self.times[at + 1]));
-            for point in 0..=if from < to { points } else { 0 } {
+            if from >= to {
+                continue; // the two sides of a STEP
+            }
+            for point in 0..=points {
                 let u = point as f64 / (points + 1) as f64;
                 let secs = from + (to - from) * u;
                 let exact = skeleton.joints().map(|j| curves.local(j, secs, Side::After).affine());
                 let exact = f64math::model_from_joints(&parents, exact);
                 let stored = skeleton.joints().map(|j| self.local(j, at, u).affine());
                 let stored = f64math::model_from_joints(&parents, stored);
-                for (a, b) in exact.iter().zip(&stored) {
+                for ((a, b), &probe) in exact.iter().zip(&stored).zip(&probes) {
                     worst = worst.max(distance_at_probes(a, b, probe));
                 }
             }
@@ -166,6 +171,16 @@ fn reaches(skeleton: &Skeleton, probes: &[f64]) -> Vec<f64> {
         }
     }
     reach
+}
+
+/// Distances in model space at rest as each joint's own units count them.
+fn in_joint_units(skeleton: &Skeleton, distances: &[f64]) -> Vec<f64> {
+    let locals = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
+    let models = f64math::model_from_joints(&parents(skeleton), locals);
+    let unit = |m: &DAffine3| {
+        m.matrix3.x_axis.length().max(m.matrix3.y_axis.length()).max(m.matrix3.z_axis.length())
+    };
+    models.iter().zip(distances).map(|(model, distance)| distance / unit(model).max(1e-6)).collect()
 }
 
 /// What is needed to judge and fill the gap between two rows.
@@ -245,8 +260,8 @@ impl Gap<'_> {
     fn sampled_deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
         let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
         let reach = self.reach[joint.index()];
-        let worst = (1..8).map(|point| {
-            let u = f64::from(point) / 8.0;
+        let worst = (1..MEASURED).map(|point| {
+            let u = f64::from(point) / f64::from(MEASURED);
             let secs = f64::from(from.secs) + (f64::from(to.secs) - f64::from(from.secs)) * u;
             let exact = self.curves.local(joint, secs, Side::After);
             let stored = between(a, b, u);
