@@ -1,7 +1,7 @@
 //! Pose: each member's slots, mixed layer by layer, as local transforms; the twin of `kernels/pose.cl`.
 
 use populace_core::layout::{
-    Body, BoundClip, Float4, JOINT_BLOCK, LAYER_ADDITIVE, Layer, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
+    Body, BoundClip, Float4, JOINT_BLOCK, LAYER_ADDITIVE, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
     MAP_TRANSLATION, Member, NONE, SlotSample,
 };
 use populace_core::math::{quat, scalar};
@@ -60,40 +60,78 @@ impl Sum {
 }
 
 fn pose_joint(tables: &Tables, member: &Member, body: &Body, playback: &Playback, joint: u32) -> Trs {
-    let rest = stored_pose(tables, body.rest_first, body.padded_count, joint);
-    let mut pose = rest;
-    for layer_index in 0..member.layer_count {
+    let at = JointAt { tables, padded: body.padded_count as usize, joint };
+    let rest = at.stored(body.rest_first);
+    let rest_rotation = rest.rotation();
+    let sum = sum_layer(&at, playback, 0, rest_rotation, false);
+    // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
+    let mut pose = if sum.weight > 1e-3 {
+        sum.mean(rest_rotation)
+    } else {
+        Trs { translation: rest.translation(), rotation: rest_rotation, scale: rest.scale() }
+    };
+    for layer_index in 1..member.layer_count {
         let layer = &playback.layers[layer_index as usize];
-        let layer_weight = layer_weight(tables, layer, layer_index, joint);
-        if layer_weight > 0.0 {
-            let additive = layer_index > 0 && layer.mode == LAYER_ADDITIVE;
-            let sum = sum_layer(tables, body, playback, layer_index, joint, &rest, additive);
+        let mask =
+            if layer.mask == NONE { 1.0 } else { tables.masks.as_slice()[(layer.mask + joint) as usize] };
+        let weight = layer.weight * mask;
+        if weight > 0.0 {
+            let additive = layer.mode == LAYER_ADDITIVE;
+            let sum = sum_layer(&at, playback, layer_index, rest_rotation, additive);
             pose = if additive {
-                add_layer(&pose, &sum, layer_weight)
+                add_layer(&pose, &sum, weight)
             } else {
-                mix_layer(&pose, &sum, layer_index, layer_weight, &rest)
+                mix_layer(&pose, &sum, weight, rest_rotation)
             };
         }
     }
     pose
 }
 
-/// Layer weight times mask; layer 0 lies over the rest pose whole.
-fn layer_weight(tables: &Tables, layer: &Layer, layer_index: u32, joint: u32) -> f32 {
-    if layer_index == 0 {
-        return 1.0;
-    }
-    let mask = if layer.mask == NONE { 1.0 } else { tables.masks.as_slice()[(layer.mask + joint) as usize] };
-    layer.weight * mask
+/// One joint of a body, and where its data is.
+struct JointAt<'a> {
+    tables: &'a Tables,
+    padded: usize,
+    joint: u32,
 }
 
+impl<'a> JointAt<'a> {
+    fn stored(&self, pose_first: u32) -> StoredJoint<'a> {
+        let planes = &self.tables.poses.as_slice()[(pose_first + self.joint) as usize..];
+        StoredJoint { planes, padded: self.padded }
+    }
+}
+
+/// One joint of a stored pose: ten planes of `padded` floats, rotation, translation, scale.
+struct StoredJoint<'a> {
+    planes: &'a [f32],
+    padded: usize,
+}
+
+impl StoredJoint<'_> {
+    fn plane(&self, plane: usize) -> f32 {
+        self.planes[plane * self.padded]
+    }
+
+    fn rotation(&self) -> [f32; 4] {
+        [self.plane(0), self.plane(1), self.plane(2), self.plane(3)]
+    }
+
+    fn translation(&self) -> [f32; 3] {
+        [self.plane(4), self.plane(5), self.plane(6)]
+    }
+
+    fn scale(&self) -> [f32; 3] {
+        [self.plane(7), self.plane(8), self.plane(9)]
+    }
+}
+
+/// The sum over a layer's slots of weight times value, or times difference from the first row.
 fn sum_layer(
-    tables: &Tables,
-    body: &Body,
+    at: &JointAt,
     playback: &Playback,
     layer_index: u32,
-    joint: u32,
-    rest: &Trs,
+    rest_rotation: [f32; 4],
     additive: bool,
 ) -> Sum {
     let mut sum = Sum::ZERO;
@@ -101,12 +139,12 @@ fn sum_layer(
         if slot.layer != layer_index || sample.weight <= 0.0 {
             continue;
         }
-        let bound = &tables.bound_clips.as_slice()[slot.bound_clip as usize];
-        let value = sample_joint(tables, bound, body.padded_count, joint, sample, rest);
+        let bound = &at.tables.bound_clips.as_slice()[slot.bound_clip as usize];
+        let value = sample_joint(at, bound, sample, rest_rotation);
         if additive {
-            let first = tables.clips.as_slice()[bound.clip as usize].row_first;
+            let first = at.tables.clips.as_slice()[bound.clip as usize].row_first;
             let first = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
-            let reference = sample_joint(tables, bound, body.padded_count, joint, &first, rest);
+            let reference = sample_joint(at, bound, &first, rest_rotation);
             sum.add(&difference(&value, &reference), sample.weight);
         } else {
             sum.add(&value, sample.weight);
@@ -139,37 +177,27 @@ fn add_layer(beneath: &Trs, sum: &Sum, layer_weight: f32) -> Trs {
     }
 }
 
-/// Layer 0 is always divided by its total, so that nobody sees the rest pose by accident; a layer above it whose slots
-/// weigh less than 1 in all leaves the remainder to what lies beneath.
-fn mix_layer(beneath: &Trs, sum: &Sum, layer_index: u32, layer_weight: f32, rest: &Trs) -> Trs {
-    if layer_index == 0 {
-        return if sum.weight > 1e-3 { sum.mean(rest.rotation) } else { *beneath };
-    }
+/// A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath.
+fn mix_layer(beneath: &Trs, sum: &Sum, layer_weight: f32, rest_rotation: [f32; 4]) -> Trs {
     if sum.weight <= 0.0 {
         return *beneath;
     }
     let f = layer_weight * if sum.weight < 1.0 { sum.weight } else { 1.0 };
-    let above = sum.mean(rest.rotation);
-    let from = quat::hemisphere(beneath.rotation, rest.rotation);
-    let to = quat::hemisphere(above.rotation, rest.rotation);
+    let above = sum.mean(rest_rotation);
+    let from = quat::hemisphere(beneath.rotation, rest_rotation);
+    let to = quat::hemisphere(above.rotation, rest_rotation);
     Trs {
         translation: std::array::from_fn(|i| scalar::mix(beneath.translation[i], above.translation[i], f)),
-        rotation: quat::normalize_or(quat::mix(from, to, f), rest.rotation),
+        rotation: quat::normalize_or(quat::mix(from, to, f), rest_rotation),
         scale: std::array::from_fn(|i| scalar::mix(beneath.scale[i], above.scale[i], f)),
     }
 }
 
 /// A joint's local transform between two rows, its rotation in the hemisphere of the rest rotation.
-fn sample_joint(
-    tables: &Tables,
-    bound: &BoundClip,
-    padded: u32,
-    joint: u32,
-    at: &SlotSample,
-    rest: &Trs,
-) -> Trs {
-    let map = tables.joint_maps.as_slice()[(bound.map_first + joint) as usize];
-    let mut pose = stored_pose(tables, bound.base_first, padded, joint);
+fn sample_joint(at: &JointAt, bound: &BoundClip, sample: &SlotSample, rest_rotation: [f32; 4]) -> Trs {
+    let tables = at.tables;
+    let map = tables.joint_maps.as_slice()[(bound.map_first + at.joint) as usize];
+    let base = at.stored(bound.base_first);
     let clip = &tables.clips.as_slice()[bound.clip as usize];
     let column = map & MAP_COLUMN;
     let block = (clip.block_first + column / JOINT_BLOCK * 3) as usize;
@@ -177,29 +205,21 @@ fn sample_joint(
     let rows = tables.rows.as_slice();
     let between = |place: usize, component: u32| {
         let offset = tables.block_offsets.as_slice()[block + place] + component * JOINT_BLOCK + lane;
-        scalar::mix(rows[(at.row0 + offset) as usize], rows[(at.row1 + offset) as usize], at.between)
+        let (a, b) = (rows[(sample.row0 + offset) as usize], rows[(sample.row1 + offset) as usize]);
+        scalar::mix(a, b, sample.between)
     };
-    if map & MAP_ROTATION != 0 {
+    let rotation = if map & MAP_ROTATION == 0 {
+        base.rotation()
+    } else {
         let mixed = [between(0, 0), between(0, 1), between(0, 2), between(0, 3)];
-        pose.rotation = quat::normalize_or(mixed, rest.rotation);
-    }
-    if map & MAP_TRANSLATION != 0 {
-        pose.translation = [between(1, 0), between(1, 1), between(1, 2)];
-    }
-    if map & MAP_SCALE != 0 {
-        pose.scale = [between(2, 0), between(2, 1), between(2, 2)];
-    }
-    pose.rotation = quat::hemisphere(pose.rotation, rest.rotation);
-    pose
-}
-
-/// Reads one joint of a stored pose: ten planes of `padded` floats.
-fn stored_pose(tables: &Tables, first: u32, padded: u32, joint: u32) -> Trs {
-    let planes = &tables.poses.as_slice()[(first + joint) as usize..];
-    let plane = |p: usize| planes[p * padded as usize];
+        quat::normalize_or(mixed, rest_rotation)
+    };
+    let vector = |flag: u32, place: usize, base: [f32; 3]| {
+        if map & flag == 0 { base } else { [between(place, 0), between(place, 1), between(place, 2)] }
+    };
     Trs {
-        rotation: [plane(0), plane(1), plane(2), plane(3)],
-        translation: [plane(4), plane(5), plane(6)],
-        scale: [plane(7), plane(8), plane(9)],
+        translation: vector(MAP_TRANSLATION, 1, base.translation()),
+        rotation: quat::hemisphere(rotation, rest_rotation),
+        scale: vector(MAP_SCALE, 2, base.scale()),
     }
 }

@@ -11,15 +11,20 @@ typedef struct {
     __global const float *rows, *poses, *masks;
 } Clips;
 
-/* One joint of a stored pose: ten planes of `padded` floats. */
-Trs stored_pose(__global const float *poses, uint first, uint padded, uint joint)
+/* One joint of a stored pose: ten planes of `padded` floats, rotation, translation, scale. */
+float4 stored_rotation(__global const float *joint, uint padded)
 {
-    __global const float *plane = poses + first + joint;
-    Trs trs;
-    trs.r = (float4)(plane[0], plane[padded], plane[2 * padded], plane[3 * padded]);
-    trs.t = (float4)(plane[4 * padded], plane[5 * padded], plane[6 * padded], 0.0f);
-    trs.s = (float4)(plane[7 * padded], plane[8 * padded], plane[9 * padded], 0.0f);
-    return trs;
+    return (float4)(joint[0], joint[padded], joint[2 * padded], joint[3 * padded]);
+}
+
+float4 stored_translation(__global const float *joint, uint padded)
+{
+    return (float4)(joint[4 * padded], joint[5 * padded], joint[6 * padded], 0.0f);
+}
+
+float4 stored_scale(__global const float *joint, uint padded)
+{
+    return (float4)(joint[7 * padded], joint[8 * padded], joint[9 * padded], 0.0f);
 }
 
 float4 row_at3(__global const float *row)
@@ -39,13 +44,21 @@ Trs sample_joint(Clips of, BoundClip bound, uint padded, uint joint, SlotSample 
     const uint column = map & MAP_COLUMN, lane = column % JOINT_BLOCK;
     __global const uint *offsets = of.block_offsets + of.clips[bound.clip].block_first + column / JOINT_BLOCK * 3;
     __global const float *row0 = of.rows + at.row0 + lane, *row1 = of.rows + at.row1 + lane;
-    Trs trs = stored_pose(of.poses, bound.base_first, padded, joint);
-    if (map & MAP_ROTATION) {
-        const float4 mixed = mix4(row_at4(row0 + offsets[0]), row_at4(row1 + offsets[0]), at.between);
-        trs.r = quat_normalize_or(mixed, rest_rotation);
-    }
-    if (map & MAP_TRANSLATION) trs.t = mix4(row_at3(row0 + offsets[1]), row_at3(row1 + offsets[1]), at.between);
-    if (map & MAP_SCALE) trs.s = mix4(row_at3(row0 + offsets[2]), row_at3(row1 + offsets[2]), at.between);
+    __global const float *base = of.poses + bound.base_first + joint;
+    const float f = at.between;
+    Trs trs;
+    if (map & MAP_ROTATION)
+        trs.r = quat_normalize_or(mix4(row_at4(row0 + offsets[0]), row_at4(row1 + offsets[0]), f), rest_rotation);
+    else
+        trs.r = stored_rotation(base, padded);
+    if (map & MAP_TRANSLATION)
+        trs.t = mix4(row_at3(row0 + offsets[1]), row_at3(row1 + offsets[1]), f);
+    else
+        trs.t = stored_translation(base, padded);
+    if (map & MAP_SCALE)
+        trs.s = mix4(row_at3(row0 + offsets[2]), row_at3(row1 + offsets[2]), f);
+    else
+        trs.s = stored_scale(base, padded);
     trs.r = quat_hemisphere(trs.r, rest_rotation);
     return trs;
 }
@@ -83,11 +96,9 @@ Trs mean_of(Trs sum, float total, float4 rest_rotation)
     return mean;
 }
 
-/* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident; a layer above it whose slots
- * weigh less than 1 in all leaves the remainder to what lies beneath. */
-Trs mix_layer(Trs beneath, Trs sum, float total, uint layer_index, float layer_weight, float4 rest_rotation)
+/* A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath. */
+Trs mix_layer(Trs beneath, Trs sum, float total, float layer_weight, float4 rest_rotation)
 {
-    if (layer_index == 0) return total > 1e-3f ? mean_of(sum, total, rest_rotation) : beneath;
     if (total <= 0.0f) return beneath;
     const float f = layer_weight * (total < 1.0f ? total : 1.0f);
     const Trs above = mean_of(sum, total, rest_rotation);
@@ -139,18 +150,28 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
     if (joint >= bodies[member.body].joint_count) return;
 
     const Clips of = { bound_clips, clips, block_offsets, joint_maps, rows, poses, masks };
-    const Trs rest = stored_pose(poses, bodies[member.body].rest_first, padded, joint);
+    __global const float *rest = poses + bodies[member.body].rest_first + joint;
+    const float4 rest_rotation = stored_rotation(rest, padded);
     const uint first_slot = owner * slots_per_member;
-    Trs trs = rest;
-    for (uint l = 0; l < member.layer_count; l++) {
+    float total;
+    Trs sum = sum_layer(of, slots + first_slot, samples + first_slot, slots_per_member, 0, false, padded, joint,
+                        rest_rotation, &total), trs;
+    /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
+    if (total > 1e-3f) {
+        trs = mean_of(sum, total, rest_rotation);
+    } else {
+        trs.t = stored_translation(rest, padded);
+        trs.r = rest_rotation;
+        trs.s = stored_scale(rest, padded);
+    }
+    for (uint l = 1; l < member.layer_count; l++) {
         const Layer layer = layers[owner * LAYERS_PER_MEMBER + l];
-        const float weight = l == 0 ? 1.0f : layer.weight * (layer.mask == NONE ? 1.0f : masks[layer.mask + joint]);
+        const float weight = layer.weight * (layer.mask == NONE ? 1.0f : masks[layer.mask + joint]);
         if (!(weight > 0.0f)) continue;
-        const bool additive = l > 0 && layer.mode == LAYER_ADDITIVE;
-        float total;
-        const Trs sum = sum_layer(of, slots + first_slot, samples + first_slot, slots_per_member, l, additive, padded,
-                                    joint, rest.r, &total);
-        trs = additive ? add_layer(trs, sum, weight) : mix_layer(trs, sum, total, l, weight, rest.r);
+        const bool additive = layer.mode == LAYER_ADDITIVE;
+        sum = sum_layer(of, slots + first_slot, samples + first_slot, slots_per_member, l, additive, padded, joint,
+                        rest_rotation, &total);
+        trs = additive ? add_layer(trs, sum, weight) : mix_layer(trs, sum, total, weight, rest_rotation);
     }
     translations[place] = trs.t;
     rotations[place] = trs.r;

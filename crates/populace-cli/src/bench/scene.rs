@@ -127,7 +127,7 @@ fn skeleton(joint_count: usize, random: &mut Random) -> Result<Skeleton, Error> 
     let mut depths: Vec<usize> = Vec::with_capacity(joint_count);
     for index in 0..joint_count {
         let parent = (index > 0).then(|| index - 1 - random.below(index.min(6)));
-        let parent = parent.map(|p| if depths[p] + 1 < MAX_DEPTH { p } else { 0 });
+        let parent = parent.map(|p| if depths[p] + 1 < MAX_DEPTH { p } else { p / 2 });
         depths.push(parent.map_or(0, |p| depths[p] + 1));
         let bone = [random.signed() * 0.1, 0.15 * random.unit(), random.signed() * 0.1];
         joints.push(JointSource {

@@ -29,8 +29,10 @@ pub struct SceneClip {
     pub clip: Clip,
     /// Index of its own body in [`Scene::bodies`].
     pub body: usize,
-    /// How far samples may be off at keys.
+    /// How far samples may be off at [`SceneClip::exact_times`], and outside of all keys.
     pub at_keys: SampleBound,
+    /// Times at which rows are exact: all keys, ascending, each once; and for [`clip::LEAVES`] half way between them.
+    pub exact_times: Vec<f32>,
     /// How far samples may be off at any time; `None` where only the clip's bound in model space holds.
     pub between_keys: Option<SampleBound>,
 }
@@ -39,6 +41,7 @@ impl SceneClip {
     pub(crate) fn new(source: ClipSource, body: &SceneBody, index: usize) -> Self {
         let clip = Clip::new(source, &body.skeleton).expect("generated clips are sound");
         Self {
+            exact_times: key_times(clip.source()),
             at_keys: SampleBound::at_keys(&clip),
             between_keys: SampleBound::between_keys(&clip),
             body: index,
@@ -46,14 +49,20 @@ impl SceneClip {
         }
     }
 
-    /// All key times, ascending, each once.
-    #[must_use]
-    pub fn key_times(&self) -> Vec<f32> {
-        let mut times: Vec<f32> = self.clip.source().tracks.iter().flat_map(|t| t.times.clone()).collect();
-        times.sort_by(f32::total_cmp);
-        times.dedup();
-        times
+    /// Half way between two keys the chord meets the arc, so rows are exact there too, however often a gap is halved.
+    fn with_halves(mut self) -> Self {
+        let halves: Vec<f32> = self.exact_times.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
+        self.exact_times.extend(halves);
+        self.exact_times.sort_by(f32::total_cmp);
+        self
     }
+}
+
+fn key_times(source: &ClipSource) -> Vec<f32> {
+    let mut times: Vec<f32> = source.tracks.iter().flat_map(|t| t.times.clone()).collect();
+    times.sort_by(f32::total_cmp);
+    times.dedup();
+    times
 }
 
 /// Bodies and clips.
@@ -66,7 +75,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Six bodies and fourteen clips; see [`body`] and [`clip`].
+    /// Six bodies and fifteen clips; see [`body`] and [`clip`].
     #[must_use]
     pub fn new() -> Self {
         let bodies = bodies::all();
@@ -133,6 +142,9 @@ pub mod clip {
     pub const PAIR: usize = 12;
     /// Evenly spaced LINEAR keys, on [`body::BARE`](super::body::BARE).
     pub const BARE: usize = 13;
+    /// Joints without children turn 40 to 48 degrees between LINEAR keys, on [`body::SMALL`](super::body::SMALL): rows
+    /// so far apart that the length of a rotation between them matters.
+    pub const LEAVES: usize = 14;
 }
 
 #[cfg(test)]
