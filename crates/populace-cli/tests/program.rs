@@ -49,25 +49,8 @@ impl Folder {
 
 /// A quad of four vertices for each half, skinned to two joints, with a clip "Bend" of two keys.
 fn post() -> Value {
-    let mut bytes: Vec<u8> = Vec::new();
-    let mut views = Vec::new();
-    let mut add = |data: &[u8]| {
-        views.push(json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": data.len()}));
-        bytes.extend_from_slice(data);
-        bytes.resize(bytes.len().next_multiple_of(4), 0);
-    };
-    let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
-    let level = |y: f32| [[-0.2, y, 0.0], [0.2, y, 0.0]];
-    let positions: Vec<f32> = [0.0, 1.0, 1.0, 2.0].into_iter().flat_map(level).flatten().collect();
-    add(&floats(&positions));
-    add(&[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]);
-    add(&floats(&[1.0, 0.0, 0.0, 0.0].repeat(8)));
-    add(&[0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6]);
-    let bind = |y: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -y, 0.0, 1.0];
-    add(&floats(&[bind(0.0), bind(1.0)].concat()));
-    add(&floats(&[0.5, 1.5]));
-    let half = std::f32::consts::FRAC_1_SQRT_2;
-    add(&floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, half]));
+    let (bytes, views) = post_data();
+    let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
     let accessor = |view: usize, kind: u32, count: usize, shape: &str| {
         json!({"bufferView": view,
         "componentType": kind, "count": count, "type": shape})
@@ -81,11 +64,8 @@ fn post() -> Value {
         accessor(5, 5126, 2, "SCALAR"),
         accessor(6, 5126, 2, "VEC4"),
     ];
-    accessors[0]["min"] = json!([-0.2, 0.0, 0.0]);
-    accessors[0]["max"] = json!([0.2, 2.0, 0.0]);
-    accessors[5]["min"] = json!([0.5]);
-    accessors[5]["max"] = json!([1.5]);
-    let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
+    (accessors[0]["min"], accessors[0]["max"]) = (json!([-0.2, 0.0, 0.0]), json!([0.2, 2.0, 0.0]));
+    (accessors[5]["min"], accessors[5]["max"]) = (json!([0.5]), json!([1.5]));
     json!({
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -102,6 +82,30 @@ fn post() -> Value {
         "bufferViews": views,
         "buffers": [{"byteLength": bytes.len(), "uri": format!("data:application/octet-stream;base64,{data}")}],
     })
+}
+
+/// Positions, joints, weights, indices, inverse bind matrices, key times and rotations, with a buffer view for each.
+fn post_data() -> (Vec<u8>, Vec<Value>) {
+    let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let level = |y: f32| [[-0.2, y, 0.0], [0.2, y, 0.0]];
+    let positions: Vec<f32> = [0.0, 1.0, 1.0, 2.0].into_iter().flat_map(level).flatten().collect();
+    let bind = |y: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -y, 0.0, 1.0];
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let pieces = [
+        floats(&positions),
+        [[0; 16], [1, 0, 0, 0].repeat(4).try_into().expect("16 bytes")].concat(),
+        floats(&[1.0, 0.0, 0.0, 0.0].repeat(8)),
+        vec![0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6],
+        floats(&[bind(0.0), bind(1.0)].concat()),
+        floats(&[0.5, 1.5]),
+        floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, half]),
+    ];
+    let views = pieces.iter().scan(0, |end, piece| {
+        let first = std::mem::replace(end, *end + piece.len());
+        Some(json!({"buffer": 0, "byteOffset": first, "byteLength": piece.len()}))
+    });
+    let views = views.collect();
+    (pieces.concat(), views)
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

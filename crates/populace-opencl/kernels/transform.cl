@@ -1,17 +1,18 @@
 /* transform.cl - Transform: one level of local transforms down the hierarchy (Lister & Day 2012, section 4.2).
- * NDRange  (joints of the widest level at this depth, members padded to whole work-groups), one enqueue per level
+ * NDRange  (joints of the widest level at this depth, a run of members padded to whole work-groups), one enqueue for
+ *          each level and run
  * Reads    translations, rotations, scales; the rows that the level above wrote
  * Writes   row0, row1, row2 of model_from_joint: a rotated child under non-uniform scale shears, so rows, not T R S
  * Oracle   populace-testkit oracle/transform.rs; twin of populace-native transform.rs */
 
 __kernel void transform(__global const Member *members, __global const Body *bodies, __global const uint *parents,
-                        __global const uint *levels, uint level, uint member_count,
+                        __global const uint *levels, uint level, uint member_first, uint member_end,
                         __global const float4 *translations, __global const float4 *rotations,
                         __global const float4 *scales, __global float4 *row0, __global float4 *row1,
                         __global float4 *row2)
 {
-    const uint owner = (uint)get_global_id(1);
-    if (owner >= member_count || members[owner].body == NONE) return;
+    const uint owner = member_first + (uint)get_global_id(1);
+    if (owner >= member_end || members[owner].body == NONE) return;
     const Member member = members[owner];
     const Body body = bodies[member.body];
     if (level >= body.level_count) return;

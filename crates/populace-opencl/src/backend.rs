@@ -1,5 +1,6 @@
 //! The staged schedule: one work-item per joint, through global memory.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use opencl3::command_queue::CommandQueue;
@@ -14,10 +15,19 @@ use crate::stage_buffers::StageBuffers;
 use crate::tables::DeviceTables;
 use crate::{DeviceKind, OpenClDevice};
 
-/// Work-items per group on a GPU: whole blocks of 16 joints, and a multiple of the 32 or 64 lanes that run together.
-const GPU_GROUP: usize = 64;
-/// On a CPU a group is a loop on one core, and handing it over costs more than a joint does: larger groups win.
-const CPU_GROUP: usize = 1024;
+/// How work is cut for a kind of device.
+struct Shape {
+    /// Work-items per group.
+    group: usize,
+    /// Members whose levels are transformed one after the other before those of the next.
+    members: usize,
+}
+
+/// Groups are whole blocks of 16 joints, and a multiple of the 32 or 64 lanes that run together.
+const GPU_SHAPE: Shape = Shape { group: 64, members: usize::MAX };
+/// On a CPU a group is a loop on one core, and handing it over costs more than a joint does: larger groups win. The
+/// joints of a run of members stay in its caches from one level to the next.
+const CPU_SHAPE: Shape = Shape { group: 1024, members: 512 };
 
 /// Evaluates crowds on an OpenCL device by the staged schedule.
 pub struct OpenClBackend {
@@ -26,8 +36,7 @@ pub struct OpenClBackend {
     kernels: Kernels,
     tables: DeviceTables,
     buffers: StageBuffers,
-    /// Work-items per group.
-    group: usize,
+    shape: Shape,
     /// The events of the last run of each stage.
     events: [Vec<Event>; Stage::ALL.len()],
 }
@@ -48,6 +57,7 @@ impl OpenClBackend {
     ///
     /// Memory that cannot be had, or a failing device.
     pub fn new(device: &Arc<OpenClDevice>) -> Result<Self, BackendError> {
+        let shape = if device.info.kind == DeviceKind::Cpu { CPU_SHAPE } else { GPU_SHAPE };
         Ok(Self {
             queue: device.queue()?,
             kernels: Kernels {
@@ -63,7 +73,7 @@ impl OpenClBackend {
             },
             tables: DeviceTables::new(device)?,
             buffers: StageBuffers::new(device)?,
-            group: device.group_size(if device.info.kind == DeviceKind::Cpu { CPU_GROUP } else { GPU_GROUP }),
+            shape: Shape { group: device.group_size(shape.group), ..shape },
             events: Default::default(),
             device: Arc::clone(device),
         })
@@ -80,7 +90,7 @@ impl OpenClBackend {
             .ulong("tick", frame.tick)
             .uint("slot_count", narrow(count))
             .buffer("samples", &self.buffers.samples)
-            .run(&self.queue, [count.next_multiple_of(self.group), 1], [self.group, 1])
+            .run(&self.queue, [count.next_multiple_of(self.shape.group), 1], [self.shape.group, 1])
     }
 
     fn pose(&self, tables: &Tables) -> Result<Event, ClError> {
@@ -104,27 +114,32 @@ impl OpenClBackend {
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
-            .run(&self.queue, [count.next_multiple_of(self.group), 1], [self.group, 1])
+            .run(&self.queue, [count.next_multiple_of(self.shape.group), 1], [self.shape.group, 1])
     }
 
-    fn transform_level(&self, level: usize, width: usize, members: usize) -> Result<Event, ClError> {
+    fn transform_level(&self, level: usize, width: usize, members: Range<usize>) -> Result<Event, ClError> {
         // Groups hold the whole width of a level where they can, and as many members as then fit.
-        let wide = width.min(self.group);
-        let local = [wide, (self.group / wide).max(1)];
+        let wide = width.min(self.shape.group);
+        let local = [wide, (self.shape.group / wide).max(1)];
         Launch::of(&self.kernels.transform)
             .buffer("members", &self.tables.members.buffer)
             .buffer("bodies", &self.tables.bodies.buffer)
             .buffer("parents", &self.tables.parents.buffer)
             .buffer("levels", &self.tables.levels.buffer)
             .uint("level", narrow(level))
-            .uint("member_count", narrow(members))
+            .uint("member_first", narrow(members.start))
+            .uint("member_end", narrow(members.end))
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
             .buffer("row0", &self.buffers.models[0])
             .buffer("row1", &self.buffers.models[1])
             .buffer("row2", &self.buffers.models[2])
-            .run(&self.queue, [width.next_multiple_of(local[0]), members.next_multiple_of(local[1])], local)
+            .run(
+                &self.queue,
+                [width.next_multiple_of(local[0]), members.len().next_multiple_of(local[1])],
+                local,
+            )
     }
 
     fn write_back_page(&self, page: usize, entry_count: usize) -> Result<Event, ClError> {
@@ -139,7 +154,7 @@ impl OpenClBackend {
             .uint("page_first", narrow(page * PAGE_ENTRIES as usize))
             .uint("entry_count", narrow(entry_count))
             .buffer("palette", &self.buffers.pages[page])
-            .run(&self.queue, [entry_count.next_multiple_of(self.group), 1], [self.group, 1])
+            .run(&self.queue, [entry_count.next_multiple_of(self.shape.group), 1], [self.shape.group, 1])
     }
 
     fn enqueue(&self, tables: &Tables, frame: Frame, stage: Stage) -> Result<Vec<Event>, ClError> {
@@ -150,10 +165,15 @@ impl OpenClBackend {
             Stage::Evaluate => Ok(vec![self.evaluate(tables, frame)?]),
             Stage::Pose => Ok(vec![self.pose(tables)?]),
             Stage::Transform => {
-                let widths = tables.level_widths().into_iter().enumerate();
-                widths
-                    .map(|(level, width)| self.transform_level(level, width, tables.member_places()))
-                    .collect()
+                let (places, widths) = (tables.member_places(), tables.level_widths());
+                let mut events = Vec::new();
+                for first in (0..places).step_by(self.shape.members) {
+                    let members = first..(first + self.shape.members).min(places);
+                    for (level, &width) in widths.iter().enumerate() {
+                        events.push(self.transform_level(level, width, members.clone())?);
+                    }
+                }
+                Ok(events)
             }
             Stage::WriteBack => {
                 let pages = tables.page_lengths().into_iter().enumerate();
@@ -172,9 +192,9 @@ impl OpenClBackend {
     fn floor_ms(&self, kernel: &Kernel, per_item: usize) -> Result<f64, ClError> {
         let mut events = Vec::new();
         for page in &self.buffers.pages {
-            let items = page.len().div_ceil(per_item).next_multiple_of(self.group);
+            let items = page.len().div_ceil(per_item).next_multiple_of(self.shape.group);
             let launch = Launch::of(kernel).buffer("palette", page).uint("count", narrow(page.len()));
-            events.push(launch.run(&self.queue, [items, 1], [self.group, 1])?);
+            events.push(launch.run(&self.queue, [items, 1], [self.shape.group, 1])?);
         }
         self.queue.finish()?;
         Ok(Self::time_ms(&events).unwrap_or(0.0))

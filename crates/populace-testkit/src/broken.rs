@@ -4,12 +4,13 @@ use populace_core::layout::{Float4, NONE};
 use populace_core::{Backend, BackendError, Frame, Stage, StageBuffer, Tables};
 
 use crate::single;
-use crate::tolerance::{LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
+use crate::tolerance::{COARSE, LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
 
 /// What a [`Broken`] backend gets wrong: one number of the last member.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corruption {
     buffer: StageBuffer,
+    component: usize,
     amount: Amount,
 }
 
@@ -20,66 +21,75 @@ enum Amount {
 }
 
 impl Corruption {
+    /// What is off already may be off the other way by as much as allowed, hence more than twice the cap.
+    fn by(buffer: StageBuffer, component: usize, cap: f64) -> Self {
+        Self { buffer, component, amount: Amount::By(single(2.5 * cap)) }
+    }
+
     /// One component of one joint's local rotation, a little beyond what any check allows.
     #[must_use]
     pub fn rotation() -> Self {
-        Self::local(StageBuffer::Rotations)
+        Self::by(StageBuffer::Rotations, 1, LOCAL_CAP)
+    }
+
+    /// The same, for the check of far turns.
+    #[must_use]
+    pub fn coarse_rotation() -> Self {
+        Self::by(StageBuffer::Rotations, 1, COARSE * LOCAL_CAP)
     }
 
     /// One component of one joint's local translation.
     #[must_use]
     pub fn translation() -> Self {
-        Self::local(StageBuffer::Translations)
+        Self::by(StageBuffer::Translations, 1, LOCAL_CAP)
     }
 
     /// One component of one joint's local scale.
     #[must_use]
     pub fn scale() -> Self {
-        Self::local(StageBuffer::Scales)
+        Self::by(StageBuffer::Scales, 1, LOCAL_CAP)
     }
 
-    fn local(buffer: StageBuffer) -> Self {
-        // What is off already may be off the other way by as much as allowed.
-        let amount = Amount::By(single(2.5 * LOCAL_CAP));
-        Self { buffer, amount }
-    }
-
-    /// One element of one joint's `model_from_joint`.
+    /// One element of the linear part of one joint's `model_from_joint`.
     #[must_use]
     pub fn model() -> Self {
-        Self { buffer: StageBuffer::ModelRow1, amount: Amount::By(single(2.5 * MODEL_CAP)) }
+        Self::by(StageBuffer::ModelRow1, 1, MODEL_CAP)
+    }
+
+    /// One joint's position in model space.
+    #[must_use]
+    pub fn position() -> Self {
+        Self::by(StageBuffer::ModelRow1, 3, MODEL_CAP)
     }
 
     /// One element of one palette entry.
     #[must_use]
     pub fn palette() -> Self {
-        Self { buffer: StageBuffer::Palette, amount: Amount::By(single(2.5 * MODEL_CAP)) }
+        Self::by(StageBuffer::Palette, 1, MODEL_CAP)
     }
 
-    /// One element of one joint's `model_from_joint`, by far less: for checks of a stage alone.
+    /// One element of one joint's `model_from_joint`, by far less: for the check of Transform alone.
     #[must_use]
     pub fn model_rounding() -> Self {
-        let amount = Amount::By(single(2.5 * ROUNDING_CAP));
-        Self { amount, ..Self::model() }
+        Self::by(StageBuffer::ModelRow1, 1, ROUNDING_CAP)
     }
 
-    /// One element of one palette entry, by far less: for checks of a stage alone.
+    /// One element of one palette entry, by far less: for the check of Write-back alone.
     #[must_use]
     pub fn palette_rounding() -> Self {
-        let amount = Amount::By(single(2.5 * ROUNDING_CAP));
-        Self { amount, ..Self::palette() }
+        Self::by(StageBuffer::Palette, 1, ROUNDING_CAP)
     }
 
     /// One element of one palette entry by one unit in the last place, where there is more than one member.
     #[must_use]
     pub fn palette_bit() -> Self {
-        Self { buffer: StageBuffer::Palette, amount: Amount::OneUnitInACrowd }
+        Self { amount: Amount::OneUnitInACrowd, ..Self::palette() }
     }
 
     /// One slot's weight.
     #[must_use]
     pub fn weight() -> Self {
-        Self::local(StageBuffer::Samples)
+        Self::by(StageBuffer::Samples, 3, LOCAL_CAP)
     }
 }
 
@@ -142,8 +152,7 @@ impl<B: Backend> Backend for Broken<B> {
         if let Some(element) = within.and_then(|at| into.get_mut(at))
             && buffer == self.corruption.buffer
         {
-            let component = if buffer == StageBuffer::Samples { 3 } else { 1 };
-            let value = &mut element.0[component];
+            let value = &mut element.0[self.corruption.component];
             *value = match self.corruption.amount {
                 Amount::By(amount) => *value + amount,
                 Amount::OneUnitInACrowd => f32::from_bits(value.to_bits() ^ 1),

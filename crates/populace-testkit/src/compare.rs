@@ -4,12 +4,13 @@ use glam::DAffine3;
 use populace_core::Backend;
 
 use crate::expected::Expected;
-use crate::tolerance::{LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
+use crate::tolerance::{COARSE, LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
 use crate::{MemberReading, TestCrowd};
 
 /// Compares number by number, and keeps count, so that a check that compared nothing fails too.
 pub(crate) struct Judge {
     check: &'static str,
+    local_cap: f64,
     model_cap: f64,
     compared: usize,
     left_out: usize,
@@ -19,7 +20,12 @@ pub(crate) struct Judge {
 impl Judge {
     /// For whole frames.
     pub(crate) fn new(check: &'static str) -> Self {
-        Self { check, model_cap: MODEL_CAP, compared: 0, left_out: 0, worst: 0.0 }
+        Self { check, local_cap: LOCAL_CAP, model_cap: MODEL_CAP, compared: 0, left_out: 0, worst: 0.0 }
+    }
+
+    /// For sensitive scenes.
+    pub(crate) fn coarse(check: &'static str) -> Self {
+        Self { local_cap: COARSE * LOCAL_CAP, model_cap: COARSE * MODEL_CAP, ..Self::new(check) }
     }
 
     /// For a stage alone, where only rounding is left.
@@ -94,13 +100,14 @@ impl Judge {
         got: &MemberReading,
         wanted: &Expected,
     ) {
+        let cap = self.local_cap;
         for (joint, (local, bound)) in wanted.pose.locals.iter().zip(&wanted.locals).enumerate() {
             let place = |what, c: usize| move || format!("{} {what} {c}", joint_place(crowd, member, joint));
             for c in 0..3 {
                 let (value, want) = (got.translations[joint][c], local.translation[c]);
-                self.number(value, want, bound.translation, LOCAL_CAP, place("translation", c));
+                self.number(value, want, bound.translation, cap, place("translation", c));
                 let (value, want) = (got.scales[joint][c], local.scale[c]);
-                self.number(value, want, bound.scale, LOCAL_CAP, place("scale", c));
+                self.number(value, want, bound.scale, cap, place("scale", c));
             }
             // A quaternion and its negative are one rotation.
             let want = local.rotation.to_array();
@@ -108,7 +115,7 @@ impl Judge {
             for c in 0..4 {
                 let want = if side < 0.0 { -want[c] } else { want[c] };
                 let value = got.rotations[joint][c];
-                self.number(value, want, bound.rotation, LOCAL_CAP, place("rotation", c));
+                self.number(value, want, bound.rotation, cap, place("rotation", c));
             }
         }
     }

@@ -42,7 +42,7 @@ impl<'a> TestCrowd<'a> {
         let mut bound = SampleBound::default();
         for play in &plan.plays {
             let of_clip = match play.timing {
-                Timing::Held { secs } if is_exact(&clip(play).key_times(), secs) => clip(play).at_keys,
+                Timing::Held { secs } if is_exact(&clip(play).exact_times, secs) => clip(play).at_keys,
                 _ => clip(play).between_keys?,
             };
             bound = bound.or(of_clip);
@@ -72,10 +72,10 @@ impl<'a> TestCrowd<'a> {
     }
 }
 
-/// Whether rows hold the value at a time exactly: a key's, or one outside of all keys.
-fn is_exact(key_times: &[f32], secs: f32) -> bool {
-    let outside = key_times.first().is_none_or(|t| secs <= *t) || key_times.last().is_none_or(|t| secs >= *t);
-    outside || key_times.contains(&secs)
+/// Whether rows hold the value at a time exactly, as they do outside of all keys.
+fn is_exact(times: &[f32], secs: f32) -> bool {
+    let outside = times.first().is_none_or(|t| secs <= *t) || times.last().is_none_or(|t| secs >= *t);
+    outside || times.contains(&secs)
 }
 
 fn widen_for_ramps(bound: SampleBound, plan: &MemberPlan, slots: &[OracleSlot<'_>]) -> SampleBound {

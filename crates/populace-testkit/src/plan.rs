@@ -10,7 +10,7 @@ pub(crate) const FRAME_TICKS: u64 = TICKS_PER_SEC / 60;
 /// A playing clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Play {
-    /// Index into [`Scene::clips`].
+    /// Index into [`Scene::clips`](crate::scenes::Scene::clips).
     pub clip: usize,
     /// When it shows what.
     pub timing: Timing,
@@ -61,7 +61,7 @@ impl Default for LayerPlan {
 /// A member.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MemberPlan {
-    /// Index into [`Scene::bodies`].
+    /// Index into [`Scene::bodies`](crate::scenes::Scene::bodies).
     pub body: usize,
     /// Its slots, in order.
     pub plays: Vec<Play>,

@@ -23,8 +23,11 @@ pub const LOCAL_CAP: f64 = 4e-5;
 /// own bound decides.
 pub const MODEL_CAP: f64 = 2e-3;
 
-/// The same where Transform or Write-back runs alone, so that only rounding is left.
+/// The cap of matrices where Transform or Write-back runs alone, so that only rounding is left.
 pub const ROUNDING_CAP: f64 = 1e-4;
+
+/// How much wider both caps are where clips turn far between keys and the layers above magnify that.
+pub const COARSE: f64 = 25.0;
 
 /// Rounding of rotations in Pose, as four-component vectors: stored rows and rest (1 `u` each, 2), interpolation
 /// between two rows (3), normalising (dot 4, halved by the root; root 6; quotient 5; product 1: 14), weight and share
@@ -50,6 +53,14 @@ pub fn time_error_secs(clip: &Clip) -> f64 {
     8.0 * UNIT * (f64::from(clip.start_secs()).abs() + f64::from(clip.duration_secs()))
 }
 
+/// How far a held time may be off: it is exact itself, and so are the times of rows; the time passed since the first row,
+/// the rate of evenly spaced rows and their product round once each (3), and such rows may be a rounding away from an
+/// even grid (1).
+#[must_use]
+pub fn held_time_error_secs(clip: &Clip) -> f64 {
+    0.5 * time_error_secs(clip)
+}
+
 /// How far a weight that ramps may be off: the elapsed time rounds three times (3), the rate once (1), product and
 /// sum (2), with ramps between 0 and 1, in `u`; 2 to spare.
 pub const WEIGHT_ERROR: f64 = 8.0 * UNIT;
@@ -70,10 +81,14 @@ pub struct SampleBound {
 }
 
 impl SampleBound {
-    /// Of a clip at the times of its keys, where rows are exact: an error in time moves the value by the steepest slope.
+    /// Of a clip held at the times of its keys, where rows are exact.
     #[must_use]
     pub fn at_keys(clip: &Clip) -> Self {
-        let time = time_error_secs(clip);
+        Self::of_time(clip, held_time_error_secs(clip))
+    }
+
+    /// An error in time moves the value by the steepest slope.
+    fn of_time(clip: &Clip, time: f64) -> Self {
         let mut bound = Self::default();
         for track in &clip.source().tracks {
             let slip = steepest_per_sec(track) * time;
@@ -103,7 +118,7 @@ impl SampleBound {
     #[must_use]
     pub fn between_keys(clip: &Clip) -> Option<Self> {
         const FAR: f64 = 0.15;
-        let mut bound = Self::at_keys(clip);
+        let mut bound = Self::of_time(clip, time_error_secs(clip));
         let arc = widest_arc(clip.source())?;
         if arc > FAR {
             return None;

@@ -11,7 +11,8 @@ use crate::{MemberPlan, Play, Rng, single};
 /// A time at which all random plays have begun.
 const LATER_SECS: f64 = 6.125;
 
-/// One to eight clips mixed, on every body.
+/// One to eight clips mixed, on every body; and clips between rows far apart, where a rotation has lost length and must
+/// not lose weight with it.
 ///
 /// # Panics
 ///
@@ -21,11 +22,16 @@ pub fn check_blends(backend: &mut dyn Backend) {
     let mut judge = Judge::new("blends");
     let clips = scene.tight_clips();
     let mut rng = Rng::new(31);
-    let plans = (0..48).map(|n| {
+    let mut crowd = plans::crowd(&scene, 8, None);
+    for n in 0..48 {
         let plays = (0..1 + n % 8).map(|_| plans::play(&mut rng, &clips)).collect();
-        MemberPlan::plain((n / 8) % scene.bodies.len(), plays)
-    });
-    let mut crowd = plans::crowd(&scene, 8, plans);
+        crowd.add(MemberPlan::plain((n / 8) % scene.bodies.len(), plays));
+    }
+    for n in 0..16 {
+        let clips = [clip::LEAVES, clip::LEAVES, clip::EVEN, clip::LINEAR_AND_STEPS];
+        let plays = clips[..2 + n % 3].iter().map(|&clip| plans::held_exactly(&mut rng, &scene, clip));
+        crowd.add(MemberPlan::plain(body::SMALL, plays.collect()));
+    }
     for step in 0..5 {
         judge.frame(backend, &mut crowd, ticks_from_secs(LATER_SECS + 0.31 * f64::from(step)));
     }

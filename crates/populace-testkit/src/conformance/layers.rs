@@ -4,8 +4,8 @@ use populace_core::{Backend, LayerMode, ticks_from_secs};
 
 use super::plans;
 use crate::compare::Judge;
-use crate::scenes::Scene;
-use crate::{LayerPlan, MemberPlan, Rng, single};
+use crate::scenes::{Scene, body, clip};
+use crate::{LayerPlan, MemberPlan, Play, Rng, single};
 
 /// Override layers: weights, masks, totals below and above 1, layers without slots; what layer 0 says of itself is not
 /// looked at.
@@ -56,4 +56,36 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
         judge.frame(backend, &mut crowd, ticks_from_secs(secs));
     }
     judge.done();
+}
+
+/// Turns of all widths, which leave the hemisphere of the rest rotation, added and overridden, beneath a layer that
+/// overrides them again. They are sensitive, so the caps of this check are wide.
+///
+/// # Panics
+///
+/// If the backend is wrong.
+pub fn check_far_turns(backend: &mut dyn Backend) {
+    let scene = Scene::new();
+    let mut judge = Judge::coarse("far turns");
+    let mut rng = Rng::new(43);
+    let plans = (0..60).map(|n| far(&mut rng, &scene, n));
+    let mut crowd = plans::crowd(&scene, 4, plans);
+    judge.frame(backend, &mut crowd, 0);
+    judge.done();
+}
+
+/// Wide turns between a base and an override layer.
+fn far(rng: &mut Rng, scene: &Scene, n: usize) -> MemberPlan {
+    let (body, wide) = [(body::SMALL, clip::WIDE), (body::SCALED, clip::WIDE_UNEVEN)][n % 2];
+    let mut layers = vec![LayerPlan::default(); 3];
+    layers[1].mode = [LayerMode::Additive, LayerMode::Additive, LayerMode::Override][n % 3];
+    layers[1].weight = [1.0, 0.6][n % 2];
+    layers[2].weight = single(rng.between(0.2, 0.8));
+    let clips = [clip::LEAVES, wide, clip::EVEN, wide];
+    let mut plays: Vec<Play> = clips.map(|clip| plans::held_exactly(rng, scene, clip)).into();
+    for (play, layer) in plays.iter_mut().zip([0, 1, 2, 1]) {
+        play.layer = layer;
+    }
+    plays.truncate(3 + n % 3 / 2);
+    MemberPlan { body, plays, layers }
 }

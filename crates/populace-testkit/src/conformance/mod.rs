@@ -16,10 +16,10 @@ mod stages;
 pub use agreement::check_agreement;
 pub use blend::{check_blends, check_slot_order, check_small_totals, check_zero_weights};
 pub use clock::{check_clock, check_weights};
-pub use layers::{check_additive_layers, check_override_layers};
+pub use layers::{check_additive_layers, check_far_turns, check_override_layers};
 pub use mixed::{check_churn, check_mixed_dispatch};
 pub use running::{check_growth, check_long_run};
-pub use sampling::{check_sampling_at_keys, check_sampling_between_keys};
+pub use sampling::{check_sampling_at_keys, check_sampling_between_keys, check_sampling_within_clip_bounds};
 pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
 
 /// Expands to one `#[test]` for each check of the conformance suite, run on the backend that the expression makes, and
@@ -34,12 +34,14 @@ macro_rules! backend_conformance {
             one check_weights weights_hold weights_can_fail weight;
             one check_sampling_at_keys sampling_at_keys_holds sampling_at_keys_can_fail translation;
             one check_sampling_between_keys sampling_between_keys_holds sampling_between_keys_can_fail model;
+            one check_sampling_within_clip_bounds sampling_within_clip_bounds_holds sampling_within_clip_bounds_can_fail position;
             one check_blends blends_hold blends_can_fail rotation;
             one check_slot_order slot_order_holds slot_order_can_fail rotation;
             one check_zero_weights zero_weights_hold zero_weights_can_fail palette_bit;
             one check_small_totals small_totals_hold small_totals_can_fail scale;
             one check_override_layers override_layers_hold override_layers_can_fail palette;
             one check_additive_layers additive_layers_hold additive_layers_can_fail rotation;
+            one check_far_turns far_turns_hold far_turns_can_fail coarse_rotation;
             one check_transform_alone transform_alone_holds transform_alone_can_fail model_rounding;
             one check_write_back_alone write_back_alone_holds write_back_alone_can_fail palette_rounding;
             one check_pages pages_hold pages_can_fail palette_bit;

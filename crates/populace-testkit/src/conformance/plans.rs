@@ -23,6 +23,13 @@ pub(super) fn play(rng: &mut Rng, clips: &[usize]) -> Play {
     }
 }
 
+/// A clip held at a time at which its rows are exact, so that even wide turns can be held to rounding.
+pub(super) fn held_exactly(rng: &mut Rng, scene: &Scene, clip: usize) -> Play {
+    let times = &scene.clips[clip].exact_times;
+    let weight = single(rng.between(0.2, 1.0));
+    Play::held(clip, times[rng.below(times.len())]).weighing(weight)
+}
+
 /// A layer above layer 0 by chance.
 pub(super) fn layer(rng: &mut Rng, joints: usize) -> LayerPlan {
     let mode = if rng.chance(0.5) { LayerMode::Override } else { LayerMode::Additive };

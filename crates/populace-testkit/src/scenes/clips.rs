@@ -3,12 +3,12 @@
 use populace_core::Interpolation::{Linear, Step};
 use populace_core::{ClipSource, JointSource, Property, Track};
 
-use super::motion::{even_times, jumps, spline, swing, uneven_times, wave, wide_turns};
+use super::motion::{even_times, jumps, spline, swing, uneven_times, wave, wide_turns, zigzag};
 use super::{SceneBody, SceneClip, body, clip};
 use crate::Rng;
 
 /// Names and bodies, in the order of [`super::clip`].
-const CLIPS: [(&str, usize); 14] = [
+const CLIPS: [(&str, usize); 15] = [
     ("even", body::SMALL),
     ("uneven", body::TWO_ROOTS),
     ("scaled", body::SCALED),
@@ -22,6 +22,7 @@ const CLIPS: [(&str, usize); 14] = [
     ("all kinds", body::SMALL),
     ("large", body::LARGE),
     ("pair", body::PAIR),
+    ("leaves", body::SMALL),
     ("bare", body::BARE),
 ];
 
@@ -30,7 +31,8 @@ pub(super) fn all(bodies: &[SceneBody]) -> Vec<SceneClip> {
     let mut clip = |(index, (name, body)): (usize, (&str, usize))| {
         let source =
             ClipSource { name: name.to_owned(), tracks: tracks(index, &mut rng, &bodies[body].joints) };
-        SceneClip::new(source, &bodies[body], body)
+        let clip = SceneClip::new(source, &bodies[body], body);
+        if index == clip::LEAVES { clip.with_halves() } else { clip }
     };
     CLIPS.into_iter().enumerate().map(&mut clip).collect()
 }
@@ -54,6 +56,7 @@ fn tracks(index: usize, rng: &mut Rng, joints: &[JointSource]) -> Vec<Track> {
         clip::ALL_KINDS => all_kinds(rng, joints),
         clip::LARGE => gentle(rng, joints, 0.7, &even),
         clip::PAIR => gentle(rng, joints, 1.0, &uneven),
+        clip::LEAVES => leaves(rng, joints, &even_times(0.3, 8, 5.0)),
         _ => gentle(rng, joints, 0.8, &later),
     }
 }
@@ -113,6 +116,13 @@ fn linear_and_steps(rng: &mut Rng, joints: &[JointSource], times: &[f32]) -> Vec
         }
     }
     tracks
+}
+
+/// Turns of joints that no other hangs on.
+fn leaves(rng: &mut Rng, joints: &[JointSource], times: &[f32]) -> Vec<Track> {
+    let is_leaf = |at: usize| joints.iter().all(|joint| joint.parent != Some(at));
+    let leaves = (0..joints.len()).filter(|&at| is_leaf(at));
+    leaves.map(|at| zigzag(rng, &joints[at], times)).collect()
 }
 
 /// Tracks of joints that no skeleton has among those of a few that are there.

@@ -29,7 +29,7 @@ pub struct SceneClip {
     pub clip: Clip,
     /// Index of its own body in [`Scene::bodies`].
     pub body: usize,
-    /// How far samples may be off at [`SceneClip::exact_times`], and outside of all keys.
+    /// How far samples may be off at [`SceneClip::exact_times`] and outside of all keys.
     pub at_keys: SampleBound,
     /// Times at which rows are exact: all keys, ascending, each once; and for [`clip::LEAVES`] half way between them.
     pub exact_times: Vec<f32>,
@@ -141,10 +141,10 @@ pub mod clip {
     /// Unevenly spaced LINEAR keys, on [`body::PAIR`](super::body::PAIR).
     pub const PAIR: usize = 12;
     /// Evenly spaced LINEAR keys, on [`body::BARE`](super::body::BARE).
-    pub const BARE: usize = 13;
+    pub const BARE: usize = 14;
     /// Joints without children turn 40 to 48 degrees between LINEAR keys, on [`body::SMALL`](super::body::SMALL): rows
     /// so far apart that the length of a rotation between them matters.
-    pub const LEAVES: usize = 14;
+    pub const LEAVES: usize = 13;
 }
 
 #[cfg(test)]
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(scene.clips[clip::STILL].clip.duration_secs(), 0.0);
         assert_eq!(scene.clips[clip::UNEVEN].clip.start_secs(), 0.033);
         let tight: Vec<_> = scene.tight_clips();
-        assert_eq!(tight, [0, 1, 2, 3, 4, 5, 6, 11, 12, 13]);
+        assert_eq!(tight, [0, 1, 2, 3, 4, 5, 6, 11, 12, 14]);
         let kinds = |kind| {
             let tracks = &scene.clips[clip::ALL_KINDS].clip.source().tracks;
             tracks.iter().filter(|t| t.interpolation == kind).count()

@@ -86,6 +86,18 @@ pub(super) fn wide_turns(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> T
     track
 }
 
+/// To and fro in turns of 42 to 48 degrees, at most 48 from rest.
+pub(super) fn zigzag(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> Track {
+    let mut track = track(&joint.name, Property::Rotation, Interpolation::Linear, times);
+    let axis = rng.direction();
+    for (_, side) in times.iter().zip([-1.0, 0.0, 1.0, 0.0].into_iter().cycle()) {
+        let degrees: f64 = side * 45.0 + rng.between(-1.5, 1.5);
+        let value = rest_rotation(joint) * DQuat::from_axis_angle(axis, degrees.to_radians());
+        track.values.extend(value.to_array().map(single));
+    }
+    track
+}
+
 /// Jumps of a translation or scale.
 pub(super) fn jumps(rng: &mut Rng, joint: &JointSource, property: Property, times: &[f32]) -> Track {
     let mut track = track(&joint.name, property, Interpolation::Linear, times);
