@@ -38,7 +38,7 @@ impl fmt::Display for Note {
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file itself could not be read. Files that it names are [`Problem`]s.
-    #[error("{} cannot be read: {source}", path.display())]
+    #[error("{} cannot be read", path.display())]
     Io {
         /// The file.
         path: PathBuf,

@@ -105,11 +105,15 @@ impl Slot {
         self.weight_tick = tick;
     }
 
-    /// The weight at a time of the clock; the twin of `slot_weight` in `kernels/evaluate.cl`.
+    /// The weight at a time of the clock, 0 before the slot begins; the twin of `slot_weight` in
+    /// `kernels/evaluate.cl`.
     #[inline]
     #[must_use]
     pub fn weight_at(&self, tick: u64) -> f32 {
-        let elapsed_secs = tick.wrapping_sub(self.weight_tick) as f32 * TICK_SECS;
+        if tick < self.start_tick {
+            return 0.0;
+        }
+        let elapsed_secs = tick.saturating_sub(self.weight_tick) as f32 * TICK_SECS;
         let weight = self.start_weight + self.weight_rate * elapsed_secs;
         let rising = self.weight_rate >= 0.0;
         if (rising && weight > self.end_weight) || (!rising && weight < self.end_weight) {
@@ -119,7 +123,7 @@ impl Slot {
         }
     }
 
-    /// The time on the clip's own axis at a time of the clock; the twin of `slot_time` in `kernels/evaluate.cl`.
+    /// The time on the clip's own axis at a time of the clock that is not before the start; the twin of `slot_time` in `kernels/evaluate.cl`.
     #[inline]
     #[must_use]
     pub fn time_at(&self, tick: u64, start_secs: f32, duration_secs: f32) -> f32 {
@@ -266,6 +270,14 @@ mod tests {
         assert_eq!(slot.weight_at(TICKS_PER_SEC), 1.0);
         assert!((slot.weight_at(TICKS_PER_SEC * 5 / 4) - 0.625).abs() < 1e-6);
         assert_eq!(slot.weight_at(TICKS_PER_SEC * 9), 0.25);
+    }
+
+    #[test]
+    fn a_slot_of_the_future_weighs_nothing_until_its_time() {
+        let mut slot = Slot::once(0, 100, 0.0, 1.0, 1.0);
+        assert_eq!((slot.weight_at(99), slot.weight_at(100)), (0.0, 1.0));
+        slot.ramp_weight(100 + TICKS_PER_SEC, 0.25, 1.0, 1.0);
+        assert_eq!(slot.weight_at(200), 0.25, "the ramp has not begun");
     }
 
     #[test]

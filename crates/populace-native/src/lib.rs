@@ -251,6 +251,14 @@ mod tests {
         populace_testkit::backend_conformance!(crate::NativeBackend::new(3).unwrap());
     }
 
+    mod conformance_on_1_thread {
+        populace_testkit::backend_conformance!(crate::NativeBackend::new(1).unwrap());
+    }
+
+    mod conformance_on_16_threads {
+        populace_testkit::backend_conformance!(crate::NativeBackend::new(16).unwrap());
+    }
+
     #[test]
     fn past_the_end_is_an_error() {
         let mut backend = NativeBackend::new(1).unwrap();

@@ -6,7 +6,8 @@
 
 float slot_weight(Slot slot, ulong tick)
 {
-    const float elapsed_secs = (float)(tick - slot.weight_tick) * TICK_SECS;
+    if (tick < slot.start_tick) return 0.0f;
+    const float elapsed_secs = (float)(tick > slot.weight_tick ? tick - slot.weight_tick : 0) * TICK_SECS;
     const float weight = slot.start_weight + slot.weight_rate * elapsed_secs;
     const bool rising = slot.weight_rate >= 0.0f;
     return (rising && weight > slot.end_weight) || (!rising && weight < slot.end_weight) ? slot.end_weight : weight;

@@ -1,5 +1,7 @@
 //! What a user of [`Crowd`] relies on, on every device.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use std::sync::Arc;
 
 use populace::core::{
@@ -166,6 +168,27 @@ fn bad_values_are_refused_and_harm_nobody(device: Device) {
     assert_eq!(crowd.member_count(), 1);
 }
 
+/// 400,000 palette entries each, so that two members fill most of a page and the third has the next one.
+fn palettes_on_the_second_page_are_right_too(device: Device) {
+    let mut source = (*lift()).clone();
+    source.palette = vec![source.palette[0]; 400_000];
+    let mut crowd = Crowd::builder().device(device).build().unwrap();
+    let id = crowd.add_character(Character::new(source).unwrap()).unwrap();
+    let high = crowd.clip(id, "high").unwrap();
+    let members: Vec<_> = (0..3).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
+    crowd.play(members[2], high, Play::held_at_secs(0.5)).unwrap();
+    crowd.update(0.0).unwrap();
+    assert_eq!(crowd.page_count(), 2);
+    let palette = crowd.palette(members[2]).unwrap();
+    assert_near(palette[0].rows[1][3], 10.5);
+    assert!(palette.iter().all(|matrix| *matrix == palette[0]));
+    let last = crowd.instances().last().unwrap();
+    assert_eq!(last.palette_first, populace::core::layout::PAGE_ENTRIES);
+    let mut seen = Vec::new();
+    crowd.with_page(1, &mut |page| seen = page[..3].to_vec()).unwrap();
+    assert_near(seen[1].0[3], 10.5);
+}
+
 macro_rules! on_devices {
     ($($test:ident),* $(,)?) => {
         mod native {
@@ -187,6 +210,7 @@ on_devices!(
     twenty_clips_in_a_third_of_a_second,
     a_clip_added_now_plays_now,
     bad_values_are_refused_and_harm_nobody,
+    palettes_on_the_second_page_are_right_too,
 );
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]

@@ -113,7 +113,10 @@ fn vertices(character: &Character, palette: &[Affine], wanted: &[VertexId]) -> R
 }
 
 fn as_text(d: &Value) -> String {
-    let mut text = format!("{} at {} s on {}, {}\n", d["clip"], d["time"], d["device"], d["schedule"]);
+    let clip =
+        d["clip"].as_str().map_or("rest pose".to_owned(), |clip| format!("\"{clip}\" at {} s", d["time"]));
+    let part = |name: &str| d[name].as_str().unwrap_or_default().to_owned();
+    let mut text = format!("{clip} on {}, {}; joints in model space:\n", part("device"), part("schedule"));
     for joint in d["joints"].as_array().into_iter().flatten() {
         let m = |i: usize| joint["model_from_joint"][i].as_f64().unwrap_or_default();
         text += &format!(

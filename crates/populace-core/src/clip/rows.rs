@@ -14,6 +14,8 @@ const TOLERANCE_BODY_M: f64 = 1.8;
 const PROBE_M: f64 = 0.03;
 /// Parts of a gap between rows, at whose ends the error is measured.
 const MEASURED: u32 = 8;
+/// What storage in single precision adds, in parts of the body's size: a few roundings of 2^-24 along a chain.
+const STORED: f64 = 4.8e-7;
 /// A gap between keys is halved at most this often.
 const MAX_HALVINGS: u32 = 12;
 /// Rows count as evenly spaced when none is off by more than this part of the spacing.
@@ -56,6 +58,7 @@ impl Rows {
     pub(super) fn new(curves: &Curves, skeleton: &Skeleton) -> Self {
         let scale = f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
         let tolerance = TOLERANCE_M * scale;
+        let allowed = tolerance - STORED * f64::from(skeleton.size_m());
         let probes: Vec<f64> =
             skeleton.reach_m().iter().map(|&r| f64::from(r).max(PROBE_M * scale)).collect();
         let reach = reaches(skeleton, &probes);
@@ -65,7 +68,7 @@ impl Rows {
         for (secs, jumps) in key_times(curves) {
             let row = Row::new(curves, skeleton, secs, if jumps { Side::Before } else { Side::After });
             if let Some(last) = rows.pop() {
-                let gap = Gap { curves, skeleton, probes: &probes, reach: &reach, tolerance };
+                let gap = Gap { curves, skeleton, probes: &probes, reach: &reach, allowed };
                 worst = worst.max(gap.fill(last, &row, MAX_HALVINGS, &mut rows));
             }
             rows.push(row);
@@ -75,7 +78,8 @@ impl Rows {
         }
         let driven: Vec<_> =
             skeleton.joints().map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some())).collect();
-        let [error_bound_m, tolerance_m] = f64math::to_f32([worst, tolerance]);
+        let [error_bound_m, tolerance_m] =
+            f64math::to_f32([worst + STORED * f64::from(skeleton.size_m()), tolerance]);
         store(&rows, driven, error_bound_m, tolerance_m)
     }
 
@@ -189,18 +193,18 @@ struct Gap<'a> {
     skeleton: &'a Skeleton,
     probes: &'a [f64],
     reach: &'a [f64],
-    tolerance: f64,
+    allowed: f64,
 }
 
 impl Gap<'_> {
     /// Pushes `from` and the rows that are needed between it and `to`, which is left out; returns the bound that holds.
     fn fill(&self, from: Row, to: &Row, halvings: u32, rows: &mut Vec<Row>) -> f64 {
         let mut bound = self.error_bound(&from, to);
-        if bound > self.tolerance && from.secs < to.secs {
+        if bound > self.allowed && from.secs < to.secs {
             bound = bound.min(self.measured_error(&from, to)); // the bound is cheap and often far too high
         }
         let middle = from.secs + (to.secs - from.secs) / 2.0;
-        if bound <= self.tolerance || halvings == 0 || middle <= from.secs || middle >= to.secs {
+        if bound <= self.allowed || halvings == 0 || middle <= from.secs || middle >= to.secs {
             rows.push(from);
             return bound;
         }

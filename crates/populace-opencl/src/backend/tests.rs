@@ -69,6 +69,8 @@ fn a_device_that_does_not_exist_is_refused() {
 }
 
 mod conformance {
-    #[cfg(not(skip_opencl))]
-    populace_testkit::backend_conformance!(super::OpenClBackend::new(&super::device()).expect("a backend"));
+    populace_testkit::backend_conformance!(
+        super::OpenClBackend::new(&super::device()).expect("a backend"),
+        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+    );
 }
