@@ -1,7 +1,7 @@
 //! The structs and constants that host and devices share, each declared once.
 //!
-//! [`device_struct!`] emits a `#[repr(C)]` [`bytemuck::Pod`] type, its OpenCL C twin as text, and the table of its
-//! fields, which a probe kernel's `sizeof` and offsets are compared with in a test. [`device_const!`] emits a constant
+//! `device_struct!` emits a `#[repr(C)]` [`bytemuck::Pod`] type, its OpenCL C twin as text, and the table of its
+//! fields, which a probe kernel's `sizeof` and offsets are compared with in a test. `device_consts!` emits a constant
 //! and its `#define`. [`opencl_prelude`] joins them all into the head of every OpenCL program.
 //!
 //! `Pod` refuses hidden padding, and there is no three-component vector to declare: it is 16 bytes on a device.

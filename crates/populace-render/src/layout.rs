@@ -139,6 +139,7 @@ glsl_block! {
         eye: Float4,
         /// xyz unit vector; w the world-space size of a shadow texel, 0 where there are no shadows.
         to_sun: Float4,
+        /// rgb; w where tone mapping begins to bend, 1 for nowhere.
         sun_color: Float4,
         sky_light: Float4,
         ground_light: Float4,

@@ -44,4 +44,4 @@ pub use camera::Camera;
 pub use error::Error;
 pub use picture::write_png;
 pub use renderer::Renderer;
-pub use scene::{Ambient, CharacterHandle, Ground, Instance, Scene, Sky, Sun};
+pub use scene::{Ambient, CharacterHandle, Ground, Highlights, Instance, Scene, Sky, Sun};

@@ -45,7 +45,7 @@ fn sources(kind: Kind) -> [String; 2] {
         ],
         Kind::Sky => [
             surfaced(Alpha::Opaque, &[include_str!("shaders/sky.vert")]),
-            surfaced(Alpha::Opaque, &[include_str!("shaders/sky.frag")]),
+            surfaced(Alpha::Opaque, &[LIGHT, include_str!("shaders/sky.frag")]),
         ],
     }
 }

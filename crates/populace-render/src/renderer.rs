@@ -296,7 +296,7 @@ fn frame(scene: &Scene, clip_from_world: Mat4, sun: Option<SunView>) -> Frame {
         shadow_from_world: sun.map_or(Mat4::IDENTITY, |s| s.shadow_from_world).into(),
         eye: with(scene.camera.eye, scene.camera.far),
         to_sun: with(to_sun, sun.map_or(0.0, |s| s.texel_m)),
-        sun_color: color(scene.sun.color),
+        sun_color: with(scene.sun.color, scene.highlights.knee()),
         sky_light: color(scene.ambient.sky),
         ground_light: color(scene.ambient.ground),
         zenith_color: color(scene.sky.zenith),

@@ -60,6 +60,26 @@ pub struct Sky {
     pub horizon: [f32; 3],
 }
 
+/// What becomes of light that is brighter than a picture can show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Highlights {
+    /// Tone mapping: linear up to three quarters of white, then a shoulder that nears white without reaching it.
+    #[default]
+    Shoulder,
+    /// Cut off at white, linear below: for pictures that are measured.
+    Clipped,
+}
+
+impl Highlights {
+    /// Where the curve begins to bend.
+    pub(crate) const fn knee(self) -> f32 {
+        match self {
+            Self::Shoulder => 0.75,
+            Self::Clipped => 1.0,
+        }
+    }
+}
+
 /// Camera, light and surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
@@ -73,6 +93,8 @@ pub struct Scene {
     pub ground: Option<Ground>,
     /// The background.
     pub sky: Sky,
+    /// Tone mapping.
+    pub highlights: Highlights,
 }
 
 impl Default for Scene {
@@ -84,6 +106,7 @@ impl Default for Scene {
             ambient: Ambient { sky: [0.4, 0.45, 0.54], ground: [0.2, 0.19, 0.18] },
             ground: Some(Ground { color: [0.4, 0.37, 0.32], line_color: [0.27, 0.25, 0.22] }),
             sky: Sky { zenith: [0.17, 0.36, 0.7], horizon: [0.66, 0.76, 0.86] },
+            highlights: Highlights::Shoulder,
         }
     }
 }

@@ -23,5 +23,5 @@ void main() {
     vec3 base = mix(ground_color.rgb, line_color.rgb, drawn);
     vec3 shadow_position = (shadow_from_world * vec4(world_position, 1.0)).xyz * 0.5 + 0.5;
     vec3 lit = base * light_on(vec3(0.0, 1.0, 0.0), shadow_position);
-    color = vec4(hazed(lit, world_position), 1.0);
+    color = vec4(tone_mapped(hazed(lit, world_position)), 1.0);
 }

@@ -26,3 +26,12 @@ vec3 hazed(vec3 color, vec3 world_position) {
     float share = smoothstep(0.1, 0.95, distance(world_position, eye.xyz) / eye.w);
     return mix(color, horizon_color.rgb, share);
 }
+
+// Tone mapping: linear up to a knee, then a shoulder that nears white without reaching it, so that sunlit white cloth
+// keeps its folds. Value and slope are continuous at the knee; a knee of 1 cuts off at white.
+vec3 tone_mapped(vec3 color) {
+    float knee = sun_color.w;
+    float room = 1.0 - knee;
+    vec3 over = max(color - knee, 0.0) / max(room, 1e-3);
+    return min(color, knee) + room * (1.0 - exp(-over));
+}

@@ -21,7 +21,7 @@ void main() {
     vec3 normal = squared > 0.0 ? world_normal * inversesqrt(squared) : vec3(0.0, 1.0, 0.0);
     // Back faces get here only where a surface is double-sided.
     if (!gl_FrontFacing) normal = -normal;
-    vec3 lit = hazed(base.rgb * light_on(normal, shadow_position), world_position);
+    vec3 lit = tone_mapped(hazed(base.rgb * light_on(normal, shadow_position), world_position));
 #ifdef BLENDED
     color = vec4(lit, base.a);
 #else

@@ -6,5 +6,5 @@ out vec4 color;
 
 void main() {
     float height = max(normalize(sight).y, 0.0);
-    color = vec4(mix(zenith_color.rgb, horizon_color.rgb, exp(-5.0 * height)), 1.0);
+    color = vec4(tone_mapped(mix(zenith_color.rgb, horizon_color.rgb, exp(-5.0 * height))), 1.0);
 }

@@ -2,7 +2,9 @@
 //! is 32 pixels, and the world's origin is in the middle.
 
 use populace_core::{Affine, Character, Image};
-use populace_render::{Ambient, Camera, CharacterHandle, Error, Instance, Renderer, Scene, Sky, Sun};
+use populace_render::{
+    Ambient, Camera, CharacterHandle, Error, Highlights, Instance, Renderer, Scene, Sky, Sun,
+};
 
 use crate::fixture::palette;
 
@@ -54,6 +56,7 @@ pub(crate) fn flat_scene() -> Scene {
         ambient: Ambient { sky: [1.0; 3], ground: [1.0; 3] },
         ground: None,
         sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3] },
+        highlights: Highlights::Clipped,
     }
 }
 

@@ -1,6 +1,7 @@
 //! Colours, textures, alpha, winding and normals.
 
 use populace_core::{Affine, AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap};
+use populace_render::{Ambient, Highlights};
 
 use crate::fixture::{at, part, place, plain, quad_mesh, source};
 use crate::rig::{NOTHING, Rig, instance, srgb};
@@ -170,4 +171,21 @@ fn masks_leave_pixels_out_and_blends_mix() {
     // Opaque ones behind show through although they are of a later character.
     let blue = rig.add(&quad_of(plain([0.0, 0.0, 1.0, 1.0])));
     rig.draw(&[instance(red, near, 0), instance(blue, far, 0)]).expect(0.0, 0.0, [srgb(0.5), 0, srgb(0.5)]);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn highlights_near_white_without_reaching_it() {
+    let mut rig = Rig::new();
+    let quad = rig.add(&quad_of(Material::default()));
+    rig.upload(&[Affine::IDENTITY]);
+    let mut shade = |light: f32, highlights| {
+        rig.scene.highlights = highlights;
+        rig.scene.ambient = Ambient { sky: [light; 3], ground: [light; 3] };
+        rig.draw(&[instance(quad, Affine::IDENTITY, 0)]).at(0.0, 0.0)[0]
+    };
+    assert_eq!(shade(0.5, Highlights::Shoulder), shade(0.5, Highlights::Clipped), "linear below the knee");
+    let (bright, brighter) = (shade(1.0, Highlights::Shoulder), shade(1.5, Highlights::Shoulder));
+    assert!(bright < brighter && brighter < 255, "{bright} {brighter}");
+    assert_eq!((shade(1.0, Highlights::Clipped), shade(1.5, Highlights::Clipped)), (255, 255));
 }
