@@ -1,60 +1,96 @@
 //! The characters of a crowd, from files.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 
-use populace::core::Character;
+use populace::core::{Character, Clip};
 use populace::{CharacterId, ClipId, Crowd};
 
 use crate::failure::Failure;
+use crate::staging::with_ground_speed;
 
-/// Height that characters get in a crowd of several files, whose units may differ.
-const COMMON_HEIGHT_M: f32 = 1.75;
+/// Heights that are believed to be metres in a crowd of mixed characters; others are in some other unit.
+const BELIEVED_M: std::ops::Range<f32> = 0.5..2.2;
+/// What a character of some other unit becomes, if it stands upright.
+const UPRIGHT_M: f32 = 1.75;
+/// And if it is longer than it is high.
+const FOUR_LEGGED_M: f32 = 0.8;
 
 /// A character and what its members play.
 pub(crate) struct Role {
     pub(crate) id: CharacterId,
     pub(crate) character: Arc<Character>,
-    /// Clips to choose from; empty where the character has none.
-    pub(crate) clips: Vec<ClipId>,
+    /// Clips to choose from, each with its ground speed in the character's own metres per second; empty where the
+    /// character has none.
+    pub(crate) clips: Vec<(ClipId, f32)>,
     pub(crate) scale: f32,
 }
 
-/// Loads the files into the crowd. Files without meshes lend their clips to all characters.
-pub(crate) fn load(crowd: &mut Crowd, files: &[PathBuf], clip: Option<&str>) -> Result<Vec<Role>, Failure> {
+/// Loads the inputs into the crowd: files without meshes lend their clips to all characters.
+pub(crate) fn load(
+    crowd: &mut Crowd,
+    inputs: &[String],
+    clip: Option<&str>,
+    height_m: Option<f32>,
+) -> Result<Vec<Role>, Failure> {
     let mut drawn = Vec::new();
     let mut lent = Vec::new();
-    for file in files {
-        let imported = populace_assets::load(file)?;
-        for note in &imported.notes {
-            eprintln!("populace: {}: {}: {}", file.display(), note.place, note.what);
-        }
-        if imported.character.parts.is_empty() {
-            lent.extend(imported.character.clips.iter().cloned());
+    for input in inputs {
+        let character = from_file(Path::new(input))?;
+        if character.parts.is_empty() {
+            lent.extend(character.clips.iter().cloned());
         } else {
-            drawn.push(Arc::new(imported.character));
+            drawn.push(Arc::new(character));
         }
     }
     if drawn.is_empty() {
-        let message = anyhow::anyhow!("none of the files holds a mesh to draw");
-        return Err(Failure::Input(message));
+        return Err(Failure::Input(anyhow::anyhow!("none of the files holds a mesh to draw")));
     }
-    let several = drawn.len() > 1;
-    drawn
-        .into_iter()
-        .map(|character| {
-            let id = crowd.add_character(Arc::clone(&character))?;
-            for clip in &lent {
-                crowd.add_clip(id, clip)?;
-            }
-            let clips = match clip {
-                Some(name) => vec![crowd.clip(id, name)?],
-                None => usual_clips(crowd, id)?,
-            };
-            let scale = if several { COMMON_HEIGHT_M / character.height_m().max(1e-6) } else { 1.0 };
-            Ok(Role { id, character, clips, scale })
-        })
-        .collect()
+    let mixed = drawn.len() > 1;
+    let role = |character: Arc<Character>| {
+        let scale = scale(&character, height_m, mixed);
+        Ok(Role { scale, ..role(crowd, character, &lent, clip)? })
+    };
+    drawn.into_iter().map(role).collect()
+}
+
+fn from_file(file: &Path) -> Result<Character, Failure> {
+    let imported = populace_assets::load(file)?;
+    for note in &imported.notes {
+        eprintln!("populace: {}: {}: {}", file.display(), note.place, note.what);
+    }
+    Ok(imported.character)
+}
+
+/// Adds a character to the crowd, with clips of others.
+fn role(
+    crowd: &mut Crowd,
+    character: Arc<Character>,
+    lent: &[Arc<Clip>],
+    clip: Option<&str>,
+) -> Result<Role, Failure> {
+    let id = crowd.add_character(Arc::clone(&character))?;
+    for clip in lent {
+        crowd.add_clip(id, clip)?;
+    }
+    let clips = match clip {
+        Some(name) => vec![crowd.clip(id, name)?],
+        None => usual_clips(crowd, id)?,
+    };
+    let clips = clips.into_iter().map(|clip| with_ground_speed(crowd, id, clip)).collect::<Result<_, _>>()?;
+    Ok(Role { id, character, clips, scale: 1.0 })
+}
+
+/// The height asked for; in a crowd of mixed characters a sensible one.
+fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
+    let own = character.height_m().max(1e-6);
+    let longer_than_high = character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);
+    match height_m {
+        Some(wanted) => wanted / own,
+        None if !mixed || BELIEVED_M.contains(&own) => 1.0,
+        None if longer_than_high => FOUR_LEGGED_M / own,
+        None => UPRIGHT_M / own,
+    }
 }
 
 /// The plainest walks and the plainest idle of a character, by name: of several, those with the shortest names. Where

@@ -16,7 +16,7 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Draw a crowd of the characters in FILE... as a PNG, without a window.
+    /// Draw a crowd of the characters in FILE... as a PNG or as numbered PNGs, without a window.
     Render(RenderArgs),
     /// Show what is in a character file.
     Inspect(InspectArgs),
@@ -43,16 +43,28 @@ pub(crate) struct DeviceArgs {
 pub(crate) struct RenderArgs {
     /// glTF 2.0 files (.gltf, .glb) with characters; files that hold only clips lend them to the others
     #[arg(required = true, value_name = "FILE")]
-    pub(crate) files: Vec<PathBuf>,
+    pub(crate) inputs: Vec<String>,
     /// Members of the crowd
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub(crate) members: u32,
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub(crate) size: Size,
-    /// The PNG to write
+    /// The PNG to write; with --frames the name that the frames' numbers are added to
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
+    /// Frames of a film to write, as numbered PNGs [default: one picture]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) frames: Option<u32>,
+    /// Frames per second
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = positive)]
+    pub(crate) fps: f32,
+    /// From where: crowd shows all members, close one of them, six numbers are the eye and what it looks at, in metres
+    #[arg(long, value_name = "crowd|close|X,Y,Z,X,Y,Z", default_value = "crowd", allow_hyphen_values = true)]
+    pub(crate) camera: View,
+    /// Height of every character in metres [default: its own; sensible ones where characters are mixed]
+    #[arg(long, value_name = "METRES", value_parser = positive)]
+    pub(crate) height: Option<f32>,
     /// Clip that all members play [default: a walk or an idle, whichever are found by name, else any]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
@@ -148,6 +160,44 @@ impl FromStr for Size {
     }
 }
 
+/// A number above zero.
+fn positive(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("write a number above zero".into()),
+    }
+}
+
+/// From where a picture is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum View {
+    /// So that all members are in the picture.
+    Crowd,
+    /// One member, large.
+    Close,
+    /// From a place to a place, in metres.
+    At { eye: [f32; 3], target: [f32; 3] },
+}
+
+impl FromStr for View {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "crowd" => return Ok(Self::Crowd),
+            "close" => return Ok(Self::Close),
+            _ => {}
+        }
+        let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[a, b, c, x, y, z]) if [a, b, c, x, y, z].iter().all(|v| v.is_finite()) => {
+                Ok(Self::At { eye: [a, b, c], target: [x, y, z] })
+            }
+            _ => Err("write crowd, close, or the eye and what it looks at as 0,1.6,5,0,1,0".into()),
+        }
+    }
+}
+
 /// A vertex as the file counts them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct VertexId {
@@ -184,6 +234,13 @@ mod tests {
         for bad in ["", "640", "0x3", "-1x5", "axb", "5x"] {
             assert!(bad.parse::<Size>().is_err(), "{bad}");
         }
+        assert_eq!("close".parse(), Ok(View::Close));
+        let wanted = View::At { eye: [0.0, 1.5, -5.0], target: [0.0; 3] };
+        assert_eq!("0,1.5,-5,0,0,0".parse(), Ok(wanted));
+        for bad in ["", "near", "1,2,3", "1,2,3,4,5,nan"] {
+            assert!(bad.parse::<View>().is_err(), "{bad}");
+        }
+        assert!(positive("0").is_err() && positive("-1").is_err() && positive("inf").is_err());
         assert_eq!("5,0,17".parse(), Ok(VertexId { node: 5, primitive: 0, vertex: 17 }));
         for bad in ["", "5,0", "5,0,1,2", "a,b,c", "5,-1,0"] {
             assert!(bad.parse::<VertexId>().is_err(), "{bad}");

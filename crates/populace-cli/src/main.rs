@@ -11,6 +11,8 @@ mod failure;
 mod placement;
 mod report;
 mod skin;
+mod staging;
+mod studio;
 
 use std::process::ExitCode;
 

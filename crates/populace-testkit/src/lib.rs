@@ -7,7 +7,7 @@
 //!
 //! A crate that implements a backend runs the whole suite by one line:
 //!
-//! ```ignore
+//! ```text
 //! mod conformance {
 //!     populace_testkit::backend_conformance!(super::NativeBackend::new(3));
 //! }

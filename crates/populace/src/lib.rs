@@ -45,3 +45,8 @@ pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Memb
 pub use device::{Device, DeviceReport, devices};
 pub use error::{Error, nearest_names};
 pub use play::{Placement, Play};
+
+/// The library as the README shows it, compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+pub struct Readme;

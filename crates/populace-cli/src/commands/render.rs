@@ -1,53 +1,54 @@
 //! `populace render`
 
-use std::fs::OpenOptions;
-use std::path::Path;
-
-use populace::{Crowd, Device, Placement, Play};
-use populace_render::{Camera, CharacterHandle, Renderer, Scene, write_png};
+use populace::{Crowd, Device};
+use populace_render::Camera;
 
 use crate::cast::{self, Role};
-use crate::cli::RenderArgs;
+use crate::cli::{RenderArgs, View};
 use crate::failure::Failure;
-use crate::placement::{Random, places};
-use crate::skin::skinned;
+use crate::staging::{Plan, Staging};
+use crate::studio::{Studio, check_output, frame_path};
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    check_output(&args.out)?;
+    let first = args.frames.map_or(args.out.clone(), |_| frame_path(&args.out, 0));
+    check_output(&first)?;
     let device = args.device.device.unwrap_or_else(Device::best);
     let mut crowd =
         Crowd::builder().device(device).capacity(args.members as usize).slots_per_member(1).build()?;
-    let roles = cast::load(&mut crowd, &args.files, args.clip.as_deref())?;
+    let roles = cast::load(&mut crowd, &args.inputs, args.clip.as_deref(), args.height)?;
     check_hidden(&roles, &args.hide)?;
-    let framed = populate(&mut crowd, &roles, args)?;
-    crowd.update(0.0)?;
-
-    let mut renderer = Renderer::headless(args.size.0)?;
-    let hidden = |part: &populace::core::Part| args.hide.contains(&part.node_name);
-    let handles: Result<Vec<_>, _> =
-        roles.iter().map(|r| renderer.add_character(&r.character, &hidden)).collect();
-    draw(&mut crowd, &mut renderer, &handles?, framed, args.size.0)?;
-    write_png(&args.out, &renderer.read_image()?)?;
+    let plan = Plan { members: args.members, seed: args.seed, hide: &args.hide, away_percent: 0 };
+    let mut staging = Staging::new(&mut crowd, &roles, &plan)?;
+    let mut studio = Studio::new(args.size.0, &roles, &args.hide, camera(args, &staging))?;
+    staging.advance(&mut crowd, 0.0)?;
+    studio.shoot(&mut crowd, &first)?;
+    for frame in 1..args.frames.unwrap_or(1) {
+        staging.advance(&mut crowd, 1.0 / args.fps)?;
+        studio.shoot(&mut crowd, &frame_path(&args.out, frame))?;
+    }
+    let written = match args.frames {
+        Some(frames) => format!("{frames} frames from {} on", first.display()),
+        None => first.display().to_string(),
+    };
+    let (members, schedule) = (crowd.member_count(), crowd.schedule());
     eprintln!(
-        "populace: {} members on {} ({}), drawn by {}, written to {}",
-        crowd.member_count(),
-        crowd.device(),
-        crowd.schedule(),
-        renderer.driver(),
-        args.out.display()
+        "populace: {members} members on {device} ({schedule}), drawn by {}, written to {written}",
+        studio.driver()
     );
     Ok(())
 }
 
-/// Opens the output before the work, so that a wrong path costs no waiting; what stands there is left as it is.
-fn check_output(path: &Path) -> Result<(), Failure> {
-    let existed = path.exists();
-    let opened = OpenOptions::new().append(true).create(true).open(path);
-    opened.map_err(|e| Failure::Run(anyhow::anyhow!("cannot write {}: {e}", path.display())))?;
-    if !existed {
-        std::fs::remove_file(path)?;
+fn camera(args: &RenderArgs, staging: &Staging) -> Camera {
+    let [width, height] = args.size.0;
+    let aspect = width as f32 / height as f32;
+    match args.camera {
+        View::Crowd => Camera::framing(staging.framed.iter().copied(), aspect),
+        View::Close => Camera::framing(staging.closest.iter().copied(), aspect),
+        View::At { eye, target } => {
+            let framed = Camera::framing(staging.framed.iter().copied(), aspect);
+            Camera { eye, target, near: 0.05, ..framed }
+        }
     }
-    Ok(())
 }
 
 fn check_hidden(roles: &[Role], hide: &[String]) -> Result<(), Failure> {
@@ -64,79 +65,4 @@ fn check_hidden(roles: &[Role], hide: &[String]) -> Result<(), Failure> {
             Err(Failure::usage(format!("no node \"{unknown}\" draws anything{hint}")))
         }
     }
-}
-
-/// Spawns the members apart from each other, each at its own point of its clip; returns points that the picture must
-/// show.
-fn populate(crowd: &mut Crowd, roles: &[Role], args: &RenderArgs) -> Result<Vec<[f32; 3]>, Failure> {
-    let mut random = Random::new(args.seed);
-    let height = roles.iter().map(|r| r.character.height_m() * r.scale).fold(0.0, f32::max);
-    let mut spacing: f32 = 0.0;
-    for role in roles {
-        spacing = spacing.max(footprint_m(crowd, role, args)? * 1.3);
-    }
-    let places = places(args.members as usize, spacing, &mut random);
-    for (index, position) in places.iter().enumerate() {
-        let role = &roles[index % roles.len()];
-        let placement = Placement::at(*position).facing(random.signed() * 0.5).scaled(role.scale);
-        let member = crowd.spawn(role.id, placement)?;
-        let phase = random.unit();
-        if !role.clips.is_empty() {
-            let clip = role.clips[random.below(role.clips.len())];
-            crowd.play(member, clip, Play::looping().phase(phase))?;
-        }
-    }
-    let tops = places.iter().map(|p| [p[0], height, p[2]]);
-    let beside =
-        places.iter().flat_map(|p| [[p[0] - spacing / 2.0, 0.0, p[2]], [p[0] + spacing / 2.0, 0.0, p[2]]]);
-    Ok(tops.chain(beside).collect())
-}
-
-/// How much ground a member takes: the larger side of what it shows, playing its first clip. Many rest with their arms
-/// spread, which says nothing of how they stand, so a member is posed and looked at.
-fn footprint_m(crowd: &mut Crowd, role: &Role, args: &RenderArgs) -> Result<f32, Failure> {
-    let member = crowd.spawn(role.id, Placement::at([0.0; 3]))?;
-    if let Some(clip) = role.clips.first() {
-        crowd.play(member, *clip, Play::looping())?;
-    }
-    crowd.update(0.0)?;
-    let palette = crowd.palette(member)?;
-    crowd.despawn(member)?;
-    let shown = role.character.parts.iter().filter(|part| !args.hide.contains(&part.node_name));
-    let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
-    for part in shown {
-        for vertex in 0..part.mesh.positions.len() {
-            let at = skinned(part, vertex, &palette);
-            low = std::array::from_fn(|axis| low[axis].min(at[axis]));
-            high = std::array::from_fn(|axis| high[axis].max(at[axis]));
-        }
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
-    let side = (high[0] - low[0]).max(high[2] - low[2]) as f32;
-    Ok((side * role.scale).max(1e-3))
-}
-
-fn draw(
-    crowd: &mut Crowd,
-    renderer: &mut Renderer,
-    handles: &[CharacterHandle],
-    framed: Vec<[f32; 3]>,
-    [width, height]: [u32; 2],
-) -> Result<(), Failure> {
-    for page in 0..crowd.page_count() {
-        let mut result = Ok(());
-        crowd.with_page(page, &mut |palettes| result = renderer.upload_page(page, palettes))?;
-        result?;
-    }
-    let instances: Vec<_> = crowd
-        .instances()
-        .map(|i| populace_render::Instance {
-            character: handles[i.character.index()],
-            world_from_model: i.world_from_model,
-            palette_first: i.palette_first,
-            tint: [1.0; 3],
-        })
-        .collect();
-    let camera = Camera::framing(framed, width as f32 / height as f32);
-    Ok(renderer.draw(&Scene { camera, ..Scene::default() }, &instances)?)
 }

@@ -1,0 +1,134 @@
+//! A crowd on its ground: who stands where, playing what, and how it moves on from frame to frame.
+
+use populace::{ClipId, Crowd, Member, Placement, Play};
+
+use crate::cast::Role;
+use crate::failure::Failure;
+use crate::placement::{Random, places};
+use crate::skin::skinned;
+
+/// Slower clips are taken to stand still, or to move their root themselves.
+const WALKING_M_PER_SEC: f32 = 0.1;
+/// How much further apart members stand than they are wide.
+const ELBOW_ROOM: f32 = 1.3;
+
+/// A member that walks on: an in-place clip moves its legs, and this its ground place.
+struct Walker {
+    member: Member,
+    position: [f32; 3],
+    yaw_rad: f32,
+    scale: f32,
+    speed_m_per_sec: f32,
+}
+
+/// The members of a crowd, and what the picture must show.
+pub(crate) struct Staging {
+    walkers: Vec<Walker>,
+    /// Feet, heads and elbows of all members, for the camera.
+    pub(crate) framed: Vec<[f32; 3]>,
+    /// The same of the member in the middle of the first row.
+    pub(crate) closest: Vec<[f32; 3]>,
+}
+
+/// How a crowd is to be staged.
+pub(crate) struct Plan<'a> {
+    pub(crate) members: u32,
+    pub(crate) seed: u64,
+    /// Names of nodes whose parts are not drawn.
+    pub(crate) hide: &'a [String],
+    /// Out of a hundred members, how many walk away from the camera.
+    pub(crate) away_percent: usize,
+}
+
+impl Staging {
+    /// Spawns members apart from each other, each at its own point of one of its role's clips.
+    pub(crate) fn new(crowd: &mut Crowd, roles: &[Role], plan: &Plan) -> Result<Self, Failure> {
+        let mut random = Random::new(plan.seed);
+        let height = roles.iter().map(|r| r.character.height_m() * r.scale).fold(0.0, f32::max);
+        let mut spacing: f32 = 0.0;
+        for role in roles {
+            spacing = spacing.max(footprint_m(crowd, role, plan.hide)? * ELBOW_ROOM);
+        }
+        let places = places(plan.members as usize, spacing, &mut random);
+        let mut walkers = Vec::with_capacity(places.len());
+        for (index, &position) in places.iter().enumerate() {
+            // By turns while there are few, then by chance, so that no pattern shows.
+            let role = &roles[if index < roles.len() { index } else { random.below(roles.len()) }];
+            let away = if random.below(100) < plan.away_percent { std::f32::consts::PI } else { 0.0 };
+            let yaw_rad = away + random.signed() * 0.5;
+            let scale = role.scale;
+            let member = crowd.spawn(role.id, Placement::at(position).facing(yaw_rad).scaled(scale))?;
+            let phase = random.unit();
+            let mut speed_m_per_sec = 0.0;
+            if !role.clips.is_empty() {
+                let (clip, ground_speed) = role.clips[random.below(role.clips.len())];
+                crowd.play(member, clip, Play::looping().phase(phase))?;
+                speed_m_per_sec = ground_speed * scale;
+            }
+            walkers.push(Walker { member, position, yaw_rad, scale, speed_m_per_sec });
+        }
+        let around = |p: &[f32; 3]| {
+            let [x, _, z] = *p;
+            let half = spacing / 2.0;
+            [[x, height, z], [x - half, 0.0, z], [x + half, 0.0, z], [x, 0.0, z + half]]
+        };
+        let middle = places.iter().take(6).min_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
+        Ok(Self {
+            walkers,
+            framed: places.iter().flat_map(around).collect(),
+            closest: middle.into_iter().flat_map(around).collect(),
+        })
+    }
+
+    /// Moves the clock and all walkers on.
+    pub(crate) fn advance(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Failure> {
+        for walker in self.walkers.iter_mut().filter(|w| w.speed_m_per_sec > 0.0) {
+            let Walker { member, position, yaw_rad, scale, speed_m_per_sec } = walker;
+            let (sin, cos) = f64::from(*yaw_rad).sin_cos();
+            let step = f64::from(*speed_m_per_sec * dt_secs);
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "rounding to the nearest f32 is what is wanted"
+            )]
+            let step = [(sin * step) as f32, (cos * step) as f32];
+            (position[0], position[2]) = (position[0] + step[0], position[2] + step[1]);
+            crowd.place(*member, Placement::at(*position).facing(*yaw_rad).scaled(*scale))?;
+        }
+        Ok(crowd.update(dt_secs)?)
+    }
+}
+
+/// A clip with the speed at which its ground passes; 0 for one that stands or moves its root itself.
+pub(crate) fn with_ground_speed(
+    crowd: &Crowd,
+    role: populace::CharacterId,
+    clip: ClipId,
+) -> Result<(ClipId, f32), Failure> {
+    let clips = crowd.clips(role)?;
+    let speed = clips.iter().find(|(id, _)| *id == clip).and_then(|(_, c)| c.stats().ground_speed_m_per_sec);
+    Ok((clip, speed.filter(|s| *s > WALKING_M_PER_SEC).unwrap_or(0.0)))
+}
+
+/// How much ground a member takes: the larger side of what it shows, playing its first clip. Many rest with their arms
+/// spread, which says nothing of how they stand, so a member is posed and looked at.
+fn footprint_m(crowd: &mut Crowd, role: &Role, hide: &[String]) -> Result<f32, Failure> {
+    let member = crowd.spawn(role.id, Placement::at([0.0; 3]))?;
+    if let Some((clip, _)) = role.clips.first() {
+        crowd.play(member, *clip, Play::looping())?;
+    }
+    crowd.update(0.0)?;
+    let palette = crowd.palette(member)?;
+    crowd.despawn(member)?;
+    let shown = role.character.parts.iter().filter(|part| !hide.contains(&part.node_name));
+    let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
+    for part in shown {
+        for vertex in 0..part.mesh.positions.len() {
+            let at = skinned(part, vertex, &palette);
+            low = std::array::from_fn(|axis| low[axis].min(at[axis]));
+            high = std::array::from_fn(|axis| high[axis].max(at[axis]));
+        }
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+    let side = (high[0] - low[0]).max(high[2] - low[2]) as f32;
+    Ok((side * role.scale).max(1e-3))
+}

@@ -1,0 +1,92 @@
+//! Pictures of a crowd: the renderer, and files to write them to.
+
+use std::fs::OpenOptions;
+use std::path::{Path, PathBuf};
+
+use populace::Crowd;
+use populace::core::{Image, Part};
+use populace_render::{Camera, CharacterHandle, Instance, Renderer, Scene, write_png};
+
+use crate::cast::Role;
+use crate::failure::Failure;
+
+/// A renderer that knows a crowd's characters.
+pub(crate) struct Studio {
+    renderer: Renderer,
+    handles: Vec<CharacterHandle>,
+    scene: Scene,
+}
+
+impl Studio {
+    pub(crate) fn new(
+        size: [u32; 2],
+        roles: &[Role],
+        hide: &[String],
+        camera: Camera,
+    ) -> Result<Self, Failure> {
+        let mut renderer = Renderer::headless(size)?;
+        let hidden = |part: &Part| hide.contains(&part.node_name);
+        let handles = roles.iter().map(|role| renderer.add_character(&role.character, &hidden));
+        let handles = handles.collect::<Result<_, _>>()?;
+        Ok(Self { renderer, handles, scene: Scene { camera, ..Scene::default() } })
+    }
+
+    /// What draws, for people.
+    pub(crate) fn driver(&self) -> &str {
+        self.renderer.driver()
+    }
+
+    /// Draws the crowd as of its last update.
+    pub(crate) fn picture(&mut self, crowd: &mut Crowd) -> Result<Image, Failure> {
+        for page in 0..crowd.page_count() {
+            let mut result = Ok(());
+            crowd.with_page(page, &mut |palettes| result = self.renderer.upload_page(page, palettes))?;
+            result?;
+        }
+        let instances: Vec<_> = crowd
+            .instances()
+            .map(|i| Instance {
+                character: self.handles[i.character.index()],
+                world_from_model: i.world_from_model,
+                palette_first: i.palette_first,
+                tint: [1.0; 3],
+            })
+            .collect();
+        self.renderer.draw(&self.scene, &instances)?;
+        Ok(self.renderer.read_image()?)
+    }
+
+    /// Draws the crowd and writes the picture.
+    pub(crate) fn shoot(&mut self, crowd: &mut Crowd, path: &Path) -> Result<(), Failure> {
+        Ok(write_png(path, &self.picture(crowd)?)?)
+    }
+}
+
+/// Opens the output before the work, so that a wrong path costs no waiting; what stands there is left as it is.
+pub(crate) fn check_output(path: &Path) -> Result<(), Failure> {
+    let existed = path.exists();
+    let opened = OpenOptions::new().append(true).create(true).open(path);
+    opened.map_err(|e| Failure::Run(anyhow::anyhow!("cannot write {}: {e}", path.display())))?;
+    if !existed {
+        std::fs::remove_file(path)?;
+    }
+    Ok(())
+}
+
+/// Where frame `index` of a film goes: `crowd.png` becomes `crowd_0007.png`.
+pub(crate) fn frame_path(path: &Path, index: u32) -> PathBuf {
+    let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, extension) = (part(path.file_stem()), part(path.extension()));
+    path.with_file_name(format!("{stem}_{index:04}.{extension}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_numbered_beside_the_name() {
+        assert_eq!(frame_path(Path::new("a/crowd.png"), 7), Path::new("a/crowd_0007.png"));
+        assert_eq!(frame_path(Path::new("b.c.png"), 12345), Path::new("b.c_12345.png"));
+    }
+}
