@@ -1,6 +1,7 @@
 //! Clips: motions as rows of poses, and their binding to skeletons.
 
 mod curves;
+mod gap;
 mod ground;
 mod rows;
 

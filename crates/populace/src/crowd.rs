@@ -1,17 +1,19 @@
 //! The crowd: members of characters, playing clips on a device.
 
+mod playback;
+mod readback;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use populace_core::layout::{Body, Float4, Layer, NONE, PAGE_ENTRIES, Slot};
+use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
-    Affine, AnimationSet, Backend, Binding, BodyIndex, Character, Clip, ClipIndex, Frame, LayerSettings,
-    Mask, Stage, StageBuffer, TICKS_PER_SEC, Tables, Trs,
+    Affine, AnimationSet, Backend, BodyIndex, Character, Clip, ClipIndex, Frame, TICKS_PER_SEC, Tables,
 };
 
 use crate::error::nearest_names;
-use crate::play::{Mode, check_layer, check_secs, check_weight};
-use crate::{Device, Error, Placement, Play};
+use crate::play::check_secs;
+use crate::{Device, Error, Placement};
 
 /// A character of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -306,86 +308,6 @@ impl Crowd {
         Ok(())
     }
 
-    /// The layer plays this clip from now on; what it played before fades out as this fades in.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], an id of another crowd, or a setting that is out of its range.
-    pub fn play(&mut self, member: Member, clip: ClipId, play: Play) -> Result<(), Error> {
-        self.start(member, clip, play, true)
-    }
-
-    /// Adds a clip to what the layer plays: clips of a layer are mixed by their weights.
-    ///
-    /// # Errors
-    ///
-    /// As for [`play`](Self::play).
-    pub fn blend(&mut self, member: Member, clip: ClipId, play: Play) -> Result<(), Error> {
-        self.start(member, clip, play, false)
-    }
-
-    /// Lets layer 0 change over to a looping clip in so many seconds.
-    ///
-    /// # Errors
-    ///
-    /// As for [`play`](Self::play).
-    pub fn crossfade(&mut self, member: Member, clip: ClipId, secs: f32) -> Result<(), Error> {
-        self.play(member, clip, Play::looping().fade_in_secs(secs))
-    }
-
-    /// Fades out all clips of a layer. An empty layer 0 shows the rest pose, any other what lies beneath.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a setting that is out of its range.
-    pub fn stop(&mut self, member: Member, layer: usize, fade_out_secs: f32) -> Result<(), Error> {
-        self.check(member)?;
-        check_layer(layer)?;
-        check_secs("the time to fade out", fade_out_secs)?;
-        self.fade_out(member, layer, fade_out_secs);
-        Ok(())
-    }
-
-    /// Adds a mask for the members of a character.
-    ///
-    /// # Errors
-    ///
-    /// A character of another crowd, a mask of another skeleton, or more data than devices can address.
-    pub fn add_mask(&mut self, character: CharacterId, mask: &Mask) -> Result<MaskId, Error> {
-        let joints = self.character_state(character)?.character.skeleton.joint_count();
-        let weights = mask.weights().len();
-        if weights != joints {
-            return Err(populace_core::Error::BadMask { weights, joints }.into());
-        }
-        Ok(MaskId { character, first: self.tables.add_mask(mask)? })
-    }
-
-    /// Sets how a layer above 0 meets what lies beneath it, for all joints or through a mask.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a mask of another character, or a setting that is out of its range.
-    pub fn set_layer(
-        &mut self,
-        member: Member,
-        layer: usize,
-        settings: LayerSettings,
-        mask: Option<MaskId>,
-    ) -> Result<(), Error> {
-        let character = self.check(member)?;
-        check_layer(layer)?;
-        check_weight("the weight of a layer", settings.weight)?;
-        if let Some(mask) = mask.filter(|m| m.character != character) {
-            return Err(Error::UnknownId { what: "mask of this character", index: mask.first });
-        }
-        let place = self.tables.layer_range(member.place).start + layer;
-        let mask = mask.map_or(NONE, |m| m.first);
-        let value = Layer { weight: settings.weight, mask, mode: settings.mode.device_value(), unused: 0 };
-        self.tables.layers.set(place, value);
-        self.use_layer(member, layer);
-        Ok(())
-    }
-
     /// Moves the clock on and evaluates every member.
     ///
     /// # Errors
@@ -439,87 +361,6 @@ impl Crowd {
         self.tables.palette_places().div_ceil(PAGE_ENTRIES as usize)
     }
 
-    /// Hands a page of palettes to `reader`, three elements for each palette entry, waiting for the last update.
-    /// Where the device shares memory with the host, nothing is copied.
-    ///
-    /// # Errors
-    ///
-    /// A page that is not in use, or a failing device.
-    pub fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), Error> {
-        Ok(self.backend.with_page(page, reader)?)
-    }
-
-    /// A member's matrix palette after the last update: `model_from_bind`, one for each palette entry. Waits for it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a failing device.
-    pub fn palette(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
-        let (row, body) = self.device_member(member)?;
-        let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
-        self.backend.read(StageBuffer::Palette, row.palette_first as usize * 3, &mut elements)?;
-        Ok(elements.as_chunks::<3>().0.iter().map(|rows| Affine { rows: rows.map(|r| r.0) }).collect())
-    }
-
-    /// A member's joints in model space after the last update, in level order. Waits for it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a failing device.
-    pub fn model_from_joints(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
-        let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
-        let [a, b, c] = self.read_joints(member, buffers)?;
-        Ok(a.iter().zip(&b).zip(&c).map(|((a, b), c)| Affine { rows: [a.0, b.0, c.0] }).collect())
-    }
-
-    /// A member's local transforms after the last update, in level order. Waits for it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a failing device.
-    pub fn local_pose(&mut self, member: Member) -> Result<Vec<Trs>, Error> {
-        let buffers = [StageBuffer::Translations, StageBuffer::Rotations, StageBuffer::Scales];
-        let [t, r, s] = self.read_joints(member, buffers)?;
-        let joints = t.iter().zip(&r).zip(&s);
-        Ok(joints.map(|((t, r), s)| Trs { translation: t.xyz(), rotation: r.0, scale: s.xyz() }).collect())
-    }
-
-    /// Milliseconds that each stage of the last update took on the device, where it measures that.
-    pub fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
-        self.backend.stage_times_ms()
-    }
-
-    /// Milliseconds that writing every palette with a constant takes: the floor under an update, for benchmarks. The
-    /// palettes are wrong until the next update.
-    ///
-    /// # Errors
-    ///
-    /// A failing device.
-    pub fn write_floor(&mut self) -> Result<f64, Error> {
-        Ok(self.backend.write_floor(&self.tables)?)
-    }
-
-    /// Bytes that the device holds for this crowd.
-    #[must_use]
-    pub fn device_memory_bytes(&self) -> usize {
-        self.backend.memory_bytes()
-    }
-
-    fn read_joints(&mut self, member: Member, buffers: [StageBuffer; 3]) -> Result<[Vec<Float4>; 3], Error> {
-        let (row, body) = self.device_member(member)?;
-        let mut arrays = [(); 3].map(|()| vec![Float4::default(); body.joint_count as usize]);
-        for (buffer, array) in buffers.into_iter().zip(&mut arrays) {
-            self.backend.read(buffer, row.joint_first as usize, array)?;
-        }
-        Ok(arrays)
-    }
-
-    fn device_member(&self, member: Member) -> Result<(populace_core::layout::Member, Body), Error> {
-        self.check(member)?;
-        let row = self.tables.members.as_slice()[member.place as usize];
-        Ok((row, self.tables.bodies.as_slice()[row.body as usize]))
-    }
-
     fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
         self.characters.get(id.index()).ok_or(Error::UnknownId { what: "character", index: id.0 })
     }
@@ -532,92 +373,6 @@ impl Crowd {
         let state = self.members.get(member.place as usize).filter(|s| s.generation == member.generation);
         state.and_then(|s| s.character).ok_or(Error::StaleMember)
     }
-
-    fn start(&mut self, member: Member, clip: ClipId, play: Play, alone: bool) -> Result<(), Error> {
-        let character = self.check(member)?;
-        play.check()?;
-        let bound = self.bind(character, clip)?;
-        let tick = self.clock.tick;
-        let weighs = |slot: &Slot| slot.bound_clip != NONE && slot.layer == 0 && !faded_out(slot, tick);
-        let first = play.layer == 0 && !self.slots(member).iter().any(weighs);
-        if alone {
-            self.fade_out(member, play.layer, play.fade_in_secs);
-        }
-        let rows = self.tables.clips.as_slice()[clip.0.0 as usize];
-        let (start, duration) = (rows.start_secs, rows.duration_secs);
-        let mut slot = match play.mode {
-            Mode::Looping => Slot::looping(bound, tick, duration, f64::from(play.phase), play.speed),
-            Mode::Once => Slot::once(bound, tick, start, duration, play.speed),
-            Mode::Held { secs } => Slot::held(bound, tick, secs),
-        };
-        slot.layer = u32_from(play.layer);
-        slot.ramp_weight(tick, 0.0, play.weight, if first { 0.0 } else { play.fade_in_secs });
-        let place = self.weakest_slot(member);
-        self.tables.slots.set(place, slot);
-        self.use_layer(member, play.layer);
-        Ok(())
-    }
-
-    fn bind(&mut self, character: CharacterId, clip: ClipId) -> Result<u32, Error> {
-        let state = self.character_state(character)?;
-        let key = (state.body, clip.0);
-        if let Some(&bound) = self.bound_clips.get(&key) {
-            return Ok(bound);
-        }
-        let known = self.clips.get(clip.0).ok_or(Error::UnknownId { what: "clip", index: clip.0.0 })?;
-        let binding = Binding::new(known, &state.character.skeleton);
-        let bound = self.tables.add_bound_clip(clip.0.0, &binding)?;
-        self.bound_clips.insert(key, bound);
-        Ok(bound)
-    }
-
-    fn slots(&self, member: Member) -> &[Slot] {
-        &self.tables.slots.as_slice()[self.tables.slot_range(member.place)]
-    }
-
-    fn fade_out(&mut self, member: Member, layer: usize, secs: f32) {
-        let tick = self.clock.tick;
-        for place in self.tables.slot_range(member.place) {
-            let mut slot = self.tables.slots.as_slice()[place];
-            if slot.bound_clip != NONE && slot.layer as usize == layer && slot.end_weight > 0.0 {
-                slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
-                self.tables.slots.set(place, slot);
-            }
-        }
-    }
-
-    /// An empty slot, else one that has faded out, else the weakest: when all are taken the weakest gives way.
-    fn weakest_slot(&self, member: Member) -> usize {
-        let tick = self.clock.tick;
-        let strength = |slot: &Slot| {
-            if slot.bound_clip == NONE {
-                -2.0
-            } else if faded_out(slot, tick) {
-                -1.0
-            } else {
-                slot.weight_at(tick)
-            }
-        };
-        let range = self.tables.slot_range(member.place);
-        let slots = self.tables.slots.as_slice();
-        range
-            .clone()
-            .min_by(|&a, &b| strength(&slots[a]).total_cmp(&strength(&slots[b])))
-            .unwrap_or(range.start)
-    }
-
-    fn use_layer(&mut self, member: Member, layer: usize) {
-        let mut row = self.tables.members.as_slice()[member.place as usize];
-        if row.layer_count <= u32_from(layer) {
-            row.layer_count = u32_from(layer) + 1;
-            self.tables.members.set(member.place as usize, row);
-        }
-    }
-}
-
-/// Whether a slot's weight has come down to 0 and stays there.
-fn faded_out(slot: &Slot, tick: u64) -> bool {
-    slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "counts of characters and layers, far below 2^32")]

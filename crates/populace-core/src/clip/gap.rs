@@ -1,0 +1,153 @@
+//! The gap between two rows: how far rows stray from the curves there, and the rows it takes to mend that.
+
+use glam::{DAffine3, DQuat};
+
+use super::curves::{Curves, Local, Side};
+use super::parents;
+use super::rows::{PROPERTIES, Row};
+use crate::{Interpolation, JointIndex, Property, Skeleton, f64math};
+
+/// Parts of a gap between rows, at whose ends the error is measured.
+const MEASURED: u32 = 8;
+
+/// For each joint how far from it, at rest, a probe of the joint or of one that hangs on it can be.
+pub(super) fn reaches(skeleton: &Skeleton, probes: &[f64]) -> Vec<f64> {
+    let parents = parents(skeleton);
+    let locals = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
+    let models = f64math::model_from_joints(&parents, locals);
+    let mut reach = probes.to_vec();
+    for joint in (0..parents.len()).rev() {
+        if let Some(parent) = parents[joint] {
+            let bone = models[joint].translation.distance(models[parent.index()].translation);
+            reach[parent.index()] = reach[parent.index()].max(reach[joint] + bone);
+        }
+    }
+    reach
+}
+
+/// Distances in model space at rest as each joint's own units count them.
+pub(super) fn in_joint_units(skeleton: &Skeleton, distances: &[f64]) -> Vec<f64> {
+    let locals = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
+    let models = f64math::model_from_joints(&parents(skeleton), locals);
+    let unit = |m: &DAffine3| {
+        m.matrix3.x_axis.length().max(m.matrix3.y_axis.length()).max(m.matrix3.z_axis.length())
+    };
+    models.iter().zip(distances).map(|(model, distance)| distance / unit(model).max(1e-6)).collect()
+}
+
+/// What is needed to judge and fill the gap between two rows.
+pub(super) struct Gap<'a> {
+    pub(super) curves: &'a Curves<'a>,
+    pub(super) skeleton: &'a Skeleton,
+    pub(super) probes: &'a [f64],
+    pub(super) reach: &'a [f64],
+    pub(super) allowed: f64,
+}
+
+impl Gap<'_> {
+    /// Pushes `from` and the rows that are needed between it and `to`, which is left out; returns the bound that holds.
+    pub(super) fn fill(&self, from: Row, to: &Row, halvings: u32, rows: &mut Vec<Row>) -> f64 {
+        let mut bound = self.error_bound(&from, to);
+        if bound > self.allowed && from.secs < to.secs {
+            bound = bound.min(self.measured_error(&from, to)); // the bound is cheap and often far too high
+        }
+        let middle = from.secs + (to.secs - from.secs) / 2.0;
+        if bound <= self.allowed || halvings == 0 || middle <= from.secs || middle >= to.secs {
+            rows.push(from);
+            return bound;
+        }
+        let middle = Row::new(self.curves, self.skeleton, middle, Side::After);
+        let first = self.fill(from, &middle, halvings - 1, rows);
+        first.max(self.fill(middle, to, halvings - 1, rows))
+    }
+
+    /// An upper bound on how far a probe strays between two rows: each joint's own deviation moves what hangs on it
+    /// by at most its angle times reach, and deviations add up along the chain.
+    fn error_bound(&self, from: &Row, to: &Row) -> f64 {
+        let mut totals = Vec::with_capacity(self.reach.len());
+        let mut worst: f64 = 0.0;
+        for joint in self.skeleton.joints() {
+            let above = self.skeleton.parent(joint).map_or(0.0, |p: JointIndex| totals[p.index()]);
+            let total = above + self.deviation(joint, from, to);
+            worst = worst.max(total);
+            totals.push(total);
+        }
+        worst
+    }
+
+    /// The error at places between two rows, with a tenth more for what lies between those places.
+    fn measured_error(&self, from: &Row, to: &Row) -> f64 {
+        let parents = parents(self.skeleton);
+        let mut worst: f64 = 0.0;
+        for place in 1..MEASURED {
+            let u = f64::from(place) / f64::from(MEASURED);
+            let secs = f64::from(from.secs) + (f64::from(to.secs) - f64::from(from.secs)) * u;
+            let exact = self.skeleton.joints().map(|j| self.curves.local(j, secs, Side::After).affine());
+            let exact = f64math::model_from_joints(&parents, exact);
+            let stored = from.pose.iter().zip(&to.pose).map(|(a, b)| between(a, b, u).affine());
+            let stored = f64math::model_from_joints(&parents, stored);
+            for ((a, b), &probe) in exact.iter().zip(&stored).zip(self.probes) {
+                worst = worst.max(distance_at_probes(a, b, probe));
+            }
+        }
+        1.1 * worst
+    }
+
+    fn deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
+        let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
+        let kind = |property| self.curves.track(joint, property).map(|track| track.interpolation);
+        let reach = self.reach[joint.index()];
+        let cubic = PROPERTIES.iter().any(|&p| kind(p) == Some(Interpolation::CubicSpline));
+        if cubic {
+            return self.sampled_deviation(joint, from, to);
+        }
+        if kind(Property::Rotation) == Some(Interpolation::Linear) {
+            return nlerp_error_rad(a.rotation, b.rotation) * reach;
+        }
+        0.0
+    }
+
+    /// A spline minus a straight line is a cubic that is 0 at both ends; its largest value is at most 1.1 times the
+    /// largest of seven evenly spaced ones.
+    fn sampled_deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
+        let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
+        let reach = self.reach[joint.index()];
+        let worst = (1..MEASURED).map(|point| {
+            let u = f64::from(point) / f64::from(MEASURED);
+            let secs = f64::from(from.secs) + (f64::from(to.secs) - f64::from(from.secs)) * u;
+            let exact = self.curves.local(joint, secs, Side::After);
+            let stored = between(a, b, u);
+            exact.rotation.angle_between(stored.rotation) * reach
+                + exact.translation.distance(stored.translation)
+                + (exact.scale - stored.scale).abs().max_element() * reach
+        });
+        1.1 * worst.fold(0.0, f64::max)
+    }
+}
+
+/// Two rows as devices interpolate between them.
+fn between(a: &Local, b: &Local, u: f64) -> Local {
+    let near = if a.rotation.dot(b.rotation) < 0.0 { -b.rotation } else { b.rotation };
+    Local {
+        rotation: (a.rotation * (1.0 - u) + near * u).normalize(),
+        translation: a.translation.lerp(b.translation, u),
+        scale: a.scale.lerp(b.scale, u),
+    }
+}
+
+/// The largest angle between slerp and normalised linear interpolation of two rotations: at 0.2113 of the way
+/// (1/2 - 1/sqrt(12), where their series first differ most), with 2% for larger angles, where the place moves.
+fn nlerp_error_rad(a: DQuat, b: DQuat) -> f64 {
+    let half_angle = a.dot(b).abs().min(1.0).acos();
+    let u = 0.211_324_865;
+    let nlerp = (u * half_angle.sin()).atan2(1.0 - u + u * half_angle.cos());
+    1.02 * 2.0 * (u * half_angle - nlerp).abs()
+}
+
+/// At most how far apart two transforms take any point at the probe's distance, in the joint's own units: of three axes
+/// at right angles one shows at least sqrt(2/3) of the worst that a turn can do.
+pub(super) fn distance_at_probes(a: &DAffine3, b: &DAffine3, probe: f64) -> f64 {
+    let (m, n) = (&a.matrix3, &b.matrix3);
+    let turn = m.x_axis.distance(n.x_axis).max(m.y_axis.distance(n.y_axis)).max(m.z_axis.distance(n.z_axis));
+    (a.translation - b.translation).length() + turn * probe * 1.225
+}

@@ -1,0 +1,90 @@
+//! What the device computed, for those who draw or look at it.
+
+use populace_core::layout::{Body, Float4};
+use populace_core::{Affine, Stage, StageBuffer, Trs};
+
+use super::{Crowd, Member};
+use crate::Error;
+
+impl Crowd {
+    /// Hands a page of palettes to `reader`, three elements for each palette entry, waiting for the last update.
+    /// Where the device shares memory with the host, nothing is copied.
+    ///
+    /// # Errors
+    ///
+    /// A page that is not in use, or a failing device.
+    pub fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), Error> {
+        Ok(self.backend.with_page(page, reader)?)
+    }
+
+    /// A member's matrix palette after the last update: `model_from_bind`, one for each palette entry. Waits for it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or a failing device.
+    pub fn palette(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
+        let (row, body) = self.device_member(member)?;
+        let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
+        self.backend.read(StageBuffer::Palette, row.palette_first as usize * 3, &mut elements)?;
+        Ok(elements.as_chunks::<3>().0.iter().map(|rows| Affine { rows: rows.map(|r| r.0) }).collect())
+    }
+
+    /// A member's joints in model space after the last update, in level order. Waits for it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or a failing device.
+    pub fn model_from_joints(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
+        let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
+        let [a, b, c] = self.read_joints(member, buffers)?;
+        Ok(a.iter().zip(&b).zip(&c).map(|((a, b), c)| Affine { rows: [a.0, b.0, c.0] }).collect())
+    }
+
+    /// A member's local transforms after the last update, in level order. Waits for it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or a failing device.
+    pub fn local_pose(&mut self, member: Member) -> Result<Vec<Trs>, Error> {
+        let buffers = [StageBuffer::Translations, StageBuffer::Rotations, StageBuffer::Scales];
+        let [t, r, s] = self.read_joints(member, buffers)?;
+        let joints = t.iter().zip(&r).zip(&s);
+        Ok(joints.map(|((t, r), s)| Trs { translation: t.xyz(), rotation: r.0, scale: s.xyz() }).collect())
+    }
+
+    /// Milliseconds that each stage of the last update took on the device, where it measures that.
+    pub fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
+        self.backend.stage_times_ms()
+    }
+
+    /// Milliseconds that writing every palette with a constant takes: the floor under an update, for benchmarks. The
+    /// palettes are wrong until the next update.
+    ///
+    /// # Errors
+    ///
+    /// A failing device.
+    pub fn write_floor(&mut self) -> Result<f64, Error> {
+        Ok(self.backend.write_floor(&self.tables)?)
+    }
+
+    /// Bytes that the device holds for this crowd.
+    #[must_use]
+    pub fn device_memory_bytes(&self) -> usize {
+        self.backend.memory_bytes()
+    }
+
+    fn read_joints(&mut self, member: Member, buffers: [StageBuffer; 3]) -> Result<[Vec<Float4>; 3], Error> {
+        let (row, body) = self.device_member(member)?;
+        let mut arrays = [(); 3].map(|()| vec![Float4::default(); body.joint_count as usize]);
+        for (buffer, array) in buffers.into_iter().zip(&mut arrays) {
+            self.backend.read(buffer, row.joint_first as usize, array)?;
+        }
+        Ok(arrays)
+    }
+
+    fn device_member(&self, member: Member) -> Result<(populace_core::layout::Member, Body), Error> {
+        self.check(member)?;
+        let row = self.tables.members.as_slice()[member.place as usize];
+        Ok((row, self.tables.bodies.as_slice()[row.body as usize]))
+    }
+}
