@@ -172,6 +172,12 @@ impl<'a> Clips<'a> {
         let source = ClipSource { name: animation.name.clone(), tracks };
         let clip = Clip::new(source, &self.rig.skeleton)
             .map_err(|e| self.log.problem(&animation.place, e.to_string()))?;
+        let stats = clip.stats();
+        if stats.error_bound_m > stats.tolerance_m {
+            let off = format!("{} m, more than {} m", stats.error_bound_m, stats.tolerance_m);
+            let what = format!("has curves too wild to be stored; poses may be off by {off}");
+            self.log.note(&animation.place, what);
+        }
         Ok(Arc::new(clip))
     }
 

@@ -87,6 +87,14 @@ pub enum Error {
         /// Joints of the skeleton.
         joints: usize,
     },
+    /// An index that points at nothing a device could follow.
+    #[error("there is no {what} {value} for this member")]
+    BadPlayback {
+        /// What was named.
+        what: &'static str,
+        /// The index.
+        value: u32,
+    },
     /// More data than 32-bit offsets reach.
     #[error("{what} would need {count} elements; devices address at most {limit}")]
     TooLarge {

@@ -187,8 +187,8 @@ device_struct! {
         pub map_first: u32,
         /// Into `poses`: what the rows do not drive; the clip's constants and the body's rest.
         pub base_first: u32,
-        /// Zero.
-        pub unused: u32,
+        /// The body it is bound to.
+        pub body: u32,
     }
 }
 

@@ -43,12 +43,7 @@ impl<T: bytemuck::Pod> Table<T> {
         self.dirty.clone()
     }
 
-    /// Replaces one element.
-    ///
-    /// # Panics
-    ///
-    /// If `index` is past the end.
-    pub fn set(&mut self, index: usize, value: T) {
+    fn set(&mut self, index: usize, value: T) {
         self.data[index] = value;
         self.touch(index..index + 1);
     }
@@ -98,42 +93,24 @@ pub struct BodyIndex(pub u32);
 pub struct Tables {
     /// Slots of each member, 1 to [`MAX_SLOTS`].
     slots_per_member: usize,
-    /// Bodies.
-    pub bodies: Table<Body>,
-    /// Parents of the joints of all bodies, in level order within each; [`NONE`] for roots.
-    pub parents: Table<u32>,
-    /// First joint of each level of all bodies, and the end of the last.
-    pub levels: Table<u32>,
-    /// Palette entries of all bodies.
-    pub entries: Table<Entry>,
-    /// Stored poses, [`POSE_PLANES`] planes each: rest poses, and what a bound clip's rows do not drive.
-    pub poses: Table<f32>,
-    /// Clips.
-    pub clips: Table<ClipRows>,
-    /// Rows of all clips.
-    pub rows: Table<f32>,
-    /// Times of the rows of clips that are not evenly spaced, on each clip's own axis.
-    pub row_times: Table<f32>,
-    /// Buckets of such clips.
-    pub buckets: Table<u32>,
-    /// Where in a row each block's rotations, translations and scales stand.
-    pub block_offsets: Table<u32>,
-    /// Clips bound to bodies.
-    pub bound_clips: Table<BoundClip>,
-    /// For each joint of each bound clip its column and `MAP_` flags.
-    pub joint_maps: Table<u32>,
-    /// Masks: a weight per joint.
-    pub masks: Table<f32>,
-    /// Members, by place.
-    pub members: Table<Member>,
-    /// `members x slots_per_member`, slots fastest.
-    pub slots: Table<Slot>,
-    /// `members x LAYERS_PER_MEMBER`, layers fastest.
-    pub layers: Table<Layer>,
-    /// The member of each block of [`JOINT_BLOCK`] joints in the joint buffer, [`NONE`] where it is free.
-    pub joint_blocks: Table<u32>,
-    /// The member of each block of [`PALETTE_BLOCK`] palette entries, [`NONE`] where it is free.
-    pub palette_blocks: Table<u32>,
+    bodies: Table<Body>,
+    parents: Table<u32>,
+    levels: Table<u32>,
+    entries: Table<Entry>,
+    poses: Table<f32>,
+    clips: Table<ClipRows>,
+    rows: Table<f32>,
+    row_times: Table<f32>,
+    buckets: Table<u32>,
+    block_offsets: Table<u32>,
+    bound_clips: Table<BoundClip>,
+    joint_maps: Table<u32>,
+    masks: Table<f32>,
+    members: Table<Member>,
+    slots: Table<Slot>,
+    layers: Table<Layer>,
+    joint_blocks: Table<u32>,
+    palette_blocks: Table<u32>,
     free_members: Vec<u32>,
     joint_space: Space,
     palette_space: Space,
@@ -293,11 +270,16 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets.
-    pub fn add_bound_clip(&mut self, clip: u32, binding: &Binding) -> Result<u32, Error> {
+    /// [`Error::TooLarge`] past 32-bit offsets; [`Error::BadPlayback`] for a clip or body that is not there, or a
+    /// binding to another skeleton.
+    pub fn add_bound_clip(&mut self, clip: u32, body: BodyIndex, binding: &Binding) -> Result<u32, Error> {
+        let joints = self.bodies.data.get(body.0 as usize).map(|b| b.joint_count as usize);
+        if clip as usize >= self.clips.data.len() || joints != Some(binding.joint_map().len()) {
+            return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
+        }
         let map_first = self.joint_maps.extend(binding.joint_map().iter().copied())?;
         let base_first = self.add_pose(binding.base_pose())?;
-        self.bound_clips.extend([BoundClip { clip, map_first, base_first, unused: 0 }])
+        self.bound_clips.extend([BoundClip { clip, map_first, base_first, body: body.0 }])
     }
 
     /// Adds a mask and returns the offset that layers name.
@@ -320,13 +302,26 @@ impl Tables {
     /// If the body does not exist.
     pub fn add_member(&mut self, body: BodyIndex) -> Result<u32, Error> {
         let Body { padded_count, entry_count, .. } = self.bodies.data[body.0 as usize];
+        let blocks = (padded_count / JOINT_BLOCK) as usize;
+        for (what, count, limit) in [
+            ("the joint buffer", self.joint_space.end_with(blocks), NONE / JOINT_BLOCK),
+            (
+                "the palettes",
+                self.palette_space.end_with(palette_block_count(entry_count)),
+                NONE / PALETTE_BLOCK,
+            ),
+        ] {
+            if count > limit as usize {
+                return Err(Error::TooLarge { what, count, limit: limit as usize });
+            }
+        }
         let place = match self.free_members.pop() {
             Some(place) => place,
             None => self.members.extend([Member { body: NONE, ..Member::default() }])?,
         };
         self.slots.resize(self.member_places() * self.slots_per_member, EMPTY_SLOT);
         self.layers.resize(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
-        let joint_block = self.joint_space.take((padded_count / JOINT_BLOCK) as usize);
+        let joint_block = self.joint_space.take(blocks);
         let palette_block = self.palette_space.take(palette_block_count(entry_count));
         fill(&mut self.joint_blocks, joint_block, place);
         fill(&mut self.palette_blocks, palette_block, place);
@@ -371,6 +366,63 @@ impl Tables {
         }
     }
 
+    /// Replaces one of a member's slots.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadPlayback`] for a place without a member, a slot that there is not, a layer past the last, or a clip
+    /// that is not bound to the member's body.
+    pub fn set_slot(&mut self, place: u32, index: usize, slot: Slot) -> Result<(), Error> {
+        let member = self.taken(place)?;
+        let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
+        if index >= self.slots_per_member {
+            return bad("slot", u32::try_from(index).unwrap_or(NONE));
+        }
+        if slot.layer >= LAYERS_PER_MEMBER {
+            return bad("layer", slot.layer);
+        }
+        let bound = self.bound_clips.data.get(slot.bound_clip as usize);
+        if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
+            return bad("bound clip", slot.bound_clip);
+        }
+        self.slots.set(place as usize * self.slots_per_member + index, slot);
+        self.use_layer(place, slot.layer);
+        Ok(())
+    }
+
+    /// Replaces one of a member's layers.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadPlayback`] for a place without a member, a layer past the last, or a mask that is not there.
+    pub fn set_layer(&mut self, place: u32, index: usize, layer: Layer) -> Result<(), Error> {
+        let member = self.taken(place)?;
+        let joints = self.bodies.data[member.body as usize].joint_count as usize;
+        let layer_index = u32::try_from(index).unwrap_or(NONE);
+        if layer_index >= LAYERS_PER_MEMBER {
+            return Err(Error::BadPlayback { what: "layer", value: layer_index });
+        }
+        if layer.mask != NONE && layer.mask as usize + joints > self.masks.data.len() {
+            return Err(Error::BadPlayback { what: "mask", value: layer.mask });
+        }
+        self.layers.set(place as usize * LAYERS_PER_MEMBER as usize + index, layer);
+        self.use_layer(place, layer_index);
+        Ok(())
+    }
+
+    fn taken(&self, place: u32) -> Result<Member, Error> {
+        let member = self.members.data.get(place as usize).filter(|m| m.body != NONE);
+        member.copied().ok_or(Error::BadPlayback { what: "member", value: place })
+    }
+
+    fn use_layer(&mut self, place: u32, layer: u32) {
+        let mut member = self.members.data[place as usize];
+        if member.layer_count <= layer {
+            member.layer_count = layer + 1;
+            self.members.set(place as usize, member);
+        }
+    }
+
     /// Where a member's slots stand in [`Tables::slots`].
     #[must_use]
     pub fn slot_range(&self, place: u32) -> Range<usize> {
@@ -402,6 +454,53 @@ impl Tables {
             members slots layers joint_blocks palette_blocks
         }
     }
+}
+
+macro_rules! read_only {
+    ($($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
+        /// What devices read. Elements are changed only through methods that check them: a device follows every index.
+        impl Tables {
+            $($(#[$doc])* #[must_use] pub fn $name(&self) -> &Table<$element> { &self.$name })*
+        }
+    };
+}
+read_only! {
+    /// Bodies.
+    bodies: Body,
+    /// Parents of the joints of all bodies, in level order within each; [`NONE`] for roots.
+    parents: u32,
+    /// First joint of each level of all bodies, and the end of the last.
+    levels: u32,
+    /// Palette entries of all bodies.
+    entries: Entry,
+    /// Stored poses, [`POSE_PLANES`] planes each: rest poses, and what a bound clip's rows do not drive.
+    poses: f32,
+    /// Clips.
+    clips: ClipRows,
+    /// Rows of all clips.
+    rows: f32,
+    /// Times of the rows of clips that are not evenly spaced, on each clip's own axis.
+    row_times: f32,
+    /// Buckets of such clips.
+    buckets: u32,
+    /// Where in a row each block's rotations, translations and scales stand.
+    block_offsets: u32,
+    /// Clips bound to bodies.
+    bound_clips: BoundClip,
+    /// For each joint of each bound clip its column and `MAP_` flags.
+    joint_maps: u32,
+    /// Masks: a weight per joint.
+    masks: f32,
+    /// Members, by place.
+    members: Member,
+    /// `members x slots_per_member`, slots fastest.
+    slots: Slot,
+    /// `members x LAYERS_PER_MEMBER`, layers fastest.
+    layers: Layer,
+    /// The member of each block of [`JOINT_BLOCK`] joints in the joint buffer, [`NONE`] where it is free.
+    joint_blocks: u32,
+    /// The member of each block of [`PALETTE_BLOCK`] palette entries, [`NONE`] where it is free.
+    palette_blocks: u32,
 }
 
 const EMPTY_SLOT: Slot = Slot {

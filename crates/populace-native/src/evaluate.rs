@@ -7,7 +7,7 @@ use rayon::prelude::*;
 pub(crate) fn run(tables: &Tables, tick: u64, samples: &mut [SlotSample]) {
     samples
         .par_iter_mut()
-        .zip(tables.slots.as_slice())
+        .zip(tables.slots().as_slice())
         .with_min_len(4096)
         .for_each(|(sample, slot)| *sample = evaluate(tables, slot, tick));
 }
@@ -15,8 +15,8 @@ pub(crate) fn run(tables: &Tables, tick: u64, samples: &mut [SlotSample]) {
 fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
     let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
     if weight > 0.0 {
-        let bound = tables.bound_clips.as_slice()[slot.bound_clip as usize];
-        let clip = &tables.clips.as_slice()[bound.clip as usize];
+        let bound = tables.bound_clips().as_slice()[slot.bound_clip as usize];
+        let clip = &tables.clips().as_slice()[bound.clip as usize];
         let secs = slot.time_at(tick, clip.start_secs, clip.duration_secs);
         let (row, between) = find_row(tables, clip, secs);
         let next = if between > 0.0 { row + 1 } else { row };
@@ -42,12 +42,12 @@ fn find_row(tables: &Tables, clip: &ClipRows, secs: f32) -> (u32, f32) {
         let row = whole(at);
         return (row, at - row as f32);
     }
-    let times = &tables.row_times.as_slice()[clip.time_first as usize..];
+    let times = &tables.row_times().as_slice()[clip.time_first as usize..];
     if secs >= times[last as usize] {
         return (last, 0.0);
     }
     let bucket = whole((passed * clip.buckets_per_sec).max(0.0)).min(clip.bucket_count - 1);
-    let mut row = tables.buckets.as_slice()[(clip.bucket_first + bucket) as usize];
+    let mut row = tables.buckets().as_slice()[(clip.bucket_first + bucket) as usize];
     while times[row as usize + 1] <= secs {
         row += 1;
     }

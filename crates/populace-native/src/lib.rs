@@ -236,9 +236,9 @@ impl<'a> Playback<'a> {
         let slots = tables.slot_range(place);
         let layers = place as usize * LAYERS_PER_MEMBER as usize;
         Self {
-            slots: &tables.slots.as_slice()[slots.clone()],
+            slots: &tables.slots().as_slice()[slots.clone()],
             samples: &samples[slots],
-            layers: &tables.layers.as_slice()[layers..layers + LAYERS_PER_MEMBER as usize],
+            layers: &tables.layers().as_slice()[layers..layers + LAYERS_PER_MEMBER as usize],
         }
     }
 }

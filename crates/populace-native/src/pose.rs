@@ -12,11 +12,11 @@ use crate::{JointBuffer, Playback, split};
 pub(crate) fn run(tables: &Tables, samples: &[SlotSample], joints: &mut JointBuffer) {
     let arrays = [&mut joints.translations[..], &mut joints.rotations[..], &mut joints.scales[..]];
     split::for_each_member(
-        tables.joint_blocks.as_slice(),
+        tables.joint_blocks().as_slice(),
         arrays,
         &|place, _, [translations, rotations, scales]| {
-            let member = &tables.members.as_slice()[place as usize];
-            let body = &tables.bodies.as_slice()[member.body as usize];
+            let member = &tables.members().as_slice()[place as usize];
+            let body = &tables.bodies().as_slice()[member.body as usize];
             let playback = Playback::of(tables, samples, place);
             for joint in 0..body.joint_count {
                 let local = pose_joint(tables, member, body, &playback, joint);
@@ -73,7 +73,7 @@ fn pose_joint(tables: &Tables, member: &Member, body: &Body, playback: &Playback
     for layer_index in 1..member.layer_count {
         let layer = &playback.layers[layer_index as usize];
         let mask =
-            if layer.mask == NONE { 1.0 } else { tables.masks.as_slice()[(layer.mask + joint) as usize] };
+            if layer.mask == NONE { 1.0 } else { tables.masks().as_slice()[(layer.mask + joint) as usize] };
         let weight = layer.weight * mask;
         if weight > 0.0 {
             let additive = layer.mode == LAYER_ADDITIVE;
@@ -97,7 +97,7 @@ struct JointAt<'a> {
 
 impl<'a> JointAt<'a> {
     fn stored(&self, pose_first: u32) -> StoredJoint<'a> {
-        let planes = &self.tables.poses.as_slice()[(pose_first + self.joint) as usize..];
+        let planes = &self.tables.poses().as_slice()[(pose_first + self.joint) as usize..];
         StoredJoint { planes, padded: self.padded }
     }
 }
@@ -139,10 +139,10 @@ fn sum_layer(
         if slot.layer != layer_index || sample.weight <= 0.0 {
             continue;
         }
-        let bound = &at.tables.bound_clips.as_slice()[slot.bound_clip as usize];
+        let bound = &at.tables.bound_clips().as_slice()[slot.bound_clip as usize];
         let value = sample_joint(at, bound, sample, rest_rotation);
         if additive {
-            let first = at.tables.clips.as_slice()[bound.clip as usize].row_first;
+            let first = at.tables.clips().as_slice()[bound.clip as usize].row_first;
             let first = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
             let reference = sample_joint(at, bound, &first, rest_rotation);
             sum.add(&difference(&value, &reference), sample.weight);
@@ -196,15 +196,15 @@ fn mix_layer(beneath: &Trs, sum: &Sum, layer_weight: f32, rest_rotation: [f32; 4
 /// A joint's local transform between two rows, its rotation in the hemisphere of the rest rotation.
 fn sample_joint(at: &JointAt, bound: &BoundClip, sample: &SlotSample, rest_rotation: [f32; 4]) -> Trs {
     let tables = at.tables;
-    let map = tables.joint_maps.as_slice()[(bound.map_first + at.joint) as usize];
+    let map = tables.joint_maps().as_slice()[(bound.map_first + at.joint) as usize];
     let base = at.stored(bound.base_first);
-    let clip = &tables.clips.as_slice()[bound.clip as usize];
+    let clip = &tables.clips().as_slice()[bound.clip as usize];
     let column = map & MAP_COLUMN;
     let block = (clip.block_first + column / JOINT_BLOCK * 3) as usize;
     let lane = column % JOINT_BLOCK;
-    let rows = tables.rows.as_slice();
+    let rows = tables.rows().as_slice();
     let between = |place: usize, component: u32| {
-        let offset = tables.block_offsets.as_slice()[block + place] + component * JOINT_BLOCK + lane;
+        let offset = tables.block_offsets().as_slice()[block + place] + component * JOINT_BLOCK + lane;
         let (a, b) = (rows[(sample.row0 + offset) as usize], rows[(sample.row1 + offset) as usize]);
         scalar::mix(a, b, sample.between)
     };

@@ -7,10 +7,10 @@ use crate::{JointBuffer, ModelRows, split};
 
 pub(crate) fn run(tables: &Tables, joints: &JointBuffer, models: &mut ModelRows) {
     let arrays = models.0.each_mut().map(Vec::as_mut_slice);
-    split::for_each_member(tables.joint_blocks.as_slice(), arrays, &|place, first, [row0, row1, row2]| {
-        let member = &tables.members.as_slice()[place as usize];
-        let body = &tables.bodies.as_slice()[member.body as usize];
-        let parents = &tables.parents.as_slice()[body.joint_first as usize..];
+    split::for_each_member(tables.joint_blocks().as_slice(), arrays, &|place, first, [row0, row1, row2]| {
+        let member = &tables.members().as_slice()[place as usize];
+        let body = &tables.bodies().as_slice()[member.body as usize];
+        let parents = &tables.parents().as_slice()[body.joint_first as usize..];
         for joint in 0..body.joint_count as usize {
             let at = first + joint;
             let local = Affine::from_trs(&Trs {

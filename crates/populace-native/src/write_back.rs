@@ -21,19 +21,19 @@ pub(crate) fn run(tables: &Tables, models: &ModelRows, pages: &mut [Vec<Float4>]
 }
 
 fn write_entry(tables: &Tables, models: &ModelRows, place: usize, matrix: &mut [Float4; 3]) {
-    let Some(&owner) = tables.palette_blocks.as_slice().get(place / PALETTE_BLOCK as usize) else {
+    let Some(&owner) = tables.palette_blocks().as_slice().get(place / PALETTE_BLOCK as usize) else {
         return;
     };
     if owner == NONE {
         return;
     }
-    let member = &tables.members.as_slice()[owner as usize];
-    let body = &tables.bodies.as_slice()[member.body as usize];
+    let member = &tables.members().as_slice()[owner as usize];
+    let body = &tables.bodies().as_slice()[member.body as usize];
     let index = place - member.palette_first as usize;
     if index >= body.entry_count as usize {
         return; // padding
     }
-    let entry = &tables.entries.as_slice()[body.entry_first as usize + index];
+    let entry = &tables.entries().as_slice()[body.entry_first as usize + index];
     let joint = (member.joint_first + entry.joint) as usize;
     let model_from_joint = Affine { rows: models.0.each_ref().map(|rows| rows[joint].0) };
     let joint_from_bind = Affine { rows: [entry.row0.0, entry.row1.0, entry.row2.0] };

@@ -57,7 +57,10 @@ impl OpenClBackend {
     ///
     /// Memory that cannot be had, or a failing device.
     pub fn new(device: &Arc<OpenClDevice>) -> Result<Self, BackendError> {
-        let shape = if device.info.kind == DeviceKind::Cpu { CPU_SHAPE } else { GPU_SHAPE };
+        Self::with_shape(device, if device.info.kind == DeviceKind::Cpu { CPU_SHAPE } else { GPU_SHAPE })
+    }
+
+    fn with_shape(device: &Arc<OpenClDevice>, shape: Shape) -> Result<Self, BackendError> {
         Ok(Self {
             queue: device.queue()?,
             kernels: Kernels {
@@ -224,6 +227,12 @@ impl Backend for OpenClBackend {
     }
 
     fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+        if !(self.tables.hold(tables) && self.buffers.hold(tables)) {
+            let (device, operation) =
+                (self.device.info.name.clone(), format!("run the stage {}", stage.name()));
+            let cause = "the tables grew since the last update; update first".into();
+            return Err(BackendError::Failed { device, operation, cause });
+        }
         let events = self.enqueue(tables, frame, stage);
         self.events[stage as usize] =
             events.map_err(|e| self.device.failed(&format!("run the stage {}", stage.name()), &e))?;

@@ -77,7 +77,8 @@ impl<'a> Launch<'a> {
         let (global, local) = (global.as_ptr(), local.as_ptr());
         // SAFETY: both sizes have the two dimensions named; every argument was set just now, and buffers are freed
         // only after the queue is done with them, since the driver counts references. Kernels stay inside their
-        // buffers: each compares its index with a count given as an argument.
+        // buffers: each compares its index with a count given as an argument, the backend refuses to run before its
+        // buffers hold what the tables do, and `Tables` takes only indices that point into itself.
         unsafe { queue.enqueue_nd_range_kernel(self.kernel.get(), 2, ptr::null(), global, local, &[]) }
     }
 }

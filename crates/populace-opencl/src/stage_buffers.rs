@@ -55,6 +55,16 @@ impl StageBuffers {
         Ok(())
     }
 
+    /// Whether there is room for what the tables hold, as there is after an update.
+    pub(crate) fn hold(&self, tables: &Tables) -> bool {
+        let joints = [&self.translations, &self.rotations, &self.scales].into_iter().chain(&self.models);
+        let pages = tables.page_lengths();
+        tables.member_places() * tables.slots_per_member() <= self.samples.len()
+            && joints.into_iter().all(|buffer| tables.joint_places() <= buffer.len())
+            && pages.len() <= self.pages.len()
+            && pages.iter().zip(&self.pages).all(|(entries, page)| entries * 3 <= page.len())
+    }
+
     pub(crate) fn bytes(&self) -> usize {
         let joints = [&self.translations, &self.rotations, &self.scales];
         let all = joints.into_iter().chain(&self.models).chain(&self.pages);

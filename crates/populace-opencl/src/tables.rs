@@ -1,5 +1,7 @@
 //! The device's copy of the host's tables.
 
+use std::ops::Range;
+
 use opencl3::command_queue::CommandQueue;
 use populace_core::layout::{Body, BoundClip, ClipRows, Entry, Layer, Member, Slot};
 use populace_core::{BackendError, Table, Tables};
@@ -29,12 +31,26 @@ impl<T: Element> DeviceTable<T> {
             // Half as much again, so that a growing crowd is not copied at every step.
             let room =
                 if self.buffer.len() == 0 { all.len() } else { all.len().max(self.buffer.len() * 3 / 2) };
-            self.buffer = Buffer::new(device, room, table.name())?;
+            let mut grown = Buffer::new(device, room, table.name())?;
             changed = 0..all.len();
+            write(device, queue, &mut grown, table, changed)?;
+            // Only now: a buffer that could not be filled must not be taken for a full one.
+            self.buffer = grown;
+            return Ok(());
         }
-        let result = self.buffer.write(queue, changed.start, &all[changed]);
-        result.map_err(|e| device.failed(&format!("write {}", table.name()), &e))
+        write(device, queue, &mut self.buffer, table, changed)
     }
+}
+
+fn write<T: Element>(
+    device: &OpenClDevice,
+    queue: &CommandQueue,
+    buffer: &mut Buffer<T>,
+    table: &Table<T>,
+    changed: Range<usize>,
+) -> Result<(), BackendError> {
+    let result = buffer.write(queue, changed.start, &table.as_slice()[changed]);
+    result.map_err(|e| device.failed(&format!("write {}", table.name()), &e))
 }
 
 macro_rules! device_tables {
@@ -53,8 +69,13 @@ macro_rules! device_tables {
                 queue: &CommandQueue,
                 tables: &Tables,
             ) -> Result<(), BackendError> {
-                $(self.$name.update(device, queue, &tables.$name)?;)*
+                $(self.$name.update(device, queue, tables.$name())?;)*
                 Ok(())
+            }
+
+            /// Whether every table of the host has room here, as it has after an update.
+            pub(crate) fn hold(&self, tables: &Tables) -> bool {
+                true $(&& tables.$name().as_slice().len() <= self.$name.buffer.len())*
             }
 
             pub(crate) fn bytes(&self) -> usize {

@@ -108,9 +108,9 @@ impl<B: Backend> Broken<B> {
 
     /// The element to corrupt: in the middle of what the last member has.
     fn aim(&mut self, tables: &Tables) {
-        let members = tables.members.as_slice();
+        let members = tables.members().as_slice();
         let taken = || members.iter().enumerate().filter(|(_, m)| m.body != NONE);
-        let body = |m: &populace_core::layout::Member| tables.bodies.as_slice()[m.body as usize];
+        let body = |m: &populace_core::layout::Member| tables.bodies().as_slice()[m.body as usize];
         let alone = taken().count() < 2;
         let target = match self.corruption.buffer {
             StageBuffer::Samples => taken().next_back().map(|(place, _)| place * tables.slots_per_member()),

@@ -67,22 +67,19 @@ impl<'a> TestCrowd<'a> {
         assert_eq!(old.body, plan.body, "members keep their bodies");
         let slots = self.tables.slot_range(place);
         assert!(plan.plays.len() <= slots.len(), "{} slots are too few", slots.len());
-        for (index, slot) in slots.enumerate() {
+        for index in 0..slots.len() {
             let value = match plan.plays.get(index) {
                 Some(play) => self.slot(play, plan.body),
                 None => Slot { bound_clip: NONE, ..Slot::default() },
             };
-            self.tables.slots.set(slot, value);
+            self.tables.set_slot(place, index, value).expect("a slot that points at what is there");
         }
-        for (layer, at) in plan.layers.iter().zip(self.tables.layer_range(place)) {
+        for (index, layer) in plan.layers.iter().enumerate() {
             let mask = layer.mask.as_ref().map_or(NONE, |mask| self.mask(plan.body, mask));
             let (weight, mode) = (layer.weight, layer.mode.device_value());
             let value = Layer { weight, mask, mode, unused: 0 };
-            self.tables.layers.set(at, value);
+            self.tables.set_layer(place, index, value).expect("a layer that points at what is there");
         }
-        let mut device = self.tables.members.as_slice()[place as usize];
-        device.layer_count = u32::try_from(plan.layers.len()).expect("few layers");
-        self.tables.members.set(place as usize, device);
         self.members[member] = Some((place, plan));
     }
 
@@ -147,12 +144,12 @@ impl<'a> TestCrowd<'a> {
     }
 
     fn bound_clip(&mut self, clip: usize, body: usize) -> u32 {
-        let (scene, tables) = (self.scene, &mut self.tables);
+        let (scene, tables, body_index) = (self.scene, &mut self.tables, self.bodies[body]);
         let source = &scene.clips[clip].clip;
         let index = *self.clips.entry(clip).or_insert_with(|| tables.add_clip(source).expect("a clip fits"));
         *self.bound_clips.entry((clip, body)).or_insert_with(|| {
             let binding = Binding::new(source, &scene.bodies[body].skeleton);
-            tables.add_bound_clip(index, &binding).expect("a bound clip fits")
+            tables.add_bound_clip(index, body_index, &binding).expect("a bound clip fits")
         })
     }
 

@@ -13,6 +13,8 @@
 //! }
 //! ```
 
+#![expect(clippy::print_stdout, reason = "the numbers compared are for those who run tests with --nocapture")]
+
 mod broken;
 mod compare;
 pub mod conformance;

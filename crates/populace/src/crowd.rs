@@ -5,6 +5,7 @@ mod readback;
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
@@ -12,24 +13,29 @@ use populace_core::{
 };
 
 use crate::error::nearest_names;
-use crate::play::check_secs;
 use crate::{Device, Error, Placement};
 
 /// A character of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct CharacterId(u32);
+pub struct CharacterId {
+    crowd: u32,
+    index: u32,
+}
 
 impl CharacterId {
     /// The order in which the character was added, from 0.
     #[must_use]
     pub const fn index(self) -> usize {
-        self.0 as usize
+        self.index as usize
     }
 }
 
 /// A clip of a crowd. Any member can play it; it drives the joints whose names it knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct ClipId(ClipIndex);
+pub struct ClipId {
+    crowd: u32,
+    index: ClipIndex,
+}
 
 /// A mask of a crowd, for the members of one character.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -41,6 +47,7 @@ pub struct MaskId {
 /// A handle to a member. It goes stale when the member is despawned, and is then refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Member {
+    crowd: u32,
     place: u32,
     generation: u32,
 }
@@ -94,8 +101,11 @@ impl CrowdBuilder {
     ///
     /// A device that is not there or cannot be opened.
     pub fn build(self) -> Result<Crowd, Error> {
+        // Ids carry their crowd's number, so that those of another crowd are refused rather than mistaken.
+        static CROWDS: AtomicU32 = AtomicU32::new(0);
         let device = self.device.unwrap_or_else(Device::best);
         Ok(Crowd {
+            number: CROWDS.fetch_add(1, Ordering::Relaxed),
             device,
             backend: device.open()?,
             tables: Tables::new(self.slots_per_member),
@@ -109,6 +119,9 @@ impl CrowdBuilder {
         })
     }
 }
+
+/// The longest step of the clock; a longer one is a mistake.
+const MAX_STEP_SECS: f32 = 1e6;
 
 /// Time in whole ticks, with what is left over.
 #[derive(Clone, Copy, Debug, Default)]
@@ -134,6 +147,7 @@ struct MemberState {
 
 /// Members of characters, playing clips on a device.
 pub struct Crowd {
+    number: u32,
     device: Device,
     backend: Box<dyn Backend>,
     tables: Tables,
@@ -191,7 +205,7 @@ impl Crowd {
     pub fn add_character(&mut self, character: impl Into<Arc<Character>>) -> Result<CharacterId, Error> {
         let character = character.into();
         let body = self.tables.add_body(&character.skeleton, &character.palette)?;
-        let id = CharacterId(u32_from(self.characters.len()));
+        let id = CharacterId { crowd: self.number, index: u32_from(self.characters.len()) };
         let clips = character.clips.clone();
         self.characters.push(CharacterState { character, body, clips: Vec::new() });
         for clip in &clips {
@@ -210,7 +224,7 @@ impl Crowd {
         if self.clips.find(clip).is_none() {
             self.tables.add_clip(clip)?; // in the set's order, so that one index names a clip in both
         }
-        let id = ClipId(self.clips.add(clip));
+        let id = ClipId { crowd: self.number, index: self.clips.add(clip) };
         let clips = &mut self.character_state_mut(character)?.clips;
         if !clips.contains(&id) {
             clips.push(id);
@@ -234,7 +248,7 @@ impl Crowd {
     /// [`Error::UnknownClip`] with the nearest names.
     pub fn clip(&self, character: CharacterId, name: &str) -> Result<ClipId, Error> {
         let state = self.character_state(character)?;
-        let named = state.clips.iter().filter_map(|id| Some((self.clips.get(id.0)?.name(), *id)));
+        let named = state.clips.iter().filter_map(|id| Some((self.clips.get(id.index)?.name(), *id)));
         named.clone().find(|(n, _)| *n == name).map(|(_, id)| id).ok_or_else(|| Error::UnknownClip {
             character: state.character.name.clone(),
             name: name.to_owned(),
@@ -249,7 +263,7 @@ impl Crowd {
     /// A character of another crowd.
     pub fn clips(&self, character: CharacterId) -> Result<Vec<(ClipId, Arc<Clip>)>, Error> {
         let ids = self.character_state(character)?.clips.iter();
-        Ok(ids.filter_map(|id| Some((*id, Arc::clone(self.clips.get(id.0)?)))).collect())
+        Ok(ids.filter_map(|id| Some((*id, Arc::clone(self.clips.get(id.index)?)))).collect())
     }
 
     /// Adds a member. Until a clip plays it stands in the rest pose.
@@ -272,7 +286,7 @@ impl Crowd {
         state.character = Some(character);
         state.placement = placement;
         self.member_count += 1;
-        Ok(Member { place, generation: state.generation })
+        Ok(Member { crowd: self.number, place, generation: state.generation })
     }
 
     /// Removes a member; its handle goes stale.
@@ -315,7 +329,10 @@ impl Crowd {
     /// A time that is negative or not finite, or a failing device; the crowd's state survives that, see
     /// [`move_to`](Self::move_to).
     pub fn update(&mut self, dt_secs: f32) -> Result<(), Error> {
-        check_secs("the time step", dt_secs)?;
+        if !(0.0..=MAX_STEP_SECS).contains(&dt_secs) {
+            let rule = "from 0 to 1,000,000 seconds";
+            return Err(Error::BadValue { what: "the time step", value: dt_secs, rule });
+        }
         let ticks = f64::from(dt_secs) * TICKS_PER_SEC as f64 + self.clock.left_over;
         #[expect(
             clippy::cast_possible_truncation,
@@ -323,14 +340,12 @@ impl Crowd {
             reason = "not negative; `as` saturates"
         )]
         let whole = ticks.round().max(0.0) as u64;
-        self.clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
-        self.evaluate()
-    }
-
-    fn evaluate(&mut self) -> Result<(), Error> {
+        let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
         self.backend.update(&self.tables)?;
         self.tables.mark_clean();
-        Ok(self.backend.run(&self.tables, Frame { tick: self.clock.tick })?)
+        self.backend.run(&self.tables, Frame { tick: clock.tick })?;
+        self.clock = clock;
+        Ok(())
     }
 
     /// Waits until the device has done all its work.
@@ -344,10 +359,10 @@ impl Crowd {
 
     /// What to draw, in order of the members' places.
     pub fn instances(&self) -> impl Iterator<Item = Instance> + '_ {
-        let members = self.members.iter().zip(self.tables.members.as_slice());
+        let members = self.members.iter().zip(self.tables.members().as_slice());
         members.zip(0u32..).filter_map(|((state, member), place)| {
             Some(Instance {
-                member: Member { place, generation: state.generation },
+                member: Member { crowd: self.number, place, generation: state.generation },
                 character: state.character?,
                 world_from_model: state.placement.world_from_model(),
                 palette_first: member.palette_first,
@@ -361,16 +376,23 @@ impl Crowd {
         self.tables.palette_places().div_ceil(PAGE_ENTRIES as usize)
     }
 
+    fn check_crowd(&self, what: &'static str, crowd: u32, index: u32) -> Result<(), Error> {
+        if crowd == self.number { Ok(()) } else { Err(Error::UnknownId { what, index }) }
+    }
+
     fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
-        self.characters.get(id.index()).ok_or(Error::UnknownId { what: "character", index: id.0 })
+        self.check_crowd("character", id.crowd, id.index)?;
+        self.characters.get(id.index()).ok_or(Error::UnknownId { what: "character", index: id.index })
     }
 
     fn character_state_mut(&mut self, id: CharacterId) -> Result<&mut CharacterState, Error> {
-        self.characters.get_mut(id.index()).ok_or(Error::UnknownId { what: "character", index: id.0 })
+        self.check_crowd("character", id.crowd, id.index)?;
+        self.characters.get_mut(id.index()).ok_or(Error::UnknownId { what: "character", index: id.index })
     }
 
     fn check(&self, member: Member) -> Result<CharacterId, Error> {
-        let state = self.members.get(member.place as usize).filter(|s| s.generation == member.generation);
+        let ours = |s: &&MemberState| member.crowd == self.number && s.generation == member.generation;
+        let state = self.members.get(member.place as usize).filter(ours);
         state.and_then(|s| s.character).ok_or(Error::StaleMember)
     }
 }

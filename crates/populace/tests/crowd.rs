@@ -160,6 +160,7 @@ fn bad_values_are_refused_and_harm_nobody(device: Device) {
     assert!(crowd.play(member, low, Play::looping().weight(1.5)).is_err());
     assert!(crowd.play(member, low, Play::looping().on_layer(4)).is_err());
     assert!(crowd.update(-1.0).is_err());
+    assert!(crowd.update(1e30).is_err());
     assert!(crowd.update(f32::NAN).is_err());
     let error = crowd.clip(id, "hihg").unwrap_err();
     assert_eq!(error.to_string(), "\"lift\" has no clip \"hihg\"; did you mean \"high\"?");
@@ -239,4 +240,21 @@ fn a_mask_of_another_character_is_refused() {
     let mask = crowd.add_mask(other, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     assert!(crowd.set_layer(member, 1, LayerSettings::default(), Some(mask)).is_err());
+}
+
+#[test]
+fn ids_of_another_crowd_are_refused() {
+    let (mut ours, id) = crowd_of(Device::native(), 2);
+    let (mut other, other_id) = crowd_of(Device::native(), 2);
+    let member = ours.spawn(id, Placement::at([0.0; 3])).unwrap();
+    let stranger = other.spawn(other_id, Placement::at([0.0; 3])).unwrap();
+    let (clip, other_clip) = (ours.clip(id, "low").unwrap(), other.clip(other_id, "low").unwrap());
+    let skeleton = other.character(other_id).unwrap().skeleton.clone();
+    let mask = other.add_mask(other_id, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
+    assert_eq!(ours.despawn(stranger), Err(Error::StaleMember));
+    assert!(ours.spawn(other_id, Placement::at([0.0; 3])).is_err());
+    assert!(ours.play(member, other_clip, Play::looping()).is_err());
+    assert!(ours.set_layer(member, 1, LayerSettings::default(), Some(mask)).is_err());
+    ours.play(member, clip, Play::looping()).unwrap();
+    ours.update(0.1).unwrap();
 }

@@ -42,6 +42,8 @@ pub(super) struct Gap<'a> {
     pub(super) probes: &'a [f64],
     pub(super) reach: &'a [f64],
     pub(super) allowed: f64,
+    /// The most rows that the clip may have.
+    pub(super) most: usize,
 }
 
 impl Gap<'_> {
@@ -52,7 +54,12 @@ impl Gap<'_> {
             bound = bound.min(self.measured_error(&from, to)); // the bound is cheap and often far too high
         }
         let middle = from.secs + (to.secs - from.secs) / 2.0;
-        if bound <= self.allowed || halvings == 0 || middle <= from.secs || middle >= to.secs {
+        if bound <= self.allowed
+            || halvings == 0
+            || rows.len() >= self.most
+            || middle <= from.secs
+            || middle >= to.secs
+        {
             rows.push(from);
             return bound;
         }

@@ -17,6 +17,10 @@ const PROBE_M: f64 = 0.03;
 const STORED: f64 = 4.8e-7;
 /// A gap between keys is halved at most this often.
 const MAX_HALVINGS: u32 = 12;
+/// A clip gets at most this many rows for each key time, and these many poses of one joint beside: a small file must
+/// not take memory out of proportion. Where they do not do, the clip's stated error is past the bound.
+const ROWS_PER_KEY: usize = 8;
+const FREE_POSES: usize = 200_000;
 /// Rows count as evenly spaced when none is off by more than this part of the spacing.
 const EVEN_SPACING: f64 = 1e-4;
 
@@ -64,10 +68,12 @@ impl Rows {
         let probes = in_joint_units(skeleton, &probes);
         let mut rows = Vec::new();
         let mut worst: f64 = 0.0;
-        for (secs, jumps) in key_times(curves) {
+        let times = key_times(curves);
+        let most = ROWS_PER_KEY * times.len() + FREE_POSES / skeleton.joint_count();
+        for (secs, jumps) in times {
             let row = Row::new(curves, skeleton, secs, if jumps { Side::Before } else { Side::After });
             if let Some(last) = rows.pop() {
-                let gap = Gap { curves, skeleton, probes: &probes, reach: &reach, allowed };
+                let gap = Gap { curves, skeleton, probes: &probes, reach: &reach, allowed, most };
                 worst = worst.max(gap.fill(last, &row, MAX_HALVINGS, &mut rows));
             }
             rows.push(row);

@@ -22,6 +22,12 @@ impl Space {
         &mut self.free[at].1
     }
 
+    /// Blocks there would be after taking a run, at most.
+    pub(super) fn end_with(&self, count: usize) -> usize {
+        let page = if count < self.page_blocks { self.page_blocks.min(count) } else { 0 };
+        self.end.saturating_add(count).saturating_add(page)
+    }
+
     pub(super) fn take(&mut self, count: usize) -> (usize, usize) {
         if let Some(first) = self.free_of(count).pop() {
             return (first, count);

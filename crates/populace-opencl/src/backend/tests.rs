@@ -74,3 +74,27 @@ mod conformance {
         cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
     );
 }
+
+/// The shape for GPUs, on whatever device there is.
+mod conformance_of_the_gpu_shape {
+    populace_testkit::backend_conformance!(
+        super::OpenClBackend::with_shape(&super::device(), super::GPU_SHAPE).expect("a backend"),
+        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+    );
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn tables_that_grew_since_the_update_are_refused() {
+    let joint =
+        populace_core::JointSource { name: "root".into(), parent: None, rest: populace_core::Trs::IDENTITY };
+    let mut tables = Tables::new(1);
+    let body = tables.add_body(&populace_core::Skeleton::new(&[joint]).unwrap(), &[]).unwrap();
+    let mut backend = OpenClBackend::new(&device()).unwrap();
+    backend.update(&tables).unwrap();
+    tables.add_member(body).unwrap();
+    let error = backend.run(&tables, Frame { tick: 0 }).unwrap_err();
+    assert!(error.to_string().contains("update first"), "{error}");
+    backend.update(&tables).unwrap();
+    backend.run(&tables, Frame { tick: 0 }).unwrap();
+}

@@ -160,7 +160,7 @@ pub fn check_pages(backend: &mut dyn Backend) {
     }
     let all = pages.concat();
     for (member, place, _) in crowd.members() {
-        let first = 3 * crowd.tables.members.as_slice()[place as usize].palette_first as usize;
+        let first = 3 * crowd.tables.members().as_slice()[place as usize].palette_first as usize;
         for (entry, matrix) in crowd.read_palette(backend, member).iter().enumerate() {
             for (element, value) in matrix.iter().enumerate() {
                 let in_page = all[first + 3 * entry + element / 4].0[element % 4];

@@ -44,8 +44,7 @@ impl Crowd {
         self.check(member)?;
         check_layer(layer)?;
         check_secs("the time to fade out", fade_out_secs)?;
-        self.fade_out(member, layer, fade_out_secs);
-        Ok(())
+        self.fade_out(member, layer, fade_out_secs)
     }
 
     /// Adds a mask for the members of a character.
@@ -80,12 +79,9 @@ impl Crowd {
         if let Some(mask) = mask.filter(|m| m.character != character) {
             return Err(Error::UnknownId { what: "mask of this character", index: mask.first });
         }
-        let place = self.tables.layer_range(member.place).start + layer;
         let mask = mask.map_or(NONE, |m| m.first);
         let value = Layer { weight: settings.weight, mask, mode: settings.mode.device_value(), unused: 0 };
-        self.tables.layers.set(place, value);
-        self.use_layer(member, layer);
-        Ok(())
+        Ok(self.tables.set_layer(member.place, layer, value)?)
     }
 
     fn start(&mut self, member: Member, clip: ClipId, play: Play, alone: bool) -> Result<(), Error> {
@@ -96,9 +92,9 @@ impl Crowd {
         let weighs = |slot: &Slot| slot.bound_clip != NONE && slot.layer == 0 && !faded_out(slot, tick);
         let first = play.layer == 0 && !self.slots(member).iter().any(weighs);
         if alone {
-            self.fade_out(member, play.layer, play.fade_in_secs);
+            self.fade_out(member, play.layer, play.fade_in_secs)?;
         }
-        let rows = self.tables.clips.as_slice()[clip.0.0 as usize];
+        let rows = self.tables.clips().as_slice()[clip.index.0 as usize];
         let (start, duration) = (rows.start_secs, rows.duration_secs);
         let mut slot = match play.mode {
             Mode::Looping => Slot::looping(bound, tick, duration, f64::from(play.phase), play.speed),
@@ -108,37 +104,38 @@ impl Crowd {
         slot.layer = u32_from(play.layer);
         slot.ramp_weight(tick, 0.0, play.weight, if first { 0.0 } else { play.fade_in_secs });
         let place = self.weakest_slot(member);
-        self.tables.slots.set(place, slot);
-        self.use_layer(member, play.layer);
-        Ok(())
+        Ok(self.tables.set_slot(member.place, place, slot)?)
     }
 
     fn bind(&mut self, character: CharacterId, clip: ClipId) -> Result<u32, Error> {
+        self.check_crowd("clip", clip.crowd, clip.index.0)?;
         let state = self.character_state(character)?;
-        let key = (state.body, clip.0);
+        let key = (state.body, clip.index);
         if let Some(&bound) = self.bound_clips.get(&key) {
             return Ok(bound);
         }
-        let known = self.clips.get(clip.0).ok_or(Error::UnknownId { what: "clip", index: clip.0.0 })?;
+        let known =
+            self.clips.get(clip.index).ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
         let binding = Binding::new(known, &state.character.skeleton);
-        let bound = self.tables.add_bound_clip(clip.0.0, &binding)?;
+        let bound = self.tables.add_bound_clip(clip.index.0, state.body, &binding)?;
         self.bound_clips.insert(key, bound);
         Ok(bound)
     }
 
     fn slots(&self, member: Member) -> &[Slot] {
-        &self.tables.slots.as_slice()[self.tables.slot_range(member.place)]
+        &self.tables.slots().as_slice()[self.tables.slot_range(member.place)]
     }
 
-    fn fade_out(&mut self, member: Member, layer: usize, secs: f32) {
+    fn fade_out(&mut self, member: Member, layer: usize, secs: f32) -> Result<(), Error> {
         let tick = self.clock.tick;
-        for place in self.tables.slot_range(member.place) {
-            let mut slot = self.tables.slots.as_slice()[place];
+        for index in 0..self.slots(member).len() {
+            let mut slot = self.slots(member)[index];
             if slot.bound_clip != NONE && slot.layer as usize == layer && slot.end_weight > 0.0 {
                 slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
-                self.tables.slots.set(place, slot);
+                self.tables.set_slot(member.place, index, slot)?;
             }
         }
+        Ok(())
     }
 
     /// An empty slot, else one that has faded out, else the weakest: when all are taken the weakest gives way.
@@ -153,20 +150,8 @@ impl Crowd {
                 slot.weight_at(tick)
             }
         };
-        let range = self.tables.slot_range(member.place);
-        let slots = self.tables.slots.as_slice();
-        range
-            .clone()
-            .min_by(|&a, &b| strength(&slots[a]).total_cmp(&strength(&slots[b])))
-            .unwrap_or(range.start)
-    }
-
-    fn use_layer(&mut self, member: Member, layer: usize) {
-        let mut row = self.tables.members.as_slice()[member.place as usize];
-        if row.layer_count <= u32_from(layer) {
-            row.layer_count = u32_from(layer) + 1;
-            self.tables.members.set(member.place as usize, row);
-        }
+        let slots = self.slots(member).iter().map(strength).enumerate();
+        slots.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
     }
 }
 

@@ -84,7 +84,7 @@ impl Crowd {
 
     fn device_member(&self, member: Member) -> Result<(populace_core::layout::Member, Body), Error> {
         self.check(member)?;
-        let row = self.tables.members.as_slice()[member.place as usize];
-        Ok((row, self.tables.bodies.as_slice()[row.body as usize]))
+        let row = self.tables.members().as_slice()[member.place as usize];
+        Ok((row, self.tables.bodies().as_slice()[row.body as usize]))
     }
 }
