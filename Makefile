@@ -1,4 +1,4 @@
-# `make test` sets the machine up, builds everything, and runs all tests.
+# `make demo` sets the machine up, builds, and draws a crowd; `make test` does the same and runs all tests.
 
 # Real characters to test with, where they are at hand; without them the tests that need them show as ignored.
 POPULACE_TEST_DATA ?= $(realpath $(wildcard ../shared/assets))
@@ -6,7 +6,10 @@ ifneq ($(POPULACE_TEST_DATA),)
 export POPULACE_TEST_DATA
 endif
 
-.PHONY: test setup lint doc release
+demo: setup
+	cargo run -p populace-cli -- demo
+
+.PHONY: demo test setup lint doc release
 
 test: setup
 	cargo test --workspace --no-fail-fast

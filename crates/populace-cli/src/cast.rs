@@ -1,9 +1,9 @@
-//! The characters of a crowd, from files.
+//! The characters of a crowd: from files, or the built-in people.
 
 use std::path::Path;
 use std::sync::Arc;
 
-use populace::core::{Character, Clip};
+use populace::core::{Binding, Character, Clip};
 use populace::{CharacterId, ClipId, Crowd};
 
 use crate::failure::Failure;
@@ -26,7 +26,8 @@ pub(crate) struct Role {
     pub(crate) scale: f32,
 }
 
-/// Loads the inputs into the crowd: files without meshes lend their clips to all characters.
+/// Loads the inputs into the crowd: files, or built-in people as `@people` or one by name as `@child`. Files without
+/// meshes lend their clips to all characters.
 pub(crate) fn load(
     crowd: &mut Crowd,
     inputs: &[String],
@@ -36,11 +37,16 @@ pub(crate) fn load(
     let mut drawn = Vec::new();
     let mut lent = Vec::new();
     for input in inputs {
-        let character = from_file(Path::new(input))?;
-        if character.parts.is_empty() {
-            lent.extend(character.clips.iter().cloned());
-        } else {
-            drawn.push(Arc::new(character));
+        match input.strip_prefix('@') {
+            Some(name) => drawn.extend(built_in(name)?),
+            None => {
+                let character = from_file(Path::new(input))?;
+                if character.parts.is_empty() {
+                    lent.extend(character.clips.iter().cloned());
+                } else {
+                    drawn.push(Arc::new(character));
+                }
+            }
         }
     }
     if drawn.is_empty() {
@@ -54,24 +60,49 @@ pub(crate) fn load(
     drawn.into_iter().map(role).collect()
 }
 
+/// The built-in people: all of them for `people`, else the one of that name.
+pub(crate) fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
+    let mut people = populace_cast::cast().map_err(|e| Failure::Run(e.into()))?;
+    if name != "people" {
+        let names: Vec<String> = people.iter().map(|c| c.name.clone()).collect();
+        people.retain(|c| c.name == name);
+        if people.is_empty() {
+            let list = names.iter().map(|n| format!("\"@{n}\"")).collect::<Vec<_>>().join(", ");
+            return Err(Failure::usage(format!(
+                "there is no built-in \"@{name}\"; there are \"@people\", {list}"
+            )));
+        }
+    }
+    Ok(people.into_iter().map(Arc::new).collect())
+}
+
 fn from_file(file: &Path) -> Result<Character, Failure> {
     let imported = populace_assets::load(file)?;
     for note in &imported.notes {
-        eprintln!("populace: {}: {}: {}", file.display(), note.place, note.what);
+        crate::report::talk!("{}: {}: {}", file.display(), note.place, note.what);
     }
     Ok(imported.character)
 }
 
 /// Adds a character to the crowd, with clips of others.
-fn role(
+pub(crate) fn role(
     crowd: &mut Crowd,
     character: Arc<Character>,
     lent: &[Arc<Clip>],
     clip: Option<&str>,
 ) -> Result<Role, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
-    for clip in lent {
-        crowd.add_clip(id, clip)?;
+    for lent in lent {
+        if Binding::new(lent, &character.skeleton).bound_joint_count() > 0 {
+            crowd.add_clip(id, lent)?;
+        } else if clip == Some(lent.name()) {
+            let what = format!(
+                "the clip \"{}\" moves no joint of \"{}\": no name fits",
+                lent.name(),
+                character.name
+            );
+            return Err(Failure::usage(what));
+        }
     }
     let clips = match clip {
         Some(name) => vec![crowd.clip(id, name)?],

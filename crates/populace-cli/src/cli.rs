@@ -16,6 +16,8 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Draw a crowd of the built-in people, without any file.
+    Demo(DemoArgs),
     /// Draw a crowd of the characters in FILE... as a PNG or as numbered PNGs, without a window.
     Render(RenderArgs),
     /// Show what is in a character file.
@@ -41,7 +43,8 @@ pub(crate) struct DeviceArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
-    /// glTF 2.0 files (.gltf, .glb) with characters; files that hold only clips lend them to the others
+    /// glTF 2.0 files (.gltf, .glb) with characters; files that hold only clips lend them to the others. @people are the
+    /// built-in people, @woman, @child and so on one of them
     #[arg(required = true, value_name = "FILE")]
     pub(crate) inputs: Vec<String>,
     /// Members of the crowd
@@ -56,14 +59,14 @@ pub(crate) struct RenderArgs {
     /// Frames of a film to write, as numbered PNGs [default: one picture]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) frames: Option<u32>,
-    /// Frames per second
-    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = positive)]
+    /// Frames per second, from 0.001 to 1000
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = frame_rate)]
     pub(crate) fps: f32,
     /// From where: crowd shows all members, close one of them, six numbers are the eye and what it looks at, in metres
     #[arg(long, value_name = "crowd|close|X,Y,Z,X,Y,Z", default_value = "crowd", allow_hyphen_values = true)]
     pub(crate) camera: View,
     /// Height of every character in metres [default: its own; sensible ones where characters are mixed]
-    #[arg(long, value_name = "METRES", value_parser = positive)]
+    #[arg(long, value_name = "METRES", value_parser = height)]
     pub(crate) height: Option<f32>,
     /// Clip that all members play [default: a walk or an idle, whichever are found by name, else any]
     #[arg(long, value_name = "NAME")]
@@ -71,6 +74,24 @@ pub(crate) struct RenderArgs {
     /// Leave out the parts of a node, by its name; can be repeated
     #[arg(long, value_name = "NODE")]
     pub(crate) hide: Vec<String>,
+    /// Seed of everything random; the same seed gives the same picture
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    #[command(flatten)]
+    pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct DemoArgs {
+    /// Members of the crowd
+    #[arg(long, value_name = "N", default_value_t = 250, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub(crate) members: u32,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720")]
+    pub(crate) size: Size,
+    /// The PNG to write
+    #[arg(long, value_name = "FILE", default_value = "populace-demo.png")]
+    pub(crate) out: PathBuf,
     /// Seed of everything random; the same seed gives the same picture
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
@@ -125,7 +146,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub(crate) members: u32,
     /// Joints of the one skeleton that all members share [default: four skeletons of 24 to 128 joints]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) joints: Option<u32>,
     /// Clips that each member blends
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
@@ -160,11 +181,18 @@ impl FromStr for Size {
     }
 }
 
-/// A number above zero.
-fn positive(text: &str) -> Result<f32, String> {
+fn frame_rate(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
-        _ => Err("write a number above zero".into()),
+        Ok(rate) if (0.001..=1000.0).contains(&rate) => Ok(rate),
+        _ => Err("write a number from 0.001 to 1000".into()),
+    }
+}
+
+/// A length in metres that a body could have.
+fn height(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(metres) if (1e-3..=1e4).contains(&metres) => Ok(metres),
+        _ => Err("write metres from 0.001 to 10000".into()),
     }
 }
 
@@ -240,7 +268,9 @@ mod tests {
         for bad in ["", "near", "1,2,3", "1,2,3,4,5,nan"] {
             assert!(bad.parse::<View>().is_err(), "{bad}");
         }
-        assert!(positive("0").is_err() && positive("-1").is_err() && positive("inf").is_err());
+        for bad in ["0", "-1", "inf", "1e-30", "x"] {
+            assert!(frame_rate(bad).is_err() && height(bad).is_err(), "{bad}");
+        }
         assert_eq!("5,0,17".parse(), Ok(VertexId { node: 5, primitive: 0, vertex: 17 }));
         for bad in ["", "5,0", "5,0,1,2", "a,b,c", "5,-1,0"] {
             assert!(bad.parse::<VertexId>().is_err(), "{bad}");

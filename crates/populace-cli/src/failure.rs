@@ -34,7 +34,7 @@ impl Failure {
             Self::Run(error) => (error, 4),
             Self::ClosedPipe => return ExitCode::SUCCESS,
         };
-        eprintln!("populace: {error:#}");
+        crate::report::talk!("{error:#}");
         ExitCode::from(code)
     }
 }
@@ -64,6 +64,7 @@ impl From<populace_render::Error> for Failure {
     fn from(error: populace_render::Error) -> Self {
         match error {
             populace_render::Error::NoGl { .. } => Self::NoDevice(error.into()),
+            populace_render::Error::BadCamera { .. } => Self::Usage(error.into()),
             _ => Self::Run(error.into()),
         }
     }

@@ -1,4 +1,4 @@
-//! Results on stdout.
+//! Results on stdout, talk on stderr.
 
 use std::io::Write;
 
@@ -16,4 +16,17 @@ pub(crate) fn text(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes())?;
     Ok(out.flush()?)
+}
+
+/// Says something on stderr, formatted as by `format!`. Where nobody can hear it, that is no reason to stop.
+macro_rules! talk {
+    ($($text:tt)*) => {
+        crate::report::say(&format!($($text)*))
+    };
+}
+pub(crate) use talk;
+
+/// See [`talk!`].
+pub(crate) fn say(message: &str) {
+    let _ = writeln!(std::io::stderr(), "populace: {message}");
 }

@@ -21,13 +21,22 @@ struct Walker {
     speed_m_per_sec: f32,
 }
 
-/// The members of a crowd, and what the picture must show.
+impl Walker {
+    /// Where the member is after so many seconds.
+    fn after(&self, secs: f32) -> [f32; 3] {
+        let (sin, cos) = f64::from(self.yaw_rad).sin_cos();
+        let way = f64::from(self.speed_m_per_sec * secs);
+        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+        let (dx, dz) = ((sin * way) as f32, (cos * way) as f32);
+        [self.position[0] + dx, self.position[1], self.position[2] + dz]
+    }
+}
+
+/// The members of a crowd on their ground.
 pub(crate) struct Staging {
     walkers: Vec<Walker>,
-    /// Feet, heads and elbows of all members, for the camera.
-    pub(crate) framed: Vec<[f32; 3]>,
-    /// The same of the member in the middle of the first row.
-    pub(crate) closest: Vec<[f32; 3]>,
+    height: f32,
+    spacing: f32,
 }
 
 /// How a crowd is to be staged.
@@ -67,32 +76,34 @@ impl Staging {
             }
             walkers.push(Walker { member, position, yaw_rad, scale, speed_m_per_sec });
         }
-        let around = |p: &[f32; 3]| {
-            let [x, _, z] = *p;
-            let half = spacing / 2.0;
+        Ok(Self { walkers, height, spacing })
+    }
+
+    /// Feet, heads and elbows of all members, now and after so many seconds of walking, for the camera.
+    pub(crate) fn framed(&self, secs: f32) -> Vec<[f32; 3]> {
+        self.walkers.iter().flat_map(|walker| self.around(walker, secs)).collect()
+    }
+
+    /// The same of the member in the middle of the first row.
+    pub(crate) fn closest(&self, secs: f32) -> Vec<[f32; 3]> {
+        let first_row = self.walkers.iter().take(6);
+        let middle = first_row.min_by(|a, b| a.position[0].abs().total_cmp(&b.position[0].abs()));
+        middle.into_iter().flat_map(|walker| self.around(walker, secs)).collect()
+    }
+
+    fn around(&self, walker: &Walker, secs: f32) -> impl Iterator<Item = [f32; 3]> + use<> {
+        let (height, half) = (self.height, self.spacing / 2.0);
+        [walker.position, walker.after(secs)].into_iter().flat_map(move |[x, _, z]| {
             [[x, height, z], [x - half, 0.0, z], [x + half, 0.0, z], [x, 0.0, z + half]]
-        };
-        let middle = places.iter().take(6).min_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
-        Ok(Self {
-            walkers,
-            framed: places.iter().flat_map(around).collect(),
-            closest: middle.into_iter().flat_map(around).collect(),
         })
     }
 
     /// Moves the clock and all walkers on.
     pub(crate) fn advance(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Failure> {
         for walker in self.walkers.iter_mut().filter(|w| w.speed_m_per_sec > 0.0) {
-            let Walker { member, position, yaw_rad, scale, speed_m_per_sec } = walker;
-            let (sin, cos) = f64::from(*yaw_rad).sin_cos();
-            let step = f64::from(*speed_m_per_sec * dt_secs);
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "rounding to the nearest f32 is what is wanted"
-            )]
-            let step = [(sin * step) as f32, (cos * step) as f32];
-            (position[0], position[2]) = (position[0] + step[0], position[2] + step[1]);
-            crowd.place(*member, Placement::at(*position).facing(*yaw_rad).scaled(*scale))?;
+            walker.position = walker.after(dt_secs);
+            let placement = Placement::at(walker.position).facing(walker.yaw_rad).scaled(walker.scale);
+            crowd.place(walker.member, placement)?;
         }
         Ok(crowd.update(dt_secs)?)
     }

@@ -64,7 +64,14 @@ impl Studio {
 
 /// Opens the output before the work, so that a wrong path costs no waiting; what stands there is left as it is.
 pub(crate) fn check_output(path: &Path) -> Result<(), Failure> {
-    let existed = path.exists();
+    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {
+        return Err(Failure::usage(format!(
+            "{} does not end in .png, and PNG is what is written",
+            path.display()
+        )));
+    }
+    // A link counts as standing there, even one that leads nowhere yet.
+    let existed = path.symlink_metadata().is_ok();
     let opened = OpenOptions::new().append(true).create(true).open(path);
     opened.map_err(|e| Failure::Run(anyhow::anyhow!("cannot write {}: {e}", path.display())))?;
     if !existed {

@@ -14,7 +14,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-render", &["populace-core"]),
     ("populace-testkit", &["populace-core"]),
     // `populace bench` holds its results against the oracle, which lives in the testkit.
-    ("populace-cli", &["populace", "populace-assets", "populace-render", "populace-testkit"]),
+    ("populace-cast", &["populace-core"]),
+    (
+        "populace-cli",
+        &["populace", "populace-assets", "populace-cast", "populace-render", "populace-testkit"],
+    ),
 ];
 
 fn root() -> &'static Path {

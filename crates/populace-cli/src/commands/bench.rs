@@ -11,8 +11,8 @@ use crate::report;
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let devices = if args.device.is_empty() { all_devices() } else { args.device.clone() };
     let scene = Scene::new(args.members, args.joints, args.slots, args.seed)?;
-    eprintln!(
-        "populace: {} members, {} joints, on {} devices",
+    crate::report::talk!(
+        "{} members, {} joints, on {} devices",
         args.members,
         scene.joint_count(),
         devices.len()

@@ -31,8 +31,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         None => first.display().to_string(),
     };
     let (members, schedule) = (crowd.member_count(), crowd.schedule());
-    eprintln!(
-        "populace: {members} members on {device} ({schedule}), drawn by {}, written to {written}",
+    crate::report::talk!(
+        "{members} members on {device} ({schedule}), drawn by {}, written to {written}",
         studio.driver()
     );
     Ok(())
@@ -41,11 +41,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 fn camera(args: &RenderArgs, staging: &Staging) -> Camera {
     let [width, height] = args.size.0;
     let aspect = width as f32 / height as f32;
+    // The whole film must show what it is about, and walkers walk.
+    let film_secs = args.frames.map_or(0.0, |frames| (frames - 1) as f32 / args.fps);
     match args.camera {
-        View::Crowd => Camera::framing(staging.framed.iter().copied(), aspect),
-        View::Close => Camera::framing(staging.closest.iter().copied(), aspect),
+        View::Crowd => Camera::framing(staging.framed(film_secs), aspect),
+        View::Close => Camera::framing(staging.closest(film_secs), aspect),
         View::At { eye, target } => {
-            let framed = Camera::framing(staging.framed.iter().copied(), aspect);
+            let framed = Camera::framing(staging.framed(film_secs), aspect);
             Camera { eye, target, near: 0.05, ..framed }
         }
     }

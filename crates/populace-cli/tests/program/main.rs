@@ -194,6 +194,82 @@ fn render_draws_the_same_crowd_on_every_device_and_again() {
     assert!(red > 100, "{red} pixels are as red as the posts");
 }
 
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn demo_draws_people_without_any_file() {
+    let folder = Folder::new();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_populace"))
+        .args(["demo", "--members", "12", "--size", "64x36", "--device", "native"])
+        .current_dir(folder.path(""))
+        .output()
+        .expect("the program starts");
+    let talk = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{talk}");
+    assert!(talk.contains("ms a frame") && talk.contains("written to populace-demo.png"), "{talk}");
+    let picture = image::open(folder.path("populace-demo.png")).expect("a PNG");
+    assert_eq!((picture.width(), picture.height()), (64, 36));
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn films_are_numbered_and_move() {
+    let folder = Folder::new();
+    let out = folder.text("film.png");
+    let args = [
+        "render",
+        "@child",
+        "--members",
+        "2",
+        "--clip",
+        "Walk",
+        "--frames",
+        "3",
+        "--size",
+        "64x64",
+        "--out",
+        &out,
+    ];
+    let output = populace(&[&args[..], &["--device", "native"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let frames: Vec<_> =
+        (0..3).map(|i| std::fs::read(folder.path(&format!("film_000{i}.png"))).expect("a frame")).collect();
+    assert!(frames[0] != frames[1] && frames[1] != frames[2]);
+    assert!(!folder.path("film_0003.png").exists());
+}
+
+#[test]
+fn outputs_are_pngs_and_links_are_left_alone() {
+    let folder = Folder::new();
+    refused(&["render", "@child", "--out", &folder.text("x.jpg")], 2, &["does not end in .png"]);
+    #[cfg(unix)]
+    {
+        let link = folder.path("link.png");
+        std::os::unix::fs::symlink(folder.path("nowhere.png"), &link).expect("a link");
+        refused(&["render", "@nobody", "--out", &folder.text("link.png")], 2, &["nobody"]);
+        assert!(link.symlink_metadata().expect("the link").is_symlink());
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn nobody_to_talk_to_is_no_reason_to_stop() {
+    let folder = Folder::new();
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_populace"));
+    command.args(["pose", &folder.text("post.gltf"), "--clip", "nothing"]).stderr(full);
+    assert_eq!(command.status().expect("the program starts").code(), Some(2));
+}
+
+#[test]
+fn built_in_people_are_known_by_name() {
+    let folder = Folder::new();
+    refused(
+        &["render", "@nobody", "--out", &folder.text("x.png")],
+        2,
+        &["no built-in \"@nobody\"", "\"@child\""],
+    );
+}
+
 #[test]
 fn an_output_that_cannot_be_written_is_exit_code_4_before_the_work() {
     let folder = Folder::new();

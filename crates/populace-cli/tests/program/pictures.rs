@@ -33,3 +33,16 @@ fn a_post_from_close_by() {
     let args = ["render", "POST", "--members", "3", "--size", "160x160", "--camera", "close"];
     drawn_as_ever("post_close", Limits::surfaces(), &args);
 }
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn the_demo() {
+    drawn_as_ever("demo", Limits::surfaces(), &["demo", "--members", "40", "--size", "240x135"]);
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn all_built_in_people_from_mid_range() {
+    let args = ["render", "@people", "--members", "8", "--size", "240x135", "--clip", "Walk", "--seed", "3"];
+    drawn_as_ever("people", Limits::surfaces(), &args);
+}

@@ -1,0 +1,71 @@
+//! People made by code: bodies of one closed surface on two kinds of skeleton, with clips that stand, walk and run, so
+//! that a crowd needs no download.
+//!
+//! Spaces and units are those of [`populace_core`]: metres, Y up, facing +Z, soles on y = 0. Each character brings the
+//! clips `Idle`, `Idle_Shift`, `Walk` and `Run`; the last two walk in place, at the ground speed that
+//! [`ClipStats`](populace_core::ClipStats) tells.
+//!
+//! ```
+//! use populace_cast::{Look, person};
+//!
+//! let tall = person(&Look { height_m: 1.9, ..Look::man() })?;
+//! assert!((tall.height_m() - 1.9).abs() < 0.01);
+//! assert_eq!(tall.clips.len(), 4);
+//! let broken = Look { height_m: f64::NAN, ..Look::man() };
+//! assert!(person(&broken).is_err());
+//! # Ok::<(), populace_core::Error>(())
+//! ```
+//!
+//! The main decision: surface and motion are made for one set of 54 body segments, and a rig says which joint carries
+//! which segment. So both skeletons share every body and every motion, and a rig's names and rest rotations are its own.
+
+mod anatomy;
+mod look;
+mod motion;
+mod rig;
+mod surface;
+
+use std::sync::Arc;
+
+use populace_core::{Character, CharacterSource, Clip, Error, SkinInstance, vertex_reach_m};
+
+pub use look::{Colors, Hair, Look, Reach, Rig};
+
+/// Makes all presets, in the order of [`Look::presets`].
+///
+/// # Errors
+///
+/// Those of [`person`]; the presets themselves have none.
+pub fn cast() -> Result<Vec<Character>, Error> {
+    Look::presets().iter().map(person).collect()
+}
+
+/// Makes one person with clips; the same look gives the same data.
+///
+/// # Errors
+///
+/// An [`Error`] of [`populace_core`] where a number of the look is not finite or makes no body.
+pub fn person(look: &Look) -> Result<Character, Error> {
+    let body = anatomy::Body::new(look);
+    let joints = rig::Joints::new(&body);
+    let skeleton = joints.skeleton()?;
+    let palette = joints.palette(&skeleton);
+    let (parts, materials) = surface::parts(&surface::Surface::of(&body), &joints, &look.colors);
+    let reach = vertex_reach_m(&skeleton, &palette, &parts);
+    let skeleton = skeleton.with_reach(&reach);
+    let clips = motion::all(&body)
+        .iter()
+        .map(|motion| Clip::new(joints.tracks(&body, motion), &skeleton).map(Arc::new))
+        .collect::<Result<_, _>>()?;
+    let skins = vec![SkinInstance { skin: 0, node: 0, joints: palette.clone() }];
+    Character::new(CharacterSource {
+        name: look.name.clone(),
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images: Vec::new(),
+        skins,
+        clips,
+    })
+}

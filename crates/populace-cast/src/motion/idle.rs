@@ -1,0 +1,106 @@
+//! Standing: breathing, and shifting weight from one leg to the other.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3};
+
+use super::Motion;
+use super::stance::{Arm, Leg, Stance};
+use crate::anatomy::{Body, Limb, Side};
+
+/// Keys per second.
+const KEYS_PER_SEC: f64 = 12.0;
+
+/// Stands and breathes, two breaths long.
+pub(super) fn breathe(body: &Body) -> Motion {
+    let secs = 7.0;
+    sampled("Idle", secs, body, |phase| {
+        let wave = |turns: f64, shift: f64| (TAU * (turns * phase - shift)).sin();
+        Weight {
+            left: 0.12 * wave(1.0, 0.0),
+            breath: wave(2.0, 0.0),
+            look: 0.10 * wave(1.0, 0.3),
+            nod: 0.03 * wave(2.0, 0.15),
+        }
+    })
+}
+
+/// Stands on one leg more than on the other, and changes.
+pub(super) fn shift(body: &Body) -> Motion {
+    let secs = 9.0;
+    sampled("Idle_Shift", secs, body, |phase| {
+        let wave = |turns: f64, shift: f64| (TAU * (turns * phase - shift)).sin();
+        // Rests at either side, passing quickly.
+        let left = (1.8 * wave(1.0, 0.0)).tanh() / 1.8_f64.tanh();
+        Weight {
+            left,
+            breath: wave(3.0, 0.1),
+            look: -0.28 * wave(1.0, 0.08) + 0.1 * wave(2.0, 0.0),
+            nod: 0.05 * wave(1.0, 0.4),
+        }
+    })
+}
+
+/// What a standing person does at one instant.
+struct Weight {
+    /// On the left leg (1), on the right (-1), on both (0).
+    left: f64,
+    /// In (1) to out (-1).
+    breath: f64,
+    /// Radians to the left.
+    look: f64,
+    /// Radians down.
+    nod: f64,
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few dozen keys")]
+fn sampled(name: &'static str, secs: f64, body: &Body, weight: impl Fn(f64) -> Weight) -> Motion {
+    let keys = (secs * KEYS_PER_SEC).round() as usize;
+    Motion::sampled(name, secs, keys, body, |phase| stance(body, &weight(phase)))
+}
+
+fn stance(body: &Body, weight: &Weight) -> Stance {
+    let h = body.height;
+    let Weight { left, breath, look, nod } = *weight;
+    let tilt = 0.055 * left;
+    let pelvis = DQuat::from_rotation_y(0.04 * left) * DQuat::from_rotation_z(tilt);
+    let chest = DQuat::from_rotation_y(-0.03 * left + 0.2 * look)
+        * DQuat::from_rotation_z(-0.6 * tilt)
+        * DQuat::from_rotation_x(0.02 + body.look.stoop_rad - 0.012 * breath);
+    let head = DQuat::from_rotation_y(look)
+        * DQuat::from_rotation_z(0.3 * tilt)
+        * DQuat::from_rotation_x(0.3 * body.look.stoop_rad + nod);
+    let sway = 0.020 * h * left;
+    let drop = -0.006 * h - 0.004 * h * left * left;
+    Stance {
+        pelvis_offset: DVec3::new(sway, drop, 0.002 * h * breath),
+        pelvis,
+        chest,
+        head,
+        shrug_rad: 0.012 * breath,
+        arms: Side::BOTH.map(|side| arm(body, side, weight)),
+        legs: Side::BOTH.map(|side| {
+            let yaw: f64 = 0.16;
+            let rest = body.joint(Limb::Foot, side);
+            let apart = if side == Side::Left { 1.15 } else { 1.3 };
+            Leg {
+                ankle: DVec3::new(apart * rest.x, rest.y, rest.z + 0.01 * h * side.sign()),
+                pitch_rad: 0.0,
+                toe_pitch_rad: 0.0,
+                yaw_rad: yaw,
+            }
+        }),
+    }
+}
+
+fn arm(body: &Body, side: Side, weight: &Weight) -> Arm {
+    let own = weight.left * side.sign();
+    let room = 0.3 * (body.look.waist - 1.0).max(0.0);
+    Arm {
+        swing_rad: 0.03 + 0.02 * weight.breath + 0.03 * own,
+        spread_rad: 0.12 + room + 0.015 * weight.breath - 0.03 * own,
+        elbow_rad: 0.26 + 0.03 * weight.breath + 0.05 * own,
+        twist_rad: 0.1,
+        curl_rad: 0.38 + 0.08 * weight.breath + 0.07 * own,
+    }
+}

@@ -1,0 +1,115 @@
+//! Arms: rings from the shoulder to the wrist.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::{Region, Surface, Weights, chain, hand, mixed};
+use crate::Reach;
+use crate::anatomy::{Body, ELBOW, Limb, Side, WRIST};
+
+/// Points around an arm; point 2 is on the outside, 5 behind, 8 inside, 11 in front.
+pub(super) const AROUND: usize = 12;
+
+/// Where along the arm a ring is, its half breadth from front to back and its half depth, as parts of the body's
+/// height.
+const RINGS: [[f64; 3]; 11] = [
+    [0.052, 0.0300, 0.0295],
+    [0.078, 0.0283, 0.0278],
+    [0.105, 0.0260, 0.0255],
+    [0.113, 0.0250, 0.0245],
+    [0.159, 0.0232, 0.0230],
+    [0.172, 0.0228, 0.0225],
+    [0.185, 0.0232, 0.0228],
+    [0.208, 0.0238, 0.0228],
+    [0.250, 0.0208, 0.0195],
+    [0.300, 0.0166, 0.0138],
+    [0.316, 0.0166, 0.0124],
+];
+/// The ring where a sleeve ends.
+const fn hem(sleeves: Reach) -> usize {
+    match sleeves {
+        Reach::Short => 2,
+        Reach::Long => 9,
+    }
+}
+
+pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, opening: &[usize]) {
+    let mirrored = side == Side::Left;
+    let first = ring(surface, body, side, 0);
+    let shoulder = shoulder_ring(surface, body, side, opening, &first);
+    surface.bridge(opening, &shoulder, Region::Shirt, mirrored);
+    surface.bridge(&shoulder, &first, Region::Shirt, mirrored);
+    let mut last = first;
+    for row in 1..RINGS.len() {
+        let next = ring(surface, body, side, row);
+        let region = if row <= hem(body.look.sleeves) { Region::Shirt } else { Region::Skin };
+        surface.bridge(&last, &next, region, mirrored);
+        last = next;
+    }
+    hand::build(surface, body, side, &last);
+}
+
+/// A point of a ring around the left arm; `turn` from the outside over behind.
+pub(super) fn on_arm(body: &Body, at: f64, breadth: f64, depth: f64) -> DVec3 {
+    let shoulder = body.joint(Limb::UpperArm, Side::Left);
+    shoulder + (body.along * at - DVec3::Z * breadth + body.outward * depth) * body.height
+}
+
+fn turn(k: usize) -> f64 {
+    PI / 6.0 * k as f64 - PI / 3.0
+}
+
+fn ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<usize> {
+    let [at, breadth, depth] = RINGS[row];
+    let ease = cloth(body.look.sleeves, row);
+    let girth = body.look.limbs + (1.0 - body.look.limbs) * (at / WRIST).powi(2);
+    (0..AROUND)
+        .map(|k| {
+            let (sin, cos) = turn(k).sin_cos();
+            let place = on_arm(body, at, (breadth * girth + ease) * sin, (depth * girth + ease) * cos);
+            surface.point(side.place(place), weights(side, at))
+        })
+        .collect()
+}
+
+/// How far cloth stands off the arm.
+fn cloth(sleeves: Reach, row: usize) -> f64 {
+    let last = hem(sleeves);
+    if row > last || row == 0 {
+        return 0.0;
+    }
+    match sleeves {
+        Reach::Short => 0.0015 * row as f64,
+        Reach::Long => 0.0024,
+    }
+}
+
+fn weights(side: Side, at: f64) -> Weights {
+    let segments = [Limb::Clavicle, Limb::UpperArm, Limb::Forearm, Limb::Hand].map(|limb| limb.of(side));
+    chain(at, &segments, &[(0.0, 0.075), (ELBOW, 0.032), (WRIST, 0.018)])
+}
+
+/// Between the trunk's opening and the first ring, bulging where the deltoid is.
+fn shoulder_ring(
+    surface: &mut Surface,
+    body: &Body,
+    side: Side,
+    opening: &[usize],
+    first: &[usize],
+) -> Vec<usize> {
+    let up = side.place(DVec3::new(0.55, 0.83, 0.0));
+    (0..AROUND)
+        .map(|k| {
+            let outside = turn(k).cos();
+            let bulge =
+                (0.007 * outside.max(0.0) + 0.004 * turn(k).sin().powi(2)) * body.height * body.look.limbs;
+            let round = side.place(body.outward * outside - DVec3::Z * turn(k).sin());
+            let dir = if outside > 0.0 { up.lerp(round, 0.4).normalize() } else { round };
+            let place = surface.points[opening[k]].lerp(surface.points[first[k]], 0.5) + dir * bulge;
+            let inner = surface.weights[opening[k]].clone();
+            let outer = surface.weights[first[k]].clone();
+            surface.point(place, mixed(inner, &outer, 0.55))
+        })
+        .collect()
+}

@@ -1,0 +1,141 @@
+//! Hands: a palm that ends in four fingers, with a thumb out of its front.
+
+use glam::DVec3;
+
+use super::arm::{AROUND, on_arm};
+use super::{Region, Surface, Weights, chain};
+use crate::anatomy::{Body, FINGER_AT, FINGERS, KNUCKLE, KNUCKLES, Limb, PALM, Side};
+
+/// Where along the arm a ring is, its half breadth and half depth, as parts of the body's height.
+const RINGS: [[f64; 3]; 3] = [[0.332, 0.0205, 0.0118], [0.356, 0.0245, 0.0112], [0.380, PALM, 0.0085]];
+/// The points of a ring between which the thumb begins: below, in front, above.
+const THUMB: [usize; 3] = [10, 11, 0];
+/// Around a finger: two points on the back of the hand, one between fingers, two inside, one between fingers. Across
+/// from the finger's middle and outwards, in units of its radius.
+const HEXAGON: [[f64; 2]; 6] =
+    [[0.55, 0.85], [-0.55, 0.85], [-1.0, 0.0], [-0.55, -0.85], [0.55, -0.85], [1.0, 0.0]];
+const FINGER_RADIUS: f64 = 0.0051;
+
+pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, wrist: &[usize]) {
+    let mirrored = side == Side::Left;
+    let mut last = wrist.to_vec();
+    for (row, &[at, breadth, depth]) in RINGS.iter().enumerate() {
+        let next: Vec<usize> = (0..AROUND)
+            .map(|k| {
+                let [across, out] = flat(k);
+                let place = on_arm(body, at, breadth * across, depth * out);
+                surface.point(side.place(place), weights(side, at))
+            })
+            .collect();
+        if row == 1 {
+            with_thumb(surface, body, side, [&last, &next]);
+        } else {
+            surface.bridge(&last, &next, Region::Skin, mirrored);
+        }
+        last = next;
+    }
+    fingers(surface, body, side, &last);
+}
+
+/// A point of a flattened ring: across from front (-1) to back and outwards.
+fn flat(k: usize) -> [f64; 2] {
+    let across = [-0.86, -0.44, 0.0, 0.44, 0.86];
+    match k {
+        0..=4 => [across[k], 1.0 - 0.25 * across[k].powi(2)],
+        5 => [1.0, 0.0],
+        6..=10 => [across[10 - k], -1.0 + 0.25 * across[10 - k].powi(2)],
+        _ => [-1.0, 0.0],
+    }
+}
+
+fn weights(side: Side, at: f64) -> Weights {
+    let segments = [Limb::Forearm, Limb::Hand].map(|limb| limb.of(side));
+    chain(at, &segments, &[(0.316, 0.018)])
+}
+
+/// The band of the palm out of which the thumb grows.
+fn with_thumb(surface: &mut Surface, body: &Body, side: Side, [low, high]: [&[usize]; 2]) {
+    let mirrored = side == Side::Left;
+    for k in 0..AROUND {
+        let next = (k + 1) % AROUND;
+        if !(THUMB[0]..=THUMB[1]).contains(&k) {
+            let [a, b, c, d] = [low[k], low[next], high[next], high[k]];
+            surface.quad(if mirrored { [b, a, d, c] } else { [a, b, c, d] }, Region::Skin, mirrored);
+        }
+    }
+    let [inner, front, outer] = THUMB;
+    let mut last = vec![low[inner], low[front], low[outer], high[outer], high[front], high[inner]];
+    let center = last.iter().map(|&p| side.place(surface.points[p])).sum::<DVec3>() / 6.0;
+    let dir = body.thumb;
+    let spokes: Vec<DVec3> = last
+        .iter()
+        .map(|&p| {
+            let spoke = side.place(surface.points[p]) - center;
+            (spoke - dir * spoke.dot(dir)).normalize()
+        })
+        .collect();
+    let root = body.joint(Limb::Finger(0, 0), Side::Left);
+    let tip = 0.066;
+    for (at, radius) in [(0.024, 0.0078), (0.045, 0.0066), (0.061, 0.0046)] {
+        let middle = root + dir * at * body.height;
+        let next: Vec<usize> = spokes
+            .iter()
+            .map(|spoke| {
+                let place = middle + *spoke * radius * body.height;
+                surface.point(side.place(place), thumb_weights(side, at))
+            })
+            .collect();
+        surface.bridge(&last, &next, Region::Skin, mirrored);
+        last = next;
+    }
+    let end = surface.point(side.place(root + dir * tip * body.height), thumb_weights(side, tip));
+    surface.cap(&last, end, Region::Skin, mirrored);
+}
+
+fn thumb_weights(side: Side, at: f64) -> Weights {
+    let segments =
+        [Limb::Hand, Limb::Finger(0, 0), Limb::Finger(0, 1), Limb::Finger(0, 2)].map(|limb| limb.of(side));
+    chain(at, &segments, &[(0.010, 0.015), (0.028, 0.006), (0.049, 0.006)])
+}
+
+fn fingers(surface: &mut Surface, body: &Body, side: Side, palm: &[usize]) {
+    let mirrored = side == Side::Left;
+    let mut webs = vec![palm[11]];
+    for web in 1..4 {
+        let middle = 0.5 * (surface.points[palm[web]] + surface.points[palm[10 - web]]);
+        let place = middle + side.place(body.along) * 0.004 * body.height;
+        webs.push(surface.point(place, weights(side, 0.4)));
+    }
+    webs.push(palm[5]);
+    for finger in 0..4 {
+        let (back, inside) = (palm[10 - finger], palm[9 - finger]);
+        let mut last = vec![palm[finger], palm[finger + 1], webs[finger + 1], inside, back, webs[finger]];
+        let length = FINGERS[finger];
+        for (at, radius) in [(0.36, 1.0), (0.70, 0.9), (0.94, 0.66)] {
+            let next: Vec<usize> = HEXAGON
+                .iter()
+                .map(|&[across, out]| {
+                    let radius = FINGER_RADIUS * radius * if finger == 3 { 0.88 } else { 1.0 };
+                    let place = on_arm(
+                        body,
+                        KNUCKLE + at * length,
+                        -(KNUCKLES[finger] * PALM + radius * across),
+                        radius * 1.05 * out,
+                    );
+                    surface.point(side.place(place), finger_weights(side, finger, at))
+                })
+                .collect();
+            surface.bridge(&last, &next, Region::Skin, mirrored);
+            last = next;
+        }
+        let tip = on_arm(body, KNUCKLE + 1.02 * length, -KNUCKLES[finger] * PALM, -0.001);
+        let end = surface.point(side.place(tip), finger_weights(side, finger, 1.0));
+        surface.cap(&last, end, Region::Skin, mirrored);
+    }
+}
+
+fn finger_weights(side: Side, finger: usize, at: f64) -> Weights {
+    let joints = [0, 1, 2].map(|joint| Limb::Finger(finger + 1, joint).of(side));
+    let segments = [Limb::Hand.of(side), joints[0], joints[1], joints[2]];
+    chain(at, &segments, &[(0.06, 0.16), (FINGER_AT[1], 0.12), (FINGER_AT[2], 0.1)])
+}

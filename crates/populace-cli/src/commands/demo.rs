@@ -1,0 +1,69 @@
+//! `populace demo`
+
+use std::time::Instant;
+
+use populace::{Crowd, Device};
+use populace_render::Camera;
+
+use crate::cast::{built_in, role};
+use crate::cli::DemoArgs;
+use crate::failure::Failure;
+use crate::staging::{Plan, Staging};
+use crate::studio::{Studio, check_output};
+
+/// Frames that are timed.
+const FRAMES: usize = 20;
+const FRAME_SECS: f32 = 1.0 / 60.0;
+
+pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
+    check_output(&args.out)?;
+    let device = args.device.device.unwrap_or_else(Device::best);
+    if args.device.device.is_none() {
+        // Missing devices are no reason to stop, but one to tell what would mend it.
+        for missing in populace::devices().iter().filter(|report| report.device.is_none()) {
+            crate::report::talk!("{} cannot be used: {}", missing.name, missing.detail);
+        }
+    }
+    let members = args.members;
+    let mut crowd = Crowd::builder().device(device).capacity(members as usize).slots_per_member(1).build()?;
+    crate::report::talk!("{members} people made by code, on {}", crowd.device_name());
+    let people = built_in("people")?;
+    let roles = people
+        .into_iter()
+        .map(|person| role(&mut crowd, person, &[], None))
+        .collect::<Result<Vec<_>, _>>()?;
+    let plan = Plan { members, seed: args.seed, hide: &[], away_percent: 15 };
+    let mut staging = Staging::new(&mut crowd, &roles, &plan)?;
+    let frame_ms = time_frames(&mut crowd, &mut staging)?;
+    crate::report::talk!("evaluating all of them takes {frame_ms:.2} ms a frame, the median of {FRAMES}");
+
+    let [width, height] = args.size.0;
+    let camera = Camera::framing(staging.framed(0.0), width as f32 / height as f32);
+    let mut studio = match Studio::new(args.size.0, &roles, &[], camera) {
+        Ok(studio) => studio,
+        Err(failure) => {
+            crate::report::talk!("the crowd was evaluated, but there is nothing to draw it with:");
+            return Err(failure);
+        }
+    };
+    let start = Instant::now();
+    studio.shoot(&mut crowd, &args.out)?;
+    let secs = start.elapsed().as_secs_f64();
+    crate::report::talk!("drawn by {} in {secs:.1} s, written to {}", studio.driver(), args.out.display());
+    Ok(())
+}
+
+/// The median time of a frame in milliseconds: members walk on, the device evaluates every joint.
+fn time_frames(crowd: &mut Crowd, staging: &mut Staging) -> Result<f64, Failure> {
+    let mut times = Vec::with_capacity(FRAMES);
+    staging.advance(crowd, 0.0)?;
+    crowd.finish()?;
+    for _ in 0..FRAMES {
+        let start = Instant::now();
+        staging.advance(crowd, FRAME_SECS)?;
+        crowd.finish()?;
+        times.push(start.elapsed().as_secs_f64() * 1e3);
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(times[FRAMES / 2])
+}
