@@ -40,6 +40,16 @@ pub fn cast() -> Result<Vec<Character>, Error> {
     Look::presets().iter().map(person).collect()
 }
 
+/// Makes all presets in so many outfits each: people for a crowd that must not look like clones.
+///
+/// # Errors
+///
+/// Those of [`person`]; the presets themselves have none.
+pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
+    let presets = Look::presets();
+    (0..outfits).flat_map(|number| presets.iter().map(move |look| person(&look.in_outfit(number)))).collect()
+}
+
 /// Makes one person with clips; the same look gives the same data.
 ///
 /// # Errors

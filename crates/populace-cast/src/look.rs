@@ -105,7 +105,44 @@ const TAN: [f32; 3] = [0.46, 0.24, 0.14];
 const BROWN: [f32; 3] = [0.22, 0.10, 0.055];
 const DARK: [f32; 3] = [0.11, 0.05, 0.03];
 
+const SKINS: [[f32; 3]; 5] = [PALE, LIGHT, TAN, BROWN, DARK];
+const HAIRS: [[f32; 3]; 5] =
+    [[0.02, 0.012, 0.01], [0.06, 0.03, 0.015], [0.16, 0.07, 0.025], [0.33, 0.19, 0.07], [0.2, 0.05, 0.02]];
+/// Cloth as people wear it in the street: mostly dark or dull, a few bright.
+const SHIRTS: [[f32; 3]; 9] = [
+    [0.55, 0.53, 0.48],
+    [0.05, 0.06, 0.10],
+    [0.30, 0.05, 0.06],
+    [0.10, 0.20, 0.30],
+    [0.60, 0.33, 0.08],
+    [0.16, 0.15, 0.15],
+    [0.20, 0.28, 0.17],
+    [0.42, 0.25, 0.33],
+    [0.08, 0.30, 0.32],
+];
+const TROUSERS: [[f32; 3]; 5] =
+    [[0.04, 0.06, 0.12], [0.05, 0.05, 0.055], [0.24, 0.19, 0.12], [0.12, 0.13, 0.15], [0.09, 0.06, 0.045]];
+
 impl Look {
+    /// The same build in other clothes, with other skin and hair, a little taller or shorter; number 0 is as it was.
+    /// Outfits of different builds differ too.
+    #[must_use]
+    pub fn in_outfit(&self, number: usize) -> Self {
+        let mut look = self.clone();
+        if number > 0 {
+            let pick = |count: usize, stride: usize| (number * stride + self.name.len()) % count;
+            look.name = format!("{} {}", self.name, number + 1);
+            look.height_m *= [1.0, 0.97, 1.025, 0.985, 1.015][pick(5, 1)];
+            look.colors.skin = SKINS[pick(SKINS.len(), 2)];
+            if self.hair != Hair::Receding {
+                look.colors.hair = HAIRS[pick(HAIRS.len(), 3)];
+            }
+            look.colors.shirt = SHIRTS[pick(SHIRTS.len(), 5)];
+            look.colors.trousers = TROUSERS[pick(TROUSERS.len(), 2)];
+        }
+        look
+    }
+
     /// A man of middling build, on the full rig.
     #[must_use]
     pub fn man() -> Self {
@@ -277,5 +314,24 @@ impl Look {
             Self::tall_woman(),
             Self::heavy_man(),
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outfits_differ_between_numbers_and_builds() {
+        let looks: Vec<Look> =
+            (0..5).flat_map(|n| Look::presets().into_iter().map(move |look| look.in_outfit(n))).collect();
+        for (index, a) in looks.iter().enumerate() {
+            for b in &looks[..index] {
+                assert_ne!(a.name, b.name);
+                let same = a.rig == b.rig && a.hair == b.hair && a.height_m == b.height_m;
+                assert!(!same || a.colors != b.colors, "{} and {} are clones", a.name, b.name);
+            }
+        }
+        assert_eq!(Look::man().in_outfit(0), Look::man());
     }
 }

@@ -60,20 +60,23 @@ pub(crate) fn load(
     drawn.into_iter().map(role).collect()
 }
 
-/// The built-in people: all of them for `people`, else the one of that name.
+/// Outfits of each build among `@people`.
+const OUTFITS: usize = 5;
+
+/// The built-in people: all of them, in several outfits, for `people`, else the one of that name.
 pub(crate) fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
-    let mut people = populace_cast::cast().map_err(|e| Failure::Run(e.into()))?;
-    if name != "people" {
-        let names: Vec<String> = people.iter().map(|c| c.name.clone()).collect();
-        people.retain(|c| c.name == name);
-        if people.is_empty() {
-            let list = names.iter().map(|n| format!("\"@{n}\"")).collect::<Vec<_>>().join(", ");
-            return Err(Failure::usage(format!(
-                "there is no built-in \"@{name}\"; there are \"@people\", {list}"
-            )));
+    let failed = |e: populace::core::Error| Failure::Run(e.into());
+    if name == "people" {
+        return Ok(populace_cast::people(OUTFITS).map_err(failed)?.into_iter().map(Arc::new).collect());
+    }
+    let looks = populace_cast::Look::presets();
+    match looks.iter().find(|look| look.name == name) {
+        Some(look) => Ok(vec![Arc::new(populace_cast::person(look).map_err(failed)?)]),
+        None => {
+            let list = looks.iter().map(|look| format!("\"@{}\"", look.name)).collect::<Vec<_>>().join(", ");
+            Err(Failure::usage(format!("there is no built-in \"@{name}\"; there are \"@people\", {list}")))
         }
     }
-    Ok(people.into_iter().map(Arc::new).collect())
 }
 
 fn from_file(file: &Path) -> Result<Character, Failure> {
