@@ -1,5 +1,6 @@
 //! The tables that devices evaluate: templates shared by all members, and the members themselves.
 
+mod set;
 mod space;
 
 use std::ops::Range;
@@ -10,6 +11,7 @@ use crate::layout::{
     PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES, SLOT_LOOP, Slot,
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, Trs};
+use set::TableSet;
 use space::Space;
 
 /// A growing array whose changes since the last look are known.
@@ -93,24 +95,7 @@ pub struct BodyIndex(pub u32);
 pub struct Tables {
     /// Slots of each member, 1 to [`MAX_SLOTS`].
     slots_per_member: usize,
-    bodies: Table<Body>,
-    parents: Table<u32>,
-    levels: Table<u32>,
-    entries: Table<Entry>,
-    poses: Table<f32>,
-    clips: Table<ClipRows>,
-    rows: Table<f32>,
-    row_times: Table<f32>,
-    buckets: Table<u32>,
-    block_offsets: Table<u32>,
-    bound_clips: Table<BoundClip>,
-    joint_maps: Table<u32>,
-    masks: Table<f32>,
-    members: Table<Member>,
-    slots: Table<Slot>,
-    layers: Table<Layer>,
-    joint_blocks: Table<u32>,
-    palette_blocks: Table<u32>,
+    all: TableSet,
     free_members: Vec<u32>,
     joint_space: Space,
     palette_space: Space,
@@ -122,24 +107,7 @@ impl Tables {
     pub fn new(slots_per_member: usize) -> Self {
         Self {
             slots_per_member: slots_per_member.clamp(1, MAX_SLOTS),
-            bodies: Table::new("bodies"),
-            parents: Table::new("joint parents"),
-            levels: Table::new("levels"),
-            entries: Table::new("palette entries"),
-            poses: Table::new("stored poses"),
-            clips: Table::new("clips"),
-            rows: Table::new("clip rows"),
-            row_times: Table::new("row times"),
-            buckets: Table::new("row buckets"),
-            block_offsets: Table::new("row block offsets"),
-            bound_clips: Table::new("bound clips"),
-            joint_maps: Table::new("joint maps"),
-            masks: Table::new("masks"),
-            members: Table::new("members"),
-            slots: Table::new("slots"),
-            layers: Table::new("layers"),
-            joint_blocks: Table::new("joint blocks"),
-            palette_blocks: Table::new("palette blocks"),
+            all: TableSet::new(),
             free_members: Vec::new(),
             joint_space: Space::new(usize::MAX),
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
@@ -155,19 +123,19 @@ impl Tables {
     /// Places for members, taken or free.
     #[must_use]
     pub fn member_places(&self) -> usize {
-        self.members.data.len()
+        self.all.members.data.len()
     }
 
     /// Elements of the joint buffer, padding and free places included.
     #[must_use]
     pub fn joint_places(&self) -> usize {
-        self.joint_blocks.data.len() * JOINT_BLOCK as usize
+        self.all.joint_blocks.data.len() * JOINT_BLOCK as usize
     }
 
     /// Palette entries over all pages, up to the last in use.
     #[must_use]
     pub fn palette_places(&self) -> usize {
-        self.palette_blocks.data.len() * PALETTE_BLOCK as usize
+        self.all.palette_blocks.data.len() * PALETTE_BLOCK as usize
     }
 
     /// The palette entries of each page: all but the last are [`PAGE_ENTRIES`] long.
@@ -182,9 +150,9 @@ impl Tables {
     #[must_use]
     pub fn level_widths(&self) -> Vec<usize> {
         let mut widths = Vec::new();
-        for body in self.bodies.as_slice() {
+        for body in self.all.bodies.as_slice() {
             let first = body.level_first as usize;
-            let ends = &self.levels.data[first..=first + body.level_count as usize];
+            let ends = &self.all.levels.data[first..=first + body.level_count as usize];
             for (depth, level) in ends.windows(2).enumerate() {
                 widths.resize(widths.len().max(depth + 1), 0);
                 widths[depth] = widths[depth].max((level[1] - level[0]) as usize);
@@ -204,14 +172,14 @@ impl Tables {
             return Err(Error::TooLarge { what: "one character's palette", count: palette.len(), limit });
         }
         let joint_first =
-            self.parents.extend(skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)))?;
+            self.all.parents.extend(skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)))?;
         let levels = skeleton.levels();
         let starts = levels.iter().map(|l| l.start).chain([skeleton.joint_count()]);
-        let level_first = self.levels.extend(starts.map(u32_from))?;
+        let level_first = self.all.levels.extend(starts.map(u32_from))?;
         let rest: Vec<Trs> = skeleton.joints().map(|j| *skeleton.rest(j)).collect();
         let rest_first = self.add_pose(&rest)?;
-        let entry_first = self.entries.extend(palette.iter().map(device_entry))?;
-        let index = self.bodies.extend([Body {
+        let entry_first = self.all.entries.extend(palette.iter().map(device_entry))?;
+        let index = self.all.bodies.extend([Body {
             joint_first,
             joint_count: u32_from(skeleton.joint_count()),
             padded_count: u32_from(padded(skeleton.joint_count())),
@@ -235,7 +203,7 @@ impl Tables {
                 };
             }
         }
-        self.poses.extend(planes)
+        self.all.poses.extend(planes)
     }
 
     /// Adds a clip's rows and returns its index.
@@ -244,13 +212,13 @@ impl Tables {
     ///
     /// [`Error::TooLarge`] past 32-bit offsets.
     pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
-        let row_first = self.rows.extend(clip.rows().iter().copied())?;
-        let block_first = self.block_offsets.extend(clip.block_offsets().iter().copied())?;
+        let row_first = self.all.rows.extend(clip.rows().iter().copied())?;
+        let block_first = self.all.block_offsets.extend(clip.block_offsets().iter().copied())?;
         let (buckets, buckets_per_sec) = clip.buckets();
         let times = if buckets.is_empty() { &[] } else { clip.row_times() };
-        let time_first = self.row_times.extend(times.iter().copied())?;
-        let bucket_first = self.buckets.extend(buckets.iter().copied())?;
-        self.clips.extend([ClipRows {
+        let time_first = self.all.row_times.extend(times.iter().copied())?;
+        let bucket_first = self.all.buckets.extend(buckets.iter().copied())?;
+        self.all.clips.extend([ClipRows {
             row_first,
             row_stride: u32_from(clip.row_stride()),
             row_count: u32_from(clip.row_count()),
@@ -273,13 +241,13 @@ impl Tables {
     /// [`Error::TooLarge`] past 32-bit offsets; [`Error::BadPlayback`] for a clip or body that is not there, or a
     /// binding to another skeleton.
     pub fn add_bound_clip(&mut self, clip: u32, body: BodyIndex, binding: &Binding) -> Result<u32, Error> {
-        let joints = self.bodies.data.get(body.0 as usize).map(|b| b.joint_count as usize);
-        if clip as usize >= self.clips.data.len() || joints != Some(binding.joint_map().len()) {
+        let joints = self.all.bodies.data.get(body.0 as usize).map(|b| b.joint_count as usize);
+        if clip as usize >= self.all.clips.data.len() || joints != Some(binding.joint_map().len()) {
             return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
         }
-        let map_first = self.joint_maps.extend(binding.joint_map().iter().copied())?;
+        let map_first = self.all.joint_maps.extend(binding.joint_map().iter().copied())?;
         let base_first = self.add_pose(binding.base_pose())?;
-        self.bound_clips.extend([BoundClip { clip, map_first, base_first, body: body.0 }])
+        self.all.bound_clips.extend([BoundClip { clip, map_first, base_first, body: body.0 }])
     }
 
     /// Adds a mask and returns the offset that layers name.
@@ -288,7 +256,7 @@ impl Tables {
     ///
     /// [`Error::TooLarge`] past 32-bit offsets.
     pub fn add_mask(&mut self, mask: &Mask) -> Result<u32, Error> {
-        self.masks.extend(mask.weights().iter().copied())
+        self.all.masks.extend(mask.weights().iter().copied())
     }
 
     /// Gives a member of a body a place, without any clip; returns the place.
@@ -301,7 +269,7 @@ impl Tables {
     ///
     /// If the body does not exist.
     pub fn add_member(&mut self, body: BodyIndex) -> Result<u32, Error> {
-        let Body { padded_count, entry_count, .. } = self.bodies.data[body.0 as usize];
+        let Body { padded_count, entry_count, .. } = self.all.bodies.data[body.0 as usize];
         let blocks = (padded_count / JOINT_BLOCK) as usize;
         for (what, count, limit) in [
             ("the joint buffer", self.joint_space.end_with(blocks), NONE / JOINT_BLOCK),
@@ -317,16 +285,16 @@ impl Tables {
         }
         let place = match self.free_members.pop() {
             Some(place) => place,
-            None => self.members.extend([Member { body: NONE, ..Member::default() }])?,
+            None => self.all.members.extend([Member { body: NONE, ..Member::default() }])?,
         };
-        self.slots.resize(self.member_places() * self.slots_per_member, EMPTY_SLOT);
-        self.layers.resize(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
+        self.all.slots.resize(self.member_places() * self.slots_per_member, EMPTY_SLOT);
+        self.all.layers.resize(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
         let joint_block = self.joint_space.take(blocks);
         let palette_block = self.palette_space.take(palette_block_count(entry_count));
-        fill(&mut self.joint_blocks, joint_block, place);
-        fill(&mut self.palette_blocks, palette_block, place);
+        fill(&mut self.all.joint_blocks, joint_block, place);
+        fill(&mut self.all.palette_blocks, palette_block, place);
         self.reset_playback(place);
-        self.members.set(
+        self.all.members.set(
             place as usize,
             Member {
                 body: body.0,
@@ -344,25 +312,25 @@ impl Tables {
     ///
     /// If the place is not taken.
     pub fn remove_member(&mut self, place: u32) {
-        let member = self.members.data[place as usize];
-        let Body { padded_count, entry_count, .. } = self.bodies.data[member.body as usize];
+        let member = self.all.members.data[place as usize];
+        let Body { padded_count, entry_count, .. } = self.all.bodies.data[member.body as usize];
         let joints = ((member.joint_first / JOINT_BLOCK) as usize, (padded_count / JOINT_BLOCK) as usize);
         let palette = ((member.palette_first / PALETTE_BLOCK) as usize, palette_block_count(entry_count));
-        fill(&mut self.joint_blocks, joints, NONE);
-        fill(&mut self.palette_blocks, palette, NONE);
+        fill(&mut self.all.joint_blocks, joints, NONE);
+        fill(&mut self.all.palette_blocks, palette, NONE);
         self.joint_space.give_back(joints);
         self.palette_space.give_back(palette);
         self.reset_playback(place);
-        self.members.set(place as usize, Member { body: NONE, ..Member::default() });
+        self.all.members.set(place as usize, Member { body: NONE, ..Member::default() });
         self.free_members.push(place);
     }
 
     fn reset_playback(&mut self, place: u32) {
         for slot in self.slot_range(place) {
-            self.slots.set(slot, EMPTY_SLOT);
+            self.all.slots.set(slot, EMPTY_SLOT);
         }
         for layer in self.layer_range(place) {
-            self.layers.set(layer, PLAIN_LAYER);
+            self.all.layers.set(layer, PLAIN_LAYER);
         }
     }
 
@@ -381,11 +349,11 @@ impl Tables {
         if slot.layer >= LAYERS_PER_MEMBER {
             return bad("layer", slot.layer);
         }
-        let bound = self.bound_clips.data.get(slot.bound_clip as usize);
+        let bound = self.all.bound_clips.data.get(slot.bound_clip as usize);
         if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
             return bad("bound clip", slot.bound_clip);
         }
-        self.slots.set(place as usize * self.slots_per_member + index, slot);
+        self.all.slots.set(place as usize * self.slots_per_member + index, slot);
         self.use_layer(place, slot.layer);
         Ok(())
     }
@@ -397,29 +365,29 @@ impl Tables {
     /// [`Error::BadPlayback`] for a place without a member, a layer past the last, or a mask that is not there.
     pub fn set_layer(&mut self, place: u32, index: usize, layer: Layer) -> Result<(), Error> {
         let member = self.taken(place)?;
-        let joints = self.bodies.data[member.body as usize].joint_count as usize;
+        let joints = self.all.bodies.data[member.body as usize].joint_count as usize;
         let layer_index = u32::try_from(index).unwrap_or(NONE);
         if layer_index >= LAYERS_PER_MEMBER {
             return Err(Error::BadPlayback { what: "layer", value: layer_index });
         }
-        if layer.mask != NONE && layer.mask as usize + joints > self.masks.data.len() {
+        if layer.mask != NONE && layer.mask as usize + joints > self.all.masks.data.len() {
             return Err(Error::BadPlayback { what: "mask", value: layer.mask });
         }
-        self.layers.set(place as usize * LAYERS_PER_MEMBER as usize + index, layer);
+        self.all.layers.set(place as usize * LAYERS_PER_MEMBER as usize + index, layer);
         self.use_layer(place, layer_index);
         Ok(())
     }
 
     fn taken(&self, place: u32) -> Result<Member, Error> {
-        let member = self.members.data.get(place as usize).filter(|m| m.body != NONE);
+        let member = self.all.members.data.get(place as usize).filter(|m| m.body != NONE);
         member.copied().ok_or(Error::BadPlayback { what: "member", value: place })
     }
 
     fn use_layer(&mut self, place: u32, layer: u32) {
-        let mut member = self.members.data[place as usize];
+        let mut member = self.all.members.data[place as usize];
         if member.layer_count <= layer {
             member.layer_count = layer + 1;
-            self.members.set(place as usize, member);
+            self.all.members.set(place as usize, member);
         }
     }
 
@@ -439,68 +407,13 @@ impl Tables {
 
     /// Forgets which elements changed; called once every device took them over.
     pub fn mark_clean(&mut self) {
-        self.for_each_table(|_, dirty| *dirty = 0..0);
+        self.all.for_each(|_, dirty| *dirty = 0..0);
     }
 
     /// Marks every element as changed, for a device that knows nothing yet.
     pub fn mark_dirty(&mut self) {
-        self.for_each_table(|count, dirty| *dirty = 0..count);
+        self.all.for_each(|count, dirty| *dirty = 0..count);
     }
-
-    fn for_each_table(&mut self, job: impl Fn(usize, &mut Range<usize>)) {
-        macro_rules! each { ($($name:ident)*) => { $(job(self.$name.data.len(), &mut self.$name.dirty);)* }; }
-        each! {
-            bodies parents levels entries poses clips rows row_times buckets block_offsets bound_clips joint_maps masks
-            members slots layers joint_blocks palette_blocks
-        }
-    }
-}
-
-macro_rules! read_only {
-    ($($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
-        /// What devices read. Elements are changed only through methods that check them: a device follows every index.
-        impl Tables {
-            $($(#[$doc])* #[must_use] pub fn $name(&self) -> &Table<$element> { &self.$name })*
-        }
-    };
-}
-read_only! {
-    /// Bodies.
-    bodies: Body,
-    /// Parents of the joints of all bodies, in level order within each; [`NONE`] for roots.
-    parents: u32,
-    /// First joint of each level of all bodies, and the end of the last.
-    levels: u32,
-    /// Palette entries of all bodies.
-    entries: Entry,
-    /// Stored poses, [`POSE_PLANES`] planes each: rest poses, and what a bound clip's rows do not drive.
-    poses: f32,
-    /// Clips.
-    clips: ClipRows,
-    /// Rows of all clips.
-    rows: f32,
-    /// Times of the rows of clips that are not evenly spaced, on each clip's own axis.
-    row_times: f32,
-    /// Buckets of such clips.
-    buckets: u32,
-    /// Where in a row each block's rotations, translations and scales stand.
-    block_offsets: u32,
-    /// Clips bound to bodies.
-    bound_clips: BoundClip,
-    /// For each joint of each bound clip its column and `MAP_` flags.
-    joint_maps: u32,
-    /// Masks: a weight per joint.
-    masks: f32,
-    /// Members, by place.
-    members: Member,
-    /// `members x slots_per_member`, slots fastest.
-    slots: Slot,
-    /// `members x LAYERS_PER_MEMBER`, layers fastest.
-    layers: Layer,
-    /// The member of each block of [`JOINT_BLOCK`] joints in the joint buffer, [`NONE`] where it is free.
-    joint_blocks: u32,
-    /// The member of each block of [`PALETTE_BLOCK`] palette entries, [`NONE`] where it is free.
-    palette_blocks: u32,
 }
 
 const EMPTY_SLOT: Slot = Slot {

@@ -54,7 +54,7 @@ fn write<T: Element>(
 }
 
 macro_rules! device_tables {
-    ($($name:ident: $element:ty),* $(,)?) => {
+    ($($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
         /// All tables on the device.
         pub(crate) struct DeviceTables { $(pub(crate) $name: DeviceTable<$element>),* }
 
@@ -85,23 +85,4 @@ macro_rules! device_tables {
     };
 }
 
-device_tables! {
-    bodies: Body,
-    parents: u32,
-    levels: u32,
-    entries: Entry,
-    poses: f32,
-    clips: ClipRows,
-    rows: f32,
-    row_times: f32,
-    buckets: u32,
-    block_offsets: u32,
-    bound_clips: BoundClip,
-    joint_maps: u32,
-    masks: f32,
-    members: Member,
-    slots: Slot,
-    layers: Layer,
-    joint_blocks: u32,
-    palette_blocks: u32,
-}
+populace_core::with_tables!(device_tables);

@@ -1,0 +1,79 @@
+//! The tables, listed once: host and devices make theirs from the same list.
+
+use std::ops::Range;
+
+use super::{Table, Tables};
+use crate::layout::{Body, BoundClip, ClipRows, Entry, Layer, Member, Slot};
+
+/// Calls a macro with every table: its documentation, its name, and the type of its elements (types of
+/// [`layout`](crate::layout), which must be in scope where it is called).
+#[macro_export]
+macro_rules! with_tables {
+    ($callback:ident) => {
+        $callback! {
+            /// Bodies.
+            bodies: Body,
+            /// Parents of the joints of all bodies, in level order within each; `NONE` for roots.
+            parents: u32,
+            /// First joint of each level of all bodies, and the end of the last.
+            levels: u32,
+            /// Palette entries of all bodies.
+            entries: Entry,
+            /// Stored poses, `POSE_PLANES` planes each: rest poses, and what a bound clip's rows do not drive.
+            poses: f32,
+            /// Clips.
+            clips: ClipRows,
+            /// Rows of all clips.
+            rows: f32,
+            /// Times of the rows of clips that are not evenly spaced, on each clip's own axis.
+            row_times: f32,
+            /// Buckets of such clips.
+            buckets: u32,
+            /// Where in a row each block's rotations, translations and scales stand.
+            block_offsets: u32,
+            /// Clips bound to bodies.
+            bound_clips: BoundClip,
+            /// For each joint of each bound clip its column and `MAP_` flags.
+            joint_maps: u32,
+            /// Masks: a weight per joint.
+            masks: f32,
+            /// Members, by place.
+            members: Member,
+            /// `members x slots_per_member`, slots fastest.
+            slots: Slot,
+            /// `members x LAYERS_PER_MEMBER`, layers fastest.
+            layers: Layer,
+            /// The member of each block of `JOINT_BLOCK` joints in the joint buffer, [`NONE`] where it is free.
+            joint_blocks: u32,
+            /// The member of each block of `PALETTE_BLOCK` palette entries, [`NONE`] where it is free.
+            palette_blocks: u32,
+        }
+    };
+}
+
+macro_rules! table_set {
+    ($($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
+        /// All tables.
+        #[derive(Clone, Debug)]
+        pub(super) struct TableSet {
+            $(pub(super) $name: Table<$element>,)*
+        }
+
+        impl TableSet {
+            pub(super) fn new() -> Self {
+                Self { $($name: Table::new(stringify!($name)),)* }
+            }
+
+            /// Calls `job` with each table's length and dirty range.
+            pub(super) fn for_each(&mut self, job: impl Fn(usize, &mut Range<usize>)) {
+                $(job(self.$name.data.len(), &mut self.$name.dirty);)*
+            }
+        }
+
+        /// What devices read. Elements change only through methods that check them: a device follows every index.
+        impl Tables {
+            $($(#[$doc])* #[must_use] pub fn $name(&self) -> &Table<$element> { &self.all.$name })*
+        }
+    };
+}
+crate::with_tables!(table_set);
