@@ -43,9 +43,9 @@ macro_rules! with_tables {
             slots: Slot,
             /// `members x LAYERS_PER_MEMBER`, layers fastest.
             layers: Layer,
-            /// The member of each block of `JOINT_BLOCK` joints in the joint buffer, [`NONE`] where it is free.
+            /// The member of each block of `JOINT_BLOCK` joints in the joint buffer, `NONE` where it is free.
             joint_blocks: u32,
-            /// The member of each block of `PALETTE_BLOCK` palette entries, [`NONE`] where it is free.
+            /// The member of each block of `PALETTE_BLOCK` palette entries, `NONE` where it is free.
             palette_blocks: u32,
         }
     };
