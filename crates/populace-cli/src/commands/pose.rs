@@ -43,7 +43,8 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
         "schema": 1,
         "file": args.file.display().to_string(),
         "clip": clip.map(|(_, name)| name),
-        "time": args.time,
+        // The number as it was typed, not its nearest f32 written out in full.
+        "time": args.time.to_string().parse::<f64>().unwrap_or(f64::from(args.time)),
         "device": device.to_string(),
         "schedule": crowd.schedule(),
         "joints": joints(imported, &models),

@@ -65,6 +65,7 @@ fn pose_keeps_its_contract(device: &str) {
             ["pose", &file, "--time", time, "--vertices", "--vertex", "0,0,6", "--json", "--device", device];
         numbers(&json_of(&[&common[..], clip].concat())["vertices"][0])[3..].to_vec()
     };
+    assert_eq!(json_of(&["pose", &file, "--time", "0.3", "--json", "--device", device])["time"], 0.3);
     assert_near(&at("-7", &["--clip", "Bend"]), &[-0.2, 2.0, 0.0]); // before the first key
     assert_near(&at("99", &["--clip", "0"]), &[1.0, 1.2, 0.0]); // after the last, by index
     assert_near(&at("1.5", &[]), &[-0.2, 2.0, 0.0]); // no clip: rest
