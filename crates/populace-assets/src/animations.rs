@@ -79,7 +79,7 @@ fn read_sampler(at: &Cursor, data: &Data) -> Checked<Sampler> {
         other => Err(i.problem(format!("is \"{other}\"; it must be LINEAR, STEP or CUBICSPLINE"))),
     });
     let (input, output, interpolation) = (input?, output?, interpolation?.unwrap_or(Interpolation::Linear));
-    let times = data.expect(input, "key times", &[Format::plain(Shape::SCALAR, Component::F32)])?;
+    let times = data.of_format(input, "key times", &[Format::plain(Shape::SCALAR, Component::F32)])?;
     let values = data.accessor(output)?;
     for accessor in [times, values] {
         if data.has_stride(accessor) {
@@ -203,7 +203,7 @@ impl<'a> Clips<'a> {
             return Ok(None);
         };
         let values =
-            self.data.expect(sampler.output, output_name(channel.property), &formats(channel.property))?;
+            self.data.of_format(sampler.output, output_name(channel.property), &formats(channel.property))?;
         let keys = self.data.accessor(sampler.input)?.count;
         let per_key = if sampler.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if keys.checked_mul(per_key) != Some(values.count) {

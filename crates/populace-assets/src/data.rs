@@ -90,7 +90,7 @@ impl<'a> Data<'a> {
     }
 
     /// That an accessor is one of the `formats` that `what` may have.
-    pub(crate) fn expect(&self, index: usize, what: &str, formats: &[Format]) -> Checked<&Accessor> {
+    pub(crate) fn of_format(&self, index: usize, what: &str, formats: &[Format]) -> Checked<&Accessor> {
         let accessor = self.accessor(index)?;
         if formats.iter().any(|f| f.fits(accessor)) {
             return Ok(accessor);

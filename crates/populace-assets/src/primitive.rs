@@ -143,7 +143,7 @@ pub(crate) fn check_attribute(
     let Some(index) = primitive.attribute(name) else {
         return Ok(None);
     };
-    let accessor = data.expect(index, name, &formats(name, extensions))?;
+    let accessor = data.of_format(index, name, &formats(name, extensions))?;
     if accessor.count != count {
         return Err(problem(format!(
             "has {} of {name} for {count} of POSITION; all attributes need the same number",
