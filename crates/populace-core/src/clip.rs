@@ -4,24 +4,26 @@ mod curves;
 mod gap;
 mod ground;
 mod rows;
+mod storage;
 
 use std::collections::HashMap;
 
-use crate::layout::{JOINT_BLOCK, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE};
+use crate::layout::{JOINT_BLOCK, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, RowBlock};
 use crate::{ClipSource, Error, JointIndex, Property, Skeleton, Trs};
 use rows::Rows;
+pub(crate) use storage::Range;
 
 /// One motion, stored as rows: poses of all joints of the clip's own skeleton, at the union of the tracks' key times,
 /// with more between them wherever interpolating rows would stray from the source curves by more than the bound.
 ///
-/// The bound, in model space on the clip's own skeleton, is 0.1 mm for a body of 1.8 m, in proportion for others, at
+/// The bound, in model space on the clip's own skeleton, is 0.16 mm for a body of 1.8 m, in proportion for others, at
 /// points 3 cm from each joint and as far from it as the vertices that it moves ([`Skeleton::with_reach`]). Between rows
 /// devices interpolate translations and scales linearly and rotations by normalised linear interpolation. A STEP key is
 /// two rows at one time.
 ///
-/// A row holds blocks of 16 joints ("columns", in the level order of the clip's own skeleton), component by component,
-/// joints fastest: `x y z w` of rotations, then `x y z` of translations, then of scales. Blocks in which nothing moves
-/// are left out; what they hold is in [`Binding::base_pose`].
+/// A row holds blocks of 16 joints ("columns", in the level order of the clip's own skeleton), joints fastest, each
+/// component as 16 bits over the joint's own range. Blocks in which nothing moves are left out. Storage takes its part of
+/// the bound; a motion that 16 bits cannot hold within it is stored as floats.
 #[derive(Clone, Debug)]
 pub struct Clip {
     source: ClipSource,
@@ -98,7 +100,8 @@ impl Clip {
         ClipStats {
             row_count: rows.times.len(),
             evenly_spaced: rows.buckets.is_empty(),
-            row_bytes: 4 * (rows.data.len() + rows.buckets.len() + self.row_times().len()),
+            row_bytes: 4 * (rows.storage.words.len() + rows.buckets.len() + self.row_times().len())
+                + rows.storage.range_bytes(),
             key_bytes: 4 * keys,
             error_bound_m: rows.error_bound_m,
             tolerance_m: rows.tolerance_m,
@@ -120,13 +123,22 @@ impl Clip {
         self.rows.measured_error_m(&curves, skeleton, points)
     }
 
+    /// How far a joint's stored rotation components, translation in metres or scale factors are at most from the source
+    /// curves at the times of the clip's rows; 0 where the clip does not know the joint. Part of
+    /// [`ClipStats::error_bound_m`].
+    #[must_use]
+    pub fn storage_error(&self, joint: &str, property: Property) -> f32 {
+        let column = self.columns.get(joint);
+        column.map_or(0.0, |&column| self.rows.storage.worst[column as usize][property as usize])
+    }
+
     /// All rows, one after the other.
-    pub(crate) fn rows(&self) -> &[f32] {
-        &self.rows.data
+    pub(crate) fn rows(&self) -> &[u32] {
+        &self.rows.storage.words
     }
 
     pub(crate) fn row_stride(&self) -> usize {
-        self.rows.stride
+        self.rows.storage.stride
     }
 
     pub(crate) fn row_count(&self) -> usize {
@@ -147,20 +159,20 @@ impl Clip {
         (&self.rows.buckets, self.rows.buckets_per_sec)
     }
 
-    /// Three for each block of 16 columns: where in a row its rotations, translations and scales stand, or `NONE`.
-    pub(crate) fn block_offsets(&self) -> &[u32] {
-        &self.rows.block_offsets
+    /// Where in a row each block of 16 columns stands.
+    pub(crate) fn row_blocks(&self) -> &[RowBlock] {
+        &self.rows.storage.blocks
     }
 }
 
-/// A clip bound to a skeleton by joint names: which column each joint follows, and what stands still.
+/// A clip bound to a skeleton by joint names: which column each joint follows, and what its stored components mean.
 ///
 /// Joints and properties that the clip does not drive keep the rest of the skeleton bound to, whatever the clip's own
 /// skeleton says there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding {
     joint_map: Vec<u32>,
-    base_pose: Vec<Trs>,
+    ranges: Vec<[Range; 3]>,
     bound_joint_count: usize,
 }
 
@@ -168,17 +180,14 @@ impl Binding {
     /// Binds by name.
     #[must_use]
     pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
-        let mut binding = Self { joint_map: Vec::new(), base_pose: Vec::new(), bound_joint_count: 0 };
+        let mut binding = Self { joint_map: Vec::new(), ranges: Vec::new(), bound_joint_count: 0 };
         for joint in skeleton.joints() {
-            let (map, pose) = match clip.columns.get(skeleton.name(joint)) {
-                Some(&column) if clip.rows.drives(column) => {
-                    binding.bound_joint_count += 1;
-                    clip.rows.bind(column, skeleton.rest(joint))
-                }
-                _ => (0, *skeleton.rest(joint)),
-            };
+            let column = clip.columns.get(skeleton.name(joint)).copied();
+            let column = column.filter(|&column| clip.rows.drives(column));
+            binding.bound_joint_count += usize::from(column.is_some());
+            let (map, ranges) = clip.rows.bind(column, skeleton.rest(joint));
             binding.joint_map.push(map);
-            binding.base_pose.push(pose);
+            binding.ranges.push(ranges);
         }
         binding
     }
@@ -189,10 +198,9 @@ impl Binding {
         &self.joint_map
     }
 
-    /// For each joint what the rows do not drive: the clip's constants, else the skeleton's rest.
-    #[must_use]
-    pub fn base_pose(&self) -> &[Trs] {
-        &self.base_pose
+    /// For each joint and [`Property`] what its stored components mean.
+    pub(crate) fn ranges(&self) -> &[[Range; 3]] {
+        &self.ranges
     }
 
     /// Joints that the clip drives, moving or not.
@@ -208,36 +216,29 @@ impl Rows {
         self.driven[column as usize].iter().any(|driven| *driven)
     }
 
-    /// The joint map and base pose of a joint that follows `column`.
-    fn bind(&self, column: u32, rest: &Trs) -> (u32, Trs) {
-        let mut map = column;
-        let mut pose = *rest;
-        let first = self.first_pose[column as usize];
-        for property in [Property::Rotation, Property::Translation, Property::Scale] {
-            if !self.driven[column as usize][property as usize] {
-                continue;
+    /// The joint map and ranges of a joint at rest `rest` that follows `column`.
+    fn bind(&self, column: Option<u32>, rest: &Trs) -> (u32, [Range; 3]) {
+        let mut map = column.unwrap_or(0);
+        let ranges = [Property::Translation, Property::Rotation, Property::Scale].map(|property| {
+            let driven = column.filter(|&column| self.driven[column as usize][property as usize]);
+            let range = driven.map_or_else(
+                || Range::still(property.of(rest)),
+                |column| self.storage.ranges[column as usize][property as usize],
+            );
+            if range.step > 0.0 {
+                map |= match property {
+                    Property::Rotation => MAP_ROTATION,
+                    Property::Translation => MAP_TRANSLATION,
+                    Property::Scale => MAP_SCALE,
+                };
             }
-            let moving = self.moving[column as usize][property as usize];
-            match property {
-                Property::Rotation => {
-                    (map, pose.rotation) = (map | flag(moving, MAP_ROTATION), first.rotation)
-                }
-                Property::Translation => {
-                    (map, pose.translation) = (map | flag(moving, MAP_TRANSLATION), first.translation);
-                }
-                Property::Scale => (map, pose.scale) = (map | flag(moving, MAP_SCALE), first.scale),
-            }
-        }
-        (map, pose)
+            range
+        });
+        (map, ranges)
     }
 }
 
-const fn flag(set: bool, bit: u32) -> u32 {
-    if set { bit } else { 0 }
-}
-
 const BLOCK: usize = JOINT_BLOCK as usize;
-const NOT_MOVING: u32 = NONE;
 
 /// Parents as [`crate::f64math`] takes them.
 fn parents(skeleton: &Skeleton) -> Vec<Option<JointIndex>> {

@@ -101,6 +101,12 @@ device_consts! {
     pub const MAP_TRANSLATION: u32 = 1 << 30;
     /// Flag in a joint map: the scale comes from the clip's rows.
     pub const MAP_SCALE: u32 = 1 << 29;
+    /// Flag in a [`RowBlock`]'s lanes: the planes hold floats, one for each component.
+    pub const ROW_FLOATS: u32 = 1 << 31;
+    /// Flag in a [`BoundBlock`]: all translations stand at the body's rest.
+    pub const REST_TRANSLATION: u32 = 1;
+    /// Flag in a [`BoundBlock`]: all scales stand at the body's rest.
+    pub const REST_SCALE: u32 = 2;
     /// The bits of a joint map that name the clip's column.
     pub const MAP_COLUMN: u32 = (1 << 29) - 1;
 }
@@ -150,14 +156,13 @@ device_struct! {
 device_struct! {
     /// A clip's rows and where to find the row of a time.
     pub struct ClipRows {
-        /// Into `rows`, in floats: the first row.
+        /// Into `rows`, in words: the first row.
         pub row_first: u32,
-        /// Floats from one row to the next.
+        /// Words from one row to the next.
         pub row_stride: u32,
         /// Rows, at least one.
         pub row_count: u32,
-        /// Into `block_offsets`: three for each block of 16 columns, where in a row its rotations, translations and
-        /// scales stand, or [`NONE`] where they do not move.
+        /// Into `row_blocks`: one for each block of 16 columns.
         pub block_first: u32,
         /// Into `row_times`.
         pub time_first: u32,
@@ -179,16 +184,90 @@ device_struct! {
 }
 
 device_struct! {
+    /// Where in a row a block of 16 columns stands: for each property the first word, or [`NONE`] where nothing moves,
+    /// and the lanes: columns in each plane, with [`ROW_FLOATS`] where planes hold floats instead of 16-bit steps.
+    pub struct RowBlock {
+        /// First word of the rotations.
+        pub rotation_first: u32,
+        /// Columns in each of their planes.
+        pub rotation_lanes: u32,
+        /// First word of the translations.
+        pub translation_first: u32,
+        /// Columns in each of their planes.
+        pub translation_lanes: u32,
+        /// First word of the scales.
+        pub scale_first: u32,
+        /// Columns in each of their planes.
+        pub scale_lanes: u32,
+    }
+}
+
+impl RowBlock {
+    /// A block in which nothing moves.
+    pub const STILL: Self = Self {
+        rotation_first: NONE,
+        rotation_lanes: 0,
+        translation_first: NONE,
+        translation_lanes: 0,
+        scale_first: NONE,
+        scale_lanes: 0,
+    };
+
+    /// What moves in either block; where it stands is that of one.
+    #[inline]
+    #[must_use]
+    pub const fn or_moving(mut self, other: &Self) -> Self {
+        if other.rotation_first != NONE {
+            (self.rotation_first, self.rotation_lanes) = (other.rotation_first, other.rotation_lanes);
+        }
+        if other.translation_first != NONE {
+            (self.translation_first, self.translation_lanes) =
+                (other.translation_first, other.translation_lanes);
+        }
+        if other.scale_first != NONE {
+            (self.scale_first, self.scale_lanes) = (other.scale_first, other.scale_lanes);
+        }
+        self
+    }
+}
+
+device_struct! {
     /// A clip bound to a body.
     pub struct BoundClip {
         /// Into `clips`.
         pub clip: u32,
         /// Into `joint_maps`: for each joint the clip's column and `MAP_` flags of what its rows drive.
         pub map_first: u32,
-        /// Into `poses`: what the rows do not drive; the clip's constants and the body's rest.
-        pub base_first: u32,
+        /// Into `poses`: thirteen planes of what the joints' stored components mean (see [`RANGE_PLANES`]).
+        pub range_first: u32,
+        /// Into `bound_blocks`: one for each block of 16 joints of the body.
+        pub block_first: u32,
         /// The body it is bound to.
         pub body: u32,
+    }
+}
+
+device_struct! {
+    /// Where 16 neighbouring joints of a body find their columns in a clip's rows.
+    pub struct BoundBlock {
+        /// Into `sources`.
+        pub source_first: u32,
+        /// Blocks of the clip that the joints follow; 0 where nothing moves.
+        pub source_count: u32,
+        /// Whether each joint follows the column of its own lane in the one source.
+        pub straight: u32,
+        /// [`REST_TRANSLATION`] and [`REST_SCALE`].
+        pub flags: u32,
+    }
+}
+
+device_struct! {
+    /// A block of columns that some of 16 neighbouring joints follow.
+    pub struct Source {
+        /// Into `row_blocks`.
+        pub block: u32,
+        /// Into `source_lanes`: for each of the 16 joints its lane in the block, or [`NONE`] where it follows another.
+        pub lanes_first: u32,
     }
 }
 
@@ -258,9 +337,9 @@ device_struct! {
 device_struct! {
     /// What the evaluate stage finds for one slot: two neighbouring rows, how far between them, and the weight.
     pub struct SlotSample {
-        /// Into `rows`, in floats.
+        /// Into `rows`, in words.
         pub row0: u32,
-        /// Into `rows`, in floats.
+        /// Into `rows`, in words.
         pub row1: u32,
         /// 0 at `row0`, 1 at `row1`.
         pub between: f32,
@@ -272,6 +351,10 @@ device_struct! {
 /// Planes of a stored pose, each of `padded_count` floats with joints varying fastest: rotation x y z w, translation
 /// x y z, scale x y z.
 pub const POSE_PLANES: usize = 10;
+/// Planes of a bound clip's ranges, laid out alike: offsets of rotation x y z w and their step, of translation x y z and
+/// their step, of scale x y z and their step. A component is `offset + step * n` for the `n` that a row holds; a step of 0
+/// leaves the clip's constant, or the body's rest where the clip does not drive the joint.
+pub const RANGE_PLANES: usize = 13;
 
 /// How Rust lays a shared struct out, for comparison with a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -294,7 +377,10 @@ pub fn device_structs() -> Vec<StructLayout> {
         of::<Body>(),
         of::<Entry>(),
         of::<ClipRows>(),
+        of::<RowBlock>(),
         of::<BoundClip>(),
+        of::<BoundBlock>(),
+        of::<Source>(),
         of::<Slot>(),
         of::<Layer>(),
         of::<Member>(),
@@ -311,7 +397,10 @@ pub fn opencl_prelude() -> String {
         Body::OPENCL_C,
         Entry::OPENCL_C,
         ClipRows::OPENCL_C,
+        RowBlock::OPENCL_C,
         BoundClip::OPENCL_C,
+        BoundBlock::OPENCL_C,
+        Source::OPENCL_C,
         Slot::OPENCL_C,
         Layer::OPENCL_C,
         Member::OPENCL_C,

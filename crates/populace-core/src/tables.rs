@@ -7,8 +7,9 @@ use std::ops::Range;
 
 use crate::clip::Binding;
 use crate::layout::{
-    Body, BoundClip, ClipRows, Entry, Float4, JOINT_BLOCK, LAYERS_PER_MEMBER, Layer, Member, NONE,
-    PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES, SLOT_LOOP, Slot,
+    Body, BoundBlock, BoundClip, ClipRows, Entry, Float4, JOINT_BLOCK, LAYERS_PER_MEMBER, Layer, MAP_COLUMN,
+    MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
+    RANGE_PLANES, REST_SCALE, REST_TRANSLATION, SLOT_LOOP, Slot, Source,
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, Trs};
 use set::TableSet;
@@ -196,11 +197,12 @@ impl Tables {
         let mut planes = vec![0.0; POSE_PLANES * padded(pose.len())];
         for (plane, values) in planes.chunks_mut(padded(pose.len())).enumerate() {
             for (value, trs) in values.iter_mut().zip(pose) {
-                *value = match plane {
+                let component = match plane {
                     0..4 => trs.rotation[plane],
                     4..7 => trs.translation[plane - 4],
                     _ => trs.scale[plane - 7],
                 };
+                *value = component + 0.0; // a positive zero, as in the ranges of what stands still
             }
         }
         self.all.poses.extend(planes)
@@ -212,8 +214,9 @@ impl Tables {
     ///
     /// [`Error::TooLarge`] past 32-bit offsets.
     pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
-        let row_first = self.all.rows.extend(clip.rows().iter().copied())?;
-        let block_first = self.all.block_offsets.extend(clip.block_offsets().iter().copied())?;
+        let past_the_end = [0; JOINT_BLOCK as usize];
+        let row_first = self.all.rows.extend(clip.rows().iter().copied().chain(past_the_end))?;
+        let block_first = self.all.row_blocks.extend(clip.row_blocks().iter().copied())?;
         let (buckets, buckets_per_sec) = clip.buckets();
         let times = if buckets.is_empty() { &[] } else { clip.row_times() };
         let time_first = self.all.row_times.extend(times.iter().copied())?;
@@ -245,9 +248,84 @@ impl Tables {
         if clip as usize >= self.all.clips.data.len() || joints != Some(binding.joint_map().len()) {
             return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
         }
+        let body_row = self.all.bodies.data[body.0 as usize];
         let map_first = self.all.joint_maps.extend(binding.joint_map().iter().copied())?;
-        let base_first = self.add_pose(binding.base_pose())?;
-        self.all.bound_clips.extend([BoundClip { clip, map_first, base_first, body: body.0 }])
+        let range_first = self.add_ranges(binding)?;
+        let block_first = u32_from(self.all.bound_blocks.data.len());
+        for joints in (0..body_row.padded_count).step_by(JOINT_BLOCK as usize) {
+            let block = self.bind_block(clip, &body_row, binding, range_first, joints as usize)?;
+            self.all.bound_blocks.extend([block])?;
+        }
+        self.all.bound_clips.extend([BoundClip { clip, map_first, range_first, block_first, body: body.0 }])
+    }
+
+    fn add_ranges(&mut self, binding: &Binding) -> Result<u32, Error> {
+        let padded = padded(binding.ranges().len());
+        let mut planes = vec![0.0; RANGE_PLANES * padded];
+        for (joint, [translation, rotation, scale]) in binding.ranges().iter().enumerate() {
+            let ([qx, qy, qz, qw], [tx, ty, tz, _], [sx, sy, sz, _]) =
+                (rotation.offset, translation.offset, scale.offset);
+            let (q, t, s) = (rotation.step, translation.step, scale.step);
+            for (plane, value) in [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s].into_iter().enumerate() {
+                planes[plane * padded + joint] = value;
+            }
+        }
+        self.all.poses.extend(planes)
+    }
+
+    /// Where the 16 joints from `first` on find their columns.
+    fn bind_block(
+        &mut self,
+        clip: u32,
+        body: &Body,
+        binding: &Binding,
+        range_first: u32,
+        first: usize,
+    ) -> Result<BoundBlock, Error> {
+        const BLOCK: usize = JOINT_BLOCK as usize;
+        let moves = MAP_ROTATION | MAP_TRANSLATION | MAP_SCALE;
+        let maps = &binding.joint_map()[first..binding.joint_map().len().min(first + BLOCK)];
+        let mut sources: Vec<(u32, [u32; BLOCK])> = Vec::new();
+        for (lane, map) in maps.iter().enumerate().filter(|(_, map)| **map & moves != 0) {
+            let column = map & MAP_COLUMN;
+            let (block, from) = (column / JOINT_BLOCK, column % JOINT_BLOCK);
+            let at = sources.iter().position(|(known, _)| *known == block).unwrap_or_else(|| {
+                sources.push((block, [NONE; BLOCK]));
+                sources.len() - 1
+            });
+            sources[at].1[lane] = from;
+        }
+        let own_lane = |(lane, from): (u32, &u32)| *from == NONE || *from == lane;
+        let straight = sources.len() == 1 && (0..).zip(&sources[0].1).all(own_lane);
+        let source_first = u32_from(self.all.sources.data.len());
+        let blocks = self.all.clips.data[clip as usize].block_first;
+        for (block, lanes) in &sources {
+            let lanes_first = self.all.source_lanes.extend(lanes.iter().copied())?;
+            self.all.sources.extend([Source { block: blocks + block, lanes_first }])?;
+        }
+        let flags = self.rest_flags(body, range_first, first);
+        Ok(BoundBlock {
+            source_first,
+            source_count: u32_from(sources.len()),
+            straight: u32::from(straight),
+            flags,
+        })
+    }
+
+    /// Whether the translations and scales of 16 joints from `first` on stand where the body's rest has them.
+    fn rest_flags(&self, body: &Body, range_first: u32, first: usize) -> u32 {
+        let (padded, joints) = (body.padded_count as usize, first..first + JOINT_BLOCK as usize);
+        let poses = &self.all.poses.data;
+        let plane = |table: u32, plane: usize| {
+            let start = table as usize + plane * padded;
+            &poses[start + joints.start..start + joints.end]
+        };
+        let same = |range_plane: usize, rest_plane: usize| {
+            let offsets =
+                (0..3).all(|c| plane(range_first, range_plane + c) == plane(body.rest_first, rest_plane + c));
+            offsets && plane(range_first, range_plane + 3).iter().all(|&step| step == 0.0)
+        };
+        u32::from(same(5, 4)) * REST_TRANSLATION | u32::from(same(9, 7)) * REST_SCALE
     }
 
     /// Adds a mask and returns the offset that layers name.
@@ -256,7 +334,8 @@ impl Tables {
     ///
     /// [`Error::TooLarge`] past 32-bit offsets.
     pub fn add_mask(&mut self, mask: &Mask) -> Result<u32, Error> {
-        self.all.masks.extend(mask.weights().iter().copied())
+        let padding = padded(mask.weights().len()) - mask.weights().len();
+        self.all.masks.extend(mask.weights().iter().copied().chain(std::iter::repeat_n(0.0, padding)))
     }
 
     /// Gives a member of a body a place, without any clip; returns the place.
@@ -365,7 +444,7 @@ impl Tables {
     /// [`Error::BadPlayback`] for a place without a member, a layer past the last, or a mask that is not there.
     pub fn set_layer(&mut self, place: u32, index: usize, layer: Layer) -> Result<(), Error> {
         let member = self.taken(place)?;
-        let joints = self.all.bodies.data[member.body as usize].joint_count as usize;
+        let joints = self.all.bodies.data[member.body as usize].padded_count as usize;
         let layer_index = u32::try_from(index).unwrap_or(NONE);
         if layer_index >= LAYERS_PER_MEMBER {
             return Err(Error::BadPlayback { what: "layer", value: layer_index });

@@ -1,6 +1,7 @@
 //! Motion as a file states it: keyframes per joint and property.
 
 use crate::Error;
+use crate::Trs;
 
 /// What a track drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,6 +21,16 @@ impl Property {
         match self {
             Self::Translation | Self::Scale => 3,
             Self::Rotation => 4,
+        }
+    }
+
+    /// The property of a local transform; the fourth component of vectors is 0.
+    pub(crate) const fn of(self, trs: &Trs) -> [f32; 4] {
+        let ([tx, ty, tz], [sx, sy, sz]) = (trs.translation, trs.scale);
+        match self {
+            Self::Translation => [tx, ty, tz, 0.0],
+            Self::Rotation => trs.rotation,
+            Self::Scale => [sx, sy, sz, 0.0],
         }
     }
 }

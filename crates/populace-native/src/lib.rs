@@ -18,14 +18,17 @@
 
 mod evaluate;
 mod floor;
+mod joint;
+mod lanes;
 mod pose;
+mod rows;
 mod split;
 mod transform;
 mod write_back;
 
 use std::time::Instant;
 
-use populace_core::layout::{Float4, LAYERS_PER_MEMBER, PAGE_ENTRIES, SlotSample};
+use populace_core::layout::{Float4, PAGE_ENTRIES, SlotSample};
 use populace_core::{Backend, BackendError, Frame, Stage, StageBuffer, Tables};
 
 /// Evaluates crowds on the CPU.
@@ -221,25 +224,6 @@ impl Backend for NativeBackend {
             + self.models.0[0].len() * 3
             + self.pages.iter().map(Vec::len).sum::<usize>();
         elements * size_of::<Float4>()
-    }
-}
-
-/// Slots and layers of a member, and their samples.
-struct Playback<'a> {
-    slots: &'a [populace_core::layout::Slot],
-    samples: &'a [SlotSample],
-    layers: &'a [populace_core::layout::Layer],
-}
-
-impl<'a> Playback<'a> {
-    fn of(tables: &'a Tables, samples: &'a [SlotSample], place: u32) -> Self {
-        let slots = tables.slot_range(place);
-        let layers = place as usize * LAYERS_PER_MEMBER as usize;
-        Self {
-            slots: &tables.slots().as_slice()[slots.clone()],
-            samples: &samples[slots],
-            layers: &tables.layers().as_slice()[layers..layers + LAYERS_PER_MEMBER as usize],
-        }
     }
 }
 

@@ -1,35 +1,16 @@
-/* affine.cl - affine transforms as three rows of four; the twin of populace-core math/affine.rs. */
+/* affine.cl - affine transforms as 3x4 matrices, each one float16: three rows of four, and four lanes that nothing looks
+ * at; the twin of populace-core math/affine.rs. A product is three permutes, three repeated rows, and one more permute for
+ * the translation. */
 
-typedef struct { float4 t, r, s; } Trs; /* translation x y z 0, rotation x y z w, scale x y z 0 */
+float16 repeated(float4 row) { return (float16)(row, row, row, row); }
 
-typedef struct { float4 row0, row1, row2; } Affine;
-
-Affine affine_from_local(Trs trs)
+/* a * b: applies b first. Adding -0 changes no bit, so only the last column takes a's translation. */
+float16 affine_mul_rows(float16 a, float4 b0, float4 b1, float4 b2)
 {
-    const float x = trs.r.x, y = trs.r.y, z = trs.r.z, w = trs.r.w;
-    Affine m;
-    m.row0 = (float4)((1.0f - 2.0f * (y * y + z * z)) * trs.s.x, (2.0f * (x * y - w * z)) * trs.s.y,
-                      (2.0f * (x * z + w * y)) * trs.s.z, trs.t.x);
-    m.row1 = (float4)((2.0f * (x * y + w * z)) * trs.s.x, (1.0f - 2.0f * (x * x + z * z)) * trs.s.y,
-                      (2.0f * (y * z - w * x)) * trs.s.z, trs.t.y);
-    m.row2 = (float4)((2.0f * (x * z - w * y)) * trs.s.x, (2.0f * (y * z + w * x)) * trs.s.y,
-                      (1.0f - 2.0f * (x * x + y * y)) * trs.s.z, trs.t.z);
-    return m;
+    const float16 nothing = (float16)(-0.0f);
+    const float16 moved = (float16)(nothing.s012, a.s3, nothing.s012, a.s7, nothing.s012, a.sb, nothing.s0123);
+    return (a.s000044448888cccc * repeated(b0) + a.s111155559999dddd * repeated(b1) + a.s22226666aaaaeeee * repeated(b2))
+           + moved;
 }
 
-float4 affine_row_mul(float4 a, Affine b)
-{
-    float4 row = a.x * b.row0 + a.y * b.row1 + a.z * b.row2;
-    row.w += a.w;
-    return row;
-}
-
-/* a * b: applies b first. */
-Affine affine_mul(Affine a, Affine b)
-{
-    Affine m;
-    m.row0 = affine_row_mul(a.row0, b);
-    m.row1 = affine_row_mul(a.row1, b);
-    m.row2 = affine_row_mul(a.row2, b);
-    return m;
-}
+float16 affine_mul(float16 a, float16 b) { return affine_mul_rows(a, b.s0123, b.s4567, b.s89ab); }

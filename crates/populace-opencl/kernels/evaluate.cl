@@ -1,66 +1,13 @@
-/* evaluate.cl - Evaluate: each slot's rows and weight from the clock. Slots are closed-form and never written.
+/* evaluate.cl - Evaluate: each slot's rows and weight from the clock.
  * NDRange  (slots of all members, padded to whole work-groups)
  * Reads    slots[member * slots_per_member + slot], bound_clips, clips, row_times, buckets
  * Writes   samples, one for each slot
- * Oracle   populace-testkit; twin of populace-native evaluate.rs and populace-core playback.rs */
-
-float slot_weight(Slot slot, ulong tick)
-{
-    if (tick < slot.start_tick) return 0.0f;
-    const float elapsed_secs = (float)(tick > slot.weight_tick ? tick - slot.weight_tick : 0) * TICK_SECS;
-    const float weight = slot.start_weight + slot.weight_rate * elapsed_secs;
-    const bool rising = slot.weight_rate >= 0.0f;
-    return (rising && weight > slot.end_weight) || (!rising && weight < slot.end_weight) ? slot.end_weight : weight;
-}
-
-float slot_time(Slot slot, ulong tick, ClipRows clip)
-{
-    const ulong elapsed = tick - slot.start_tick;
-    if (slot.mode == SLOT_HELD || (slot.mode == SLOT_ONCE && elapsed >= slot.hold_ticks)) return slot.held_secs;
-    const ulong phase = slot.start_phase + elapsed * slot.phase_rate;
-    return clip.start_secs + (float)(uint)(phase >> 40) * (1.0f / 16777216.0f) * clip.duration_secs;
-}
-
-/* The last row at or before a time; *between is how far it is to the next. */
-uint find_row(ClipRows clip, __global const float *row_times, __global const uint *buckets, float secs, float *between)
-{
-    const uint last = clip.row_count - 1;
-    const float passed = secs - clip.start_secs;
-    *between = 0.0f;
-    if (last == 0 || (passed <= 0.0f && clip.rows_per_sec > 0.0f)) return 0;
-    if (clip.rows_per_sec > 0.0f) {
-        const float at = passed * clip.rows_per_sec;
-        if (at >= (float)last) return last;
-        const uint row = (uint)at;
-        *between = at - (float)row;
-        return row;
-    }
-    __global const float *times = row_times + clip.time_first;
-    if (secs >= times[last]) return last;
-    const uint bucket = min((uint)max(passed * clip.buckets_per_sec, 0.0f), clip.bucket_count - 1);
-    uint row = buckets[clip.bucket_first + bucket];
-    while (times[row + 1] <= secs) row++;
-    *between = max((secs - times[row]) / (times[row + 1] - times[row]), 0.0f);
-    return row;
-}
+ * Oracle   populace-testkit oracle/evaluate.rs; twin of populace-native evaluate.rs */
 
 __kernel void evaluate(__global const Slot *slots, __global const BoundClip *bound_clips, __global const ClipRows *clips,
                        __global const float *row_times, __global const uint *buckets, ulong tick, uint slot_count,
                        __global SlotSample *samples)
 {
     const uint index = (uint)get_global_id(0);
-    if (index >= slot_count) return;
-    const Slot slot = slots[index];
-    SlotSample sample = { 0, 0, 0.0f, 0.0f };
-    const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, tick);
-    if (weight > 0.0f) {
-        const ClipRows clip = clips[bound_clips[slot.bound_clip].clip];
-        float between;
-        const uint row = find_row(clip, row_times, buckets, slot_time(slot, tick, clip), &between);
-        sample.row0 = clip.row_first + row * clip.row_stride;
-        sample.row1 = sample.row0 + (between > 0.0f ? clip.row_stride : 0);
-        sample.between = between;
-        sample.weight = weight;
-    }
-    samples[index] = sample;
+    if (index < slot_count) samples[index] = sample_of(slots[index], tick, bound_clips, clips, row_times, buckets);
 }

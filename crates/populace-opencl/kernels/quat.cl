@@ -1,27 +1,99 @@
-/* quat.cl - unit quaternions as float4 (x y z w); the twin of populace-core math/quat.rs and math/scalar.rs: the same
- * functions in the same order, each with the same order of operations. dot(), normalize() and mix() of OpenCL C are not
- * used, since they may sum in another order. */
+/* quat.cl - quaternions and vectors; the twin of populace-core math/quat.rs and math/scalar.rs: the same functions, each
+ * with the same order of operations. dot(), normalize() and mix() of OpenCL C are not used, since they may sum in another
+ * order. */
 
-#define QUAT_IDENTITY ((float4)(0.0f, 0.0f, 0.0f, 1.0f))
+Real mix_real(Real a, Real b, float t) { return a + (b - a) * t; }
 
-float4 mix4(float4 a, float4 b, float t) { return a + (b - a) * t; }
-
-float quat_dot(float4 a, float4 b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
-
-float4 quat_normalize_or(float4 a, float4 fallback)
+Vec3 vec3_scale(Vec3 a, Real k)
 {
-    const float length_squared = quat_dot(a, a);
-    return length_squared > 1e-20f ? a * (1.0f / sqrt(length_squared)) : fallback;
+    const Vec3 v = { a.x * k, a.y * k, a.z * k };
+    return v;
 }
 
-float4 quat_hemisphere(float4 a, float4 towards) { return quat_dot(a, towards) < 0.0f ? -a : a; }
-
-float4 quat_conjugate(float4 a) { return (float4)(-a.x, -a.y, -a.z, a.w); }
-
-float4 quat_mul(float4 a, float4 b)
+Vec3 vec3_add(Vec3 a, Vec3 b)
 {
-    return (float4)(a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-                    a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                    a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-                    a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
+    const Vec3 v = { a.x + b.x, a.y + b.y, a.z + b.z };
+    return v;
+}
+
+Vec3 vec3_mix(Vec3 a, Vec3 b, Real t)
+{
+    const Vec3 v = { a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t };
+    return v;
+}
+
+Vec3 vec3_choose(Choice which, Vec3 a, Vec3 b)
+{
+    const Vec3 v = { which ? a.x : b.x, which ? a.y : b.y, which ? a.z : b.z };
+    return v;
+}
+
+Quat quat_identity(void)
+{
+    const Quat q = { 0.0f, 0.0f, 0.0f, 1.0f };
+    return q;
+}
+
+Real quat_dot(Quat a, Quat b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
+
+Quat quat_scale(Quat a, Real k)
+{
+    const Quat q = { a.x * k, a.y * k, a.z * k, a.w * k };
+    return q;
+}
+
+Quat quat_add(Quat a, Quat b)
+{
+    const Quat q = { a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w };
+    return q;
+}
+
+Quat quat_mix(Quat a, Quat b, Real t)
+{
+    const Quat q = { a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t, a.w + (b.w - a.w) * t };
+    return q;
+}
+
+Quat quat_choose(Choice which, Quat a, Quat b)
+{
+    const Quat q = { which ? a.x : b.x, which ? a.y : b.y, which ? a.z : b.z, which ? a.w : b.w };
+    return q;
+}
+
+/* 1 / sqrt(x) by + - * alone: a first guess from the exponent, and three steps of Newton's method. Every device rounds it
+ * alike, and it costs a CPU less than a root and a quotient. x is positive and normal. */
+Real inverse_sqrt(Real x)
+{
+    const Real half_x = 0.5f * x;
+    Real y = AS_REAL(0x5f3759df - (AS_INTS(x) >> 1));
+    y = y * (1.5f - half_x * y * y);
+    y = y * (1.5f - half_x * y * y);
+    y = y * (1.5f - half_x * y * y);
+    return y;
+}
+
+Quat quat_normalize_or(Quat a, Quat fallback)
+{
+    const Real length_squared = quat_dot(a, a);
+    return quat_choose(length_squared > (Real)(1e-20f), quat_scale(a, inverse_sqrt(length_squared)), fallback);
+}
+
+/* 1 or -1: the sign that turns `a` to the half-space of `towards`. */
+Real quat_side(Quat a, Quat towards) { return quat_dot(a, towards) < (Real)(0.0f) ? (Real)(-1.0f) : (Real)(1.0f); }
+
+Quat quat_hemisphere(Quat a, Quat towards) { return quat_scale(a, quat_side(a, towards)); }
+
+Quat quat_conjugate(Quat a)
+{
+    const Quat q = { -a.x, -a.y, -a.z, a.w };
+    return q;
+}
+
+Quat quat_mul(Quat a, Quat b)
+{
+    const Quat q = { a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+                     a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+                     a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
+    return q;
 }

@@ -20,14 +20,16 @@ __kernel void transform(__global const Member *members, __global const Body *bod
     if (joint >= levels[body.level_first + level + 1]) return;
 
     const uint place = member.joint_first + joint, parent = parents[body.joint_first + joint];
-    const Trs trs = { translations[place], rotations[place], scales[place] };
-    Affine model = affine_from_local(trs);
+    const float4 t = translations[place], r = rotations[place], s = scales[place];
+    const Trs trs = { { t.x, t.y, t.z }, { r.x, r.y, r.z, r.w }, { s.x, s.y, s.z } };
+    float m[12];
+    components_of(trs, m);
+    float16 model = (float16)(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], (float4)(0.0f));
     if (parent != NONE) {
         const uint above = member.joint_first + parent;
-        const Affine model_from_parent = { row0[above], row1[above], row2[above] };
-        model = affine_mul(model_from_parent, model);
+        model = affine_mul((float16)(row0[above], row1[above], row2[above], (float4)(0.0f)), model);
     }
-    row0[place] = model.row0;
-    row1[place] = model.row1;
-    row2[place] = model.row2;
+    row0[place] = model.s0123;
+    row1[place] = model.s4567;
+    row2[place] = model.s89ab;
 }

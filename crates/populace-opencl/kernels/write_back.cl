@@ -1,5 +1,5 @@
 /* write_back.cl - Write-Back: model_from_bind = model_from_joint * joint_from_bind, the matrix palette (Lister & Day
- * 2012, section 4.3), and the floor under it.
+ * 2012, section 4.3).
  * NDRange  (palette entries of one page, padded to whole work-groups)
  * Reads    row0, row1, row2 of model_from_joint; entries
  * Writes   palette[3 * entry ..] of one page: each member's entries exactly once, padding untouched
@@ -20,30 +20,10 @@ __kernel void write_back(__global const Member *members, __global const uint *pa
 
     const Entry entry = entries[bodies[member.body].entry_first + index];
     const uint joint = member.joint_first + entry.joint;
-    const Affine model_from_joint = { row0[joint], row1[joint], row2[joint] };
-    const Affine joint_from_bind = { entry.row0, entry.row1, entry.row2 };
-    const Affine model_from_bind = affine_mul(model_from_joint, joint_from_bind);
+    const float16 model_from_joint = (float16)(row0[joint], row1[joint], row2[joint], (float4)(0.0f));
+    const float16 model_from_bind = affine_mul_rows(model_from_joint, entry.row0, entry.row1, entry.row2);
     __global float4 *to = palette + 3 * (size_t)in_page;
-    to[0] = model_from_bind.row0;
-    to[1] = model_from_bind.row1;
-    to[2] = model_from_bind.row2;
-}
-
-/* The floor, three ways: a float4, a matrix, and a run of sixteen matrices for each work-item. `count` is in float4s. */
-__kernel void floor_float4(__global float4 *palette, uint count)
-{
-    if (get_global_id(0) < count) palette[get_global_id(0)] = (float4)(1.0f, 2.0f, 3.0f, 4.0f);
-}
-
-__kernel void floor_matrix(__global float4 *palette, uint count)
-{
-    const size_t first = get_global_id(0) * 3;
-    if (first >= count) return;
-    for (size_t i = first; i < first + 3; i++) palette[i] = (float4)(1.0f, 2.0f, 3.0f, 4.0f);
-}
-
-__kernel void floor_run(__global float4 *palette, uint count)
-{
-    const size_t first = get_global_id(0) * 48;
-    for (size_t i = first; i < min(first + 48, (size_t)count); i++) palette[i] = (float4)(1.0f, 2.0f, 3.0f, 4.0f);
+    to[0] = model_from_bind.s0123;
+    to[1] = model_from_bind.s4567;
+    to[2] = model_from_bind.s89ab;
 }

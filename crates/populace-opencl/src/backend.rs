@@ -11,6 +11,7 @@ use populace_core::layout::{Float4, PAGE_ENTRIES};
 use populace_core::{Backend, BackendError, Frame, Stage, StageBuffer, Tables};
 
 use crate::launch::Launch;
+use crate::program::Form;
 use crate::stage_buffers::StageBuffers;
 use crate::tables::DeviceTables;
 use crate::{DeviceKind, OpenClDevice};
@@ -61,17 +62,18 @@ impl OpenClBackend {
     }
 
     fn with_shape(device: &Arc<OpenClDevice>, shape: Shape) -> Result<Self, BackendError> {
+        let kernel = |name| device.kernel(Form::Staged, name);
         Ok(Self {
             queue: device.queue()?,
             kernels: Kernels {
-                evaluate: device.kernel("evaluate")?,
-                pose: device.kernel("pose")?,
-                transform: device.kernel("transform")?,
-                write_back: device.kernel("write_back")?,
+                evaluate: kernel("evaluate")?,
+                pose: kernel("pose")?,
+                transform: kernel("transform")?,
+                write_back: kernel("write_back")?,
                 floors: [
-                    (device.kernel("floor_float4")?, 1),
-                    (device.kernel("floor_matrix")?, 3),
-                    (device.kernel("floor_run")?, 48),
+                    (kernel("floor_float4")?, 1),
+                    (kernel("floor_matrix")?, 3),
+                    (kernel("floor_run")?, 48),
                 ],
             },
             tables: DeviceTables::new(device)?,
@@ -107,7 +109,7 @@ impl OpenClBackend {
             .buffer("layers", &self.tables.layers.buffer)
             .buffer("bound_clips", &self.tables.bound_clips.buffer)
             .buffer("clips", &self.tables.clips.buffer)
-            .buffer("block_offsets", &self.tables.block_offsets.buffer)
+            .buffer("row_blocks", &self.tables.row_blocks.buffer)
             .buffer("joint_maps", &self.tables.joint_maps.buffer)
             .buffer("rows", &self.tables.rows.buffer)
             .buffer("poses", &self.tables.poses.buffer)

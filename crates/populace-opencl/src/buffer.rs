@@ -13,7 +13,8 @@ use opencl3::memory::{Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL
 use opencl3::types::CL_BLOCKING;
 use populace_core::BackendError;
 use populace_core::layout::{
-    Body, BoundClip, ClipRows, DeviceStruct, Entry, Float4, Layer, Member, Slot, SlotSample,
+    Body, BoundBlock, BoundClip, ClipRows, DeviceStruct, Entry, Float4, Layer, Member, RowBlock, Slot,
+    SlotSample, Source,
 };
 
 use crate::OpenClDevice;
@@ -30,6 +31,7 @@ macro_rules! elements {
 elements! {
     f32 => "float", u32 => "uint", Float4 => "float4",
     Body => Body::NAME, Entry => Entry::NAME, ClipRows => ClipRows::NAME, BoundClip => BoundClip::NAME,
+    RowBlock => RowBlock::NAME, BoundBlock => BoundBlock::NAME, Source => Source::NAME,
     Slot => Slot::NAME, Layer => Layer::NAME, Member => Member::NAME, SlotSample => SlotSample::NAME,
 }
 

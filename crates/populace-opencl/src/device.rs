@@ -4,6 +4,8 @@
     reason = "the OpenCL API is C; creating a command queue is part of the crate's boundary to it"
 )]
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
@@ -17,7 +19,7 @@ use opencl3::platform::get_platforms;
 use opencl3::program::Program;
 use populace_core::BackendError;
 
-use crate::program;
+use crate::program::Form;
 
 /// What cl3 answers when there is no libOpenCL to load.
 const NO_LIBRARY: i32 = -2000;
@@ -110,47 +112,40 @@ fn info(index: usize, device: &Device) -> Result<DeviceInfo, ClError> {
     })
 }
 
-/// A device with its context and built program. Crowds on the same device share it.
+/// A device with its context and the programs built for it. Crowds on the same device share it.
 #[derive(Debug)]
 pub struct OpenClDevice {
     pub(crate) info: DeviceInfo,
     pub(crate) context: Context,
     pub(crate) device: Device,
-    program: Program,
+    programs: Mutex<HashMap<Form, Program>>,
 }
 
 impl OpenClDevice {
-    /// Makes the device of an index (see [`devices`]) ready: its context, and the kernels built for it.
+    /// Makes the device of an index (see [`devices`]) ready. Kernels are built for it when they are first asked for.
     ///
     /// # Errors
     ///
-    /// [`BackendError::NoRuntime`], [`BackendError::NoDevice`], or [`BackendError::Failed`] with the compiler's log.
+    /// [`BackendError::NoRuntime`], [`BackendError::NoDevice`], or [`BackendError::Failed`].
     pub fn open(index: usize) -> Result<Arc<Self>, BackendError> {
-        Self::open_with(index, &program::source())
-    }
-
-    pub(crate) fn open_with(index: usize, source: &str) -> Result<Arc<Self>, BackendError> {
         let devices = all_devices()?;
         let device = *devices.get(index).ok_or(BackendError::NoDevice { index, count: devices.len() })?;
         let info = info(index, &device).map_err(|e| failed("OpenCL", "describe a device", &e))?;
-        let fail = |what: &str| {
-            let name = info.name.clone();
-            let what = what.to_owned();
-            move |e: ClError| failed(&name, &what, &e)
-        };
-        let context = Context::from_device(&device).map_err(fail("make a context"))?;
-        let mut program =
-            Program::create_from_source(&context, source).map_err(fail("take the kernels' source"))?;
-        if let Err(error) = program.build(&[device.id()], &options(&device)) {
-            let log = program.get_build_log(device.id()).unwrap_or_default();
+        let context = Context::from_device(&device).map_err(|e| failed(&info.name, "make a context", &e))?;
+        Ok(Arc::new(Self { info, context, device, programs: Mutex::default() }))
+    }
+
+    /// Builds kernels from their source; an error holds the compiler's log.
+    pub(crate) fn build(&self, source: &str) -> Result<Program, BackendError> {
+        let mut program = Program::create_from_source(&self.context, source)
+            .map_err(|e| self.failed("take the kernels' source", &e))?;
+        if let Err(error) = program.build(&[self.device.id()], &options(&self.device)) {
+            let log = program.get_build_log(self.device.id()).unwrap_or_default();
+            let (device, operation) = (self.info.name.clone(), "build the kernels".into());
             let cause = format!("{error}\n{}", log.trim());
-            return Err(BackendError::Failed {
-                device: info.name,
-                operation: "build the kernels".into(),
-                cause,
-            });
+            return Err(BackendError::Failed { device, operation, cause });
         }
-        Ok(Arc::new(Self { info, context, device, program }))
+        Ok(program)
     }
 
     /// What the device is.
@@ -164,8 +159,14 @@ impl OpenClDevice {
         self.device.max_work_group_size().map_or(1, |most| most.clamp(1, wished))
     }
 
-    pub(crate) fn kernel(&self, name: &str) -> Result<Kernel, BackendError> {
-        Kernel::create(&self.program, name).map_err(|e| self.failed(&format!("find the kernel {name}"), &e))
+    /// A kernel of a form's program, which is built the first time.
+    pub(crate) fn kernel(&self, form: Form, name: &str) -> Result<Kernel, BackendError> {
+        let mut programs = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
+        let program = match programs.entry(form) {
+            Entry::Occupied(built) => built.into_mut(),
+            Entry::Vacant(place) => place.insert(self.build(&form.source())?),
+        };
+        Kernel::create(program, name).map_err(|e| self.failed(&format!("find the kernel {name}"), &e))
     }
 
     pub(crate) fn queue(&self) -> Result<CommandQueue, BackendError> {

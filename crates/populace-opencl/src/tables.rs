@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use opencl3::command_queue::CommandQueue;
-use populace_core::layout::{Body, BoundClip, ClipRows, Entry, Layer, Member, Slot};
+use populace_core::layout::{
+    Body, BoundBlock, BoundClip, ClipRows, Entry, Layer, Member, RowBlock, Slot, Source,
+};
 use populace_core::{BackendError, Table, Tables};
 
 use crate::OpenClDevice;

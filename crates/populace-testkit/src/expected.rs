@@ -63,9 +63,13 @@ impl<'a> TestCrowd<'a> {
         let slots = self.oracle_slots(plan, tick);
         let pose = evaluate(body, &slots, &layers);
         let bound = widen_for_ramps(bound, plan, &slots);
-        let locals: Vec<_> = (0..body.joints.len())
-            .map(|j| LocalBound::after_pose(&bound, &body.rest(j), &pose.gains[j], slots.len()))
-            .collect();
+        let joints = &self.scene.bodies[plan.body].joints;
+        let local = |j: usize| {
+            let clips = plan.plays.iter().map(|play| &self.scene.clips[play.clip].clip);
+            let bound = bound.with_storage(&joints[j].name, clips);
+            LocalBound::after_pose(&bound, &body.rest(j), &pose.gains[j], slots.len())
+        };
+        let locals: Vec<_> = (0..joints.len()).map(local).collect();
         let models = model_bounds(body, &pose.locals, &pose.model_from_joint, &locals);
         let palette = palette_bounds(body, &pose.model_from_joint, &models);
         Expected { pose, locals, models, palette }

@@ -127,6 +127,22 @@ impl SampleBound {
         Some(bound)
     }
 
+    /// Widened for a joint by the steps that clips store its values in: at most half a step of the joint's own range, as
+    /// the clips' own tests hold them to.
+    #[must_use]
+    pub fn with_storage<'a>(mut self, joint: &str, clips: impl Iterator<Item = &'a Clip>) -> Self {
+        let mut worst = [0.0; 3];
+        for clip in clips {
+            let properties = [Property::Translation, Property::Rotation, Property::Scale];
+            let stored = properties.map(|property| f64::from(clip.storage_error(joint, property)));
+            worst = std::array::from_fn(|i| f64::max(worst[i], stored[i]));
+        }
+        self.translation += worst[0];
+        self.rotation += worst[1];
+        self.scale += worst[2];
+        self
+    }
+
     /// The wider of both.
     #[must_use]
     pub fn or(self, other: Self) -> Self {

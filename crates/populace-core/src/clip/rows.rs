@@ -1,20 +1,21 @@
 //! From source curves to rows within the bound.
 
-use glam::{DQuat, DVec3};
-
 use super::curves::{Curves, Local, Side};
 use super::gap::{Gap, distance_at_probes, in_joint_units, reaches};
-use super::{BLOCK, NOT_MOVING, parents};
+use super::parents;
+use super::storage::{Judge, Storage};
 use crate::{Interpolation, JointIndex, Property, Skeleton, Trs, f64math};
 
-/// The bound for a body of 1.8 m: a third of what is promised at 3 cm from the joints, so that vertices stay within
+/// The bound for a body of 1.8 m: half of what is promised at 3 cm from the joints, so that vertices stay within
 /// 1e-4 of the body's height of where the source curves take them.
-const TOLERANCE_M: f64 = 0.000_1;
+const TOLERANCE_M: f64 = 0.000_16;
+/// The part of it that 16-bit storage may take.
+const STORAGE_M: f64 = 0.000_06;
 const TOLERANCE_BODY_M: f64 = 1.8;
 /// Where it is measured: this far from each joint, or as far as the vertices lie that the joint moves.
 const PROBE_M: f64 = 0.03;
-/// What storage in single precision adds, in parts of the body's size: a few roundings of 2^-24 along a chain.
-const STORED: f64 = 4.8e-7;
+/// What single precision adds, in parts of the body's size: a few roundings of 2^-24 along a chain.
+const COMPUTED: f64 = 4.8e-7;
 /// A gap between keys is halved at most this often.
 const MAX_HALVINGS: u32 = 12;
 /// A clip gets at most this many rows for each key time, and these many poses of one joint beside: a small file must
@@ -28,17 +29,12 @@ const EVEN_SPACING: f64 = 1e-4;
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     pub(super) times: Vec<f32>,
-    pub(super) data: Vec<f32>,
-    pub(super) stride: usize,
-    pub(super) block_offsets: Vec<u32>,
+    pub(super) storage: Storage,
     pub(super) buckets: Vec<u32>,
     pub(super) buckets_per_sec: f32,
     pub(super) rows_per_sec: f32,
     /// Per column and [`Property`]: whether a track drives it.
     pub(super) driven: Vec<[bool; 3]>,
-    /// Per column and [`Property`]: whether its value differs between rows.
-    pub(super) moving: Vec<[bool; 3]>,
-    pub(super) first_pose: Vec<Trs>,
     pub(super) error_bound_m: f32,
     pub(super) tolerance_m: f32,
 }
@@ -61,7 +57,7 @@ impl Rows {
     pub(super) fn new(curves: &Curves, skeleton: &Skeleton) -> Self {
         let scale = f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
         let tolerance = TOLERANCE_M * scale;
-        let allowed = tolerance - STORED * f64::from(skeleton.size_m());
+        let allowed = tolerance - STORAGE_M * scale - COMPUTED * f64::from(skeleton.size_m());
         let probes: Vec<f64> =
             skeleton.reach_m().iter().map(|&r| f64::from(r).max(PROBE_M * scale)).collect();
         let reach = reaches(skeleton, &probes);
@@ -81,11 +77,21 @@ impl Rows {
                 rows.push(Row::new(curves, skeleton, secs, Side::After));
             }
         }
-        let driven: Vec<_> =
-            skeleton.joints().map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some())).collect();
-        let [error_bound_m, tolerance_m] =
-            f64math::to_f32([worst + STORED * f64::from(skeleton.size_m()), tolerance]);
-        store(&rows, driven, error_bound_m, tolerance_m)
+        let driven = skeleton.joints().map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some())).collect();
+        let allowed = STORAGE_M * scale;
+        let storage = Storage::new(
+            &rows,
+            &rounded(&rows),
+            &Judge { skeleton, probes: &probes, reach: &reach, allowed },
+        );
+        let bound = worst + storage.error_m + COMPUTED * f64::from(skeleton.size_m());
+        let [error_bound_m, tolerance_m] = f64math::to_f32([bound, tolerance]);
+        debug_assert!(rows.windows(2).all(|w| w[0].secs < w[1].secs || w[0].side < w[1].side));
+        let times: Vec<f32> = rows.iter().map(|row| row.secs).collect();
+        let rows_per_sec = even_rate(&times);
+        let (buckets, buckets_per_sec) =
+            if rows_per_sec > 0.0 || times.len() < 2 { (Vec::new(), 0.0) } else { buckets(&times) };
+        Self { times, storage, buckets, buckets_per_sec, rows_per_sec, driven, error_bound_m, tolerance_m }
     }
 
     /// See [`super::Clip::measured_error_m`].
@@ -116,33 +122,12 @@ impl Rows {
 
     /// A joint's local transform between two stored rows, as devices interpolate it.
     pub(super) fn local(&self, joint: JointIndex, row: usize, u: f64) -> Local {
-        let next = (row + 1).min(self.times.len() - 1);
-        let (block, lane) = (joint.index() / BLOCK, joint.index() % BLOCK);
-        let fetch = |property: Property, component: usize| -> Option<f64> {
-            let offset = self.block_offsets[block * 3 + PLACE[property as usize]];
-            let at = |row: usize| {
-                f64::from(self.data[row * self.stride + offset as usize + component * BLOCK + lane])
-            };
-            (offset != NOT_MOVING).then(|| at(row) * (1.0 - u) + at(next) * u)
-        };
-        let first = &self.first_pose[joint.index()];
-        let vector = |property, still: [f32; 3]| {
-            DVec3::from_array(std::array::from_fn(|c| fetch(property, c).unwrap_or(f64::from(still[c]))))
-        };
-        let rotation =
-            std::array::from_fn(|c| fetch(Property::Rotation, c).unwrap_or(f64::from(first.rotation[c])));
-        Local {
-            rotation: DQuat::from_array(rotation).normalize(),
-            translation: vector(Property::Translation, first.translation),
-            scale: vector(Property::Scale, first.scale),
-        }
+        self.storage.local(joint, [row, (row + 1).min(self.times.len() - 1)], u)
     }
 }
 
 /// All properties, indexed by themselves.
 pub(super) const PROPERTIES: [Property; 3] = [Property::Translation, Property::Rotation, Property::Scale];
-/// Where in a row's blocks, and in `block_offsets`, a [`Property`] stands: rotations first.
-const PLACE: [usize; 3] = [1, 0, 2];
 
 /// The union of the key times, each with whether a STEP track jumps there. A clip without keys has one time, 0.
 fn key_times(curves: &Curves) -> Vec<(f32, bool)> {
@@ -167,71 +152,6 @@ fn key_times(curves: &Curves) -> Vec<(f32, bool)> {
     times
 }
 
-fn store(rows: &[Row], driven: Vec<[bool; 3]>, error_bound_m: f32, tolerance_m: f32) -> Rows {
-    let poses = rounded(rows);
-    let moving = moving(&poses);
-    let (block_offsets, stride) = lay_out(&moving);
-    let data = fill(&poses, &block_offsets, stride);
-    let times: Vec<f32> = rows.iter().map(|row| row.secs).collect();
-    debug_assert!(rows.windows(2).all(|w| w[0].secs < w[1].secs || w[0].side < w[1].side));
-    let rows_per_sec = even_rate(&times);
-    let (buckets, buckets_per_sec) =
-        if rows_per_sec > 0.0 || times.len() < 2 { (Vec::new(), 0.0) } else { buckets(&times) };
-    let first_pose = poses.into_iter().next().unwrap_or_default();
-    Rows {
-        times,
-        data,
-        stride,
-        block_offsets,
-        buckets,
-        buckets_per_sec,
-        rows_per_sec,
-        driven,
-        moving,
-        first_pose,
-        error_bound_m,
-        tolerance_m,
-    }
-}
-
-/// Per column and [`Property`] whether its value differs between rows.
-fn moving(poses: &[Vec<Trs>]) -> Vec<[bool; 3]> {
-    let first = poses.first().map_or(&[][..], Vec::as_slice);
-    let moves = |column: usize, differs: fn(&Trs, &Trs) -> bool| {
-        poses.iter().any(|pose| differs(&pose[column], &first[column]))
-    };
-    (0..first.len())
-        .map(|column| {
-            [
-                moves(column, |a, b| a.translation != b.translation),
-                moves(column, |a, b| a.rotation != b.rotation),
-                moves(column, |a, b| a.scale != b.scale),
-            ]
-        })
-        .collect()
-}
-
-fn fill(poses: &[Vec<Trs>], block_offsets: &[u32], stride: usize) -> Vec<f32> {
-    let mut data = vec![0.0; stride * poses.len()];
-    for (pose, row) in poses.iter().zip(data.chunks_mut(stride.max(1))) {
-        for (column, trs) in pose.iter().enumerate() {
-            let (block, lane) = (column / BLOCK, column % BLOCK);
-            let mut put = |property: Property, values: &[f32]| {
-                let offset = block_offsets[block * 3 + PLACE[property as usize]];
-                if offset != NOT_MOVING {
-                    for (component, value) in values.iter().enumerate() {
-                        row[offset as usize + component * BLOCK + lane] = *value;
-                    }
-                }
-            };
-            put(Property::Rotation, &trs.rotation);
-            put(Property::Translation, &trs.translation);
-            put(Property::Scale, &trs.scale);
-        }
-    }
-    data
-}
-
 /// The rows in single precision, each rotation in the hemisphere of the row before.
 fn rounded(rows: &[Row]) -> Vec<Vec<Trs>> {
     let mut poses: Vec<Vec<Trs>> = Vec::with_capacity(rows.len());
@@ -252,24 +172,6 @@ fn rounded(rows: &[Row]) -> Vec<Vec<Trs>> {
         poses.push(pose);
     }
     poses
-}
-
-/// Where each block's rotations, translations and scales stand in a row, and the row's length, both in floats.
-fn lay_out(moving: &[[bool; 3]]) -> (Vec<u32>, usize) {
-    let block_count = moving.len().div_ceil(BLOCK);
-    let mut offsets = vec![NOT_MOVING; block_count * 3];
-    let mut stride = 0;
-    for property in [Property::Rotation, Property::Translation, Property::Scale] {
-        for (block, columns) in moving.chunks(BLOCK).enumerate() {
-            if columns.iter().any(|moves| moves[property as usize]) {
-                #[expect(clippy::cast_possible_truncation, reason = "skeletons have fewer than 2^28 joints")]
-                let offset = stride as u32;
-                offsets[block * 3 + PLACE[property as usize]] = offset;
-                stride += property.width() * BLOCK;
-            }
-        }
-    }
-    (offsets, stride)
 }
 
 /// Rows per second where rows are evenly spaced, else 0.

@@ -1,6 +1,27 @@
 //! Affine transforms as three rows of four; the twin of `kernels/affine.cl`.
 
-use super::Trs;
+use super::{Real, Trs};
+
+/// The twelve elements, row by row, of the matrix of translation times rotation times scale (glTF 2.0, section 3.5.3).
+#[inline(always)]
+#[must_use]
+pub fn components<R: Real>(t: [R; 3], [x, y, z, w]: [R; 4], s: [R; 3]) -> [R; 12] {
+    let (one, two) = (R::splat(1.0), R::splat(2.0));
+    [
+        (one - two * (y * y + z * z)) * s[0],
+        (two * (x * y - w * z)) * s[1],
+        (two * (x * z + w * y)) * s[2],
+        t[0],
+        (two * (x * y + w * z)) * s[0],
+        (one - two * (x * x + z * z)) * s[1],
+        (two * (y * z - w * x)) * s[2],
+        t[1],
+        (two * (x * z - w * y)) * s[0],
+        (two * (y * z + w * x)) * s[1],
+        (one - two * (x * x + y * y)) * s[2],
+        t[2],
+    ]
+}
 
 /// A 3x4 matrix, row-major: `rows[r][c]`. The missing fourth row is `0 0 0 1`.
 #[repr(transparent)]
@@ -19,31 +40,8 @@ impl Affine {
     #[inline]
     #[must_use]
     pub fn from_trs(trs: &Trs) -> Self {
-        let [x, y, z, w] = trs.rotation;
-        let [sx, sy, sz] = trs.scale;
-        let [tx, ty, tz] = trs.translation;
-        Self {
-            rows: [
-                [
-                    (1.0 - 2.0 * (y * y + z * z)) * sx,
-                    (2.0 * (x * y - w * z)) * sy,
-                    (2.0 * (x * z + w * y)) * sz,
-                    tx,
-                ],
-                [
-                    (2.0 * (x * y + w * z)) * sx,
-                    (1.0 - 2.0 * (x * x + z * z)) * sy,
-                    (2.0 * (y * z - w * x)) * sz,
-                    ty,
-                ],
-                [
-                    (2.0 * (x * z - w * y)) * sx,
-                    (2.0 * (y * z + w * x)) * sy,
-                    (1.0 - 2.0 * (x * x + y * y)) * sz,
-                    tz,
-                ],
-            ],
-        }
+        let [a, b, c, d, e, f, g, h, i, j, k, l] = components(trs.translation, trs.rotation, trs.scale);
+        Self { rows: [[a, b, c, d], [e, f, g, h], [i, j, k, l]] }
     }
 
     /// `self * other`: applies `other` first.

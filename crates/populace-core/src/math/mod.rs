@@ -1,14 +1,14 @@
 //! The arithmetic of the stages in single precision.
 //!
 //! Every function here has a twin of the same name and the same order of operations in the OpenCL C sources, so
-//! that devices agree bit for bit wherever `+ - *` and copies decide, and within the rounding of `sqrt` and `/`
-//! elsewhere.
+//! that devices agree bit for bit wherever `+ - *` and copies decide, and within the rounding of `/` elsewhere.
 
 pub mod affine;
 pub mod quat;
-pub mod scalar;
+mod real;
 
-pub use affine::Affine;
+pub use affine::{Affine, components};
+pub use real::{INVERSE_SQRT_BITS, Real};
 
 /// A local transform: translation, rotation and scale relative to the parent joint.
 ///

@@ -1,64 +1,78 @@
 //! Unit quaternions as `[x, y, z, w]`; the twin of `kernels/quat.cl`.
 
-use super::scalar::sqrt;
+use super::Real;
 
 /// The rotation that changes nothing.
-pub const IDENTITY: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+#[inline(always)]
+#[must_use]
+pub fn identity<R: Real>() -> [R; 4] {
+    [R::splat(0.0), R::splat(0.0), R::splat(0.0), R::splat(1.0)]
+}
 
 /// Sum of the products of the components.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn dot(a: [f32; 4], b: [f32; 4]) -> f32 {
+pub fn dot<R: Real>(a: [R; 4], b: [R; 4]) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 }
 
 /// Each component times `k`.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn scale(a: [f32; 4], k: f32) -> [f32; 4] {
+pub fn scale<R: Real>(a: [R; 4], k: R) -> [R; 4] {
     [a[0] * k, a[1] * k, a[2] * k, a[3] * k]
 }
 
 /// The sum, component by component.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn add(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+pub fn add<R: Real>(a: [R; 4], b: [R; 4]) -> [R; 4] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }
 
 /// `a + (b - a) * t`, component by component, not normalised.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn mix(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
-    add(a, scale([b[0] - a[0], b[1] - a[1], b[2] - a[2], b[3] - a[3]], t))
+pub fn mix<R: Real>(a: [R; 4], b: [R; 4], t: R) -> [R; 4] {
+    [a[0].mix(b[0], t), a[1].mix(b[1], t), a[2].mix(b[2], t), a[3].mix(b[3], t)]
+}
+
+/// `a` where chosen, else `b`.
+#[inline(always)]
+#[must_use]
+pub fn choose<R: Real>(which: R::Choice, a: [R; 4], b: [R; 4]) -> [R; 4] {
+    let one = |i: usize| R::choose(which, a[i], b[i]);
+    [one(0), one(1), one(2), one(3)]
 }
 
 /// `a` divided by its length, or `fallback` where the length is too small to divide by.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn normalize_or(a: [f32; 4], fallback: [f32; 4]) -> [f32; 4] {
+pub fn normalize_or<R: Real>(a: [R; 4], fallback: [R; 4]) -> [R; 4] {
     let length_squared = dot(a, a);
-    if length_squared > 1e-20 { scale(a, 1.0 / sqrt(length_squared)) } else { fallback }
+    let long = R::splat(1e-20).less(length_squared);
+    choose::<R>(long, scale(a, length_squared.inverse_sqrt()), fallback)
 }
 
 /// `a` or `-a`, whichever lies in the half-space of `towards`. Both stand for the same rotation.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn hemisphere(a: [f32; 4], towards: [f32; 4]) -> [f32; 4] {
-    if dot(a, towards) < 0.0 { [-a[0], -a[1], -a[2], -a[3]] } else { a }
+pub fn hemisphere<R: Real>(a: [R; 4], towards: [R; 4]) -> [R; 4] {
+    let opposite = dot(a, towards).less(R::splat(0.0));
+    scale(a, R::choose(opposite, R::splat(-1.0), R::splat(1.0)))
 }
 
 /// The inverse of a unit quaternion.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn conjugate(a: [f32; 4]) -> [f32; 4] {
+pub fn conjugate<R: Real>(a: [R; 4]) -> [R; 4] {
     [-a[0], -a[1], -a[2], a[3]]
 }
 
 /// The rotation that applies `b` first, then `a`.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn mul(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+pub fn mul<R: Real>(a: [R; 4], b: [R; 4]) -> [R; 4] {
     [
         a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
         a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{Table, Tables};
-use crate::layout::{Body, BoundClip, ClipRows, Entry, Layer, Member, Slot};
+use crate::layout::{Body, BoundBlock, BoundClip, ClipRows, Entry, Layer, Member, RowBlock, Slot, Source};
 
 /// Calls a macro with every table: its documentation, its name, and the type of its elements (types of
 /// [`layout`](crate::layout), which must be in scope where it is called).
@@ -19,23 +19,29 @@ macro_rules! with_tables {
             levels: u32,
             /// Palette entries of all bodies.
             entries: Entry,
-            /// Stored poses, `POSE_PLANES` planes each: rest poses, and what a bound clip's rows do not drive.
+            /// Rest poses, `POSE_PLANES` planes each, and the ranges of bound clips, `RANGE_PLANES` planes each.
             poses: f32,
             /// Clips.
             clips: ClipRows,
-            /// Rows of all clips.
-            rows: f32,
+            /// Rows of all clips, and at the end of each what 16 lanes may read past it.
+            rows: u32,
             /// Times of the rows of clips that are not evenly spaced, on each clip's own axis.
             row_times: f32,
             /// Buckets of such clips.
             buckets: u32,
-            /// Where in a row each block's rotations, translations and scales stand.
-            block_offsets: u32,
+            /// Where in a row each block of 16 columns stands.
+            row_blocks: RowBlock,
             /// Clips bound to bodies.
             bound_clips: BoundClip,
+            /// Where 16 neighbouring joints of a bound clip's body find their columns.
+            bound_blocks: BoundBlock,
+            /// Blocks of columns that they follow.
+            sources: Source,
+            /// For each source and each of 16 joints its lane in it, or `NONE`.
+            source_lanes: u32,
             /// For each joint of each bound clip its column and `MAP_` flags.
             joint_maps: u32,
-            /// Masks: a weight per joint.
+            /// Masks: a weight per joint, padded to whole blocks of `JOINT_BLOCK`.
             masks: f32,
             /// Members, by place.
             members: Member,

@@ -3,7 +3,6 @@ use std::sync::{Arc, OnceLock};
 use populace_core::layout::device_structs;
 
 use super::*;
-use crate::program;
 
 /// One context for all tests of this process.
 fn device() -> Arc<OpenClDevice> {
@@ -27,9 +26,10 @@ fn shared_structs_are_laid_out_alike() {
             expected.push(u32::try_from(*offset).unwrap());
         }
     }
-    let source = format!("{}\n__kernel void probe(__global uint *out) {{\n{body}}}\n", program::source());
-    let device = OpenClDevice::open_with(0, &source).unwrap();
-    let (kernel, queue) = (device.kernel("probe").unwrap(), device.queue().unwrap());
+    let source = format!("{}\n__kernel void probe(__global uint *out) {{\n{body}}}\n", Form::Staged.source());
+    let device = device();
+    let program = device.build(&source).unwrap();
+    let (kernel, queue) = (Kernel::create(&program, "probe").unwrap(), device.queue().unwrap());
     let out = crate::buffer::Buffer::<u32>::new(&device, expected.len(), "the probe's answers").unwrap();
     Launch::of(&kernel).buffer("out", &out).run(&queue, [1, 1], [1, 1]).unwrap();
     let mut answers = vec![0; expected.len()];
@@ -57,7 +57,7 @@ fn more_memory_than_there_is_is_an_error_that_says_how_much() {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn a_kernel_that_does_not_build_gives_the_compilers_words() {
-    let error = OpenClDevice::open_with(0, "__kernel void broken(int x) { y = x; }").unwrap_err();
+    let error = device().build("__kernel void broken(int x) { y = x; }").unwrap_err();
     assert!(error.to_string().contains("build the kernels"), "{error}");
 }
 

@@ -1,0 +1,86 @@
+//! Sixteen numbers side by side: one for each joint of a block.
+//!
+//! Plain arrays in plain loops, which the compiler turns into the widest registers of the processor that a function is
+//! compiled for (see [`dispatch`](crate::dispatch)).
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use populace_core::layout::JOINT_BLOCK;
+use populace_core::math::Real;
+
+/// Numbers side by side.
+pub(crate) const LANES: usize = JOINT_BLOCK as usize;
+
+/// Sixteen numbers.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct Lanes(pub(crate) [f32; LANES]);
+
+impl Lanes {
+    /// One number for each lane.
+    #[inline(always)]
+    pub(crate) fn from_fn(of_lane: impl Fn(usize) -> f32) -> Self {
+        let mut lanes = [0.0; LANES];
+        for (lane, value) in lanes.iter_mut().enumerate() {
+            *value = of_lane(lane);
+        }
+        Self(lanes)
+    }
+
+    /// From the first sixteen numbers of a slice.
+    #[inline(always)]
+    pub(crate) fn load(from: &[f32]) -> Self {
+        from.first_chunk().map_or(Self([0.0; LANES]), |numbers| Self(*numbers))
+    }
+}
+
+macro_rules! operators {
+    ($($operator:ident $method:ident $sign:tt),*) => {
+        $(impl $operator for Lanes {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self::from_fn(|lane| self.0[lane] $sign other.0[lane])
+            }
+        })*
+    };
+}
+operators!(Add add +, Sub sub -, Mul mul *, Div div /);
+
+impl Neg for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::from_fn(|lane| -self.0[lane])
+    }
+}
+
+impl Real for Lanes {
+    type Choice = [bool; LANES];
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self) -> Self::Choice {
+        let mut choice = [false; LANES];
+        for (lane, chosen) in choice.iter_mut().enumerate() {
+            *chosen = self.0[lane] < other.0[lane];
+        }
+        choice
+    }
+
+    #[inline(always)]
+    fn choose(which: Self::Choice, a: Self, b: Self) -> Self {
+        Self::from_fn(|lane| if which[lane] { a.0[lane] } else { b.0[lane] })
+    }
+
+    #[inline(always)]
+    fn inverse_sqrt_guess(self) -> Self {
+        Self::from_fn(|lane| self.0[lane].inverse_sqrt_guess())
+    }
+}

@@ -1,0 +1,322 @@
+//! Local transforms of one joint, or of sixteen neighbouring ones, from a clip's rows; the twin of `kernels/rows.cl`.
+//!
+//! A component is `offset + step * n`: a joint that the clip does not drive, or that stands still, has a step of 0, so the
+//! arithmetic is the same for all.
+
+use populace_core::layout::{
+    Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE,
+    REST_SCALE, REST_TRANSLATION, ROW_FLOATS, RowBlock, SlotSample,
+};
+use populace_core::math::{Real, quat};
+use populace_core::{Property, Tables};
+
+use crate::lanes::{LANES, Lanes};
+
+/// Translation, rotation and scale of one joint, or of sixteen.
+#[derive(Clone, Copy)]
+pub(crate) struct Local<R> {
+    pub(crate) t: [R; 3],
+    pub(crate) r: [R; 4],
+    pub(crate) s: [R; 3],
+}
+
+/// What is computed at once: one joint, or the sixteen of a block.
+pub(crate) trait Width: Real {
+    /// Where their columns stand in a clip's rows.
+    type Columns<'a>: Columns<Self>;
+
+    /// From a table of floats, at the first joint's place.
+    fn load(from: &[f32]) -> Self;
+
+    fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> Self::Columns<'a>;
+}
+
+/// Where the columns of what is computed at once stand in a clip's rows.
+pub(crate) trait Columns<R> {
+    /// Where the property's planes stand; its first word is [`NONE`] where nothing moves.
+    fn planes(&self, property: Property) -> Planes;
+
+    /// A component of a row, in steps.
+    fn steps(&self, property: Property, row: u32, component: usize) -> R;
+
+    /// [`REST_TRANSLATION`] and [`REST_SCALE`].
+    fn flags(&self) -> u32;
+}
+
+/// Where a property's planes stand in a row, and the words from one plane to the next.
+#[derive(Clone, Copy)]
+pub(crate) struct Planes {
+    pub(crate) first: u32,
+    lanes: u32,
+}
+
+impl Planes {
+    #[inline(always)]
+    fn of(block: &RowBlock, property: Property) -> Self {
+        let (first, lanes) = match property {
+            Property::Rotation => (block.rotation_first, block.rotation_lanes),
+            Property::Translation => (block.translation_first, block.translation_lanes),
+            Property::Scale => (block.scale_first, block.scale_lanes),
+        };
+        Self { first, lanes }
+    }
+
+    /// The first word of the plane that holds a component, and how it is held.
+    #[inline(always)]
+    fn place(self, property: Property, row: u32, component: usize) -> (usize, Held) {
+        let start = (row + self.first) as usize;
+        let lanes = (self.lanes & !ROW_FLOATS) as usize;
+        if self.lanes & ROW_FLOATS != 0 {
+            return (start + component * lanes, Held::Float);
+        }
+        let held = match component {
+            2 if property != Property::Rotation => Held::Packed,
+            0 | 2 => Held::Low,
+            _ => Held::High,
+        };
+        (start + component / 2 * lanes, held)
+    }
+}
+
+/// How a plane holds a component.
+#[derive(Clone, Copy)]
+enum Held {
+    Float,
+    /// The low half of each lane's word.
+    Low,
+    /// The high half.
+    High,
+    /// A half for each lane.
+    Packed,
+}
+
+impl Held {
+    /// A lane's steps in a plane.
+    #[inline(always)]
+    fn decode(self, plane: &[u32], lane: usize) -> f32 {
+        #[expect(
+            clippy::cast_possible_wrap,
+            reason = "16 bits fit; processors convert signed numbers faster"
+        )]
+        let half = |word: u32| (word & 0xffff) as i32 as f32;
+        match self {
+            Self::Float => f32::from_bits(plane[lane]),
+            Self::Low => half(plane[lane]),
+            Self::High => half(plane[lane] >> 16),
+            Self::Packed => half(plane[lane / 2] >> (16 * (lane % 2))),
+        }
+    }
+}
+
+/// One joint's column.
+pub(crate) struct JointColumn<'a> {
+    rows: &'a [u32],
+    block: RowBlock,
+    lane: usize,
+}
+
+impl Width for f32 {
+    type Columns<'a> = JointColumn<'a>;
+
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        from[0]
+    }
+
+    #[inline(always)]
+    fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> JointColumn<'a> {
+        let map = tables.joint_maps().as_slice()[bound.map_first as usize + joint];
+        let column = map & MAP_COLUMN;
+        let clip = &tables.clips().as_slice()[bound.clip as usize];
+        let mut block = tables.row_blocks().as_slice()[(clip.block_first + column / JOINT_BLOCK) as usize];
+        for (flag, first) in [
+            (MAP_ROTATION, &mut block.rotation_first),
+            (MAP_TRANSLATION, &mut block.translation_first),
+            (MAP_SCALE, &mut block.scale_first),
+        ] {
+            if map & flag == 0 {
+                *first = NONE;
+            }
+        }
+        JointColumn { rows: tables.rows().as_slice(), block, lane: (column % JOINT_BLOCK) as usize }
+    }
+}
+
+impl Columns<f32> for JointColumn<'_> {
+    #[inline(always)]
+    fn planes(&self, property: Property) -> Planes {
+        Planes::of(&self.block, property)
+    }
+
+    #[inline(always)]
+    fn steps(&self, property: Property, row: u32, component: usize) -> f32 {
+        let (at, held) = self.planes(property).place(property, row, component);
+        held.decode(&self.rows[at..], self.lane)
+    }
+
+    #[inline(always)]
+    fn flags(&self) -> u32 {
+        0
+    }
+}
+
+/// The columns of sixteen neighbouring joints: in one block, each in its own lane, or here and there in several; `block`
+/// then tells no more than what moves.
+pub(crate) struct BlockColumns<'a> {
+    tables: &'a Tables,
+    block: RowBlock,
+    bound: BoundBlock,
+}
+
+impl Width for Lanes {
+    type Columns<'a> = BlockColumns<'a>;
+
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        Self::load(from)
+    }
+
+    #[inline(always)]
+    fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> BlockColumns<'a> {
+        let bound = tables.bound_blocks().as_slice()[bound.block_first as usize + joint / LANES];
+        let mut columns = BlockColumns { tables, block: RowBlock::STILL, bound };
+        for (source, _) in columns.sources() {
+            if bound.straight != 0 {
+                columns.block = source;
+            } else {
+                columns.block = columns.block.or_moving(&source);
+            }
+        }
+        columns
+    }
+}
+
+impl<'a> BlockColumns<'a> {
+    /// The blocks followed, and each joint's lane in them.
+    #[inline(always)]
+    fn sources(&self) -> impl Iterator<Item = (RowBlock, &'a [u32])> + use<'a> {
+        let tables = self.tables;
+        let first = self.bound.source_first as usize;
+        let sources = &tables.sources().as_slice()[first..first + self.bound.source_count as usize];
+        sources.iter().map(|source| {
+            let lanes = &tables.source_lanes().as_slice()[source.lanes_first as usize..];
+            (tables.row_blocks().as_slice()[source.block as usize], &lanes[..LANES])
+        })
+    }
+
+    /// Each lane's steps in the source that it follows.
+    fn gather(&self, property: Property, row: u32, component: usize) -> Lanes {
+        let mut found = [0.0; LANES];
+        for (block, lanes) in self.sources() {
+            let planes = Planes::of(&block, property);
+            if planes.first == NONE {
+                continue;
+            }
+            let (at, held) = planes.place(property, row, component);
+            let plane = &self.tables.rows().as_slice()[at..];
+            for (value, &lane) in found.iter_mut().zip(lanes) {
+                if lane != NONE {
+                    *value = held.decode(plane, lane as usize);
+                }
+            }
+        }
+        Lanes(found)
+    }
+}
+
+impl Columns<Lanes> for BlockColumns<'_> {
+    #[inline(always)]
+    fn planes(&self, property: Property) -> Planes {
+        Planes::of(&self.block, property)
+    }
+
+    #[inline(always)]
+    fn steps(&self, property: Property, row: u32, component: usize) -> Lanes {
+        if self.bound.straight == 0 {
+            return self.gather(property, row, component);
+        }
+        let (at, held) = self.planes(property).place(property, row, component);
+        let plane = &self.tables.rows().as_slice()[at..at + LANES];
+        match held {
+            Held::Float => Lanes::from_fn(|lane| Held::Float.decode(plane, lane)),
+            Held::Low => Lanes::from_fn(|lane| Held::Low.decode(plane, lane)),
+            Held::High => Lanes::from_fn(|lane| Held::High.decode(plane, lane)),
+            Held::Packed => Lanes::from_fn(|lane| Held::Packed.decode(plane, lane)),
+        }
+    }
+
+    #[inline(always)]
+    fn flags(&self) -> u32 {
+        self.bound.flags
+    }
+}
+
+/// Three planes of `padded` floats.
+#[inline(always)]
+pub(crate) fn load_vec3<R: Width>(planes: &[f32], padded: usize) -> [R; 3] {
+    [R::load(planes), R::load(&planes[padded..]), R::load(&planes[2 * padded..])]
+}
+
+/// Four planes of `padded` floats.
+#[inline(always)]
+pub(crate) fn load_quat<R: Width>(planes: &[f32], padded: usize) -> [R; 4] {
+    let plane = |plane: usize| R::load(&planes[plane * padded..]);
+    [plane(0), plane(1), plane(2), plane(3)]
+}
+
+/// Translations or scales between two rows; `offset` and `step` are planes.
+#[inline(always)]
+fn sample_vector<R: Width>(
+    columns: &R::Columns<'_>,
+    property: Property,
+    at: &SlotSample,
+    offset: &[f32],
+    step: &[f32],
+    padded: usize,
+) -> [R; 3] {
+    let still = load_vec3::<R>(offset, padded);
+    if columns.planes(property).first == NONE {
+        return still;
+    }
+    let (between, step) = (R::splat(at.between), R::load(step));
+    let component = |c: usize| {
+        let [from, to] = [at.row0, at.row1].map(|row| columns.steps(property, row, c));
+        from.mix(to, between) * step + still[c]
+    };
+    [component(0), component(1), component(2)]
+}
+
+/// Local transforms between two rows, rotations in the hemisphere of the rest rotation.
+#[inline(always)]
+pub(crate) fn sample_joint<R: Width>(
+    tables: &Tables,
+    bound: &BoundClip,
+    body: &Body,
+    joint: usize,
+    at: &SlotSample,
+    rest_rotation: [R; 4],
+) -> Local<R> {
+    let columns = R::columns(tables, bound, joint);
+    let padded = body.padded_count as usize;
+    let poses = tables.poses().as_slice();
+    let range = &poses[bound.range_first as usize + joint..];
+    // The same values, more likely to be near: the body's rest serves all of its clips.
+    let rest = &poses[body.rest_first as usize + joint..];
+    let translation =
+        if columns.flags() & REST_TRANSLATION != 0 { &rest[4 * padded..] } else { &range[5 * padded..] };
+    let scale = if columns.flags() & REST_SCALE != 0 { &rest[7 * padded..] } else { &range[9 * padded..] };
+    let mut r = load_quat::<R>(range, padded);
+    if columns.planes(Property::Rotation).first != NONE {
+        let (between, step) = (R::splat(at.between), R::load(&range[4 * padded..]));
+        let component = |c: usize| {
+            let [from, to] = [at.row0, at.row1].map(|row| columns.steps(Property::Rotation, row, c));
+            from.mix(to, between) * step + r[c]
+        };
+        r = [component(0), component(1), component(2), component(3)];
+    }
+    Local {
+        r: quat::hemisphere(quat::normalize_or(r, rest_rotation), rest_rotation),
+        t: sample_vector::<R>(&columns, Property::Translation, at, translation, &range[8 * padded..], padded),
+        s: sample_vector::<R>(&columns, Property::Scale, at, scale, &range[12 * padded..], padded),
+    }
+}

@@ -1,0 +1,69 @@
+/* fused_wide.cl - the whole frame of a member in one work-item, for CPUs: sixteen joints at a time from rows to local
+ * transforms, transposed into one matrix each, then parents first down the hierarchy and out to the palette. Nothing
+ * between clip and palette leaves the core's caches.
+ * NDRange  (runs of members of one page), groups of one
+ * Reads    the page's members; slots, layers, rows and all that they point at
+ * Writes   palette: every entry of the members in [place_first, place_end) exactly once; matrices of its own run as scratch;
+ *          fused_wide_joints also translations, rotations, scales, row0, row1, row2 and samples, as staged does
+ * Oracle   populace-testkit; twin of populace-native fused.rs */
+
+/* Four perfect shuffles transpose 16 x 16. */
+void transpose(float16 m[16])
+{
+    float16 t[16];
+#pragma unroll
+    for (int round = 0; round < 4; round++) {
+#pragma unroll
+        for (int i = 0; i < 8; i++) {
+            const float16 p = m[i], q = m[i + 8];
+            t[2 * i] = (float16)(p.s0, q.s0, p.s1, q.s1, p.s2, q.s2, p.s3, q.s3, p.s4, q.s4, p.s5, q.s5, p.s6, q.s6, p.s7, q.s7);
+            t[2 * i + 1] = (float16)(p.s8, q.s8, p.s9, q.s9, p.sa, q.sa, p.sb, q.sb, p.sc, q.sc, p.sd, q.sd, p.se, q.se, p.sf, q.sf);
+        }
+#pragma unroll
+        for (int i = 0; i < 16; i++) m[i] = t[i];
+    }
+}
+
+__kernel __attribute__((reqd_work_group_size(1, 1, 1)))
+void fused_wide(__global const Member *members, __global const uint *page_members, __global const Body *bodies,
+                __global const uint *parents, __global const Entry *entries, __global const Slot *slots,
+                __global const Layer *layers, __global const BoundClip *bound_clips,
+                __global const BoundBlock *bound_blocks, __global const Source *sources,
+                __global const uint *source_lanes, __global const ClipRows *clips, __global const RowBlock *row_blocks,
+                __global const uint *rows, __global const float *row_times, __global const uint *buckets,
+                __global const float *poses, __global const float *masks, ulong tick, uint slots_per_member,
+                uint place_first, uint place_end, uint page_first, uint member_count, uint run, uint padded_most,
+                __global float16 *restrict matrices, __global float *restrict palette)
+{
+    const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
+    __global float16 *restrict models = matrices + get_global_id(0) * padded_most;
+    const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
+    for (uint index = begin; index < end; index++) {
+        const uint owner = page_members[index];
+        if (owner < place_first || owner >= place_end) continue;
+        const Member member = members[owner];
+        const Body body = bodies[member.body];
+        Playing playing[SLOTS_MOST];
+        const uint count = play(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
+        const Playback playback = { playing, count };
+        for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
+            const Trs trs = pose_joint(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body, joint);
+            float16 m[16];
+            components_of(trs, m);
+            m[12] = m[13] = m[14] = m[15] = 0.0f;
+            transpose(m);
+#pragma unroll
+            for (int i = 0; i < 16; i++) models[joint + i] = m[i];
+        }
+        __global const uint *parent = parents + body.joint_first;
+        for (uint joint = 0; joint < body.joint_count; joint++)
+            if (parent[joint] != NONE) models[joint] = affine_mul(models[parent[joint]], models[joint]);
+        __global const Entry *entry = entries + body.entry_first;
+        __global float *to = palette + 12 * (size_t)(member.palette_first - page_first);
+        for (uint e = 0; e < body.entry_count; e++, entry++, to += 12) {
+            const float16 out = affine_mul_rows(models[entry->joint], entry->row0, entry->row1, entry->row2);
+            vstore8(out.lo, 0, to);
+            vstore4(out.hi.lo, 0, to + 8);
+        }
+    }
+}

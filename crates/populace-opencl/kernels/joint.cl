@@ -1,0 +1,123 @@
+/* joint.cl - what Pose computes for a joint: a member's slots mixed layer by layer (Lister & Day 2012, section 4.1), and
+ * the matrix that comes of it. Twin of populace-native pose.rs. */
+
+/* What takes `reference` to `value`, less what changes nothing: sums of it do not depend on their order. */
+Trs difference(Trs value, Trs reference)
+{
+    Trs delta;
+    delta.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), quat_identity());
+    delta.r.w -= 1.0f;
+    delta.t = vec3_add(value.t, vec3_scale(reference.t, -1.0f));
+    delta.s.x = (reference.s.x == (Real)(0.0f) ? (Real)(1.0f) : value.s.x / reference.s.x) - 1.0f;
+    delta.s.y = (reference.s.y == (Real)(0.0f) ? (Real)(1.0f) : value.s.y / reference.s.y) - 1.0f;
+    delta.s.z = (reference.s.z == (Real)(0.0f) ? (Real)(1.0f) : value.s.z / reference.s.z) - 1.0f;
+    return delta;
+}
+
+Trs add_layer(Trs beneath, Trs sum, Real layer_weight)
+{
+    Trs trs;
+    const Quat delta = quat_normalize_or(quat_add(quat_identity(), quat_scale(sum.r, layer_weight)), quat_identity());
+    trs.t = vec3_add(beneath.t, vec3_scale(sum.t, layer_weight));
+    trs.r = quat_mul(beneath.r, delta);
+    trs.s.x = beneath.s.x * (1.0f + sum.s.x * layer_weight);
+    trs.s.y = beneath.s.y * (1.0f + sum.s.y * layer_weight);
+    trs.s.z = beneath.s.z * (1.0f + sum.s.z * layer_weight);
+    return trs;
+}
+
+Trs mean_of(Trs sum, float total, Quat rest_rotation)
+{
+    const float k = 1.0f / total;
+    Trs mean;
+    mean.t = vec3_scale(sum.t, k);
+    mean.r = quat_normalize_or(sum.r, rest_rotation);
+    mean.s = vec3_scale(sum.s, k);
+    return mean;
+}
+
+/* A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath. */
+Trs mix_layer(Trs beneath, Trs sum, float total, Real layer_weight, Quat rest_rotation)
+{
+    if (total <= 0.0f) return beneath;
+    const Real f = layer_weight * (total < 1.0f ? total : 1.0f);
+    const Trs above = mean_of(sum, total, rest_rotation);
+    const Quat from = quat_hemisphere(beneath.r, rest_rotation), to = quat_hemisphere(above.r, rest_rotation);
+    Trs trs;
+    trs.t = vec3_mix(beneath.t, above.t, f);
+    trs.r = quat_normalize_or(quat_mix(from, to, f), rest_rotation);
+    trs.s = vec3_mix(beneath.s, above.s, f);
+    return trs;
+}
+
+/* The sum over a layer's slots of weight times value, or times difference from the first row; the weights' in *total. */
+Trs sum_layer(Clips of, Playback playback, uint layer_index, bool additive, Body body, uint joint, Quat rest_rotation,
+              float *total)
+{
+    Trs sum = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+    *total = 0.0f;
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
+        const BoundClip bound = of.bound_clips[playing.bound_clip];
+        Trs value = sample_joint(of, bound, body, joint, playing.at, rest_rotation);
+        if (additive) {
+            const uint first = of.clips[bound.clip].row_first;
+            const SlotSample start = { first, first, 0.0f, 0.0f };
+            value = difference(value, sample_joint(of, bound, body, joint, start, rest_rotation));
+        }
+        sum.t = vec3_add(sum.t, vec3_scale(value.t, playing.at.weight));
+        sum.r = quat_add(sum.r, quat_scale(value.r, playing.at.weight));
+        sum.s = vec3_add(sum.s, vec3_scale(value.s, playing.at.weight));
+        *total += playing.at.weight;
+    }
+    return sum;
+}
+
+/* The local transforms of one joint, or of sixteen from `joint` on. `layers` are the member's. */
+Trs pose_joint(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint)
+{
+    const uint padded = body.padded_count;
+    __global const float *rest = of.poses + body.rest_first + joint;
+    const Quat rest_rotation = load_quat(rest, padded);
+    float total;
+    Trs trs = sum_layer(of, playback, 0, false, body, joint, rest_rotation, &total);
+    /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
+    if (total > 1e-3f) {
+        trs = mean_of(trs, total, rest_rotation);
+    } else {
+        trs.r = rest_rotation;
+        trs.t = load_vec3(rest + 4 * padded, padded);
+        trs.s = load_vec3(rest + 7 * padded, padded);
+    }
+    for (uint l = 1; l < layer_count; l++) {
+        const Layer layer = layers[l];
+        const Real weight = layer.mask == NONE ? (Real)(layer.weight) : layer.weight * LOAD(of.masks + layer.mask + joint);
+        const bool additive = layer.mode == LAYER_ADDITIVE;
+        const Trs sum = sum_layer(of, playback, l, additive, body, joint, rest_rotation, &total);
+        const Trs above = additive ? add_layer(trs, sum, weight) : mix_layer(trs, sum, total, weight, rest_rotation);
+        const Choice laid = weight > (Real)(0.0f);
+        trs.t = vec3_choose(laid, above.t, trs.t);
+        trs.r = quat_choose(laid, above.r, trs.r);
+        trs.s = vec3_choose(laid, above.s, trs.s);
+    }
+    return trs;
+}
+
+/* The matrix of translation times rotation times scale, row by row (glTF 2.0, section 3.5.3). */
+void components_of(Trs trs, Real m[12])
+{
+    const Real x = trs.r.x, y = trs.r.y, z = trs.r.z, w = trs.r.w;
+    m[0] = (1.0f - 2.0f * (y * y + z * z)) * trs.s.x;
+    m[1] = (2.0f * (x * y - w * z)) * trs.s.y;
+    m[2] = (2.0f * (x * z + w * y)) * trs.s.z;
+    m[3] = trs.t.x;
+    m[4] = (2.0f * (x * y + w * z)) * trs.s.x;
+    m[5] = (1.0f - 2.0f * (x * x + z * z)) * trs.s.y;
+    m[6] = (2.0f * (y * z - w * x)) * trs.s.z;
+    m[7] = trs.t.y;
+    m[8] = (2.0f * (x * z - w * y)) * trs.s.x;
+    m[9] = (2.0f * (y * z + w * x)) * trs.s.y;
+    m[10] = (1.0f - 2.0f * (x * x + y * y)) * trs.s.z;
+    m[11] = trs.t.z;
+}

@@ -1,0 +1,41 @@
+/* lanes.cl - what one work-item computes at once: one joint, or sixteen neighbouring joints of a member as vectors.
+ * Everything in the files after this one is written once for `Real` and compiled for either LANES. Comparisons give
+ * `Choice`, which `? :` takes: component by component where there are several. */
+
+#if LANES == 1
+typedef float Real;
+typedef uint Words;
+typedef int Choice;
+#define CONVERT_REAL convert_float
+#define AS_REAL as_float
+#define AS_INTS as_int
+#define AS_WORDS as_uint
+#define LOAD(pointer) (*(pointer))
+#else
+typedef float16 Real;
+typedef uint16 Words;
+typedef int16 Choice;
+#define CONVERT_REAL convert_float16
+#define AS_REAL as_float16
+#define AS_INTS as_int16
+#define AS_WORDS as_uint16
+#define LOAD(pointer) vload16(0, pointer)
+
+/* words[lanes[i]] in each lane i; only the low four bits of a lane count. */
+Words permute(Words words, Words lanes)
+{
+#if defined(__AVX512F__) && defined(__clang__)
+    /* One instruction, where shuffle() is sixteen loads. */
+    typedef int Ints __attribute__((__vector_size__(64)));
+    return __builtin_astype(__builtin_ia32_permvarsi512(__builtin_astype(words, Ints), __builtin_astype(lanes, Ints)), Words);
+#else
+    return shuffle(words, lanes);
+#endif
+}
+#endif
+
+typedef struct { Real x, y, z, w; } Quat;
+
+typedef struct { Real x, y, z; } Vec3;
+
+typedef struct { Vec3 t; Quat r; Vec3 s; } Trs; /* translation, rotation, scale */
