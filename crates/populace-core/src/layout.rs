@@ -85,10 +85,12 @@ device_consts! {
     pub const PAGE_ENTRIES: u32 = 1 << 20;
     /// [`Slot::mode`]: the clip starts again at its end.
     pub const SLOT_LOOP: u32 = 0;
-    /// [`Slot::mode`]: the clip holds its end once [`Slot::hold_ticks`] have passed.
+    /// [`Slot::mode`]: the clip runs one whole cycle and holds its end.
     pub const SLOT_ONCE: u32 = 1;
     /// [`Slot::mode`]: the clip stands at [`Slot::held_secs`] on its own axis.
     pub const SLOT_HELD: u32 = 2;
+    /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
+    pub const SLOT_MODE_BITS: u32 = 8;
     /// [`Layer::mode`]: the layer's mix replaces what lies beneath, by weight and mask.
     pub const LAYER_OVERRIDE: u32 = 0;
     /// [`Layer::mode`]: the layer's differences from each clip's first row are laid over what lies beneath.
@@ -196,34 +198,29 @@ device_struct! {
     /// One playing clip of a member, in closed form: devices evaluate it from the clock and never write it.
     ///
     /// The phase is a 64-bit fraction of the clip's cycle, `start_phase + elapsed * phase_rate`, wrapping: exact for
-    /// all time, and equal on every device.
+    /// all time, and equal on every device. [`SLOT_ONCE`] is at its end when `elapsed * |phase_rate|` fills a cycle,
+    /// which the upper half of the 128-bit product tells.
     pub struct Slot {
         /// The clock when the slot began.
         pub start_tick: u64,
-        /// Phase at `start_tick`, in 2^-64 of the clip's length.
-        pub start_phase: u64,
         /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays backwards.
         pub phase_rate: u64,
-        /// Ticks after which [`SLOT_ONCE`] holds the end.
-        pub hold_ticks: u64,
+        /// The clock when the weight began to move.
+        pub weight_tick: u64,
+        /// [`SLOT_LOOP`]: the phase at `start_tick`, in 2^-32 of the clip's length. [`SLOT_HELD`]: the bits of the
+        /// time that the slot stands at, a single-precision number of seconds on the clip's own axis.
+        /// [`SLOT_ONCE`] begins at the clip's start, or at its end where it plays backwards, and has zero here.
+        pub start_phase: u32,
         /// Into `bound_clips`, or [`NONE`] for an empty slot.
         pub bound_clip: u32,
-        /// `SLOT_` mode.
-        pub mode: u32,
-        /// The layer that the slot is mixed in.
-        pub layer: u32,
-        /// The time that [`SLOT_HELD`] stands at, on the clip's own axis, and at which [`SLOT_ONCE`] holds.
-        pub held_secs: f32,
+        /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is mixed in.
+        pub layer_and_mode: u32,
         /// Weight at `weight_tick`.
         pub start_weight: f32,
         /// Weight per second.
         pub weight_rate: f32,
         /// Where the weight stops.
         pub end_weight: f32,
-        /// Zero.
-        pub unused: u32,
-        /// The clock when the weight began to move.
-        pub weight_tick: u64,
     }
 }
 
@@ -333,6 +330,11 @@ mod tests {
             "typedef struct { uint body; uint joint_first; uint palette_first; uint layer_count; } Member;\n"
         );
         assert!(opencl_prelude().contains("#define JOINT_BLOCK 16u\n"));
+    }
+
+    #[test]
+    fn a_member_of_four_slots_keeps_within_its_memory() {
+        assert_eq!(size_of::<Slot>(), 48);
     }
 
     #[test]

@@ -346,15 +346,15 @@ impl Tables {
         if index >= self.slots_per_member {
             return bad("slot", u32::try_from(index).unwrap_or(NONE));
         }
-        if slot.layer >= LAYERS_PER_MEMBER {
-            return bad("layer", slot.layer);
+        if slot.layer() >= LAYERS_PER_MEMBER {
+            return bad("layer", slot.layer());
         }
         let bound = self.all.bound_clips.data.get(slot.bound_clip as usize);
         if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
             return bad("bound clip", slot.bound_clip);
         }
         self.all.slots.set(place as usize * self.slots_per_member + index, slot);
-        self.use_layer(place, slot.layer);
+        self.use_layer(place, slot.layer());
         Ok(())
     }
 
@@ -418,18 +418,14 @@ impl Tables {
 
 const EMPTY_SLOT: Slot = Slot {
     start_tick: 0,
-    start_phase: 0,
     phase_rate: 0,
-    hold_ticks: 0,
+    weight_tick: 0,
+    start_phase: 0,
     bound_clip: NONE,
-    mode: SLOT_LOOP,
-    layer: 0,
-    held_secs: 0.0,
+    layer_and_mode: SLOT_LOOP,
     start_weight: 0.0,
     weight_rate: 0.0,
     end_weight: 0.0,
-    unused: 0,
-    weight_tick: 0,
 };
 const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask: NONE, mode: crate::layout::LAYER_OVERRIDE, unused: 0 };
 

@@ -136,7 +136,7 @@ fn sum_layer(
 ) -> Sum {
     let mut sum = Sum::ZERO;
     for (slot, sample) in playback.slots.iter().zip(playback.samples) {
-        if slot.layer != layer_index || sample.weight <= 0.0 {
+        if slot.layer() != layer_index || sample.weight <= 0.0 {
             continue;
         }
         let bound = &at.tables.bound_clips().as_slice()[slot.bound_clip as usize];

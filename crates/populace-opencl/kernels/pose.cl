@@ -118,7 +118,7 @@ Trs sum_layer(Clips of, __global const Slot *slots, __global const SlotSample *s
     *total = 0.0f;
     for (uint s = 0; s < slot_count; s++) {
         const SlotSample sample = samples[s];
-        if (sample.weight <= 0.0f || slots[s].layer != layer_index) continue;
+        if (sample.weight <= 0.0f || slot_layer(slots[s]) != layer_index) continue;
         const BoundClip bound = of.bound_clips[slots[s].bound_clip];
         Trs value = sample_joint(of, bound, padded, joint, sample, rest_rotation);
         if (additive) {

@@ -127,12 +127,12 @@ impl<'a> TestCrowd<'a> {
     fn slot(&mut self, play: &Play, body: usize) -> Slot {
         let bound_clip = self.bound_clip(play.clip, body);
         let clip = &self.scene.clips[play.clip].clip;
-        let (start, duration) = (clip.start_secs(), clip.duration_secs());
+        let duration = clip.duration_secs();
         let slot = match play.timing {
             Timing::Loop { start_tick, phase, speed } => {
                 Slot::looping(bound_clip, start_tick, duration, phase, speed)
             }
-            Timing::Once { start_tick, speed } => Slot::once(bound_clip, start_tick, start, duration, speed),
+            Timing::Once { start_tick, speed } => Slot::once(bound_clip, start_tick, duration, speed),
             Timing::Held { secs } => Slot::held(bound_clip, 0, secs),
         };
         let mut slot = slot.on_layer(play.layer);
