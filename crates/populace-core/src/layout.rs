@@ -91,10 +91,11 @@ device_consts! {
     pub const SLOT_HELD: u32 = 2;
     /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
     pub const SLOT_MODE_BITS: u32 = 8;
-    /// [`Layer::mode`]: the layer's mix replaces what lies beneath, by weight and mask.
-    pub const LAYER_OVERRIDE: u32 = 0;
-    /// [`Layer::mode`]: the layer's differences from each clip's first row are laid over what lies beneath.
-    pub const LAYER_ADDITIVE: u32 = 1;
+    /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are laid over what lies
+    /// beneath. Without it the layer's mix replaces that, by weight and mask.
+    pub const LAYER_ADDITIVE: u32 = 1 << 31;
+    /// The bits of [`Layer::mask_and_mode`] that name the mask; all of them set where the layer has none.
+    pub const LAYER_MASK: u32 = (1 << 31) - 1;
     /// Layers of each member.
     pub const LAYERS_PER_MEMBER: u32 = 4;
     /// Flag in a joint map: the rotation comes from the clip's rows.
@@ -229,12 +230,9 @@ device_struct! {
     pub struct Layer {
         /// From 0 to 1; not looked at in layer 0.
         pub weight: f32,
-        /// Into `masks`: a weight per joint; or [`NONE`] for all joints.
-        pub mask: u32,
-        /// `LAYER_` mode.
-        pub mode: u32,
-        /// Zero.
-        pub unused: u32,
+        /// [`LAYER_ADDITIVE`] or not, and in the bits of [`LAYER_MASK`] where in `masks` a weight per joint stands, or
+        /// all of them for all joints.
+        pub mask_and_mode: u32,
     }
 }
 
@@ -334,7 +332,9 @@ mod tests {
 
     #[test]
     fn a_member_of_four_slots_keeps_within_its_memory() {
-        assert_eq!(size_of::<Slot>(), 48);
+        // The fourth number is the member's entry in the list of its page.
+        let bytes = size_of::<Member>() + 4 * size_of::<Slot>() + 4 * size_of::<Layer>() + size_of::<u32>();
+        assert!(bytes <= 256, "{bytes}");
     }
 
     #[test]

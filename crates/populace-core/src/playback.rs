@@ -1,7 +1,8 @@
 //! Slots, layers and masks: which clips a member plays, and how they are mixed.
 
 use crate::layout::{
-    LAYER_ADDITIVE, LAYER_OVERRIDE, LAYERS_PER_MEMBER, SLOT_HELD, SLOT_LOOP, SLOT_MODE_BITS, SLOT_ONCE, Slot,
+    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LOOP, SLOT_MODE_BITS, SLOT_ONCE,
+    Slot,
 };
 use crate::{Error, JointIndex, Skeleton};
 
@@ -146,7 +147,7 @@ impl Slot {
         if self.mode() == SLOT_ONCE {
             let backwards = self.phase_rate >> 63 != 0;
             let rate = if backwards { self.phase_rate.wrapping_neg() } else { self.phase_rate };
-            if u128::from(elapsed) * u128::from(rate) >> 64 != 0 {
+            if (u128::from(elapsed) * u128::from(rate)) >> 64 != 0 {
                 return if backwards { start_secs } else { start_secs + duration_secs };
             }
             // A whole cycle would read as none, so backwards begins one step below it.
@@ -202,17 +203,6 @@ pub enum LayerMode {
     Additive,
 }
 
-impl LayerMode {
-    /// The `LAYER_` constant of the device.
-    #[must_use]
-    pub const fn device_value(self) -> u32 {
-        match self {
-            Self::Override => LAYER_OVERRIDE,
-            Self::Additive => LAYER_ADDITIVE,
-        }
-    }
-}
-
 /// A layer as a user sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerSettings {
@@ -225,6 +215,35 @@ pub struct LayerSettings {
 impl Default for LayerSettings {
     fn default() -> Self {
         Self { mode: LayerMode::Override, weight: 1.0 }
+    }
+}
+
+impl Layer {
+    /// A layer for all joints, or through the mask whose weights stand at an offset of
+    /// [`Tables::masks`](crate::Tables::masks). Offsets of [`LAYER_MASK`] and above, where no mask can be, read as the
+    /// last below.
+    #[must_use]
+    pub fn new(settings: LayerSettings, mask: Option<u32>) -> Self {
+        let mode = match settings.mode {
+            LayerMode::Override => 0,
+            LayerMode::Additive => LAYER_ADDITIVE,
+        };
+        let mask = mask.map_or(LAYER_MASK, |first| first.min(LAYER_MASK - 1));
+        Self { weight: settings.weight, mask_and_mode: mask | mode }
+    }
+
+    /// Where in [`Tables::masks`](crate::Tables::masks) the layer's weights per joint stand; `None` for all joints.
+    #[inline]
+    #[must_use]
+    pub fn mask(&self) -> Option<u32> {
+        Some(self.mask_and_mode & LAYER_MASK).filter(|first| *first != LAYER_MASK)
+    }
+
+    /// Whether the layer adds to what lies beneath it, rather than replacing it.
+    #[inline]
+    #[must_use]
+    pub const fn is_additive(&self) -> bool {
+        self.mask_and_mode & LAYER_ADDITIVE != 0
     }
 }
 
@@ -270,6 +289,7 @@ impl Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::NONE;
 
     #[test]
     fn a_loop_keeps_its_phase_for_a_year() {
@@ -302,7 +322,7 @@ mod tests {
         for duration in [0.001_f32, 1.0 / 3.0, 0.75, 2.533_333, 59.94, 1_234.567] {
             for speed in [0.01_f32, 0.3, 0.999_999_9, 1.0, 1.000_000_1, 7.3, 1e3] {
                 let ticks = ticks_from_secs(f64::from(duration) / f64::from(speed));
-                if ticks < 3 || ticks > 1 << 32 {
+                if !(3..=1 << 32).contains(&ticks) {
                     continue;
                 }
                 let what = format!("{duration} s at {speed}");
@@ -363,6 +383,18 @@ mod tests {
         let slot = Slot::once(7, 0, 1.0, 1.0).on_layer(2).on_layer(1);
         assert_eq!((slot.layer(), slot.mode()), (1, SLOT_ONCE));
         assert_eq!(slot.on_layer(u32::MAX).layer(), (1 << 24) - 1);
+    }
+
+    #[test]
+    fn a_layer_remembers_its_mask_and_mode() {
+        for (mode, additive) in [(LayerMode::Override, false), (LayerMode::Additive, true)] {
+            for mask in [None, Some(0), Some(77), Some(LAYER_MASK - 1)] {
+                let layer = Layer::new(LayerSettings { mode, weight: 0.5 }, mask);
+                assert_eq!((layer.weight, layer.mask(), layer.is_additive()), (0.5, mask, additive));
+            }
+        }
+        let beyond = Layer::new(LayerSettings::default(), Some(NONE));
+        assert_eq!((beyond.mask(), beyond.is_additive()), (Some(LAYER_MASK - 1), false));
     }
 
     #[test]

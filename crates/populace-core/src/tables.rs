@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use crate::clip::Binding;
 use crate::layout::{
-    Body, BoundClip, ClipRows, Entry, Float4, JOINT_BLOCK, LAYERS_PER_MEMBER, Layer, Member, NONE,
-    PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES, SLOT_LOOP, Slot,
+    Body, BoundClip, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, Member,
+    NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES, SLOT_LOOP, Slot,
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, Trs};
 use set::TableSet;
@@ -254,8 +254,12 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets.
+    /// [`Error::TooLarge`] past 31-bit offsets.
     pub fn add_mask(&mut self, mask: &Mask) -> Result<u32, Error> {
+        let (count, limit) = (self.all.masks.data.len() + mask.weights().len(), LAYER_MASK as usize);
+        if count > limit {
+            return Err(Error::TooLarge { what: "the masks", count, limit });
+        }
         self.all.masks.extend(mask.weights().iter().copied())
     }
 
@@ -370,8 +374,8 @@ impl Tables {
         if layer_index >= LAYERS_PER_MEMBER {
             return Err(Error::BadPlayback { what: "layer", value: layer_index });
         }
-        if layer.mask != NONE && layer.mask as usize + joints > self.all.masks.data.len() {
-            return Err(Error::BadPlayback { what: "mask", value: layer.mask });
+        if let Some(first) = layer.mask().filter(|m| *m as usize + joints > self.all.masks.data.len()) {
+            return Err(Error::BadPlayback { what: "mask", value: first });
         }
         self.all.layers.set(place as usize * LAYERS_PER_MEMBER as usize + index, layer);
         self.use_layer(place, layer_index);
@@ -427,7 +431,7 @@ const EMPTY_SLOT: Slot = Slot {
     weight_rate: 0.0,
     end_weight: 0.0,
 };
-const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask: NONE, mode: crate::layout::LAYER_OVERRIDE, unused: 0 };
+const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask_and_mode: LAYER_MASK };
 
 fn padded(joint_count: usize) -> usize {
     joint_count.next_multiple_of(JOINT_BLOCK as usize)

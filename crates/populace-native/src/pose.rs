@@ -1,8 +1,8 @@
 //! Pose: each member's slots, mixed layer by layer, as local transforms; the twin of `kernels/pose.cl`.
 
 use populace_core::layout::{
-    Body, BoundClip, Float4, JOINT_BLOCK, LAYER_ADDITIVE, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
-    MAP_TRANSLATION, Member, NONE, SlotSample,
+    Body, BoundClip, Float4, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, Member,
+    SlotSample,
 };
 use populace_core::math::{quat, scalar};
 use populace_core::{Tables, Trs};
@@ -72,11 +72,10 @@ fn pose_joint(tables: &Tables, member: &Member, body: &Body, playback: &Playback
     };
     for layer_index in 1..member.layer_count {
         let layer = &playback.layers[layer_index as usize];
-        let mask =
-            if layer.mask == NONE { 1.0 } else { tables.masks().as_slice()[(layer.mask + joint) as usize] };
-        let weight = layer.weight * mask;
+        let of_joint = |first| tables.masks().as_slice()[(first + joint) as usize];
+        let weight = layer.weight * layer.mask().map_or(1.0, of_joint);
         if weight > 0.0 {
-            let additive = layer.mode == LAYER_ADDITIVE;
+            let additive = layer.is_additive();
             let sum = sum_layer(&at, playback, layer_index, rest_rotation, additive);
             pose = if additive {
                 add_layer(&pose, &sum, weight)

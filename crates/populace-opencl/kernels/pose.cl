@@ -166,9 +166,10 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
     }
     for (uint l = 1; l < member.layer_count; l++) {
         const Layer layer = layers[owner * LAYERS_PER_MEMBER + l];
-        const float weight = layer.weight * (layer.mask == NONE ? 1.0f : masks[layer.mask + joint]);
+        const uint mask = layer.mask_and_mode & LAYER_MASK;
+        const float weight = layer.weight * (mask == LAYER_MASK ? 1.0f : masks[mask + joint]);
         if (!(weight > 0.0f)) continue;
-        const bool additive = layer.mode == LAYER_ADDITIVE;
+        const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
         sum = sum_layer(of, slots + first_slot, samples + first_slot, slots_per_member, l, additive, padded, joint,
                         rest_rotation, &total);
         trs = additive ? add_layer(trs, sum, weight) : mix_layer(trs, sum, total, weight, rest_rotation);

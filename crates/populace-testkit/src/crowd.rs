@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use populace_core::layout::{Layer, NONE, Slot};
-use populace_core::{Backend, Binding, BodyIndex, Frame, Mask, Stage, Tables};
+use populace_core::{Backend, Binding, BodyIndex, Frame, LayerSettings, Mask, Stage, Tables};
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
@@ -75,9 +75,8 @@ impl<'a> TestCrowd<'a> {
             self.tables.set_slot(place, index, value).expect("a slot that points at what is there");
         }
         for (index, layer) in plan.layers.iter().enumerate() {
-            let mask = layer.mask.as_ref().map_or(NONE, |mask| self.mask(plan.body, mask));
-            let (weight, mode) = (layer.weight, layer.mode.device_value());
-            let value = Layer { weight, mask, mode, unused: 0 };
+            let mask = layer.mask.as_ref().map(|mask| self.mask(plan.body, mask));
+            let value = Layer::new(LayerSettings { mode: layer.mode, weight: layer.weight }, mask);
             self.tables.set_layer(place, index, value).expect("a layer that points at what is there");
         }
         self.members[member] = Some((place, plan));

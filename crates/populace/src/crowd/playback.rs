@@ -79,8 +79,7 @@ impl Crowd {
         if let Some(mask) = mask.filter(|m| m.character != character) {
             return Err(Error::UnknownId { what: "mask of this character", index: mask.first });
         }
-        let mask = mask.map_or(NONE, |m| m.first);
-        let value = Layer { weight: settings.weight, mask, mode: settings.mode.device_value(), unused: 0 };
+        let value = Layer::new(settings, mask.map(|m| m.first));
         Ok(self.tables.set_layer(member.place, layer, value)?)
     }
 
