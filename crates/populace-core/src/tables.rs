@@ -1,9 +1,13 @@
 //! The tables that devices evaluate: templates shared by all members, and the members themselves.
 
 mod members;
+mod pages;
 mod set;
 mod space;
 mod table;
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use crate::clip::Binding;
 use crate::layout::{
@@ -11,6 +15,7 @@ use crate::layout::{
     POSE_PLANES,
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, Trs};
+use pages::PageLists;
 use set::TableSet;
 use space::Space;
 
@@ -32,7 +37,9 @@ pub struct Tables {
     /// Slots of each member, 1 to [`MAX_SLOTS`].
     slots_per_member: usize,
     all: TableSet,
-    free_members: Vec<u32>,
+    page_lists: PageLists,
+    /// The lowest first; those past the last place are no longer there.
+    free_members: BinaryHeap<Reverse<u32>>,
     joint_space: Space,
     palette_space: Space,
 }
@@ -44,7 +51,8 @@ impl Tables {
         Self {
             slots_per_member: slots_per_member.clamp(1, MAX_SLOTS),
             all: TableSet::new(),
-            free_members: Vec::new(),
+            page_lists: PageLists::default(),
+            free_members: BinaryHeap::new(),
             joint_space: Space::new(usize::MAX),
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
         }
@@ -56,13 +64,13 @@ impl Tables {
         self.slots_per_member
     }
 
-    /// Places for members, taken or free.
+    /// Places for members, taken or free, up to the last one taken.
     #[must_use]
     pub fn member_places(&self) -> usize {
         self.all.members.len()
     }
 
-    /// Elements of the joint buffer, padding and free places included.
+    /// Elements of the joint buffer up to the last in use, padding and free places included.
     #[must_use]
     pub fn joint_places(&self) -> usize {
         self.all.joint_blocks.len() * JOINT_BLOCK as usize
@@ -80,6 +88,17 @@ impl Tables {
         let total = self.palette_places();
         let page = PAGE_ENTRIES as usize;
         (0..total.div_ceil(page)).map(|p| (total - p * page).min(page)).collect()
+    }
+
+    /// The places of the members whose palettes stand in a page, in no order; members without palette entries stand in
+    /// none. The list shortens as members leave: what stands past its end on a device is of no meaning.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such page: see [`page_lengths`](Self::page_lengths).
+    #[must_use]
+    pub fn page_members(&self, page: usize) -> &Table<u32> {
+        &self.page_lists.lists()[page]
     }
 
     /// The widest level of any body at each depth.
@@ -202,11 +221,13 @@ impl Tables {
     /// Forgets which elements changed; called once every device took them over.
     pub fn mark_clean(&mut self) {
         self.all.mark_clean();
+        self.page_lists.mark_clean();
     }
 
     /// Marks every element as changed, for a device that knows nothing yet.
     pub fn mark_dirty(&mut self) {
         self.all.mark_dirty();
+        self.page_lists.mark_dirty();
     }
 }
 

@@ -92,6 +92,11 @@ impl<T: bytemuck::Pod> Table<T> {
         }
     }
 
+    /// Shortens the table to `count` elements, or leaves it where it has no more.
+    pub(super) fn truncate(&mut self, count: usize) {
+        self.data.truncate(count);
+    }
+
     /// Devices still hold what stood where the table shrank and grew again.
     fn touch_from(&mut self, first: usize) {
         for index in first..self.data.len().min(self.known) {
@@ -125,6 +130,26 @@ impl<T: bytemuck::Pod> Table<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A device's copy, and what it was told.
+    #[derive(Default)]
+    struct Copy(Vec<u32>);
+
+    impl Copy {
+        fn take_over(&mut self, table: &Table<u32>) {
+            for index in table.changed() {
+                self.0[index as usize] = table.as_slice()[index as usize];
+            }
+            let tail = table.tail();
+            self.0.resize(table.len().max(self.0.len()), 0);
+            self.0[tail.clone()].copy_from_slice(&table.as_slice()[tail]);
+        }
+
+        #[track_caller]
+        fn assert_holds(&self, table: &Table<u32>) {
+            assert_eq!(&self.0[..table.len()], table.as_slice());
+        }
+    }
 
     fn table_of(count: u32) -> Table<u32> {
         let mut table = Table::new("numbers");
@@ -161,5 +186,60 @@ mod tests {
         table.mark_clean();
         table.set(7, 4);
         assert_eq!(changed(&table), [7]);
+    }
+
+    #[test]
+    fn what_is_gone_is_not_named_and_what_came_in_its_place_is() {
+        let mut table = table_of(100);
+        table.mark_clean();
+        [3, 98, 99].into_iter().for_each(|index| table.set(index, 7));
+        table.truncate(97);
+        assert_eq!((changed(&table), table.tail()), (vec![3], 97..97));
+        table.grow(99, 5);
+        assert_eq!((changed(&table), table.tail()), (vec![3, 97, 98], 99..99));
+        table.grow(103, 6);
+        assert_eq!((changed(&table), table.tail()), (vec![3, 97, 98, 99], 100..103));
+        table.truncate(50);
+        table.mark_clean();
+        table.grow(52, 8);
+        assert_eq!((changed(&table), table.tail()), (vec![], 50..52));
+    }
+
+    #[test]
+    fn a_device_that_takes_over_what_it_is_told_holds_all() {
+        let (mut table, mut state) = (table_of(40), 7_u64);
+        let mut copies = [Copy::default(), Copy::default()];
+        let mut random = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            usize::try_from(state >> 33).unwrap() % below
+        };
+        for step in 0..20_000 {
+            match random(100) {
+                0..70 => {
+                    let index = random(table.len().max(1));
+                    if index < table.len() {
+                        table.set(index, step);
+                    }
+                }
+                70..80 => drop(table.extend((0..step).take(random(9))).unwrap()),
+                80..85 => table.grow(table.len() + random(5), step),
+                85..92 => table.truncate(table.len().saturating_sub(random(15))),
+                92 => table.mark_dirty(),
+                _ => {
+                    // A frame whose devices all take over, then one that failed before they were told apart.
+                    for copy in &mut copies {
+                        copy.take_over(&table);
+                        copy.assert_holds(&table);
+                    }
+                    if random(4) > 0 {
+                        table.mark_clean();
+                    }
+                }
+            }
+            let changed = changed(&table);
+            let (unique, tail) = (changed.windows(2).all(|w| w[0] < w[1]), table.tail());
+            assert!(unique && changed.iter().all(|index| (*index as usize) < tail.start), "step {step}");
+            assert!(tail.end == table.len() && table.len() < 1000, "step {step}");
+        }
     }
 }
