@@ -124,7 +124,8 @@ pub trait Backend: Send {
     /// The schedule's name: how stages are mapped to work-items.
     fn schedule(&self) -> &'static str;
 
-    /// Takes over what changed in the tables since the last call, which is the tables' dirty ranges.
+    /// Takes over what changed in the tables since the last call: of each table its
+    /// [`changed`](crate::Table::changed) elements and its [`tail`](crate::Table::tail).
     ///
     /// # Errors
     ///

@@ -85,14 +85,17 @@ device_consts! {
     pub const PAGE_ENTRIES: u32 = 1 << 20;
     /// [`Slot::mode`]: the clip starts again at its end.
     pub const SLOT_LOOP: u32 = 0;
-    /// [`Slot::mode`]: the clip holds its end once [`Slot::hold_ticks`] have passed.
+    /// [`Slot::mode`]: the clip runs one whole cycle and holds its end.
     pub const SLOT_ONCE: u32 = 1;
     /// [`Slot::mode`]: the clip stands at [`Slot::held_secs`] on its own axis.
     pub const SLOT_HELD: u32 = 2;
-    /// [`Layer::mode`]: the layer's mix replaces what lies beneath, by weight and mask.
-    pub const LAYER_OVERRIDE: u32 = 0;
-    /// [`Layer::mode`]: the layer's differences from each clip's first row are laid over what lies beneath.
-    pub const LAYER_ADDITIVE: u32 = 1;
+    /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
+    pub const SLOT_MODE_BITS: u32 = 8;
+    /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are laid over what lies
+    /// beneath. Without it the layer's mix replaces that, by weight and mask.
+    pub const LAYER_ADDITIVE: u32 = 1 << 31;
+    /// The bits of [`Layer::mask_and_mode`] that name the mask; all of them set where the layer has none.
+    pub const LAYER_MASK: u32 = (1 << 31) - 1;
     /// Layers of each member.
     pub const LAYERS_PER_MEMBER: u32 = 4;
     /// Flag in a joint map: the rotation comes from the clip's rows.
@@ -275,34 +278,29 @@ device_struct! {
     /// One playing clip of a member, in closed form: devices evaluate it from the clock and never write it.
     ///
     /// The phase is a 64-bit fraction of the clip's cycle, `start_phase + elapsed * phase_rate`, wrapping: exact for
-    /// all time, and equal on every device.
+    /// all time, and equal on every device. [`SLOT_ONCE`] is at its end when `elapsed * |phase_rate|` fills a cycle,
+    /// which the upper half of the 128-bit product tells.
     pub struct Slot {
         /// The clock when the slot began.
         pub start_tick: u64,
-        /// Phase at `start_tick`, in 2^-64 of the clip's length.
-        pub start_phase: u64,
         /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays backwards.
         pub phase_rate: u64,
-        /// Ticks after which [`SLOT_ONCE`] holds the end.
-        pub hold_ticks: u64,
+        /// The clock when the weight began to move.
+        pub weight_tick: u64,
+        /// [`SLOT_LOOP`]: the phase at `start_tick`, in 2^-32 of the clip's length. [`SLOT_HELD`]: the bits of the
+        /// time that the slot stands at, a single-precision number of seconds on the clip's own axis.
+        /// [`SLOT_ONCE`] begins at the clip's start, or at its end where it plays backwards, and has zero here.
+        pub start_phase: u32,
         /// Into `bound_clips`, or [`NONE`] for an empty slot.
         pub bound_clip: u32,
-        /// `SLOT_` mode.
-        pub mode: u32,
-        /// The layer that the slot is mixed in.
-        pub layer: u32,
-        /// The time that [`SLOT_HELD`] stands at, on the clip's own axis, and at which [`SLOT_ONCE`] holds.
-        pub held_secs: f32,
+        /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is mixed in.
+        pub layer_and_mode: u32,
         /// Weight at `weight_tick`.
         pub start_weight: f32,
         /// Weight per second.
         pub weight_rate: f32,
         /// Where the weight stops.
         pub end_weight: f32,
-        /// Zero.
-        pub unused: u32,
-        /// The clock when the weight began to move.
-        pub weight_tick: u64,
     }
 }
 
@@ -311,12 +309,9 @@ device_struct! {
     pub struct Layer {
         /// From 0 to 1; not looked at in layer 0.
         pub weight: f32,
-        /// Into `masks`: a weight per joint; or [`NONE`] for all joints.
-        pub mask: u32,
-        /// `LAYER_` mode.
-        pub mode: u32,
-        /// Zero.
-        pub unused: u32,
+        /// [`LAYER_ADDITIVE`] or not, and in the bits of [`LAYER_MASK`] where in `masks` a weight per joint stands, or
+        /// all of them for all joints.
+        pub mask_and_mode: u32,
     }
 }
 
@@ -422,6 +417,13 @@ mod tests {
             "typedef struct { uint body; uint joint_first; uint palette_first; uint layer_count; } Member;\n"
         );
         assert!(opencl_prelude().contains("#define JOINT_BLOCK 16u\n"));
+    }
+
+    #[test]
+    fn a_member_of_four_slots_keeps_within_its_memory() {
+        // The fourth number is the member's entry in the list of its page.
+        let bytes = size_of::<Member>() + 4 * size_of::<Slot>() + 4 * size_of::<Layer>() + size_of::<u32>();
+        assert!(bytes <= 256, "{bytes}");
     }
 
     #[test]

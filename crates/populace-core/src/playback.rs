@@ -1,7 +1,8 @@
 //! Slots, layers and masks: which clips a member plays, and how they are mixed.
 
 use crate::layout::{
-    LAYER_ADDITIVE, LAYER_OVERRIDE, LAYERS_PER_MEMBER, SLOT_HELD, SLOT_LOOP, SLOT_ONCE, Slot,
+    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LOOP, SLOT_MODE_BITS, SLOT_ONCE,
+    Slot,
 };
 use crate::{Error, JointIndex, Skeleton};
 
@@ -38,43 +39,31 @@ impl Slot {
         Self {
             start_phase: fraction(phase),
             phase_rate: phase_rate(duration_secs, speed),
-            mode: SLOT_LOOP,
-            ..Self::still(bound_clip, tick)
+            ..Self::still(bound_clip, tick, SLOT_LOOP)
         }
     }
 
     /// A slot that plays a clip once, from its start (from its end where `speed` is negative), and holds its end.
+    ///
+    /// The end is reached at `ticks_from_secs(duration_secs / speed.abs())` after `tick`, for runs of up to an hour and
+    /// a half exactly; one of 3 ticks (4 microseconds) or less takes 3. A speed of 0 never reaches it.
     #[must_use]
-    pub fn once(bound_clip: u32, tick: u64, start_secs: f32, duration_secs: f32, speed: f32) -> Self {
-        let backwards = speed < 0.0;
-        let hold_ticks = if speed == 0.0 {
-            u64::MAX
-        } else {
-            ticks_from_secs(f64::from(duration_secs) / f64::from(speed.abs()))
-        };
-        Self {
-            // A whole cycle wraps to 0, so backwards starts one step below it.
-            start_phase: if backwards { u64::MAX } else { 0 },
-            phase_rate: phase_rate(duration_secs, speed),
-            hold_ticks,
-            mode: SLOT_ONCE,
-            held_secs: if backwards { start_secs } else { start_secs + duration_secs },
-            ..Self::still(bound_clip, tick)
-        }
+    pub fn once(bound_clip: u32, tick: u64, duration_secs: f32, speed: f32) -> Self {
+        Self { phase_rate: once_rate(duration_secs, speed), ..Self::still(bound_clip, tick, SLOT_ONCE) }
     }
 
     /// A slot that stands at one time on the clip's own axis; before the first key the first value holds, after the
     /// last the last.
     #[must_use]
     pub fn held(bound_clip: u32, tick: u64, held_secs: f32) -> Self {
-        Self { mode: SLOT_HELD, held_secs, ..Self::still(bound_clip, tick) }
+        Self { start_phase: held_secs.to_bits(), ..Self::still(bound_clip, tick, SLOT_HELD) }
     }
 
-    fn still(bound_clip: u32, tick: u64) -> Self {
+    fn still(bound_clip: u32, tick: u64, mode: u32) -> Self {
         Self {
             start_tick: tick,
             bound_clip,
-            hold_ticks: u64::MAX,
+            layer_and_mode: mode,
             start_weight: 1.0,
             end_weight: 1.0,
             weight_tick: tick,
@@ -82,11 +71,32 @@ impl Slot {
         }
     }
 
-    /// Puts the slot into a layer.
+    /// Puts the slot into a layer. No member has one of 2^24 or above, which reads as the last below that.
     #[must_use]
     pub fn on_layer(mut self, layer: u32) -> Self {
-        self.layer = layer;
+        self.layer_and_mode = layer.min(u32::MAX >> SLOT_MODE_BITS) << SLOT_MODE_BITS | self.mode();
         self
+    }
+
+    /// The layer that the slot is mixed in.
+    #[inline]
+    #[must_use]
+    pub const fn layer(&self) -> u32 {
+        self.layer_and_mode >> SLOT_MODE_BITS
+    }
+
+    /// The `SLOT_` mode.
+    #[inline]
+    #[must_use]
+    pub const fn mode(&self) -> u32 {
+        self.layer_and_mode & ((1 << SLOT_MODE_BITS) - 1)
+    }
+
+    /// The time that a slot of [`SLOT_HELD`] stands at, on the clip's own axis; any number for other slots.
+    #[inline]
+    #[must_use]
+    pub const fn held_secs(&self) -> f32 {
+        f32::from_bits(self.start_phase)
     }
 
     /// Gives the slot a constant weight.
@@ -123,15 +133,26 @@ impl Slot {
         }
     }
 
-    /// The time on the clip's own axis at a time of the clock that is not before the start; the twin of `slot_time` in `kernels/evaluate.cl`.
+    /// The time on the clip's own axis at a time of the clock that is not before the start, of a clip whose axis begins
+    /// at `start_secs`; the twin of `slot_time` in `kernels/evaluate.cl`.
     #[inline]
     #[must_use]
     pub fn time_at(&self, tick: u64, start_secs: f32, duration_secs: f32) -> f32 {
-        let elapsed = tick.wrapping_sub(self.start_tick);
-        if self.mode == SLOT_HELD || (self.mode == SLOT_ONCE && elapsed >= self.hold_ticks) {
-            return self.held_secs;
+        if self.mode() == SLOT_HELD {
+            return self.held_secs();
         }
-        let phase = self.start_phase.wrapping_add(elapsed.wrapping_mul(self.phase_rate));
+        let elapsed = tick.wrapping_sub(self.start_tick);
+        let mut phase =
+            (u64::from(self.start_phase) << 32).wrapping_add(elapsed.wrapping_mul(self.phase_rate));
+        if self.mode() == SLOT_ONCE {
+            let backwards = self.phase_rate >> 63 != 0;
+            let rate = if backwards { self.phase_rate.wrapping_neg() } else { self.phase_rate };
+            if (u128::from(elapsed) * u128::from(rate)) >> 64 != 0 {
+                return if backwards { start_secs } else { start_secs + duration_secs };
+            }
+            // A whole cycle would read as none, so backwards begins one step below it.
+            phase = if backwards { !elapsed.wrapping_mul(rate) } else { elapsed.wrapping_mul(rate) };
+        }
         // The upper 24 bits are exact in single precision and never round up to a whole cycle.
         start_secs + (phase >> 40) as f32 * (1.0 / 16_777_216.0) * duration_secs
     }
@@ -140,10 +161,10 @@ impl Slot {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a fraction of 2^64; `as` saturates"
+    reason = "a fraction of 2^32; `as` saturates"
 )]
-fn fraction(phase: f64) -> u64 {
-    (phase.rem_euclid(1.0) * 18_446_744_073_709_551_616.0) as u64
+fn fraction(phase: f64) -> u32 {
+    (phase.rem_euclid(1.0) * 4_294_967_296.0) as u32
 }
 
 #[expect(
@@ -159,6 +180,19 @@ fn phase_rate(duration_secs: f32, speed: f32) -> u64 {
     (cycles_per_tick * 18_446_744_073_709_551_616.0) as i64 as u64
 }
 
+/// The phase per tick with which one cycle fills in just so many ticks as its time rounds to: rounded up, so that it
+/// is full at the last of them, which for up to 2^32 ticks leaves it less than full at the one before.
+fn once_rate(duration_secs: f32, speed: f32) -> u64 {
+    if duration_secs <= 0.0 || speed == 0.0 {
+        return 0;
+    }
+    let ticks = ticks_from_secs(f64::from(duration_secs) / f64::from(speed.abs()));
+    // In fewer than three ticks the rate would not fit beside its sign.
+    let ticks = u128::from(ticks.max(3));
+    let rate = u64::try_from((1_u128 << 64).div_ceil(ticks)).unwrap_or(0);
+    if speed < 0.0 { rate.wrapping_neg() } else { rate }
+}
+
 /// How a layer meets what lies beneath it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LayerMode {
@@ -167,17 +201,6 @@ pub enum LayerMode {
     Override,
     /// Each slot's difference from its clip's first row is added, by slot weight times layer weight times mask.
     Additive,
-}
-
-impl LayerMode {
-    /// The `LAYER_` constant of the device.
-    #[must_use]
-    pub const fn device_value(self) -> u32 {
-        match self {
-            Self::Override => LAYER_OVERRIDE,
-            Self::Additive => LAYER_ADDITIVE,
-        }
-    }
 }
 
 /// A layer as a user sets it.
@@ -192,6 +215,35 @@ pub struct LayerSettings {
 impl Default for LayerSettings {
     fn default() -> Self {
         Self { mode: LayerMode::Override, weight: 1.0 }
+    }
+}
+
+impl Layer {
+    /// A layer for all joints, or through the mask whose weights stand at an offset of
+    /// [`Tables::masks`](crate::Tables::masks). Offsets of [`LAYER_MASK`] and above, where no mask can be, read as the
+    /// last below.
+    #[must_use]
+    pub fn new(settings: LayerSettings, mask: Option<u32>) -> Self {
+        let mode = match settings.mode {
+            LayerMode::Override => 0,
+            LayerMode::Additive => LAYER_ADDITIVE,
+        };
+        let mask = mask.map_or(LAYER_MASK, |first| first.min(LAYER_MASK - 1));
+        Self { weight: settings.weight, mask_and_mode: mask | mode }
+    }
+
+    /// Where in [`Tables::masks`](crate::Tables::masks) the layer's weights per joint stand; `None` for all joints.
+    #[inline]
+    #[must_use]
+    pub fn mask(&self) -> Option<u32> {
+        Some(self.mask_and_mode & LAYER_MASK).filter(|first| *first != LAYER_MASK)
+    }
+
+    /// Whether the layer adds to what lies beneath it, rather than replacing it.
+    #[inline]
+    #[must_use]
+    pub const fn is_additive(&self) -> bool {
+        self.mask_and_mode & LAYER_ADDITIVE != 0
     }
 }
 
@@ -237,6 +289,7 @@ impl Mask {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::NONE;
 
     #[test]
     fn a_loop_keeps_its_phase_for_a_year() {
@@ -249,7 +302,7 @@ mod tests {
 
     #[test]
     fn backwards_starts_at_the_end_and_holds_the_start() {
-        let slot = Slot::once(0, 100, 0.5, 2.0, -2.0);
+        let slot = Slot::once(0, 100, 2.0, -2.0);
         assert!((slot.time_at(100, 0.5, 2.0) - 2.5).abs() < 1e-6);
         assert!((slot.time_at(100 + TICKS_PER_SEC / 2, 0.5, 2.0) - 1.5).abs() < 1e-6);
         assert_eq!(slot.time_at(100 + TICKS_PER_SEC, 0.5, 2.0), 0.5);
@@ -258,9 +311,90 @@ mod tests {
 
     #[test]
     fn once_reaches_its_end_exactly_and_stays() {
-        let slot = Slot::once(0, 0, 0.0, 0.75, 1.0);
+        let slot = Slot::once(0, 0, 0.75, 1.0);
         assert_eq!(slot.time_at(ticks_from_secs(0.75), 0.0, 0.75), 0.75);
         assert_eq!(slot.time_at(ticks_from_secs(75.0), 0.0, 0.75), 0.75);
+    }
+
+    #[test]
+    fn once_ends_on_its_tick_at_any_speed_either_way() {
+        let start = 0.033_f32;
+        for duration in [0.001_f32, 1.0 / 3.0, 0.75, 2.533_333, 59.94, 1_234.567] {
+            for speed in [0.01_f32, 0.3, 0.999_999_9, 1.0, 1.000_000_1, 7.3, 1e3] {
+                let ticks = ticks_from_secs(f64::from(duration) / f64::from(speed));
+                if !(3..=1 << 32).contains(&ticks) {
+                    continue;
+                }
+                let what = format!("{duration} s at {speed}");
+                let forwards = Slot::once(0, 5, duration, speed);
+                assert!(forwards.time_at(5 + ticks - 1, 0.0, duration) < duration, "{what}");
+                assert_eq!(forwards.time_at(5, start, duration), start, "{what}");
+                assert_eq!(forwards.time_at(5 + ticks, start, duration), start + duration, "{what}");
+                let backwards = Slot::once(0, 5, duration, -speed);
+                // Times are told apart to 2^-24 of the clip.
+                let one_tick_left = backwards.time_at(5 + ticks - 1, 0.0, duration);
+                assert!(one_tick_left > 0.0 || ticks > 1 << 23, "{what}");
+                assert!(backwards.time_at(5, 0.0, duration) > duration * 0.999_999, "{what}");
+                assert_eq!(backwards.time_at(5 + ticks, start, duration), start, "{what}");
+                assert_eq!(backwards.time_at(u64::MAX, start, duration), start, "{what}");
+            }
+        }
+    }
+
+    #[test]
+    fn once_runs_evenly_between_its_ends() {
+        let (duration, speed) = (2.533_333_f32, 0.37);
+        let ticks = ticks_from_secs(f64::from(duration) / f64::from(speed));
+        for step in 0..=1000 {
+            let elapsed = ticks * step / 1000;
+            let wanted = duration * (elapsed as f32 / ticks as f32);
+            let forwards = Slot::once(0, 0, duration, speed).time_at(elapsed, 0.0, duration);
+            assert!((forwards - wanted).abs() < 1e-6, "{forwards} is not {wanted}");
+            let backwards = Slot::once(0, 0, duration, -speed).time_at(elapsed, 0.0, duration);
+            assert!(
+                (backwards - (duration - wanted)).abs() < 1e-6,
+                "{backwards} is not {duration} - {wanted}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_run_of_no_speed_or_no_length_stands_at_its_start() {
+        for (duration, speed) in [(1.5, 0.0), (1.5, -0.0), (0.0, 1.0), (0.0, -1.0), (0.0, 0.0)] {
+            for tick in [0, 1, TICKS_PER_SEC, u64::MAX] {
+                assert_eq!(Slot::once(0, 0, duration, speed).time_at(tick, 0.25, duration), 0.25);
+            }
+        }
+    }
+
+    #[test]
+    fn a_run_of_less_than_a_tick_still_ends_and_stays() {
+        for speed in [1.0, -1.0] {
+            let slot = Slot::once(0, 0, 1e-7, speed);
+            let end = if speed < 0.0 { 0.0 } else { 1e-7 };
+            assert!([3, 4, 99, u64::MAX].iter().all(|tick| slot.time_at(*tick, 0.0, 1e-7) == end), "{speed}");
+        }
+    }
+
+    #[test]
+    fn a_slot_remembers_its_layer_and_mode() {
+        let slot = Slot::held(7, 0, -1.5).on_layer(3);
+        assert_eq!((slot.layer(), slot.mode(), slot.held_secs()), (3, SLOT_HELD, -1.5));
+        let slot = Slot::once(7, 0, 1.0, 1.0).on_layer(2).on_layer(1);
+        assert_eq!((slot.layer(), slot.mode()), (1, SLOT_ONCE));
+        assert_eq!(slot.on_layer(u32::MAX).layer(), (1 << 24) - 1);
+    }
+
+    #[test]
+    fn a_layer_remembers_its_mask_and_mode() {
+        for (mode, additive) in [(LayerMode::Override, false), (LayerMode::Additive, true)] {
+            for mask in [None, Some(0), Some(77), Some(LAYER_MASK - 1)] {
+                let layer = Layer::new(LayerSettings { mode, weight: 0.5 }, mask);
+                assert_eq!((layer.weight, layer.mask(), layer.is_additive()), (0.5, mask, additive));
+            }
+        }
+        let beyond = Layer::new(LayerSettings::default(), Some(NONE));
+        assert_eq!((beyond.mask(), beyond.is_additive()), (Some(LAYER_MASK - 1), false));
     }
 
     #[test]
@@ -274,7 +408,7 @@ mod tests {
 
     #[test]
     fn a_slot_of_the_future_weighs_nothing_until_its_time() {
-        let mut slot = Slot::once(0, 100, 0.0, 1.0, 1.0);
+        let mut slot = Slot::once(0, 100, 1.0, 1.0);
         assert_eq!((slot.weight_at(99), slot.weight_at(100)), (0.0, 1.0));
         slot.ramp_weight(100 + TICKS_PER_SEC, 0.25, 1.0, 1.0);
         assert_eq!(slot.weight_at(200), 0.25, "the ramp has not begun");

@@ -1,85 +1,24 @@
 //! The tables that devices evaluate: templates shared by all members, and the members themselves.
 
+mod binding;
+mod members;
+mod pages;
 mod set;
 mod space;
+mod table;
 
-use std::ops::Range;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
-use crate::clip::Binding;
 use crate::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Entry, Float4, JOINT_BLOCK, LAYERS_PER_MEMBER, Layer, MAP_COLUMN,
-    MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
-    RANGE_PLANES, REST_SCALE, REST_TRANSLATION, SLOT_LOOP, Slot, Source,
+    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, Trs};
+use pages::PageLists;
 use set::TableSet;
 use space::Space;
 
-/// A growing array whose changes since the last look are known.
-#[derive(Clone, Debug)]
-pub struct Table<T> {
-    name: &'static str,
-    data: Vec<T>,
-    dirty: Range<usize>,
-}
-
-impl<T: bytemuck::Pod> Table<T> {
-    fn new(name: &'static str) -> Self {
-        Self { name, data: Vec::new(), dirty: 0..0 }
-    }
-
-    /// The table's name, for errors.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-
-    /// All elements.
-    #[must_use]
-    pub fn as_slice(&self) -> &[T] {
-        &self.data
-    }
-
-    /// The range of elements that changed since [`Tables::mark_clean`].
-    #[must_use]
-    pub fn dirty(&self) -> Range<usize> {
-        self.dirty.clone()
-    }
-
-    fn set(&mut self, index: usize, value: T) {
-        self.data[index] = value;
-        self.touch(index..index + 1);
-    }
-
-    fn touch(&mut self, range: Range<usize>) {
-        self.dirty = if self.dirty.is_empty() {
-            range
-        } else {
-            self.dirty.start.min(range.start)..self.dirty.end.max(range.end)
-        };
-    }
-
-    fn extend(&mut self, values: impl IntoIterator<Item = T>) -> Result<u32, Error> {
-        const LIMIT: usize = NONE as usize;
-        let first = self.data.len();
-        self.data.extend(values);
-        let count = self.data.len();
-        if count > LIMIT {
-            self.data.truncate(first);
-            return Err(Error::TooLarge { what: self.name, count, limit: LIMIT });
-        }
-        self.touch(first..count);
-        Ok(u32_from(first))
-    }
-
-    fn resize(&mut self, count: usize, value: T) {
-        let first = self.data.len();
-        self.data.resize(count, value);
-        if count > first {
-            self.touch(first..count);
-        }
-    }
-}
+pub use table::Table;
 
 #[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
 fn u32_from(index: usize) -> u32 {
@@ -97,7 +36,9 @@ pub struct Tables {
     /// Slots of each member, 1 to [`MAX_SLOTS`].
     slots_per_member: usize,
     all: TableSet,
-    free_members: Vec<u32>,
+    page_lists: PageLists,
+    /// The lowest first; those past the last place are no longer there.
+    free_members: BinaryHeap<Reverse<u32>>,
     joint_space: Space,
     palette_space: Space,
 }
@@ -109,7 +50,8 @@ impl Tables {
         Self {
             slots_per_member: slots_per_member.clamp(1, MAX_SLOTS),
             all: TableSet::new(),
-            free_members: Vec::new(),
+            page_lists: PageLists::default(),
+            free_members: BinaryHeap::new(),
             joint_space: Space::new(usize::MAX),
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
         }
@@ -121,22 +63,22 @@ impl Tables {
         self.slots_per_member
     }
 
-    /// Places for members, taken or free.
+    /// Places for members, taken or free, up to the last one taken.
     #[must_use]
     pub fn member_places(&self) -> usize {
-        self.all.members.data.len()
+        self.all.members.len()
     }
 
-    /// Elements of the joint buffer, padding and free places included.
+    /// Elements of the joint buffer up to the last in use, padding and free places included.
     #[must_use]
     pub fn joint_places(&self) -> usize {
-        self.all.joint_blocks.data.len() * JOINT_BLOCK as usize
+        self.all.joint_blocks.len() * JOINT_BLOCK as usize
     }
 
     /// Palette entries over all pages, up to the last in use.
     #[must_use]
     pub fn palette_places(&self) -> usize {
-        self.all.palette_blocks.data.len() * PALETTE_BLOCK as usize
+        self.all.palette_blocks.len() * PALETTE_BLOCK as usize
     }
 
     /// The palette entries of each page: all but the last are [`PAGE_ENTRIES`] long.
@@ -147,13 +89,24 @@ impl Tables {
         (0..total.div_ceil(page)).map(|p| (total - p * page).min(page)).collect()
     }
 
+    /// The places of the members whose palettes stand in a page, in no order; members without palette entries stand in
+    /// none. The list shortens as members leave: what stands past its end on a device is of no meaning.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such page: see [`page_lengths`](Self::page_lengths).
+    #[must_use]
+    pub fn page_members(&self, page: usize) -> &Table<u32> {
+        &self.page_lists.lists()[page]
+    }
+
     /// The widest level of any body at each depth.
     #[must_use]
     pub fn level_widths(&self) -> Vec<usize> {
         let mut widths = Vec::new();
         for body in self.all.bodies.as_slice() {
             let first = body.level_first as usize;
-            let ends = &self.all.levels.data[first..=first + body.level_count as usize];
+            let ends = &self.all.levels.as_slice()[first..=first + body.level_count as usize];
             for (depth, level) in ends.windows(2).enumerate() {
                 widths.resize(widths.len().max(depth + 1), 0);
                 widths[depth] = widths[depth].max((level[1] - level[0]) as usize);
@@ -237,297 +190,39 @@ impl Tables {
         }])
     }
 
-    /// Binds a clip to a body and returns the index that slots name.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::TooLarge`] past 32-bit offsets; [`Error::BadPlayback`] for a clip or body that is not there, or a
-    /// binding to another skeleton.
-    pub fn add_bound_clip(&mut self, clip: u32, body: BodyIndex, binding: &Binding) -> Result<u32, Error> {
-        let joints = self.all.bodies.data.get(body.0 as usize).map(|b| b.joint_count as usize);
-        if clip as usize >= self.all.clips.data.len() || joints != Some(binding.joint_map().len()) {
-            return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
-        }
-        let body_row = self.all.bodies.data[body.0 as usize];
-        let map_first = self.all.joint_maps.extend(binding.joint_map().iter().copied())?;
-        let range_first = self.add_ranges(binding)?;
-        let block_first = u32_from(self.all.bound_blocks.data.len());
-        for joints in (0..body_row.padded_count).step_by(JOINT_BLOCK as usize) {
-            let block = self.bind_block(clip, &body_row, binding, range_first, joints as usize)?;
-            self.all.bound_blocks.extend([block])?;
-        }
-        self.all.bound_clips.extend([BoundClip { clip, map_first, range_first, block_first, body: body.0 }])
-    }
-
-    fn add_ranges(&mut self, binding: &Binding) -> Result<u32, Error> {
-        let padded = padded(binding.ranges().len());
-        let mut planes = vec![0.0; RANGE_PLANES * padded];
-        for (joint, [translation, rotation, scale]) in binding.ranges().iter().enumerate() {
-            let ([qx, qy, qz, qw], [tx, ty, tz, _], [sx, sy, sz, _]) =
-                (rotation.offset, translation.offset, scale.offset);
-            let (q, t, s) = (rotation.step, translation.step, scale.step);
-            for (plane, value) in [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s].into_iter().enumerate() {
-                planes[plane * padded + joint] = value;
-            }
-        }
-        self.all.poses.extend(planes)
-    }
-
-    /// Where the 16 joints from `first` on find their columns.
-    fn bind_block(
-        &mut self,
-        clip: u32,
-        body: &Body,
-        binding: &Binding,
-        range_first: u32,
-        first: usize,
-    ) -> Result<BoundBlock, Error> {
-        const BLOCK: usize = JOINT_BLOCK as usize;
-        let moves = MAP_ROTATION | MAP_TRANSLATION | MAP_SCALE;
-        let maps = &binding.joint_map()[first..binding.joint_map().len().min(first + BLOCK)];
-        let mut sources: Vec<(u32, [u32; BLOCK])> = Vec::new();
-        for (lane, map) in maps.iter().enumerate().filter(|(_, map)| **map & moves != 0) {
-            let column = map & MAP_COLUMN;
-            let (block, from) = (column / JOINT_BLOCK, column % JOINT_BLOCK);
-            let at = sources.iter().position(|(known, _)| *known == block).unwrap_or_else(|| {
-                sources.push((block, [NONE; BLOCK]));
-                sources.len() - 1
-            });
-            sources[at].1[lane] = from;
-        }
-        let own_lane = |(lane, from): (u32, &u32)| *from == NONE || *from == lane;
-        let straight = sources.len() == 1 && (0..).zip(&sources[0].1).all(own_lane);
-        let source_first = u32_from(self.all.sources.data.len());
-        let blocks = self.all.clips.data[clip as usize].block_first;
-        for (block, lanes) in &sources {
-            let lanes_first = self.all.source_lanes.extend(lanes.iter().copied())?;
-            self.all.sources.extend([Source { block: blocks + block, lanes_first }])?;
-        }
-        let flags = self.rest_flags(body, range_first, first);
-        Ok(BoundBlock {
-            source_first,
-            source_count: u32_from(sources.len()),
-            straight: u32::from(straight),
-            flags,
-        })
-    }
-
-    /// Whether the translations and scales of 16 joints from `first` on stand where the body's rest has them.
-    fn rest_flags(&self, body: &Body, range_first: u32, first: usize) -> u32 {
-        let (padded, joints) = (body.padded_count as usize, first..first + JOINT_BLOCK as usize);
-        let poses = &self.all.poses.data;
-        let plane = |table: u32, plane: usize| {
-            let start = table as usize + plane * padded;
-            &poses[start + joints.start..start + joints.end]
-        };
-        let same = |range_plane: usize, rest_plane: usize| {
-            let offsets =
-                (0..3).all(|c| plane(range_first, range_plane + c) == plane(body.rest_first, rest_plane + c));
-            offsets && plane(range_first, range_plane + 3).iter().all(|&step| step == 0.0)
-        };
-        u32::from(same(5, 4)) * REST_TRANSLATION | u32::from(same(9, 7)) * REST_SCALE
-    }
-
     /// Adds a mask and returns the offset that layers name.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets.
+    /// [`Error::TooLarge`] past 31-bit offsets.
     pub fn add_mask(&mut self, mask: &Mask) -> Result<u32, Error> {
-        let padding = padded(mask.weights().len()) - mask.weights().len();
-        self.all.masks.extend(mask.weights().iter().copied().chain(std::iter::repeat_n(0.0, padding)))
-    }
-
-    /// Gives a member of a body a place, without any clip; returns the place.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::TooLarge`] past 32-bit offsets.
-    ///
-    /// # Panics
-    ///
-    /// If the body does not exist.
-    pub fn add_member(&mut self, body: BodyIndex) -> Result<u32, Error> {
-        let Body { padded_count, entry_count, .. } = self.all.bodies.data[body.0 as usize];
-        let blocks = (padded_count / JOINT_BLOCK) as usize;
-        for (what, count, limit) in [
-            ("the joint buffer", self.joint_space.end_with(blocks), NONE / JOINT_BLOCK),
-            (
-                "the palettes",
-                self.palette_space.end_with(palette_block_count(entry_count)),
-                NONE / PALETTE_BLOCK,
-            ),
-        ] {
-            if count > limit as usize {
-                return Err(Error::TooLarge { what, count, limit: limit as usize });
-            }
+        let padded = padded(mask.weights().len());
+        let (count, limit) = (self.all.masks.len() + padded, LAYER_MASK as usize);
+        if count > limit {
+            return Err(Error::TooLarge { what: "the masks", count, limit });
         }
-        let place = match self.free_members.pop() {
-            Some(place) => place,
-            None => self.all.members.extend([Member { body: NONE, ..Member::default() }])?,
-        };
-        self.all.slots.resize(self.member_places() * self.slots_per_member, EMPTY_SLOT);
-        self.all.layers.resize(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
-        let joint_block = self.joint_space.take(blocks);
-        let palette_block = self.palette_space.take(palette_block_count(entry_count));
-        fill(&mut self.all.joint_blocks, joint_block, place);
-        fill(&mut self.all.palette_blocks, palette_block, place);
-        self.reset_playback(place);
-        self.all.members.set(
-            place as usize,
-            Member {
-                body: body.0,
-                joint_first: u32_from(joint_block.0 * JOINT_BLOCK as usize),
-                palette_first: u32_from(palette_block.0 * PALETTE_BLOCK as usize),
-                layer_count: 1,
-            },
-        );
-        Ok(place)
-    }
-
-    /// Frees a member's place.
-    ///
-    /// # Panics
-    ///
-    /// If the place is not taken.
-    pub fn remove_member(&mut self, place: u32) {
-        let member = self.all.members.data[place as usize];
-        let Body { padded_count, entry_count, .. } = self.all.bodies.data[member.body as usize];
-        let joints = ((member.joint_first / JOINT_BLOCK) as usize, (padded_count / JOINT_BLOCK) as usize);
-        let palette = ((member.palette_first / PALETTE_BLOCK) as usize, palette_block_count(entry_count));
-        fill(&mut self.all.joint_blocks, joints, NONE);
-        fill(&mut self.all.palette_blocks, palette, NONE);
-        self.joint_space.give_back(joints);
-        self.palette_space.give_back(palette);
-        self.reset_playback(place);
-        self.all.members.set(place as usize, Member { body: NONE, ..Member::default() });
-        self.free_members.push(place);
-    }
-
-    fn reset_playback(&mut self, place: u32) {
-        for slot in self.slot_range(place) {
-            self.all.slots.set(slot, EMPTY_SLOT);
-        }
-        for layer in self.layer_range(place) {
-            self.all.layers.set(layer, PLAIN_LAYER);
-        }
-    }
-
-    /// Replaces one of a member's slots.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadPlayback`] for a place without a member, a slot that there is not, a layer past the last, or a clip
-    /// that is not bound to the member's body.
-    pub fn set_slot(&mut self, place: u32, index: usize, slot: Slot) -> Result<(), Error> {
-        let member = self.taken(place)?;
-        let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
-        if index >= self.slots_per_member {
-            return bad("slot", u32::try_from(index).unwrap_or(NONE));
-        }
-        if slot.layer >= LAYERS_PER_MEMBER {
-            return bad("layer", slot.layer);
-        }
-        let bound = self.all.bound_clips.data.get(slot.bound_clip as usize);
-        if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
-            return bad("bound clip", slot.bound_clip);
-        }
-        self.all.slots.set(place as usize * self.slots_per_member + index, slot);
-        self.use_layer(place, slot.layer);
-        Ok(())
-    }
-
-    /// Replaces one of a member's layers.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadPlayback`] for a place without a member, a layer past the last, or a mask that is not there.
-    pub fn set_layer(&mut self, place: u32, index: usize, layer: Layer) -> Result<(), Error> {
-        let member = self.taken(place)?;
-        let joints = self.all.bodies.data[member.body as usize].padded_count as usize;
-        let layer_index = u32::try_from(index).unwrap_or(NONE);
-        if layer_index >= LAYERS_PER_MEMBER {
-            return Err(Error::BadPlayback { what: "layer", value: layer_index });
-        }
-        if layer.mask != NONE && layer.mask as usize + joints > self.all.masks.data.len() {
-            return Err(Error::BadPlayback { what: "mask", value: layer.mask });
-        }
-        self.all.layers.set(place as usize * LAYERS_PER_MEMBER as usize + index, layer);
-        self.use_layer(place, layer_index);
-        Ok(())
-    }
-
-    fn taken(&self, place: u32) -> Result<Member, Error> {
-        let member = self.all.members.data.get(place as usize).filter(|m| m.body != NONE);
-        member.copied().ok_or(Error::BadPlayback { what: "member", value: place })
-    }
-
-    fn use_layer(&mut self, place: u32, layer: u32) {
-        let mut member = self.all.members.data[place as usize];
-        if member.layer_count <= layer {
-            member.layer_count = layer + 1;
-            self.all.members.set(place as usize, member);
-        }
-    }
-
-    /// Where a member's slots stand in [`Tables::slots`].
-    #[must_use]
-    pub fn slot_range(&self, place: u32) -> Range<usize> {
-        let first = place as usize * self.slots_per_member;
-        first..first + self.slots_per_member
-    }
-
-    /// Where a member's layers stand in [`Tables::layers`].
-    #[must_use]
-    pub fn layer_range(&self, place: u32) -> Range<usize> {
-        let first = place as usize * LAYERS_PER_MEMBER as usize;
-        first..first + LAYERS_PER_MEMBER as usize
+        let padding = std::iter::repeat_n(0.0, padded - mask.weights().len());
+        self.all.masks.extend(mask.weights().iter().copied().chain(padding))
     }
 
     /// Forgets which elements changed; called once every device took them over.
     pub fn mark_clean(&mut self) {
-        self.all.for_each(|_, dirty| *dirty = 0..0);
+        self.all.mark_clean();
+        self.page_lists.mark_clean();
     }
 
     /// Marks every element as changed, for a device that knows nothing yet.
     pub fn mark_dirty(&mut self) {
-        self.all.for_each(|count, dirty| *dirty = 0..count);
+        self.all.mark_dirty();
+        self.page_lists.mark_dirty();
     }
 }
-
-const EMPTY_SLOT: Slot = Slot {
-    start_tick: 0,
-    start_phase: 0,
-    phase_rate: 0,
-    hold_ticks: 0,
-    bound_clip: NONE,
-    mode: SLOT_LOOP,
-    layer: 0,
-    held_secs: 0.0,
-    start_weight: 0.0,
-    weight_rate: 0.0,
-    end_weight: 0.0,
-    unused: 0,
-    weight_tick: 0,
-};
-const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask: NONE, mode: crate::layout::LAYER_OVERRIDE, unused: 0 };
 
 fn padded(joint_count: usize) -> usize {
     joint_count.next_multiple_of(JOINT_BLOCK as usize)
 }
 
-fn palette_block_count(entry_count: u32) -> usize {
-    entry_count.div_ceil(PALETTE_BLOCK) as usize
-}
-
 fn device_entry(entry: &PaletteEntry) -> Entry {
     let [row0, row1, row2] = entry.joint_from_bind.rows.map(Float4);
     Entry { row0, row1, row2, joint: entry.joint.0, ..Entry::default() }
-}
-
-fn fill(blocks: &mut Table<u32>, (first, count): (usize, usize), place: u32) {
-    blocks.resize(blocks.data.len().max(first + count), NONE);
-    for block in first..first + count {
-        blocks.set(block, place);
-    }
 }

@@ -1,7 +1,7 @@
 //! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin of `kernels/joint.cl`.
 
 use populace_core::Tables;
-use populace_core::layout::{Body, LAYER_ADDITIVE, Layer, NONE, SlotSample};
+use populace_core::layout::{Body, Layer, SlotSample};
 use populace_core::math::{Real, quat};
 
 use crate::rows::{Local, Width, load_quat, load_vec3, sample_joint};
@@ -136,11 +136,10 @@ impl Posing<'_> {
         };
         for (index, layer) in (0..).zip(self.layers).skip(1) {
             let mut weight = R::splat(layer.weight);
-            if layer.mask != NONE {
-                weight =
-                    weight * R::load(&self.tables.masks().as_slice()[layer.mask as usize + self.joint..]);
+            if let Some(mask) = layer.mask() {
+                weight = weight * R::load(&self.tables.masks().as_slice()[mask as usize + self.joint..]);
             }
-            let additive = layer.mode == LAYER_ADDITIVE;
+            let additive = layer.is_additive();
             let (sum, total) = self.sum_layer::<R>(index, additive, rest_rotation);
             let above = if additive {
                 add_layer(&pose, &sum, weight)

@@ -20,7 +20,7 @@ pub(crate) fn run(tables: &Tables, samples: &[SlotSample], joints: &mut JointBuf
             for ((playing, slot), at) in
                 playing.iter_mut().zip(&tables.slots().as_slice()[slots.clone()]).zip(&samples[slots])
             {
-                *playing = Playing { at: *at, bound_clip: slot.bound_clip, layer: slot.layer };
+                *playing = Playing { at: *at, bound_clip: slot.bound_clip, layer: slot.layer() };
             }
             let layers = place as usize * LAYERS_PER_MEMBER as usize;
             let layers = &tables.layers().as_slice()[layers..layers + member.layer_count as usize];

@@ -11,7 +11,7 @@ uint play(__global const Slot *slots, uint slot_count, ulong tick, Clips of, __g
         if (at.weight <= 0.0f) continue;
         playing[count].at = at;
         playing[count].bound_clip = slot.bound_clip;
-        playing[count].layer = slot.layer;
+        playing[count].layer = slot_layer(slot);
         count++;
     }
     return count;

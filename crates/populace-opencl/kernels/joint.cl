@@ -92,8 +92,9 @@ Trs pose_joint(Clips of, Playback playback, __global const Layer *layers, uint l
     }
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = layers[l];
-        const Real weight = layer.mask == NONE ? (Real)(layer.weight) : layer.weight * LOAD(of.masks + layer.mask + joint);
-        const bool additive = layer.mode == LAYER_ADDITIVE;
+        const uint mask = layer.mask_and_mode & LAYER_MASK;
+        const Real weight = mask == LAYER_MASK ? (Real)(layer.weight) : layer.weight * LOAD(of.masks + mask + joint);
+        const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
         const Trs sum = sum_layer(of, playback, l, additive, body, joint, rest_rotation, &total);
         const Trs above = additive ? add_layer(trs, sum, weight) : mix_layer(trs, sum, total, weight, rest_rotation);
         const Choice laid = weight > (Real)(0.0f);

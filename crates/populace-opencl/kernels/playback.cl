@@ -16,7 +16,7 @@ typedef struct {
 
 Playing playing_at(Playback playback, uint s)
 {
-    const Playing playing = { playback.samples[s], playback.slots[s].bound_clip, playback.slots[s].layer };
+    const Playing playing = { playback.samples[s], playback.slots[s].bound_clip, slot_layer(playback.slots[s]) };
     return playing;
 }
 

@@ -10,11 +10,22 @@ float slot_weight(Slot slot, ulong tick)
     return (rising && weight > slot.end_weight) || (!rising && weight < slot.end_weight) ? slot.end_weight : weight;
 }
 
+uint slot_mode(Slot slot) { return slot.layer_and_mode & ((1u << SLOT_MODE_BITS) - 1u); }
+
+uint slot_layer(Slot slot) { return slot.layer_and_mode >> SLOT_MODE_BITS; }
+
 float slot_time(Slot slot, ulong tick, ClipRows clip)
 {
+    if (slot_mode(slot) == SLOT_HELD) return as_float(slot.start_phase);
     const ulong elapsed = tick - slot.start_tick;
-    if (slot.mode == SLOT_HELD || (slot.mode == SLOT_ONCE && elapsed >= slot.hold_ticks)) return slot.held_secs;
-    const ulong phase = slot.start_phase + elapsed * slot.phase_rate;
+    ulong phase = ((ulong)slot.start_phase << 32) + elapsed * slot.phase_rate;
+    if (slot_mode(slot) == SLOT_ONCE) {
+        const bool backwards = (slot.phase_rate >> 63) != 0;
+        const ulong rate = backwards ? -slot.phase_rate : slot.phase_rate;
+        if (mul_hi(elapsed, rate) != 0) return backwards ? clip.start_secs : clip.start_secs + clip.duration_secs;
+        /* A whole cycle would read as none, so backwards begins one step below it. */
+        phase = backwards ? ~(elapsed * rate) : elapsed * rate;
+    }
     return clip.start_secs + (float)(uint)(phase >> 40) * (1.0f / 16777216.0f) * clip.duration_secs;
 }
 

@@ -21,11 +21,11 @@ impl Form {
         let shared = [
             include_str!("../kernels/lanes.cl"),
             include_str!("../kernels/quat.cl"),
+            include_str!("../kernels/slot.cl"),
             include_str!("../kernels/rows.cl"),
             include_str!("../kernels/playback.cl"),
             include_str!("../kernels/joint.cl"),
             include_str!("../kernels/affine.cl"),
-            include_str!("../kernels/slot.cl"),
         ];
         let kernels: &[&str] = match self {
             Self::Staged => &[

@@ -28,19 +28,20 @@ impl<T: Element> DeviceTable<T> {
         table: &Table<T>,
     ) -> Result<(), BackendError> {
         let all = table.as_slice();
-        let mut changed = table.dirty();
         if all.len() > self.buffer.len() {
             // Half as much again, so that a growing crowd is not copied at every step.
             let room =
                 if self.buffer.len() == 0 { all.len() } else { all.len().max(self.buffer.len() * 3 / 2) };
             let mut grown = Buffer::new(device, room, table.name())?;
-            changed = 0..all.len();
-            write(device, queue, &mut grown, table, changed)?;
+            write(device, queue, &mut grown, table, 0..all.len())?;
             // Only now: a buffer that could not be filled must not be taken for a full one.
             self.buffer = grown;
             return Ok(());
         }
-        write(device, queue, &mut self.buffer, table, changed)
+        let first = table.changed().min().map_or(0, |first| first as usize);
+        let end = table.changed().max().map_or(0, |last| last as usize + 1);
+        write(device, queue, &mut self.buffer, table, first..end)?;
+        write(device, queue, &mut self.buffer, table, table.tail())
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use populace_core::layout::{Layer, NONE, Slot};
-use populace_core::{Backend, Binding, BodyIndex, Frame, Mask, Stage, Tables};
+use populace_core::{Backend, Binding, BodyIndex, Frame, LayerSettings, Mask, Stage, Tables};
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
@@ -75,9 +75,8 @@ impl<'a> TestCrowd<'a> {
             self.tables.set_slot(place, index, value).expect("a slot that points at what is there");
         }
         for (index, layer) in plan.layers.iter().enumerate() {
-            let mask = layer.mask.as_ref().map_or(NONE, |mask| self.mask(plan.body, mask));
-            let (weight, mode) = (layer.weight, layer.mode.device_value());
-            let value = Layer { weight, mask, mode, unused: 0 };
+            let mask = layer.mask.as_ref().map(|mask| self.mask(plan.body, mask));
+            let value = Layer::new(LayerSettings { mode: layer.mode, weight: layer.weight }, mask);
             self.tables.set_layer(place, index, value).expect("a layer that points at what is there");
         }
         self.members[member] = Some((place, plan));
@@ -127,12 +126,12 @@ impl<'a> TestCrowd<'a> {
     fn slot(&mut self, play: &Play, body: usize) -> Slot {
         let bound_clip = self.bound_clip(play.clip, body);
         let clip = &self.scene.clips[play.clip].clip;
-        let (start, duration) = (clip.start_secs(), clip.duration_secs());
+        let duration = clip.duration_secs();
         let slot = match play.timing {
             Timing::Loop { start_tick, phase, speed } => {
                 Slot::looping(bound_clip, start_tick, duration, phase, speed)
             }
-            Timing::Once { start_tick, speed } => Slot::once(bound_clip, start_tick, start, duration, speed),
+            Timing::Once { start_tick, speed } => Slot::once(bound_clip, start_tick, duration, speed),
             Timing::Held { secs } => Slot::held(bound_clip, 0, secs),
         };
         let mut slot = slot.on_layer(play.layer);

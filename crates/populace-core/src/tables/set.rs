@@ -1,7 +1,5 @@
 //! The tables, listed once: host and devices make theirs from the same list.
 
-use std::ops::Range;
-
 use super::{Table, Tables};
 use crate::layout::{Body, BoundBlock, BoundClip, ClipRows, Entry, Layer, Member, RowBlock, Slot, Source};
 
@@ -70,9 +68,12 @@ macro_rules! table_set {
                 Self { $($name: Table::new(stringify!($name)),)* }
             }
 
-            /// Calls `job` with each table's length and dirty range.
-            pub(super) fn for_each(&mut self, job: impl Fn(usize, &mut Range<usize>)) {
-                $(job(self.$name.data.len(), &mut self.$name.dirty);)*
+            pub(super) fn mark_clean(&mut self) {
+                $(self.$name.mark_clean();)*
+            }
+
+            pub(super) fn mark_dirty(&mut self) {
+                $(self.$name.mark_dirty();)*
             }
         }
 

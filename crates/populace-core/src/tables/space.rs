@@ -1,25 +1,28 @@
 //! Places for members in the joint buffer and the palette pages.
 
+use std::collections::HashMap;
+
 /// Hands out runs of blocks, none across a page's border, and takes them back by length: a crowd has few bodies, so a
-/// run that is given back fits the next member of its kind.
+/// run that is given back fits the next member of its kind. Free runs at the end are let go of, so that a crowd that
+/// shrinks asks for less.
 #[derive(Clone, Debug)]
 pub(super) struct Space {
     page_blocks: usize,
     end: usize,
+    /// First blocks of free runs by their length; those that `free_ends` does not hold are no longer free.
     free: Vec<(usize, Vec<usize>)>,
+    /// The first block of each free run by the block that follows it.
+    free_ends: HashMap<usize, usize>,
 }
 
 impl Space {
     pub(super) fn new(page_blocks: usize) -> Self {
-        Self { page_blocks, end: 0, free: Vec::new() }
+        Self { page_blocks, end: 0, free: Vec::new(), free_ends: HashMap::new() }
     }
 
-    fn free_of(&mut self, count: usize) -> &mut Vec<usize> {
-        let at = self.free.iter().position(|(length, _)| *length == count).unwrap_or_else(|| {
-            self.free.push((count, Vec::new()));
-            self.free.len() - 1
-        });
-        &mut self.free[at].1
+    /// Blocks up to the last one taken.
+    pub(super) fn end(&self) -> usize {
+        self.end
     }
 
     /// Blocks there would be after taking a run, at most.
@@ -29,17 +32,46 @@ impl Space {
     }
 
     pub(super) fn take(&mut self, count: usize) -> (usize, usize) {
-        if let Some(first) = self.free_of(count).pop() {
-            return (first, count);
+        while let Some(first) = self.free_of(count).pop() {
+            if self.free_ends.get(&(first + count)) == Some(&first) {
+                self.free_ends.remove(&(first + count));
+                return (first, count);
+            }
         }
         let left = self.page_blocks - self.end % self.page_blocks;
-        let first = if count > left { self.end + left } else { self.end };
-        self.end = first + count;
+        if count > left {
+            self.make_free(self.end, left);
+            self.end += left;
+        }
+        let first = self.end;
+        self.end += count;
         (first, count)
     }
 
     pub(super) fn give_back(&mut self, (first, count): (usize, usize)) {
+        if count == 0 {
+            return;
+        }
+        if first + count < self.end {
+            return self.make_free(first, count);
+        }
+        self.end = first;
+        while let Some(below) = self.free_ends.remove(&self.end) {
+            self.end = below;
+        }
+    }
+
+    fn make_free(&mut self, first: usize, count: usize) {
+        self.free_ends.insert(first + count, first);
         self.free_of(count).push(first);
+    }
+
+    fn free_of(&mut self, count: usize) -> &mut Vec<usize> {
+        let at = self.free.iter().position(|(length, _)| *length == count).unwrap_or_else(|| {
+            self.free.push((count, Vec::new()));
+            self.free.len() - 1
+        });
+        &mut self.free[at].1
     }
 }
 
@@ -52,9 +84,51 @@ mod tests {
         let mut space = Space::new(10);
         assert_eq!(space.take(6), (0, 6));
         assert_eq!(space.take(6), (10, 6));
+        assert_eq!(space.take(4), (6, 4), "what was left of the first page");
         assert_eq!(space.take(4), (16, 4));
         space.give_back((0, 6));
         assert_eq!(space.take(5), (20, 5));
         assert_eq!(space.take(6), (0, 6));
+        assert_eq!(space.take(0), (25, 0));
+        space.give_back((25, 0));
+        assert_eq!(space.end(), 25);
+    }
+
+    #[test]
+    fn what_is_free_at_the_end_is_let_go_of_and_taken_anew() {
+        let mut space = Space::new(10);
+        let runs = [6, 6, 3, 6].map(|count| space.take(count));
+        assert_eq!((runs, space.end()), ([(0, 6), (10, 6), (16, 3), (20, 6)], 26));
+        space.give_back(runs[1]);
+        space.give_back(runs[3]);
+        assert_eq!(space.end(), 19, "the gap at the end of the page went too");
+        space.give_back(runs[2]);
+        assert_eq!(space.end(), 6, "and so did the run before and the first page's gap");
+        // Nothing that was let go of is handed out twice.
+        assert_eq!([4, 6, 6, 1].map(|count| space.take(count)), [(6, 4), (10, 6), (20, 6), (26, 1)]);
+        assert_eq!([4, 4].map(|count| space.take(count)), [(16, 4), (30, 4)]);
+    }
+
+    #[test]
+    fn no_two_runs_overlap_however_they_come_and_go() {
+        let mut space = Space::new(16);
+        let (mut taken, mut state) = (Vec::<(usize, usize)>::new(), 1_u64);
+        let mut random = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            usize::try_from(state >> 33).unwrap() % below
+        };
+        for step in 0..20_000 {
+            // Mostly taking in one half of the time, mostly giving back in the other.
+            if random(10) < if step / 500 % 2 == 0 { 6 } else { 4 } || taken.is_empty() {
+                let (first, count) = space.take(1 + random(7));
+                assert!(first / 16 == (first + count - 1) / 16, "{first} {count} crosses a page");
+                let apart = |t: &&(usize, usize)| first + count <= t.0 || t.0 + t.1 <= first;
+                assert_eq!(taken.iter().filter(apart).count(), taken.len(), "{first} {count}");
+                taken.push((first, count));
+            } else {
+                space.give_back(taken.swap_remove(random(taken.len())));
+            }
+            assert_eq!(space.end(), taken.iter().map(|t| t.0 + t.1).max().unwrap_or(0));
+        }
     }
 }

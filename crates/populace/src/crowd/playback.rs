@@ -79,8 +79,7 @@ impl Crowd {
         if let Some(mask) = mask.filter(|m| m.character != character) {
             return Err(Error::UnknownId { what: "mask of this character", index: mask.first });
         }
-        let mask = mask.map_or(NONE, |m| m.first);
-        let value = Layer { weight: settings.weight, mask, mode: settings.mode.device_value(), unused: 0 };
+        let value = Layer::new(settings, mask.map(|m| m.first));
         Ok(self.tables.set_layer(member.place, layer, value)?)
     }
 
@@ -89,19 +88,19 @@ impl Crowd {
         play.check()?;
         let bound = self.bind(character, clip)?;
         let tick = self.clock.tick;
-        let weighs = |slot: &Slot| slot.bound_clip != NONE && slot.layer == 0 && !faded_out(slot, tick);
+        let weighs = |slot: &Slot| slot.bound_clip != NONE && slot.layer() == 0 && !faded_out(slot, tick);
         let first = play.layer == 0 && !self.slots(member).iter().any(weighs);
         if alone {
             self.fade_out(member, play.layer, play.fade_in_secs)?;
         }
         let rows = self.tables.clips().as_slice()[clip.index.0 as usize];
-        let (start, duration) = (rows.start_secs, rows.duration_secs);
-        let mut slot = match play.mode {
+        let duration = rows.duration_secs;
+        let slot = match play.mode {
             Mode::Looping => Slot::looping(bound, tick, duration, f64::from(play.phase), play.speed),
-            Mode::Once => Slot::once(bound, tick, start, duration, play.speed),
+            Mode::Once => Slot::once(bound, tick, duration, play.speed),
             Mode::Held { secs } => Slot::held(bound, tick, secs),
         };
-        slot.layer = u32_from(play.layer);
+        let mut slot = slot.on_layer(u32_from(play.layer));
         slot.ramp_weight(tick, 0.0, play.weight, if first { 0.0 } else { play.fade_in_secs });
         let place = self.weakest_slot(member);
         Ok(self.tables.set_slot(member.place, place, slot)?)
@@ -130,7 +129,7 @@ impl Crowd {
         let tick = self.clock.tick;
         for index in 0..self.slots(member).len() {
             let mut slot = self.slots(member)[index];
-            if slot.bound_clip != NONE && slot.layer as usize == layer && slot.end_weight > 0.0 {
+            if slot.bound_clip != NONE && slot.layer() as usize == layer && slot.end_weight > 0.0 {
                 slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
                 self.tables.set_slot(member.place, index, slot)?;
             }

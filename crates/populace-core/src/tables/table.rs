@@ -1,0 +1,245 @@
+//! An array that devices copy, and what changed in it since they did.
+
+use std::ops::Range;
+
+use super::u32_from;
+use crate::Error;
+use crate::layout::NONE;
+
+/// An array of which devices keep copies. What they have not taken over yet is the [`tail`](Self::tail), and the
+/// elements before it that [`changed`](Self::changed) names. Keeping and forgetting that takes time by the number of
+/// changes, never by the number of elements.
+#[derive(Clone, Debug)]
+pub struct Table<T> {
+    name: &'static str,
+    data: Vec<T>,
+    /// Elements that there were when devices last took over.
+    known: usize,
+    /// Those below `known` that changed since, each once; where the table shrank some stand past its end.
+    changed: Vec<u32>,
+    /// A bit for each element below `known`, set for those in `changed`.
+    is_changed: Vec<u64>,
+}
+
+impl<T: bytemuck::Pod> Table<T> {
+    pub(super) fn new(name: &'static str) -> Self {
+        Self { name, data: Vec::new(), known: 0, changed: Vec::new(), is_changed: Vec::new() }
+    }
+
+    /// The table's name, for errors.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// All elements.
+    #[must_use]
+    pub fn as_slice(&self) -> &[T] {
+        &self.data
+    }
+
+    /// Indices of the elements before the [`tail`](Self::tail) that changed since
+    /// [`Tables::mark_clean`](super::Tables::mark_clean), each once, in no order.
+    pub fn changed(&self) -> impl Iterator<Item = u32> + '_ {
+        self.changed.iter().copied().filter(|index| (*index as usize) < self.data.len())
+    }
+
+    /// The elements that were added since [`Tables::mark_clean`](super::Tables::mark_clean), and all that follow them.
+    #[must_use]
+    pub fn tail(&self) -> Range<usize> {
+        self.known.min(self.data.len())..self.data.len()
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.data.len()
+    }
+
+    pub(super) fn set(&mut self, index: usize, value: T) {
+        self.data[index] = value;
+        self.touch(index);
+    }
+
+    fn touch(&mut self, index: usize) {
+        if index >= self.known {
+            return; // in the tail
+        }
+        let (word, bit) = (&mut self.is_changed[index / 64], 1 << (index % 64));
+        if *word & bit == 0 {
+            *word |= bit;
+            self.changed.push(u32_from(index));
+        }
+    }
+
+    pub(super) fn extend(&mut self, values: impl IntoIterator<Item = T>) -> Result<u32, Error> {
+        const LIMIT: usize = NONE as usize;
+        let first = self.data.len();
+        self.data.extend(values);
+        let count = self.data.len();
+        if count > LIMIT {
+            self.data.truncate(first);
+            return Err(Error::TooLarge { what: self.name, count, limit: LIMIT });
+        }
+        self.touch_from(first);
+        Ok(u32_from(first))
+    }
+
+    /// Lengthens the table to `count` elements, or leaves it where it has as many.
+    pub(super) fn grow(&mut self, count: usize, value: T) {
+        let first = self.data.len();
+        if count > first {
+            self.data.resize(count, value);
+            self.touch_from(first);
+        }
+    }
+
+    /// Shortens the table to `count` elements, or leaves it where it has no more.
+    pub(super) fn truncate(&mut self, count: usize) {
+        self.data.truncate(count);
+    }
+
+    /// Devices still hold what stood where the table shrank and grew again.
+    fn touch_from(&mut self, first: usize) {
+        for index in first..self.data.len().min(self.known) {
+            self.touch(index);
+        }
+    }
+
+    /// Forgets which elements changed.
+    pub(super) fn mark_clean(&mut self) {
+        self.forget_changes();
+        self.known = self.data.len();
+        let words = self.known.div_ceil(64);
+        if words > self.is_changed.len() {
+            self.is_changed.resize(words, 0);
+        }
+    }
+
+    /// Makes every element part of the tail.
+    pub(super) fn mark_dirty(&mut self) {
+        self.forget_changes();
+        self.known = 0;
+    }
+
+    fn forget_changes(&mut self) {
+        for index in self.changed.drain(..) {
+            self.is_changed[index as usize / 64] = 0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A device's copy, and what it was told.
+    #[derive(Default)]
+    struct Copy(Vec<u32>);
+
+    impl Copy {
+        fn take_over(&mut self, table: &Table<u32>) {
+            for index in table.changed() {
+                self.0[index as usize] = table.as_slice()[index as usize];
+            }
+            let tail = table.tail();
+            self.0.resize(table.len().max(self.0.len()), 0);
+            self.0[tail.clone()].copy_from_slice(&table.as_slice()[tail]);
+        }
+
+        #[track_caller]
+        fn assert_holds(&self, table: &Table<u32>) {
+            assert_eq!(&self.0[..table.len()], table.as_slice());
+        }
+    }
+
+    fn table_of(count: u32) -> Table<u32> {
+        let mut table = Table::new("numbers");
+        table.extend(0..count).unwrap();
+        table
+    }
+
+    fn changed(table: &Table<u32>) -> Vec<u32> {
+        let mut changed: Vec<u32> = table.changed().collect();
+        changed.sort_unstable();
+        changed
+    }
+
+    #[test]
+    fn new_elements_are_the_tail_and_old_ones_are_named_once() {
+        let mut table = table_of(200);
+        assert_eq!((changed(&table), table.tail()), (vec![], 0..200));
+        table.set(7, 1);
+        assert_eq!((changed(&table), table.tail()), (vec![], 0..200), "the tail holds it already");
+        table.mark_clean();
+        assert_eq!((changed(&table), table.tail()), (vec![], 200..200));
+        for index in [199, 7, 64, 7, 199] {
+            table.set(index, 2);
+        }
+        table.extend([5, 6]).unwrap();
+        table.set(201, 9);
+        assert_eq!((changed(&table), table.tail()), (vec![7, 64, 199], 200..202));
+        table.mark_clean();
+        assert_eq!((changed(&table), table.tail()), (vec![], 202..202));
+        table.set(7, 3);
+        assert_eq!(changed(&table), [7], "named again after it was forgotten");
+        table.mark_dirty();
+        assert_eq!((changed(&table), table.tail()), (vec![], 0..202));
+        table.mark_clean();
+        table.set(7, 4);
+        assert_eq!(changed(&table), [7]);
+    }
+
+    #[test]
+    fn what_is_gone_is_not_named_and_what_came_in_its_place_is() {
+        let mut table = table_of(100);
+        table.mark_clean();
+        [3, 98, 99].into_iter().for_each(|index| table.set(index, 7));
+        table.truncate(97);
+        assert_eq!((changed(&table), table.tail()), (vec![3], 97..97));
+        table.grow(99, 5);
+        assert_eq!((changed(&table), table.tail()), (vec![3, 97, 98], 99..99));
+        table.grow(103, 6);
+        assert_eq!((changed(&table), table.tail()), (vec![3, 97, 98, 99], 100..103));
+        table.truncate(50);
+        table.mark_clean();
+        table.grow(52, 8);
+        assert_eq!((changed(&table), table.tail()), (vec![], 50..52));
+    }
+
+    #[test]
+    fn a_device_that_takes_over_what_it_is_told_holds_all() {
+        let (mut table, mut state) = (table_of(40), 7_u64);
+        let mut copies = [Copy::default(), Copy::default()];
+        let mut random = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            usize::try_from(state >> 33).unwrap() % below
+        };
+        for step in 0..20_000 {
+            match random(100) {
+                0..70 => {
+                    let index = random(table.len().max(1));
+                    if index < table.len() {
+                        table.set(index, step);
+                    }
+                }
+                70..80 => drop(table.extend((0..step).take(random(9))).unwrap()),
+                80..85 => table.grow(table.len() + random(5), step),
+                85..92 => table.truncate(table.len().saturating_sub(random(15))),
+                92 => table.mark_dirty(),
+                _ => {
+                    // A frame whose devices all take over, then one that failed before they were told apart.
+                    for copy in &mut copies {
+                        copy.take_over(&table);
+                        copy.assert_holds(&table);
+                    }
+                    if random(4) > 0 {
+                        table.mark_clean();
+                    }
+                }
+            }
+            let changed = changed(&table);
+            let (unique, tail) = (changed.windows(2).all(|w| w[0] < w[1]), table.tail());
+            assert!(unique && changed.iter().all(|index| (*index as usize) < tail.start), "step {step}");
+            assert!(tail.end == table.len() && table.len() < 1000, "step {step}");
+        }
+    }
+}
