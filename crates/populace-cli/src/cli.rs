@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
-use populace::Device;
+use populace::{Device, Schedule};
 
 /// Animates and draws crowds in which every member has the full character pipeline.
 #[derive(Debug, Parser)]
@@ -37,8 +37,8 @@ pub(crate) struct DeviceArgs {
     #[arg(long, value_name = "DEVICE")]
     pub(crate) device: Option<Device>,
     /// How stages are mapped to work-items
-    #[arg(long, value_name = "SCHEDULE", default_value = "staged", value_parser = ["staged"])]
-    pub(crate) schedule: String,
+    #[arg(long, value_name = "staged|fused|fused-wide|fused-grouped", default_value_t = Schedule::Fused)]
+    pub(crate) schedule: Schedule,
 }
 
 #[derive(Args, Debug)]
@@ -157,6 +157,9 @@ pub(crate) struct BenchArgs {
     /// Device to measure; can be repeated [default: native and every OpenCL device]
     #[arg(long, value_name = "DEVICE")]
     pub(crate) device: Vec<Device>,
+    /// Schedule to measure; can be repeated [default: staged and fused]
+    #[arg(long, value_name = "staged|fused|fused-wide|fused-grouped")]
+    pub(crate) schedule: Vec<Schedule>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,

@@ -3,9 +3,9 @@
 use std::fs::OpenOptions;
 use std::path::{Path, PathBuf};
 
-use populace::Crowd;
 use populace::core::{Image, Part};
-use populace_render::{Camera, CharacterHandle, Instance, Renderer, Scene, write_png};
+use populace::{Crowd, CrowdBuilder};
+use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene, write_png};
 
 use crate::cast::Role;
 use crate::failure::Failure;
@@ -15,34 +15,33 @@ pub(crate) struct Studio {
     renderer: Renderer,
     handles: Vec<CharacterHandle>,
     scene: Scene,
+    hand_over: HandOver,
 }
 
 impl Studio {
+    /// Links the crowd's palettes to the renderer; `crowd` should have been built for its OpenGL.
     pub(crate) fn new(
-        size: [u32; 2],
+        mut renderer: Renderer,
+        crowd: &mut Crowd,
         roles: &[Role],
         hide: &[String],
         camera: Camera,
     ) -> Result<Self, Failure> {
-        let mut renderer = Renderer::headless(size)?;
+        let hand_over = renderer.link_palettes(crowd)?;
         let hidden = |part: &Part| hide.contains(&part.node_name);
         let handles = roles.iter().map(|role| renderer.add_character(&role.character, &hidden));
         let handles = handles.collect::<Result<_, _>>()?;
-        Ok(Self { renderer, handles, scene: Scene { camera, ..Scene::default() } })
+        Ok(Self { renderer, handles, scene: Scene { camera, ..Scene::default() }, hand_over })
     }
 
-    /// What draws, for people.
-    pub(crate) fn driver(&self) -> &str {
-        self.renderer.driver()
+    /// What draws, and how palettes get there, for people.
+    pub(crate) fn driver(&self) -> String {
+        format!("{}, palettes {}", self.renderer.driver(), self.hand_over.way)
     }
 
     /// Draws the crowd as of its last update.
     pub(crate) fn picture(&mut self, crowd: &mut Crowd) -> Result<Image, Failure> {
-        for page in 0..crowd.page_count() {
-            let mut result = Ok(());
-            crowd.with_page(page, &mut |palettes| result = self.renderer.upload_page(page, palettes))?;
-            result?;
-        }
+        self.renderer.take_palettes(crowd)?;
         let instances: Vec<_> = crowd
             .instances()
             .map(|i| Instance {
@@ -59,6 +58,17 @@ impl Studio {
     /// Draws the crowd and writes the picture.
     pub(crate) fn shoot(&mut self, crowd: &mut Crowd, path: &Path) -> Result<(), Failure> {
         Ok(write_png(path, &self.picture(crowd)?)?)
+    }
+}
+
+/// A crowd to be built for the OpenGL of a renderer, where there is one.
+pub(crate) fn drawn_with(
+    builder: CrowdBuilder,
+    renderer: &Result<Renderer, populace_render::Error>,
+) -> CrowdBuilder {
+    match renderer {
+        Ok(renderer) => builder.for_gl(renderer.gl_context()),
+        Err(_) => builder,
     }
 }
 

@@ -1,7 +1,7 @@
 //! The trait that every device implements, and its errors.
 
-use crate::Tables;
 use crate::layout::Float4;
+use crate::{PaletteSource, Tables};
 
 /// A step of a frame (Lister & Day 2012, section 4; design of evaluate: slots are closed-form).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,11 +68,77 @@ impl StageBuffer {
     ];
 }
 
+/// How the stages are mapped to work-items. All give the same poses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Schedule {
+    /// One kernel for each stage, one work-item for each joint, through global memory (Lister & Day 2012, section 4):
+    /// the faithful one, and the baseline of every benchmark.
+    Staged,
+    /// All stages in one, in the form that suits the kind of device.
+    #[default]
+    Fused,
+    /// All stages in one for CPUs: a work-item for a run of members, sixteen joints at a time.
+    FusedWide,
+    /// All stages in one for GPUs: a work-group for each member, a work-item for each joint.
+    FusedGrouped,
+}
+
+impl Schedule {
+    /// All schedules.
+    pub const ALL: [Self; 4] = [Self::Staged, Self::Fused, Self::FusedWide, Self::FusedGrouped];
+
+    /// The schedule's name in code, kernels, tables and on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Staged => "staged",
+            Self::Fused => "fused",
+            Self::FusedWide => "fused-wide",
+            Self::FusedGrouped => "fused-grouped",
+        }
+    }
+}
+
+impl std::fmt::Display for Schedule {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl std::str::FromStr for Schedule {
+    type Err = crate::Error;
+
+    /// Reads a schedule's [`name`](Self::name).
+    fn from_str(name: &str) -> Result<Self, crate::Error> {
+        let known = Self::ALL.into_iter().find(|schedule| schedule.name() == name);
+        known.ok_or_else(|| crate::Error::UnknownSchedule { name: name.to_owned() })
+    }
+}
+
 /// One frame's arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     /// The crowd's clock.
     pub tick: u64,
+    /// The first place of the members to evaluate.
+    pub place_first: u32,
+    /// The end of those places.
+    pub place_end: u32,
+}
+
+impl Frame {
+    /// A frame of all members.
+    #[must_use]
+    pub const fn of_all(tick: u64) -> Self {
+        Self { tick, place_first: 0, place_end: u32::MAX }
+    }
+
+    /// Whether the member at a place is one of the frame's.
+    #[inline]
+    #[must_use]
+    pub const fn evaluates(self, place: u32) -> bool {
+        self.place_first <= place && place < self.place_end
+    }
 }
 
 /// What went wrong on a device. The crowd's state lives on the host and survives all of these.
@@ -116,13 +182,13 @@ pub enum BackendError {
 ///
 /// The host's [`Tables`] are the truth. [`update`](Self::update) brings the device's copy up to date; then
 /// [`run`](Self::run) computes a frame. Stages can run alone and their buffers can be read and written, so that each
-/// is tested against the same input.
-pub trait Backend: Send {
+/// is tested against the same input. Palettes leave a device as a [`PaletteSource`].
+pub trait Backend: PaletteSource + Send {
     /// The device's name, for people.
     fn device_name(&self) -> String;
 
-    /// The schedule's name: how stages are mapped to work-items.
-    fn schedule(&self) -> &'static str;
+    /// How stages are mapped to work-items.
+    fn schedule(&self) -> Schedule;
 
     /// Takes over what changed in the tables since the last call: of each table its
     /// [`changed`](crate::Table::changed) elements and its [`tail`](crate::Table::tail).
@@ -132,11 +198,11 @@ pub trait Backend: Send {
     /// Memory that cannot be had, or a failing device.
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError>;
 
-    /// Runs one stage for all members, from what the stage before left.
+    /// Runs one stage for the frame's members, from what the stage before left.
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A failing device, or a schedule other than [`Schedule::Staged`], which has no stages of its own.
     fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError>;
 
     /// Runs a whole frame: slots to palettes.
@@ -144,31 +210,28 @@ pub trait Backend: Send {
     /// # Errors
     ///
     /// A failing device.
-    fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
-        Stage::ALL.into_iter().try_for_each(|stage| self.run_stage(tables, frame, stage))
-    }
+    fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError>;
 
-    /// Reads elements of a buffer, waiting for what was enqueued before.
+    /// Reads elements of a buffer as of the last frame, waiting for what was enqueued before. A fused schedule keeps only
+    /// the palettes; of other buffers it reads those of one member at a time, which it evaluates once more for that.
     ///
     /// # Errors
     ///
-    /// A failing device, or a range past the end.
-    fn read(&mut self, buffer: StageBuffer, first: usize, into: &mut [Float4]) -> Result<(), BackendError>;
+    /// A failing device, or a range past the end or, for a fused schedule, past the member.
+    fn read(
+        &mut self,
+        tables: &Tables,
+        buffer: StageBuffer,
+        first: usize,
+        into: &mut [Float4],
+    ) -> Result<(), BackendError>;
 
-    /// Writes elements of a buffer.
+    /// Writes elements of a buffer, for a stage that is then run alone.
     ///
     /// # Errors
     ///
-    /// A failing device, or a range past the end.
+    /// A failing device, a range past the end, or a fused schedule.
     fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError>;
-
-    /// Hands a page of palettes to `reader`, waiting for the frame to be done: three elements for each palette entry
-    /// of the page, up to the last entry in use.
-    ///
-    /// # Errors
-    ///
-    /// A failing device, or a page that does not exist.
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError>;
 
     /// Waits until all that was enqueued is done.
     ///
@@ -177,7 +240,11 @@ pub trait Backend: Send {
     /// A failing device.
     fn finish(&mut self) -> Result<(), BackendError>;
 
-    /// Milliseconds of device time that the last run of each stage took, where the device measures it.
+    /// Milliseconds of device time that the last frame took, where the device measures it and has finished.
+    fn frame_time_ms(&mut self) -> Option<f64>;
+
+    /// Milliseconds of device time that the last run of each stage took, where there are stages and the device measures
+    /// it.
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
         Vec::new()
     }

@@ -95,6 +95,12 @@ pub enum Error {
         /// The index.
         value: u32,
     },
+    /// A schedule's name that means nothing.
+    #[error("there is no schedule \"{name}\"; schedules are staged, fused, fused-wide and fused-grouped")]
+    UnknownSchedule {
+        /// The name given.
+        name: String,
+    },
     /// More data than 32-bit offsets reach.
     #[error("{what} would need {count} elements; devices address at most {limit}")]
     TooLarge {

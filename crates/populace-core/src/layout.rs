@@ -96,6 +96,8 @@ device_consts! {
     pub const LAYER_ADDITIVE: u32 = 1 << 31;
     /// The bits of [`Layer::mask_and_mode`] that name the mask; all of them set where the layer has none.
     pub const LAYER_MASK: u32 = (1 << 31) - 1;
+    /// The most slots that a member can have.
+    pub const SLOTS_MOST: u32 = 8;
     /// Layers of each member.
     pub const LAYERS_PER_MEMBER: u32 = 4;
     /// Flag in a joint map: the rotation comes from the clip's rows.

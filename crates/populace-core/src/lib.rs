@@ -29,6 +29,7 @@ mod character;
 mod clip;
 mod error;
 mod f64math;
+mod hand_over;
 pub mod layout;
 pub mod math;
 mod playback;
@@ -37,13 +38,17 @@ mod tables;
 mod track;
 
 pub use animation_set::{AnimationSet, ClipIndex};
-pub use backend::{Backend, BackendError, Frame, Stage, StageBuffer};
+pub use backend::{Backend, BackendError, Frame, Schedule, Stage, StageBuffer};
 pub use character::{
     AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry, Part,
     SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use clip::{Binding, Clip, ClipStats};
 pub use error::Error;
+pub use hand_over::{
+    EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteWay,
+    SharedPage, TargetMark,
+};
 pub use math::{Affine, Trs};
 pub use playback::{LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs};
 pub use skeleton::{JointIndex, JointSource, Skeleton};

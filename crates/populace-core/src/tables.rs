@@ -11,11 +11,12 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::layout::{
-    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
+    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, NONE, PAGE_ENTRIES,
+    PALETTE_BLOCK, POSE_PLANES,
 };
-use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, Trs};
+use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, StageBuffer, Trs};
 use pages::PageLists;
-use set::TableSet;
+use set::{BlockTableSet, TableSet};
 use space::Space;
 
 pub use table::Table;
@@ -36,6 +37,9 @@ pub struct Tables {
     /// Slots of each member, 1 to [`MAX_SLOTS`].
     slots_per_member: usize,
     all: TableSet,
+    blocks: BlockTableSet,
+    /// The widest level of any body at each depth.
+    level_widths: Vec<usize>,
     page_lists: PageLists,
     /// The lowest first; those past the last place are no longer there.
     free_members: BinaryHeap<Reverse<u32>>,
@@ -47,9 +51,23 @@ impl Tables {
     /// Empty tables for members of `slots_per_member` slots, held to 1 to [`MAX_SLOTS`].
     #[must_use]
     pub fn new(slots_per_member: usize) -> Self {
+        Self::with_capacity(slots_per_member, 0)
+    }
+
+    /// As [`new`](Self::new), for a crowd that will have so many members: devices make room for them at once, and for
+    /// no more. A crowd can still grow larger, and memory that the host needs is taken as members come.
+    #[must_use]
+    pub fn with_capacity(slots_per_member: usize, members: usize) -> Self {
+        let slots_per_member = slots_per_member.clamp(1, MAX_SLOTS);
+        let mut all = TableSet::new();
+        all.members.expect(members);
+        all.slots.expect(members.saturating_mul(slots_per_member));
+        all.layers.expect(members.saturating_mul(LAYERS_PER_MEMBER as usize));
         Self {
-            slots_per_member: slots_per_member.clamp(1, MAX_SLOTS),
-            all: TableSet::new(),
+            slots_per_member,
+            all,
+            blocks: BlockTableSet::new(),
+            level_widths: Vec::new(),
             page_lists: PageLists::default(),
             free_members: BinaryHeap::new(),
             joint_space: Space::new(usize::MAX),
@@ -72,21 +90,20 @@ impl Tables {
     /// Elements of the joint buffer up to the last in use, padding and free places included.
     #[must_use]
     pub fn joint_places(&self) -> usize {
-        self.all.joint_blocks.len() * JOINT_BLOCK as usize
+        self.blocks.joint_blocks.len() * JOINT_BLOCK as usize
     }
 
     /// Palette entries over all pages, up to the last in use.
     #[must_use]
     pub fn palette_places(&self) -> usize {
-        self.all.palette_blocks.len() * PALETTE_BLOCK as usize
+        self.blocks.palette_blocks.len() * PALETTE_BLOCK as usize
     }
 
     /// The palette entries of each page: all but the last are [`PAGE_ENTRIES`] long.
-    #[must_use]
-    pub fn page_lengths(&self) -> Vec<usize> {
+    pub fn page_lengths(&self) -> impl ExactSizeIterator<Item = usize> + use<> {
         let total = self.palette_places();
         let page = PAGE_ENTRIES as usize;
-        (0..total.div_ceil(page)).map(|p| (total - p * page).min(page)).collect()
+        (0..total.div_ceil(page)).map(move |p| (total - p * page).min(page))
     }
 
     /// The places of the members whose palettes stand in a page, in no order; members without palette entries stand in
@@ -102,17 +119,31 @@ impl Tables {
 
     /// The widest level of any body at each depth.
     #[must_use]
-    pub fn level_widths(&self) -> Vec<usize> {
-        let mut widths = Vec::new();
-        for body in self.all.bodies.as_slice() {
-            let first = body.level_first as usize;
-            let ends = &self.all.levels.as_slice()[first..=first + body.level_count as usize];
-            for (depth, level) in ends.windows(2).enumerate() {
-                widths.resize(widths.len().max(depth + 1), 0);
-                widths[depth] = widths[depth].max((level[1] - level[0]) as usize);
-            }
-        }
-        widths
+    pub fn level_widths(&self) -> &[usize] {
+        &self.level_widths
+    }
+
+    /// Joints of the largest body, padded to whole blocks.
+    #[must_use]
+    pub fn padded_most(&self) -> usize {
+        self.all.bodies.as_slice().iter().map(|body| body.padded_count as usize).max().unwrap_or(0)
+    }
+
+    /// Whose element `first` of a buffer is, and which of that member's own elements; `None` for palettes, and for
+    /// elements that are nobody's.
+    #[must_use]
+    pub fn place_of(&self, buffer: StageBuffer, first: usize) -> Option<(u32, usize)> {
+        let place = match buffer {
+            StageBuffer::Palette => return None,
+            StageBuffer::Samples => u32::try_from(first / self.slots_per_member).ok()?,
+            _ => *self.joint_blocks().as_slice().get(first / JOINT_BLOCK as usize)?,
+        };
+        let member = self.all.members.as_slice().get(place as usize).filter(|member| member.body != NONE)?;
+        let own_first = match buffer {
+            StageBuffer::Samples => place as usize * self.slots_per_member,
+            _ => member.joint_first as usize,
+        };
+        Some((place, first - own_first))
     }
 
     /// Adds a body.
@@ -143,6 +174,11 @@ impl Tables {
             entry_first,
             entry_count: u32_from(palette.len()),
         }])?;
+        let widths = &mut self.level_widths;
+        widths.resize(widths.len().max(levels.len()), 0);
+        for (widest, level) in widths.iter_mut().zip(levels) {
+            *widest = level.len().max(*widest);
+        }
         Ok(BodyIndex(index))
     }
 
@@ -208,12 +244,14 @@ impl Tables {
     /// Forgets which elements changed; called once every device took them over.
     pub fn mark_clean(&mut self) {
         self.all.mark_clean();
+        self.blocks.mark_clean();
         self.page_lists.mark_clean();
     }
 
     /// Marks every element as changed, for a device that knows nothing yet.
     pub fn mark_dirty(&mut self) {
         self.all.mark_dirty();
+        self.blocks.mark_dirty();
         self.page_lists.mark_dirty();
     }
 }

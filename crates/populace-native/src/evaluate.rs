@@ -12,7 +12,7 @@ pub(crate) fn run(tables: &Tables, tick: u64, samples: &mut [SlotSample]) {
         .for_each(|(sample, slot)| *sample = evaluate(tables, slot, tick));
 }
 
-fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
+pub(crate) fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
     let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
     if weight > 0.0 {
         let bound = tables.bound_clips().as_slice()[slot.bound_clip as usize];

@@ -5,13 +5,15 @@ use std::time::Instant;
 use populace_core::layout::Float4;
 use rayon::prelude::*;
 
+use crate::pages::Pages;
+
 /// Writes every palette with a constant in three ways and returns the time of the fastest, in milliseconds.
-pub(crate) fn write(pages: &mut [Vec<Float4>]) -> f64 {
+pub(crate) fn write(pages: &mut Pages) -> f64 {
     let value = Float4([1.0, 2.0, 3.0, 4.0]);
     let mut best = f64::INFINITY;
     let mut time = |way: &dyn Fn(&mut [Float4])| {
         let start = Instant::now();
-        pages.iter_mut().for_each(|page| way(page));
+        pages.begin_frame().for_each(way);
         best = best.min(start.elapsed().as_secs_f64() * 1e3);
     };
     time(&|page| page.fill(value));

@@ -1,26 +1,31 @@
 //! The stages of the crowd pipeline in Rust, on all cores: no driver needed.
 //!
 //! [`NativeBackend`] implements [`Backend`] with the *staged* schedule: evaluate, pose, transform and write-back, each
-//! for all members, through the same buffers and with the same arithmetic as the OpenCL kernels of the same names.
-//! Results do not depend on the number of threads.
+//! for all members, through the same buffers as the OpenCL kernels of the same names; and with the *fused* one: a member's
+//! whole frame at once, in lanes, compiled for several processors of which the best is taken at run time. The arithmetic is
+//! the same everywhere, and results do not depend on the number of threads.
 //!
 //! ```
-//! use populace_core::{Backend, Frame, Tables};
+//! use populace_core::{Backend, Frame, PaletteSource, Schedule, Tables};
 //! use populace_native::NativeBackend;
 //!
-//! let mut backend = NativeBackend::new(2)?;
+//! let mut backend = NativeBackend::new(2, Schedule::Fused)?;
 //! let tables = Tables::new(4);
 //! backend.update(&tables)?;
-//! backend.run(&tables, Frame { tick: 0 })?;
+//! backend.run(&tables, Frame::of_all(0))?;
 //! assert!(backend.with_page(0, &mut |_| ()).is_err(), "an empty crowd has no page of palettes");
 //! # Ok::<(), populace_core::BackendError>(())
 //! ```
 
+mod dispatch;
 mod evaluate;
 mod floor;
+mod fused;
 mod joint;
 mod lanes;
+mod pages;
 mod pose;
+mod reading;
 mod rows;
 mod split;
 mod transform;
@@ -29,15 +34,30 @@ mod write_back;
 use std::time::Instant;
 
 use populace_core::layout::{Float4, PAGE_ENTRIES, SlotSample};
-use populace_core::{Backend, BackendError, Frame, Stage, StageBuffer, Tables};
+use populace_core::{
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
+    Stage, StageBuffer, Tables, TargetMark,
+};
+
+use crate::dispatch::Dispatch;
+use crate::pages::Pages;
+use crate::reading::Reading;
 
 /// Evaluates crowds on the CPU.
 pub struct NativeBackend {
     pool: rayon::ThreadPool,
+    schedule: Schedule,
+    dispatch: Dispatch,
+    /// One for each thread.
+    scratch: Vec<fused::Scratch>,
+    /// What a fused schedule was last asked to read.
+    reading: Option<Reading>,
+    last_tick: u64,
+    frame_ms: Option<f64>,
     samples: Vec<SlotSample>,
     joints: JointBuffer,
     models: ModelRows,
-    pages: Vec<Vec<Float4>>,
+    pages: Pages,
     times_ms: [f64; Stage::ALL.len()],
 }
 
@@ -58,21 +78,33 @@ const DEVICE: &str = "the native device";
 impl NativeBackend {
     /// Starts a pool of `threads` threads; 0 takes one for each core.
     ///
+    /// [`Schedule::Fused`] and [`Schedule::FusedWide`] are the same here.
+    ///
     /// # Errors
     ///
-    /// [`BackendError::Failed`] where the system gives no threads.
-    pub fn new(threads: usize) -> Result<Self, BackendError> {
+    /// [`BackendError::Failed`] where the system gives no threads, and for [`Schedule::FusedGrouped`], which is for GPUs.
+    pub fn new(threads: usize, schedule: Schedule) -> Result<Self, BackendError> {
+        if schedule == Schedule::FusedGrouped {
+            return Err(failed("take the schedule fused-grouped", "it has staged, fused and fused-wide"));
+        }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .thread_name(|index| format!("populace-{index}"))
             .build()
             .map_err(|error| failed("start its threads", error))?;
+        let scratch = (0..pool.current_num_threads()).map(|_| fused::Scratch::default()).collect();
         Ok(Self {
             pool,
+            schedule,
+            dispatch: Dispatch::detect(),
+            scratch,
+            reading: None,
+            last_tick: 0,
+            frame_ms: None,
             samples: Vec::new(),
             joints: JointBuffer::default(),
             models: ModelRows::default(),
-            pages: Vec::new(),
+            pages: Pages::default(),
             times_ms: [0.0; Stage::ALL.len()],
         })
     }
@@ -81,6 +113,19 @@ impl NativeBackend {
     #[must_use]
     pub fn thread_count(&self) -> usize {
         self.pool.current_num_threads()
+    }
+
+    fn is_staged(&self) -> bool {
+        self.schedule == Schedule::Staged
+    }
+
+    fn grow_stage_buffers(&mut self, tables: &Tables) -> Result<(), BackendError> {
+        let joints = tables.joint_places();
+        grow(&mut self.samples, tables.member_places() * tables.slots_per_member(), "slot samples")?;
+        grow(&mut self.joints.translations, joints, "joint translations")?;
+        grow(&mut self.joints.rotations, joints, "joint rotations")?;
+        grow(&mut self.joints.scales, joints, "joint scales")?;
+        self.models.0.iter_mut().try_for_each(|rows| grow(rows, joints, "model transforms"))
     }
 
     /// The elements of a buffer from `first` on; of the palettes, those of `first`'s page.
@@ -94,7 +139,7 @@ impl NativeBackend {
             StageBuffer::ModelRow1 => &mut self.models.0[1],
             StageBuffer::ModelRow2 => &mut self.models.0[2],
             StageBuffer::Palette => {
-                let page = self.pages.get_mut(first / PAGE_ELEMENTS).map_or(&mut [][..], Vec::as_mut_slice);
+                let page = self.pages.get_mut(first / PAGE_ELEMENTS).unwrap_or(&mut []);
                 return page.get_mut(first % PAGE_ELEMENTS..).unwrap_or(&mut []);
             }
         };
@@ -120,50 +165,61 @@ fn grow<T: Clone + Default>(buffer: &mut Vec<T>, count: usize, what: &str) -> Re
 
 impl Backend for NativeBackend {
     fn device_name(&self) -> String {
-        format!("native ({} threads)", self.thread_count())
+        format!("native ({} threads, {})", self.thread_count(), self.dispatch.name())
     }
 
-    fn schedule(&self) -> &'static str {
-        "staged"
+    fn schedule(&self) -> Schedule {
+        self.schedule
     }
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        let joints = tables.joint_places();
-        grow(&mut self.samples, tables.member_places() * tables.slots_per_member(), "slot samples")?;
-        grow(&mut self.joints.translations, joints, "joint translations")?;
-        grow(&mut self.joints.rotations, joints, "joint rotations")?;
-        grow(&mut self.joints.scales, joints, "joint scales")?;
-        for rows in &mut self.models.0 {
-            grow(rows, joints, "model transforms")?;
+        self.reading = None;
+        if self.is_staged() {
+            self.grow_stage_buffers(tables)?;
         }
-        for (page, length) in tables.page_lengths().into_iter().enumerate() {
-            if self.pages.len() <= page {
-                self.pages.push(Vec::new());
-            }
-            grow(&mut self.pages[page], length * 3, "matrix palettes")?;
-        }
-        Ok(())
+        self.pages.update(tables)
     }
 
     fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+        if !self.is_staged() {
+            let operation = format!("run the stage {}", stage.name());
+            return Err(failed(&operation, "a fused schedule has no stages; run the staged one"));
+        }
         let start = Instant::now();
         let Self { pool, samples, joints, models, pages, .. } = self;
         pool.install(|| match stage {
             Stage::Evaluate => evaluate::run(tables, frame.tick, samples),
-            Stage::Pose => pose::run(tables, samples, joints),
-            Stage::Transform => transform::run(tables, joints, models),
-            Stage::WriteBack => write_back::run(tables, models, pages),
+            Stage::Pose => pose::run(tables, frame, samples, joints),
+            Stage::Transform => transform::run(tables, frame, joints, models),
+            Stage::WriteBack => write_back::run(tables, frame, models, pages),
         });
         self.times_ms[stage as usize] = start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
 
+    fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
+        let start = Instant::now();
+        if self.is_staged() {
+            Stage::ALL.into_iter().try_for_each(|stage| self.run_stage(tables, frame, stage))?;
+        } else {
+            (self.last_tick, self.reading) = (frame.tick, None);
+            let Self { pool, dispatch, scratch, pages, .. } = self;
+            pool.install(|| fused::run(tables, frame, *dispatch, scratch, pages));
+        }
+        self.frame_ms = Some(start.elapsed().as_secs_f64() * 1e3);
+        Ok(())
+    }
+
     fn read(
         &mut self,
+        tables: &Tables,
         buffer: StageBuffer,
         mut first: usize,
         mut into: &mut [Float4],
     ) -> Result<(), BackendError> {
+        if !self.is_staged() && buffer != StageBuffer::Palette {
+            return reading::read(&mut self.reading, tables, self.last_tick, buffer, first, into);
+        }
         while !into.is_empty() {
             let from = self.elements(buffer, first);
             let count = from.len().min(into.len());
@@ -183,6 +239,9 @@ impl Backend for NativeBackend {
         mut first: usize,
         mut from: &[Float4],
     ) -> Result<(), BackendError> {
+        if !self.is_staged() && buffer != StageBuffer::Palette {
+            return Err(failed(&format!("write {buffer:?}"), "a fused schedule keeps palettes only"));
+        }
         while !from.is_empty() {
             let to = self.elements(buffer, first);
             let count = to.len().min(from.len());
@@ -196,20 +255,18 @@ impl Backend for NativeBackend {
         Ok(())
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
-        let count = self.pages.len();
-        let palettes = self.pages.get(page).ok_or_else(|| {
-            failed("hand over palettes", format!("there is no page {page}; {count} are in use"))
-        })?;
-        reader(palettes);
-        Ok(())
-    }
-
     fn finish(&mut self) -> Result<(), BackendError> {
         Ok(())
     }
 
+    fn frame_time_ms(&mut self) -> Option<f64> {
+        self.frame_ms
+    }
+
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
+        if !self.is_staged() {
+            return Vec::new();
+        }
         Stage::ALL.into_iter().map(|stage| (stage, self.times_ms[stage as usize])).collect()
     }
 
@@ -222,8 +279,35 @@ impl Backend for NativeBackend {
         let elements = self.samples.len()
             + self.joints.translations.len() * 3
             + self.models.0[0].len() * 3
-            + self.pages.iter().map(Vec::len).sum::<usize>();
+            + self.pages.capacity();
         elements * size_of::<Float4>()
+    }
+}
+
+impl PaletteSource for NativeBackend {
+    fn page_lengths(&self) -> Vec<usize> {
+        self.pages.lengths().to_vec()
+    }
+
+    fn refuses(&self, way: PaletteWay, _context: &dyn GlContext) -> Option<String> {
+        (way == PaletteWay::Shared).then(|| "it takes an OpenCL device".into())
+    }
+
+    fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+        self.pages.set_target(target, mark)
+    }
+
+    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+        Ok(self.pages.hand_over())
+    }
+
+    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        let count = self.pages.lengths().len();
+        let palettes = self.pages.get_mut(page).ok_or_else(|| {
+            failed("hand over palettes", format!("there is no page {page}; {count} are in use"))
+        })?;
+        reader(palettes);
+        Ok(())
     }
 }
 
@@ -231,22 +315,38 @@ impl Backend for NativeBackend {
 mod tests {
     use super::*;
 
+    fn staged(threads: usize) -> NativeBackend {
+        NativeBackend::new(threads, Schedule::Staged).unwrap()
+    }
+
+    fn fused(threads: usize, dispatch: Dispatch) -> NativeBackend {
+        NativeBackend { dispatch, ..NativeBackend::new(threads, Schedule::Fused).unwrap() }
+    }
+
     mod conformance {
-        populace_testkit::backend_conformance!(crate::NativeBackend::new(3).unwrap());
+        populace_testkit::backend_conformance!(super::staged(3));
     }
 
     mod conformance_on_1_thread {
-        populace_testkit::backend_conformance!(crate::NativeBackend::new(1).unwrap());
+        populace_testkit::backend_conformance!(super::staged(1));
     }
 
-    mod conformance_on_16_threads {
-        populace_testkit::backend_conformance!(crate::NativeBackend::new(16).unwrap());
+    mod conformance_fused {
+        populace_testkit::fused_conformance!(super::fused(3, super::Dispatch::detect()));
+    }
+
+    mod conformance_fused_on_16_threads {
+        populace_testkit::fused_conformance!(super::fused(16, super::Dispatch::detect()));
+    }
+
+    mod conformance_fused_baseline {
+        populace_testkit::fused_conformance!(super::fused(1, super::Dispatch::Baseline));
     }
 
     #[test]
     fn past_the_end_is_an_error() {
-        let mut backend = NativeBackend::new(1).unwrap();
-        assert!(backend.read(StageBuffer::Palette, 0, &mut [Float4::default()]).is_err());
+        let mut backend = NativeBackend::new(1, Schedule::Staged).unwrap();
+        assert!(backend.read(&Tables::new(1), StageBuffer::Palette, 0, &mut [Float4::default()]).is_err());
         assert!(backend.write(StageBuffer::Scales, 9, &[Float4::default()]).is_err());
     }
 }

@@ -1,35 +1,38 @@
 //! Pose: each member's slots, mixed layer by layer, as local transforms; the twin of `kernels/pose.cl`.
 
-use populace_core::Tables;
-use populace_core::layout::{Float4, LAYERS_PER_MEMBER, SlotSample};
+use populace_core::layout::{Float4, JOINT_BLOCK, SlotSample};
+use populace_core::{Frame, MAX_SLOTS, Tables};
 
 use crate::joint::{Playing, Posing};
 use crate::{JointBuffer, split};
 
-pub(crate) fn run(tables: &Tables, samples: &[SlotSample], joints: &mut JointBuffer) {
+pub(crate) fn run(tables: &Tables, frame: Frame, samples: &[SlotSample], joints: &mut JointBuffer) {
     let arrays = [&mut joints.translations[..], &mut joints.rotations[..], &mut joints.scales[..]];
-    split::for_each_member(
-        tables.joint_blocks().as_slice(),
-        arrays,
-        &|place, _, [translations, rotations, scales]| {
-            let member = &tables.members().as_slice()[place as usize];
-            let body = &tables.bodies().as_slice()[member.body as usize];
-            let mut playing = [Playing::default(); populace_core::MAX_SLOTS];
-            let slots = tables.slot_range(place);
-            let count = slots.len();
-            for ((playing, slot), at) in
-                playing.iter_mut().zip(&tables.slots().as_slice()[slots.clone()]).zip(&samples[slots])
-            {
-                *playing = Playing { at: *at, bound_clip: slot.bound_clip, layer: slot.layer() };
-            }
-            let layers = place as usize * LAYERS_PER_MEMBER as usize;
-            let layers = &tables.layers().as_slice()[layers..layers + member.layer_count as usize];
-            for joint in 0..body.joint_count as usize {
-                let local = Posing { tables, playing: &playing[..count], layers, body, joint }.pose::<f32>();
-                translations[joint] = Float4::from_xyz(local.t);
-                rotations[joint] = Float4(local.r);
-                scales[joint] = Float4::from_xyz(local.s);
-            }
-        },
-    );
+    let job = |place: u32, _, [translations, rotations, scales]: [&mut [Float4]; 3]| {
+        if !frame.evaluates(place) {
+            return;
+        }
+        let member = &tables.members().as_slice()[place as usize];
+        let body = &tables.bodies().as_slice()[member.body as usize];
+        let range = tables.slot_range(place);
+        let (slots, samples) = (&tables.slots().as_slice()[range.clone()], &samples[range]);
+        let mut playing = [Playing::default(); MAX_SLOTS];
+        for ((playing, slot), at) in playing.iter_mut().zip(slots).zip(samples) {
+            *playing = Playing { at: *at, bound_clip: slot.bound_clip, layer: slot.layer() };
+        }
+        let (playing, layers) = (&playing[..slots.len()], member_layers(tables, place));
+        for joint in 0..body.joint_count as usize {
+            let local = Posing { tables, playing, layers, body, joint }.pose::<f32>();
+            translations[joint] = Float4::from_xyz(local.t);
+            rotations[joint] = Float4(local.r);
+            scales[joint] = Float4::from_xyz(local.s);
+        }
+    };
+    split::for_each_member::<{ JOINT_BLOCK as usize }, 3>(tables.joint_blocks().as_slice(), arrays, &job);
+}
+
+/// The layers that a member uses.
+pub(crate) fn member_layers(tables: &Tables, place: u32) -> &[populace_core::layout::Layer] {
+    let in_use = tables.members().as_slice()[place as usize].layer_count as usize;
+    &tables.layers().as_slice()[tables.layer_range(place)][..in_use]
 }

@@ -1,13 +1,19 @@
 //! Transform: local transforms down the hierarchy; the twin of `kernels/transform.cl`.
 
-use populace_core::layout::{Float4, NONE};
-use populace_core::{Affine, Tables, Trs};
+use populace_core::layout::{Float4, JOINT_BLOCK, NONE};
+use populace_core::{Affine, Frame, Tables, Trs};
 
 use crate::{JointBuffer, ModelRows, split};
 
-pub(crate) fn run(tables: &Tables, joints: &JointBuffer, models: &mut ModelRows) {
+const BLOCK: usize = JOINT_BLOCK as usize;
+
+pub(crate) fn run(tables: &Tables, frame: Frame, joints: &JointBuffer, models: &mut ModelRows) {
     let arrays = models.0.each_mut().map(Vec::as_mut_slice);
-    split::for_each_member(tables.joint_blocks().as_slice(), arrays, &|place, first, [row0, row1, row2]| {
+    let job = |place: u32, first: usize, [row0, row1, row2]: [&mut [Float4]; 3]| {
+        if !frame.evaluates(place) {
+            return;
+        }
+        let first = first * BLOCK;
         let member = &tables.members().as_slice()[place as usize];
         let body = &tables.bodies().as_slice()[member.body as usize];
         let parents = &tables.parents().as_slice()[body.joint_first as usize..];
@@ -30,5 +36,6 @@ pub(crate) fn run(tables: &Tables, joints: &JointBuffer, models: &mut ModelRows)
             row1[joint] = Float4(b);
             row2[joint] = Float4(c);
         }
-    });
+    };
+    split::for_each_member::<BLOCK, 3>(tables.joint_blocks().as_slice(), arrays, &job);
 }

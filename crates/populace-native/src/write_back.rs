@@ -1,30 +1,31 @@
 //! Write-back: `model_from_bind = model_from_joint * joint_from_bind`; the twin of `kernels/write_back.cl`.
 
 use populace_core::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
-use populace_core::{Affine, Tables};
+use populace_core::{Affine, Frame, Tables};
 use rayon::prelude::*;
 
 use crate::ModelRows;
+use crate::pages::Pages;
 
 /// Palette entries that one thread takes at a time.
 const GRAIN: usize = 4096;
 
-pub(crate) fn run(tables: &Tables, models: &ModelRows, pages: &mut [Vec<Float4>]) {
-    for (page, palettes) in pages.iter_mut().enumerate() {
+pub(crate) fn run(tables: &Tables, frame: Frame, models: &ModelRows, pages: &mut Pages) {
+    for (page, palettes) in pages.begin_frame().enumerate() {
         palettes.par_chunks_mut(GRAIN * 3).enumerate().for_each(|(chunk, palettes)| {
             let first = page * PAGE_ENTRIES as usize + chunk * GRAIN;
             for (place, matrix) in palettes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                write_entry(tables, models, first + place, matrix);
+                write_entry(tables, frame, models, first + place, matrix);
             }
         });
     }
 }
 
-fn write_entry(tables: &Tables, models: &ModelRows, place: usize, matrix: &mut [Float4; 3]) {
+fn write_entry(tables: &Tables, frame: Frame, models: &ModelRows, place: usize, matrix: &mut [Float4; 3]) {
     let Some(&owner) = tables.palette_blocks().as_slice().get(place / PALETTE_BLOCK as usize) else {
         return;
     };
-    if owner == NONE {
+    if owner == NONE || !frame.evaluates(owner) {
         return;
     }
     let member = &tables.members().as_slice()[owner as usize];

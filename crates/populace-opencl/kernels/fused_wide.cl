@@ -4,7 +4,6 @@
  * NDRange  (runs of members of one page), groups of one
  * Reads    the page's members; slots, layers, rows and all that they point at
  * Writes   palette: every entry of the members in [place_first, place_end) exactly once; matrices of its own run as scratch;
- *          fused_wide_joints also translations, rotations, scales, row0, row1, row2 and samples, as staged does
  * Oracle   populace-testkit; twin of populace-native fused.rs */
 
 /* Four perfect shuffles transpose 16 x 16. */
@@ -24,6 +23,28 @@ void transpose(float16 m[16])
     }
 }
 
+/* A member's model_from_joint, one float16 each, and where `planes` is not 0 its local transforms there: ten planes as in
+ * stored poses. */
+void member_matrices(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body,
+                     __global const uint *parent, __global float16 *restrict models, __global float *planes)
+{
+    for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
+        const Trs trs = pose_joint(of, playback, layers, layer_count, body, joint);
+        if (planes) {
+            const Real all[10] = { trs.r.x, trs.r.y, trs.r.z, trs.r.w, trs.t.x, trs.t.y, trs.t.z, trs.s.x, trs.s.y, trs.s.z };
+            for (uint plane = 0; plane < 10; plane++) vstore16(all[plane], 0, planes + plane * body.padded_count + joint);
+        }
+        float16 m[16];
+        components_of(trs, m);
+        m[12] = m[13] = m[14] = m[15] = 0.0f;
+        transpose(m);
+#pragma unroll
+        for (int i = 0; i < 16; i++) models[joint + i] = m[i];
+    }
+    for (uint joint = 0; joint < body.joint_count; joint++)
+        if (parent[joint] != NONE) models[joint] = affine_mul(models[parent[joint]], models[joint]);
+}
+
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void fused_wide(__global const Member *members, __global const uint *page_members, __global const Body *bodies,
                 __global const uint *parents, __global const Entry *entries, __global const Slot *slots,
@@ -33,10 +54,10 @@ void fused_wide(__global const Member *members, __global const uint *page_member
                 __global const uint *rows, __global const float *row_times, __global const uint *buckets,
                 __global const float *poses, __global const float *masks, ulong tick, uint slots_per_member,
                 uint place_first, uint place_end, uint page_first, uint member_count, uint run, uint padded_most,
-                __global float16 *restrict matrices, __global float *restrict palette)
+                __global float4 *restrict matrices, __global float4 *restrict palette)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
-    __global float16 *restrict models = matrices + get_global_id(0) * padded_most;
+    __global float16 *restrict models = (__global float16 *)matrices + get_global_id(0) * padded_most;
     const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
     for (uint index = begin; index < end; index++) {
         const uint owner = page_members[index];
@@ -46,24 +67,38 @@ void fused_wide(__global const Member *members, __global const uint *page_member
         Playing playing[SLOTS_MOST];
         const uint count = play(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
         const Playback playback = { playing, count };
-        for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
-            const Trs trs = pose_joint(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body, joint);
-            float16 m[16];
-            components_of(trs, m);
-            m[12] = m[13] = m[14] = m[15] = 0.0f;
-            transpose(m);
-#pragma unroll
-            for (int i = 0; i < 16; i++) models[joint + i] = m[i];
-        }
-        __global const uint *parent = parents + body.joint_first;
-        for (uint joint = 0; joint < body.joint_count; joint++)
-            if (parent[joint] != NONE) models[joint] = affine_mul(models[parent[joint]], models[joint]);
+        member_matrices(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body,
+                        parents + body.joint_first, models, 0);
         __global const Entry *entry = entries + body.entry_first;
-        __global float *to = palette + 12 * (size_t)(member.palette_first - page_first);
+        __global float *to = (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first));
         for (uint e = 0; e < body.entry_count; e++, entry++, to += 12) {
             const float16 out = affine_mul_rows(models[entry->joint], entry->row0, entry->row1, entry->row2);
             vstore8(out.lo, 0, to);
             vstore4(out.hi.lo, 0, to + 8);
         }
     }
+}
+
+/* What lies between slots and palette, of one member, for those who want to read it. */
+__kernel __attribute__((reqd_work_group_size(1, 1, 1)))
+void fused_wide_joints(__global const Member *members, __global const Body *bodies, __global const uint *parents,
+                       __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
+                       __global const BoundBlock *bound_blocks, __global const Source *sources,
+                       __global const uint *source_lanes, __global const ClipRows *clips,
+                       __global const RowBlock *row_blocks, __global const uint *rows, __global const float *row_times,
+                       __global const uint *buckets, __global const float *poses, __global const float *masks,
+                       ulong tick, uint slots_per_member, uint owner, __global SlotSample *samples,
+                       __global float *planes, __global float4 *matrices)
+{
+    const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
+    const Member member = members[owner];
+    const Body body = bodies[member.body];
+    __global const Slot *mine = slots + owner * slots_per_member;
+    for (uint s = 0; s < slots_per_member; s++)
+        samples[s] = sample_of(mine[s], tick, bound_clips, clips, row_times, buckets);
+    Playing playing[SLOTS_MOST];
+    const uint count = play(mine, slots_per_member, tick, of, row_times, buckets, playing);
+    const Playback playback = { playing, count };
+    member_matrices(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body,
+                    parents + body.joint_first, (__global float16 *)matrices, planes);
 }

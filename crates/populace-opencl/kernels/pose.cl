@@ -9,11 +9,13 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
                    __global const BoundClip *bound_clips, __global const ClipRows *clips,
                    __global const RowBlock *row_blocks, __global const uint *joint_maps, __global const uint *rows,
                    __global const float *poses, __global const float *masks, uint slots_per_member, uint place_count,
-                   __global float4 *translations, __global float4 *rotations, __global float4 *scales)
+                   uint member_first, uint member_end, __global float4 *translations, __global float4 *rotations,
+                   __global float4 *scales)
 {
     const uint place = (uint)get_global_id(0);
     if (place >= place_count || joint_blocks[place / JOINT_BLOCK] == NONE) return;
     const uint owner = joint_blocks[place / JOINT_BLOCK];
+    if (owner < member_first || owner >= member_end) return;
     const Member member = members[owner];
     const Body body = bodies[member.body];
     const uint joint = place - member.joint_first, first_slot = owner * slots_per_member;

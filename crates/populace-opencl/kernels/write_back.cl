@@ -8,12 +8,12 @@
 __kernel void write_back(__global const Member *members, __global const uint *palette_blocks,
                          __global const Body *bodies, __global const Entry *entries, __global const float4 *row0,
                          __global const float4 *row1, __global const float4 *row2, uint page_first, uint entry_count,
-                         __global float4 *palette)
+                         uint member_first, uint member_end, __global float4 *palette)
 {
     const uint in_page = (uint)get_global_id(0);
     if (in_page >= entry_count) return;
     const uint place = page_first + in_page, owner = palette_blocks[place / PALETTE_BLOCK];
-    if (owner == NONE) return;
+    if (owner == NONE || owner < member_first || owner >= member_end) return;
     const Member member = members[owner];
     const uint index = place - member.palette_first;
     if (index >= bodies[member.body].entry_count) return;

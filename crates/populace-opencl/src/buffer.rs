@@ -5,12 +5,14 @@
 )]
 
 use std::ffi::c_void;
+use std::ops::Range;
 use std::ptr;
 
-use opencl3::command_queue::CommandQueue;
+use opencl3::command_queue::{CommandQueue, enqueue_write_buffer};
 use opencl3::error_codes::ClError;
+use opencl3::event::Event;
 use opencl3::memory::{Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem};
-use opencl3::types::CL_BLOCKING;
+use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use populace_core::BackendError;
 use populace_core::layout::{
     Body, BoundBlock, BoundClip, ClipRows, DeviceStruct, Entry, Float4, Layer, Member, RowBlock, Slot,
@@ -35,10 +37,43 @@ elements! {
     Slot => Slot::NAME, Layer => Layer::NAME, Member => Member::NAME, SlotSample => SlotSample::NAME,
 }
 
+/// `CL_INVALID_VALUE`.
+const INVALID_VALUE: i32 = -30;
+
+/// Words of host memory that a device reads in its own time.
+#[derive(Default)]
+pub(crate) struct Staging {
+    words: Vec<u32>,
+    /// Writes to a device that read them, perhaps not done.
+    reads: Vec<Event>,
+}
+
+impl Staging {
+    /// The words, to be changed: waits until no device reads them any longer.
+    pub(crate) fn words(&mut self) -> Result<&mut Vec<u32>, ClError> {
+        for read in &self.reads {
+            read.wait()?;
+        }
+        self.reads.clear();
+        Ok(&mut self.words)
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        if self.words().is_err() {
+            // A device that does not say whether it is done may still read them.
+            std::mem::forget(std::mem::take(&mut self.words));
+        }
+    }
+}
+
 /// `len` elements on a device.
 pub(crate) struct Buffer<T> {
     memory: ClBuffer<T>,
     len: usize,
+    /// Elements that the memory has room for.
+    capacity: usize,
 }
 
 impl<T: Element> Buffer<T> {
@@ -59,7 +94,25 @@ impl<T: Element> Buffer<T> {
             ClError(-6..=-4 | -61) => no_room(),
             other => device.failed(&format!("allocate {what}"), &other),
         })?;
-        Ok(Self { memory, len })
+        Ok(Self { memory, len, capacity: count })
+    }
+
+    /// A buffer of all of some memory.
+    ///
+    /// # Safety
+    ///
+    /// The memory has room for `len` elements, and is valid for as long as the queue uses the buffer.
+    pub(crate) unsafe fn from_memory(memory: ClBuffer<T>, len: usize) -> Self {
+        Self { memory, len, capacity: len }
+    }
+
+    /// Makes the buffer that long where it has the room, else says `false`.
+    pub(crate) fn resize(&mut self, len: usize) -> bool {
+        let fits = len <= self.capacity;
+        if fits {
+            self.len = len;
+        }
+        fits
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -70,12 +123,15 @@ impl<T: Element> Buffer<T> {
         self.len * size_of::<T>()
     }
 
+    pub(crate) fn capacity_bytes(&self) -> usize {
+        self.capacity * size_of::<T>()
+    }
+
     pub(crate) fn handle(&self) -> *mut c_void {
         self.memory.get()
     }
 
     fn check(&self, first: usize, count: usize) -> Result<(), ClError> {
-        const INVALID_VALUE: i32 = -30;
         if first.checked_add(count).is_some_and(|end| end <= self.len) {
             Ok(())
         } else {
@@ -95,6 +151,33 @@ impl<T: Element> Buffer<T> {
         Ok(())
     }
 
+    /// Copies elements to the device without waiting, from words of `from` on; these stay there until they are read.
+    pub(crate) fn write_staged(
+        &mut self,
+        queue: &CommandQueue,
+        elements: Range<usize>,
+        from: &mut Staging,
+        word_first: usize,
+    ) -> Result<(), ClError> {
+        self.check(elements.start, elements.len())?;
+        let bytes = elements.len() * size_of::<T>();
+        let words = word_first..word_first + bytes.div_ceil(size_of::<u32>());
+        let words = from.words.get(words).ok_or(ClError(INVALID_VALUE))?;
+        if words.is_empty() {
+            return Ok(());
+        }
+        let (offset, address) = (elements.start * size_of::<T>(), words.as_ptr().cast());
+        let (queue, memory) = (queue.get(), self.memory.get_mut());
+        // SAFETY: both ranges were checked. `from` changes or frees its words only after the event kept here, and the
+        // driver counts references to the buffer.
+        let event = unsafe {
+            enqueue_write_buffer(queue, memory, CL_NON_BLOCKING, offset, bytes, address, 0, ptr::null())
+        }
+        .map_err(ClError)?;
+        from.reads.push(Event::new(event));
+        Ok(())
+    }
+
     /// Copies elements from the device and waits.
     pub(crate) fn read(&self, queue: &CommandQueue, first: usize, into: &mut [T]) -> Result<(), ClError> {
         self.check(first, into.len())?;
@@ -103,6 +186,16 @@ impl<T: Element> Buffer<T> {
             unsafe {
                 queue.enqueue_read_buffer(&self.memory, CL_BLOCKING, first * size_of::<T>(), into, &[])
             }?;
+        }
+        Ok(())
+    }
+
+    /// Enqueues a copy of all elements of a buffer that is no longer than this one.
+    pub(crate) fn copy_from(&mut self, queue: &CommandQueue, from: &Self) -> Result<(), ClError> {
+        self.check(0, from.len)?;
+        if from.len > 0 {
+            // SAFETY: both hold that many bytes, and they are two buffers, since one of them is borrowed mutably.
+            unsafe { queue.enqueue_copy_buffer(&from.memory, &mut self.memory, 0, 0, from.bytes(), &[]) }?;
         }
         Ok(())
     }

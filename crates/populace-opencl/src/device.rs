@@ -17,8 +17,9 @@ use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel;
 use opencl3::platform::get_platforms;
 use opencl3::program::Program;
-use populace_core::BackendError;
+use populace_core::{BackendError, GlContext};
 
+use crate::gl_sharing::{NOT_OFFERED, context_for, is_offered};
 use crate::program::Form;
 
 /// What cl3 answers when there is no libOpenCL to load.
@@ -56,6 +57,8 @@ pub struct DeviceInfo {
     pub memory_bytes: u64,
     /// The most that can be allocated at once, in bytes.
     pub max_allocation_bytes: u64,
+    /// Whether the driver offers `cl_khr_gl_sharing`; see [`OpenClDevice::open_for_gl`].
+    pub shares_with_gl: bool,
 }
 
 /// All OpenCL devices of this machine, in the order of their platforms.
@@ -109,6 +112,7 @@ fn info(index: usize, device: &Device) -> Result<DeviceInfo, ClError> {
         compute_units: device.max_compute_units()?,
         memory_bytes: device.global_mem_size()?,
         max_allocation_bytes: device.max_mem_alloc_size()?,
+        shares_with_gl: is_offered(device)?,
     })
 }
 
@@ -119,6 +123,8 @@ pub struct OpenClDevice {
     pub(crate) context: Context,
     pub(crate) device: Device,
     programs: Mutex<HashMap<Form, Program>>,
+    /// What the context shares with; declared last, since that must outlive the context.
+    pub(crate) gl: Option<Arc<dyn GlContext>>,
 }
 
 impl OpenClDevice {
@@ -128,11 +134,39 @@ impl OpenClDevice {
     ///
     /// [`BackendError::NoRuntime`], [`BackendError::NoDevice`], or [`BackendError::Failed`].
     pub fn open(index: usize) -> Result<Arc<Self>, BackendError> {
+        Self::open_with(index, None)
+    }
+
+    /// The same, with a context that shares buffers with one of OpenGL's, so that palettes are written where OpenGL
+    /// draws from ([`PaletteWay::Shared`](populace_core::PaletteWay::Shared)). Best called on the thread on which the
+    /// context of OpenGL's is current: some drivers want that.
+    ///
+    /// This has not been run on a graphics processor yet: no driver at hand offers it.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open); [`BackendError::Failed`] too where the driver does not offer `cl_khr_gl_sharing`, or
+    /// refuses this context.
+    pub fn open_for_gl(index: usize, gl: Arc<dyn GlContext>) -> Result<Arc<Self>, BackendError> {
+        Self::open_with(index, Some(gl))
+    }
+
+    fn open_with(index: usize, gl: Option<Arc<dyn GlContext>>) -> Result<Arc<Self>, BackendError> {
         let devices = all_devices()?;
         let device = *devices.get(index).ok_or(BackendError::NoDevice { index, count: devices.len() })?;
         let info = info(index, &device).map_err(|e| failed("OpenCL", "describe a device", &e))?;
-        let context = Context::from_device(&device).map_err(|e| failed(&info.name, "make a context", &e))?;
-        Ok(Arc::new(Self { info, context, device, programs: Mutex::default() }))
+        let context = match &gl {
+            None => Context::from_device(&device).map_err(|e| failed(&info.name, "make a context", &e))?,
+            Some(gl) => {
+                let operation = "make a context that shares with OpenGL";
+                if !info.shares_with_gl {
+                    let (operation, cause) = (operation.into(), NOT_OFFERED.into());
+                    return Err(BackendError::Failed { device: info.name, operation, cause });
+                }
+                context_for(&device, &**gl).map_err(|e| failed(&info.name, operation, &e))?
+            }
+        };
+        Ok(Arc::new(Self { info, context, device, programs: Mutex::default(), gl }))
     }
 
     /// Builds kernels from their source; an error holds the compiler's log.

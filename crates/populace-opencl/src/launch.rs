@@ -33,6 +33,12 @@ impl<'a> Launch<'a> {
         self.set(&buffer.handle())
     }
 
+    /// A buffer of any elements, for a kernel that sees the words they are made of.
+    pub(crate) fn words<T: Element>(self, name: &str, buffer: &mut Buffer<T>) -> Self {
+        self.check(name, "uint*");
+        self.set(&buffer.handle())
+    }
+
     pub(crate) fn uint(self, name: &str, value: u32) -> Self {
         self.check(name, "uint");
         self.set(&value)
@@ -55,7 +61,7 @@ impl<'a> Launch<'a> {
     }
 
     fn set<A>(mut self, value: &A) -> Self {
-        // SAFETY: `value` is a memory object, a `u32` or a `u64`, as the three callers above have it; the driver copies
+        // SAFETY: `value` is a memory object, a `u32` or a `u64`, as the callers above have it; the driver copies
         // it and refuses a size or a place that does not fit the kernel.
         let result = unsafe { self.kernel.set_arg(self.next, value) };
         self.error = self.error.or(result.err());
@@ -76,8 +82,8 @@ impl<'a> Launch<'a> {
         debug_assert_eq!(self.kernel.num_args(), Ok(self.next), "{:?}", self.kernel.function_name());
         let (global, local) = (global.as_ptr(), local.as_ptr());
         // SAFETY: both sizes have the two dimensions named; every argument was set just now, and buffers are freed
-        // only after the queue is done with them, since the driver counts references. Kernels stay inside their
-        // buffers: each compares its index with a count given as an argument, the backend refuses to run before its
+        // only after the queue is done with them, since the driver counts references, and `LentPages` waits before it
+        // gives back memory that is not the driver's. Kernels stay inside their buffers: each compares its index with a count given as an argument, the backend refuses to run before its
         // buffers hold what the tables do, and `Tables` takes only indices that point into itself.
         unsafe { queue.enqueue_nd_range_kernel(self.kernel.get(), 2, ptr::null(), global, local, &[]) }
     }

@@ -1,30 +1,35 @@
 //! The stages of the crowd pipeline as OpenCL C 1.2 kernels, and the schedules that run them.
 //!
 //! [`OpenClDevice`] is a device with its context and built program, shared by as many [`OpenClBackend`]s as there are
-//! crowds on it. The schedule is *staged*: the kernels Pose, Transform and Write-Back of Lister & Day 2012, one
-//! work-item per joint, through global memory, after a small kernel that evaluates slots from the clock.
+//! crowds on it. Its schedules are *staged*, the kernels Pose, Transform and Write-Back of Lister & Day 2012, one
+//! work-item per joint, through global memory; and *fused*, one kernel for the whole frame.
 //!
 //! libOpenCL is loaded at run time; without it [`devices`] says [`BackendError::NoRuntime`].
 //!
 //! ```no_run
-//! use populace_core::{Backend, Frame, Tables};
+//! use populace_core::{Backend, Frame, Schedule, Tables};
 //! use populace_opencl::{OpenClBackend, OpenClDevice};
 //!
 //! let device = OpenClDevice::open(0)?;
-//! let mut backend = OpenClBackend::new(&device)?;
+//! let mut backend = OpenClBackend::new(&device, Schedule::Fused)?;
 //! let tables = Tables::new(4);
 //! backend.update(&tables)?;
-//! backend.run(&tables, Frame { tick: 0 })?;
+//! backend.run(&tables, Frame::of_all(0))?;
 //! # Ok::<(), populace_core::BackendError>(())
 //! ```
 
 mod backend;
 mod buffer;
 mod device;
+mod fused;
+mod gl_sharing;
 mod launch;
+mod pages;
 mod program;
 mod stage_buffers;
+mod staged;
 mod tables;
+mod upload;
 
 pub use backend::OpenClBackend;
 pub use device::{DeviceInfo, DeviceKind, OpenClDevice, devices};

@@ -3,7 +3,9 @@
 /// What a program's kernels compute at once, and where the fused ones keep what a member plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Form {
-    /// One joint for each work-item, through global memory: the staged schedule, and what all schedules use.
+    /// Changes of tables, and the floor: what all schedules use.
+    Common,
+    /// One joint for each work-item, through global memory.
     Staged,
     /// Sixteen joints at a time.
     Wide,
@@ -15,10 +17,11 @@ impl Form {
         // A fused product would differ from the native stages in the last bit.
         let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
         let settings = match self {
+            Self::Common => "",
             Self::Staged => "#define LANES 1\n",
             Self::Wide => "#define LANES 16\n#define FUSED __private\n",
         };
-        let shared = [
+        let arithmetic = [
             include_str!("../kernels/lanes.cl"),
             include_str!("../kernels/quat.cl"),
             include_str!("../kernels/slot.cl"),
@@ -28,16 +31,20 @@ impl Form {
             include_str!("../kernels/affine.cl"),
         ];
         let kernels: &[&str] = match self {
+            Self::Common => {
+                &[include_str!("../kernels/apply_changes.cl"), include_str!("../kernels/floor.cl")]
+            }
             Self::Staged => &[
                 include_str!("../kernels/evaluate.cl"),
                 include_str!("../kernels/pose.cl"),
                 include_str!("../kernels/transform.cl"),
                 include_str!("../kernels/write_back.cl"),
-                include_str!("../kernels/floor.cl"),
             ],
             Self::Wide => &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_wide.cl")],
         };
+        let arithmetic = if self == Self::Common { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();
-        [rules, settings, &prelude].into_iter().chain(shared).chain(kernels.iter().copied()).collect()
+        let parts = [rules, settings, &prelude].into_iter().chain(arithmetic.iter().copied());
+        parts.chain(kernels.iter().copied()).collect()
     }
 }

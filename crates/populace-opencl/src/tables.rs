@@ -1,79 +1,20 @@
-//! The device's copy of the host's tables.
+//! The device's copies of the host's tables.
 
-use std::ops::Range;
-
-use opencl3::command_queue::CommandQueue;
 use populace_core::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Entry, Layer, Member, RowBlock, Slot, Source,
 };
-use populace_core::{BackendError, Table, Tables};
+use populace_core::{BackendError, Tables};
 
 use crate::OpenClDevice;
-use crate::buffer::{Buffer, Element};
-
-/// One table on the device, with room to grow.
-pub(crate) struct DeviceTable<T> {
-    pub(crate) buffer: Buffer<T>,
-}
-
-impl<T: Element> DeviceTable<T> {
-    fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
-        Ok(Self { buffer: Buffer::new(device, 0, "an empty table")? })
-    }
-
-    fn update(
-        &mut self,
-        device: &OpenClDevice,
-        queue: &CommandQueue,
-        table: &Table<T>,
-    ) -> Result<(), BackendError> {
-        let all = table.as_slice();
-        if all.len() > self.buffer.len() {
-            // Half as much again, so that a growing crowd is not copied at every step.
-            let room =
-                if self.buffer.len() == 0 { all.len() } else { all.len().max(self.buffer.len() * 3 / 2) };
-            let mut grown = Buffer::new(device, room, table.name())?;
-            write(device, queue, &mut grown, table, 0..all.len())?;
-            // Only now: a buffer that could not be filled must not be taken for a full one.
-            self.buffer = grown;
-            return Ok(());
-        }
-        let first = table.changed().min().map_or(0, |first| first as usize);
-        let end = table.changed().max().map_or(0, |last| last as usize + 1);
-        write(device, queue, &mut self.buffer, table, first..end)?;
-        write(device, queue, &mut self.buffer, table, table.tail())
-    }
-}
-
-fn write<T: Element>(
-    device: &OpenClDevice,
-    queue: &CommandQueue,
-    buffer: &mut Buffer<T>,
-    table: &Table<T>,
-    changed: Range<usize>,
-) -> Result<(), BackendError> {
-    let result = buffer.write(queue, changed.start, &table.as_slice()[changed]);
-    result.map_err(|e| device.failed(&format!("write {}", table.name()), &e))
-}
+use crate::upload::{Copies, DeviceTable, Parcel, Route};
 
 macro_rules! device_tables {
-    ($($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
-        /// All tables on the device.
-        pub(crate) struct DeviceTables { $(pub(crate) $name: DeviceTable<$element>),* }
+    ($set:ident; $($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
+        pub(crate) struct $set { $(pub(crate) $name: DeviceTable<$element>),* }
 
-        impl DeviceTables {
+        impl $set {
             pub(crate) fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
                 Ok(Self { $($name: DeviceTable::new(device)?),* })
-            }
-
-            pub(crate) fn update(
-                &mut self,
-                device: &OpenClDevice,
-                queue: &CommandQueue,
-                tables: &Tables,
-            ) -> Result<(), BackendError> {
-                $(self.$name.update(device, queue, tables.$name())?;)*
-                Ok(())
             }
 
             /// Whether every table of the host has room here, as it has after an update.
@@ -85,7 +26,85 @@ macro_rules! device_tables {
                 0 $(+ self.$name.buffer.bytes())*
             }
         }
+
+        impl Copies for $set {
+            fn pack(
+                &mut self,
+                device: &OpenClDevice,
+                tables: &Tables,
+                parcel: &mut Parcel,
+            ) -> Result<(), BackendError> {
+                $(self.$name.pack(device, tables.$name(), parcel)?;)*
+                Ok(())
+            }
+
+            fn send(&mut self, tables: &Tables, route: &mut Route) -> Result<(), BackendError> {
+                $(self.$name.send(tables.$name(), route)?;)*
+                Ok(())
+            }
+
+            fn forget(&mut self) {
+                $(self.$name.forget();)*
+            }
+        }
     };
 }
 
-populace_core::with_tables!(device_tables);
+// What every schedule reads.
+populace_core::with_tables!(device_tables, DeviceTables);
+// What the staged schedule alone reads.
+populace_core::with_block_tables!(device_tables, DeviceBlockTables);
+
+/// The members of each page, for the fused schedules, which walk them. Lists shorten: launches take the host's count.
+pub(crate) struct DevicePages {
+    pub(crate) lists: Vec<DeviceTable<u32>>,
+}
+
+impl DevicePages {
+    pub(crate) fn new() -> Self {
+        Self { lists: Vec::new() }
+    }
+
+    /// Whether the lists of all pages have room here, as they have after an update.
+    pub(crate) fn hold(&self, tables: &Tables) -> bool {
+        let pages = tables.page_lengths().len();
+        let holds = |(page, list): (usize, &DeviceTable<u32>)| {
+            tables.page_members(page).as_slice().len() <= list.buffer.len()
+        };
+        pages <= self.lists.len() && self.lists[..pages].iter().enumerate().all(holds)
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.lists.iter().map(|list| list.buffer.bytes()).sum()
+    }
+}
+
+impl Copies for DevicePages {
+    fn pack(
+        &mut self,
+        device: &OpenClDevice,
+        tables: &Tables,
+        parcel: &mut Parcel,
+    ) -> Result<(), BackendError> {
+        for page in 0..tables.page_lengths().len() {
+            if self.lists.len() <= page {
+                self.lists.push(DeviceTable::new(device)?);
+            }
+            self.lists[page].pack(device, tables.page_members(page), parcel)?;
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, tables: &Tables, route: &mut Route) -> Result<(), BackendError> {
+        let pages = tables.page_lengths().len();
+        self.lists
+            .iter_mut()
+            .enumerate()
+            .take(pages)
+            .try_for_each(|(page, list)| list.send(tables.page_members(page), route))
+    }
+
+    fn forget(&mut self) {
+        self.lists.iter_mut().for_each(DeviceTable::forget);
+    }
+}

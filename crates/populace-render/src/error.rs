@@ -102,6 +102,18 @@ pub enum Error {
         /// Elements given.
         len: usize,
     },
+    /// A device that failed, or refuses what it is lent.
+    #[error(transparent)]
+    Device(#[from] populace_core::BackendError),
+    /// A driver whose buffers cannot be drawn from while they are mapped.
+    #[error("this driver offers neither OpenGL 4.4 nor GL_ARB_buffer_storage")]
+    NoBufferStorage,
+    /// Palettes that reach OpenGL in no way at all.
+    #[error("palettes do not reach OpenGL: {reasons}")]
+    NoWay {
+        /// Why not, for each way.
+        reasons: String,
+    },
     /// A picture that could not be written.
     #[error("cannot write {}", path.display())]
     Output {

@@ -25,6 +25,8 @@
 //! # }
 //! ```
 //!
+//! A crowd's palettes need no copy: [`Renderer::take_palettes`] lends its device memory of OpenGL's where it can.
+//!
 //! The main decision: nothing is computed per vertex on the host. A page of palettes is one storage buffer, and all
 //! members of one page that share a character are one draw for each of its parts.
 
@@ -34,6 +36,7 @@ mod error;
 mod gl;
 mod layout;
 mod model;
+mod palettes;
 mod picture;
 mod programs;
 mod renderer;
@@ -42,6 +45,7 @@ mod sun;
 
 pub use camera::Camera;
 pub use error::Error;
+pub use palettes::HandOver;
 pub use picture::write_png;
 pub use renderer::Renderer;
 pub use scene::{Ambient, CharacterHandle, Ground, Highlights, Instance, Scene, Sky, Sun};

@@ -1,10 +1,11 @@
 //! Draws a crowd: the sun's depth map, then members, ground and sky.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
-use populace_core::layout::{Float4, PAGE_ENTRIES};
-use populace_core::{Character, Image, Part};
+use populace_core::layout::Float4;
+use populace_core::{Character, GlContext, Image, PaletteSource, Part};
 
 use crate::batch::{Batches, CharacterFacts, Run};
 use crate::gl::{
@@ -12,14 +13,11 @@ use crate::gl::{
 };
 use crate::layout::{Frame, Influences4, Influences8, InstanceData};
 use crate::model::{Alpha, Model, ModelPart, Skin};
+use crate::palettes::{HandOver, Palettes};
 use crate::programs::{Kind, Programs};
 use crate::sun::{Ball, SunView};
 use crate::{CharacterHandle, Error, Ground, Instance, Scene};
 
-/// Elements of 16 bytes in each palette entry.
-const ENTRY_ELEMENTS: usize = 3;
-/// Pages that a 32-bit `palette_first` can name.
-const PAGE_LIMIT: usize = (u32::MAX / PAGE_ENTRIES) as usize + 1;
 /// Texels along each side of the sun's depth map, at least and at most.
 const SHADOW_SIZES: [u32; 2] = [1024, 4096];
 const PALETTE_BINDING: u32 = 0;
@@ -37,7 +35,7 @@ pub struct Renderer {
     skin4: VertexArray,
     skin8: VertexArray,
     no_attributes: VertexArray,
-    pages: Vec<Option<Buffer<Float4>>>,
+    palettes: Palettes,
     models: Vec<Model>,
     instances: Buffer<InstanceData>,
     frame: Buffer<Frame>,
@@ -69,7 +67,7 @@ impl Renderer {
             skin4: VertexArray::skinned::<Influences4>(&gl)?,
             skin8: VertexArray::skinned::<Influences8>(&gl)?,
             no_attributes: VertexArray::empty(&gl)?,
-            pages: Vec::new(),
+            palettes: Palettes::default(),
             models: Vec::new(),
             instances: Buffer::new(&gl, BufferUse::Stream)?,
             frame: Buffer::new(&gl, BufferUse::Stream)?,
@@ -104,35 +102,50 @@ impl Renderer {
         Ok(CharacterHandle(self.models.len() - 1))
     }
 
+    /// The context of OpenGL's, for a device that is to write its memory: see
+    /// [`PaletteWay::Shared`](populace_core::PaletteWay::Shared).
+    #[must_use]
+    pub fn gl_context(&self) -> Arc<dyn GlContext> {
+        self.gl.context()
+    }
+
+    /// Lends a crowd memory of OpenGL's for its palettes, in the best way that works, and says which and why not a
+    /// better one. [`take_palettes`](Self::take_palettes) does this by itself where it was not done before; a crowd
+    /// that is lent memory before its first frame saves one copy.
+    ///
+    /// The crowd can outlive the renderer, and the other way round. A crowd writes for one renderer at a time: the one
+    /// that lent last.
+    ///
+    /// # Errors
+    ///
+    /// A failing device or driver. That a way is not to be had is no error while there is another.
+    pub fn link_palettes(&mut self, source: &mut dyn PaletteSource) -> Result<HandOver, Error> {
+        self.gl.make_current()?;
+        self.palettes.link(&self.gl, source)
+    }
+
+    /// Takes the palettes of a crowd's last frame for the draws to come, in place of all others. Waits until the
+    /// device has written them, and until the draws before the last call are done, since the crowd's next frame goes
+    /// where those read. Without memory of OpenGL's, palettes are copied.
+    ///
+    /// # Errors
+    ///
+    /// A failing device or driver, or pages past the driver's limits.
+    pub fn take_palettes(&mut self, source: &mut dyn PaletteSource) -> Result<(), Error> {
+        self.gl.make_current()?;
+        self.palettes.take(&self.gl, source)
+    }
+
     /// Replaces a page of palettes: three elements for each palette entry, from the page's first, as
-    /// [`Backend::with_page`](populace_core::Backend::with_page) hands them out.
+    /// [`PaletteSource::with_page`] hands them out.
     ///
     /// # Errors
     ///
     /// [`Error::TooLarge`] past the limits of [`layout`](populace_core::layout) or of the driver,
     /// [`Error::PartialMatrix`] where the last entry is cut off, or no room for it.
     pub fn upload_page(&mut self, page: usize, palette: &[Float4]) -> Result<(), Error> {
-        if page >= PAGE_LIMIT {
-            let (size, limit) = (page as u64, PAGE_LIMIT as u64 - 1);
-            return Err(Error::TooLarge { what: "a page number", size, limit });
-        }
-        let page_bytes = u64::from(PAGE_ENTRIES) * (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
-        let (size, limit) = (size_of_val(palette) as u64, page_bytes.min(self.gl.limits().storage_bytes));
-        if size > limit {
-            return Err(Error::TooLarge { what: "the size in bytes of a page", size, limit });
-        }
-        if !palette.len().is_multiple_of(ENTRY_ELEMENTS) {
-            return Err(Error::PartialMatrix { len: palette.len() });
-        }
         self.gl.make_current()?;
-        if self.pages.len() <= page {
-            self.pages.resize_with(page + 1, || None);
-        }
-        let buffer = match &mut self.pages[page] {
-            Some(buffer) => buffer,
-            empty => empty.insert(Buffer::new(&self.gl, BufferUse::Stream)?),
-        };
-        buffer.fill(palette, "upload a page of palettes")
+        self.palettes.upload(&self.gl, page, palette)
     }
 
     /// Draws the scene with these members into the picture.
@@ -149,9 +162,7 @@ impl Renderer {
         let aspect = self.size[0] as f32 / self.size[1] as f32;
         let clip_from_world = scene.camera.clip_from_world(aspect)?;
         let facts: Vec<CharacterFacts> = self.models.iter().map(|model| model.facts).collect();
-        let page_len = |page: usize| {
-            self.pages.get(page).and_then(Option::as_ref).map_or(0, Buffer::len) / ENTRY_ELEMENTS
-        };
+        let page_len = |page: usize| self.palettes.entries(page);
         let batches = Batches::new(instances, &facts, &page_len, Vec3::from(scene.camera.eye))?;
         self.gl.make_current()?;
         self.instances.fill(&batches.instances, "upload the crowd's places")?;
@@ -169,6 +180,7 @@ impl Renderer {
         self.draw_runs(&batches.opaque, Pass::Opaque)?;
         self.draw_surroundings(scene.ground)?;
         self.draw_runs(&batches.blended, Pass::Blended)?;
+        self.palettes.drawn(&self.gl)?;
         self.gl.check("draw the crowd")
     }
 
@@ -204,9 +216,7 @@ impl Renderer {
 
     fn draw_runs(&mut self, runs: &[Run], pass: Pass) -> Result<(), Error> {
         for run in runs {
-            if let Some(Some(page)) = self.pages.get(run.page) {
-                page.bind_storage(PALETTE_BINDING);
-            }
+            self.palettes.bind(run.page, PALETTE_BINDING);
             for part in &self.models[run.character].parts {
                 let eight_influences = matches!(part.skin, Skin::Eight(_));
                 let alpha = part.alpha;
@@ -305,3 +315,6 @@ fn frame(scene: &Scene, clip_from_world: Mat4, sun: Option<SunView>) -> Frame {
         line_color: color(scene.ground.map_or([0.0; 3], |g| g.line_color)),
     }
 }
+
+#[cfg(test)]
+mod tests;

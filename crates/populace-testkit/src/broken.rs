@@ -1,7 +1,10 @@
 //! A backend that is wrong in one small way, so that every check is seen to fail.
 
 use populace_core::layout::{Float4, NONE};
-use populace_core::{Backend, BackendError, Frame, Stage, StageBuffer, Tables};
+use populace_core::{
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
+    Stage, StageBuffer, Tables, TargetMark,
+};
 
 use crate::single;
 use crate::tolerance::{COARSE, LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
@@ -128,7 +131,7 @@ impl<B: Backend> Backend for Broken<B> {
         format!("broken {}", self.inner.device_name())
     }
 
-    fn schedule(&self) -> &'static str {
+    fn schedule(&self) -> Schedule {
         self.inner.schedule()
     }
 
@@ -146,8 +149,14 @@ impl<B: Backend> Backend for Broken<B> {
         self.inner.run(tables, frame)
     }
 
-    fn read(&mut self, buffer: StageBuffer, first: usize, into: &mut [Float4]) -> Result<(), BackendError> {
-        self.inner.read(buffer, first, into)?;
+    fn read(
+        &mut self,
+        tables: &Tables,
+        buffer: StageBuffer,
+        first: usize,
+        into: &mut [Float4],
+    ) -> Result<(), BackendError> {
+        self.inner.read(tables, buffer, first, into)?;
         let within = self.target.and_then(|target| target.checked_sub(first));
         if let Some(element) = within.and_then(|at| into.get_mut(at))
             && buffer == self.corruption.buffer
@@ -165,12 +174,12 @@ impl<B: Backend> Backend for Broken<B> {
         self.inner.write(buffer, first, from)
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
-        self.inner.with_page(page, reader)
-    }
-
     fn finish(&mut self) -> Result<(), BackendError> {
         self.inner.finish()
+    }
+
+    fn frame_time_ms(&mut self) -> Option<f64> {
+        self.inner.frame_time_ms()
     }
 
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
@@ -183,5 +192,27 @@ impl<B: Backend> Backend for Broken<B> {
 
     fn memory_bytes(&self) -> usize {
         self.inner.memory_bytes()
+    }
+}
+
+impl<B: Backend> PaletteSource for Broken<B> {
+    fn page_lengths(&self) -> Vec<usize> {
+        self.inner.page_lengths()
+    }
+
+    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+        self.inner.refuses(way, context)
+    }
+
+    fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+        self.inner.set_target(target, mark)
+    }
+
+    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+        self.inner.hand_over()
+    }
+
+    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        self.inner.with_page(page, reader)
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use populace_core::layout::{Layer, NONE, Slot};
-use populace_core::{Backend, Binding, BodyIndex, Frame, LayerSettings, Mask, Stage, Tables};
+use populace_core::{Backend, Binding, BodyIndex, Frame, LayerSettings, Mask, Schedule, Stage, Tables};
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
@@ -176,15 +176,18 @@ impl<'a> TestCrowd<'a> {
     /// If the backend fails.
     pub fn run(&mut self, backend: &mut dyn Backend, tick: u64) {
         self.update(backend);
-        backend.run(&self.tables, Frame { tick }).expect("the backend runs a frame");
+        backend.run(&self.tables, Frame::of_all(tick)).expect("the backend runs a frame");
     }
 
-    /// Runs every stage alone, in order.
+    /// Runs every stage alone, in order; a whole frame where the schedule has no stages.
     ///
     /// # Panics
     ///
     /// If the backend fails.
     pub fn run_stages(&mut self, backend: &mut dyn Backend, tick: u64) {
+        if backend.schedule() != Schedule::Staged {
+            return self.run(backend, tick);
+        }
         self.update(backend);
         for stage in Stage::ALL {
             self.run_stage(backend, tick, stage);
@@ -197,6 +200,6 @@ impl<'a> TestCrowd<'a> {
     ///
     /// If the backend fails.
     pub fn run_stage(&self, backend: &mut dyn Backend, tick: u64, stage: Stage) {
-        backend.run_stage(&self.tables, Frame { tick }, stage).expect("the backend runs a stage");
+        backend.run_stage(&self.tables, Frame::of_all(tick), stage).expect("the backend runs a stage");
     }
 }

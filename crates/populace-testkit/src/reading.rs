@@ -31,7 +31,7 @@ impl TestCrowd<'_> {
         let first = 3 * self.tables.members().as_slice()[self.place(member) as usize].palette_first as usize;
         let mut rows = vec![Float4::default(); 3 * self.scene.bodies[plan.body].palette.len()];
         if !rows.is_empty() {
-            backend.read(StageBuffer::Palette, first, &mut rows).expect("palettes can be read");
+            backend.read(&self.tables, StageBuffer::Palette, first, &mut rows).expect("palettes can be read");
         }
         rows.chunks(3).map(|r| flat([r[0], r[1], r[2]])).collect()
     }
@@ -63,7 +63,7 @@ impl TestCrowd<'_> {
         let skeleton = &self.scene.bodies[self.plan(member).body].skeleton;
         let first = self.tables.members().as_slice()[self.place(member) as usize].joint_first as usize;
         let mut by_level = vec![Float4::default(); skeleton.joint_count()];
-        backend.read(buffer, first, &mut by_level).expect("joints can be read");
+        backend.read(&self.tables, buffer, first, &mut by_level).expect("joints can be read");
         (0..skeleton.joint_count())
             .map(|source| by_level[skeleton.joint_from_source(source).index()])
             .collect()

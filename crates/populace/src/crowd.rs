@@ -1,5 +1,6 @@
 //! The crowd: members of characters, playing clips on a device.
 
+mod hand_over;
 mod playback;
 mod readback;
 
@@ -9,9 +10,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
-    Affine, AnimationSet, Backend, BodyIndex, Character, Clip, ClipIndex, Frame, TICKS_PER_SEC, Tables,
+    Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, Frame, GlContext, Schedule, TICKS_PER_SEC,
+    Tables,
 };
 
+use crate::device::Opened;
 use crate::error::nearest_names;
 use crate::{Device, Error, Placement};
 
@@ -66,9 +69,11 @@ pub struct Instance {
 }
 
 /// Settings of a crowd to be built.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct CrowdBuilder {
     device: Option<Device>,
+    schedule: Schedule,
+    gl: Option<Arc<dyn GlContext>>,
     capacity: usize,
     slots_per_member: usize,
 }
@@ -81,7 +86,24 @@ impl CrowdBuilder {
         self
     }
 
-    /// The most members there may be at once; 1,000 unless set.
+    /// How stages are mapped to work-items; [`Schedule::Fused`] unless named. All give the same poses.
+    #[must_use]
+    pub fn schedule(mut self, schedule: Schedule) -> Self {
+        self.schedule = schedule;
+        self
+    }
+
+    /// The context of OpenGL's to be drawn with. A device that shares buffers with OpenGL, as graphics processors do,
+    /// then writes palettes where OpenGL draws from; others are opened as ever.
+    ///
+    /// Call [`build`](Self::build) on the thread on which that context is current: some drivers want that.
+    #[must_use]
+    pub fn for_gl(mut self, context: Arc<dyn GlContext>) -> Self {
+        self.gl = Some(context);
+        self
+    }
+
+    /// The most members there may be at once; 1,000 unless set. The device makes room for all of them with the first.
     #[must_use]
     pub fn capacity(mut self, members: usize) -> Self {
         self.capacity = members;
@@ -107,8 +129,9 @@ impl CrowdBuilder {
         Ok(Crowd {
             number: CROWDS.fetch_add(1, Ordering::Relaxed),
             device,
-            backend: device.open()?,
-            tables: Tables::new(self.slots_per_member),
+            opened: device.open(self.schedule, self.gl.as_ref())?,
+            gl: self.gl,
+            tables: Tables::with_capacity(self.slots_per_member, self.capacity),
             clips: AnimationSet::default(),
             characters: Vec::new(),
             bound_clips: HashMap::new(),
@@ -149,7 +172,9 @@ struct MemberState {
 pub struct Crowd {
     number: u32,
     device: Device,
-    backend: Box<dyn Backend>,
+    opened: Opened,
+    /// What devices are opened for.
+    gl: Option<Arc<dyn GlContext>>,
     tables: Tables,
     clips: AnimationSet,
     characters: Vec<CharacterState>,
@@ -164,7 +189,13 @@ impl Crowd {
     /// Settings to build a crowd from.
     #[must_use]
     pub fn builder() -> CrowdBuilder {
-        CrowdBuilder { device: None, capacity: 1000, slots_per_member: 4 }
+        CrowdBuilder {
+            device: None,
+            schedule: Schedule::default(),
+            gl: None,
+            capacity: 1000,
+            slots_per_member: 4,
+        }
     }
 
     /// The device in use.
@@ -176,13 +207,13 @@ impl Crowd {
     /// The device's own name, for people.
     #[must_use]
     pub fn device_name(&self) -> String {
-        self.backend.device_name()
+        self.opened.backend.device_name()
     }
 
     /// How stages are mapped to work-items.
     #[must_use]
-    pub fn schedule(&self) -> &'static str {
-        self.backend.schedule()
+    pub fn schedule(&self) -> Schedule {
+        self.opened.backend.schedule()
     }
 
     /// Moves the crowd to another device, after one was lost or to compare them. Members, clips and clock go on.
@@ -191,7 +222,7 @@ impl Crowd {
     ///
     /// A device that is not there or cannot be opened; the crowd then stays where it is.
     pub fn move_to(&mut self, device: Device) -> Result<(), Error> {
-        self.backend = device.open()?;
+        self.opened = device.open(self.schedule(), self.gl.as_ref())?;
         self.device = device;
         self.tables.mark_dirty();
         Ok(())
@@ -341,9 +372,9 @@ impl Crowd {
         )]
         let whole = ticks.round().max(0.0) as u64;
         let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
-        self.backend.update(&self.tables)?;
+        self.opened.backend.update(&self.tables)?;
         self.tables.mark_clean();
-        self.backend.run(&self.tables, Frame { tick: clock.tick })?;
+        self.opened.backend.run(&self.tables, Frame::of_all(clock.tick))?;
         self.clock = clock;
         Ok(())
     }
@@ -354,7 +385,7 @@ impl Crowd {
     ///
     /// A failing device.
     pub fn finish(&mut self) -> Result<(), Error> {
-        Ok(self.backend.finish()?)
+        Ok(self.opened.backend.finish()?)
     }
 
     /// What to draw, in order of the members' places.

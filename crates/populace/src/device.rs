@@ -2,8 +2,9 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::Arc;
 
-use populace_core::Backend;
+use populace_core::{Backend, GlContext, Schedule};
 use populace_native::NativeBackend;
 
 use crate::Error;
@@ -43,12 +44,22 @@ impl Device {
         opencl::best().unwrap_or(Self::native())
     }
 
-    pub(crate) fn open(self) -> Result<Box<dyn Backend>, Error> {
+    /// Opens the device; for a context of OpenGL's where one is given and the device's driver takes it.
+    pub(crate) fn open(self, schedule: Schedule, gl: Option<&Arc<dyn GlContext>>) -> Result<Opened, Error> {
         match self {
-            Self::Native { threads } => Ok(Box::new(NativeBackend::new(threads)?)),
-            Self::OpenCl { index } => opencl::open(index),
+            Self::Native { threads } => {
+                Ok(Opened { backend: Box::new(NativeBackend::new(threads, schedule)?), not_for_gl: None })
+            }
+            Self::OpenCl { index } => opencl::open(index, schedule, gl),
         }
     }
+}
+
+/// A device that is ready.
+pub(crate) struct Opened {
+    pub(crate) backend: Box<dyn Backend>,
+    /// Why it was not opened for the context of OpenGL's that was given.
+    pub(crate) not_for_gl: Option<String>,
 }
 
 impl fmt::Display for Device {
@@ -103,10 +114,10 @@ mod opencl {
     use std::collections::HashMap;
     use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-    use populace_core::Backend;
+    use populace_core::{GlContext, Schedule};
     use populace_opencl::{DeviceKind, OpenClBackend, OpenClDevice};
 
-    use super::{Device, DeviceReport};
+    use super::{Device, DeviceReport, Opened};
     use crate::Error;
 
     pub(super) fn best() -> Option<Device> {
@@ -115,15 +126,34 @@ mod opencl {
         first(DeviceKind::Gpu).or(first(DeviceKind::Cpu)).map(|d| Device::opencl(d.index))
     }
 
-    /// Opens a device, whose context and kernels all crowds of this process share.
-    pub(super) fn open(index: usize) -> Result<Box<dyn Backend>, Error> {
+    /// Opens a device. Its context and kernels are for this crowd alone if made for OpenGL, else all crowds of this
+    /// process share them.
+    pub(super) fn open(
+        index: usize,
+        schedule: Schedule,
+        gl: Option<&Arc<dyn GlContext>>,
+    ) -> Result<Opened, Error> {
+        let for_gl = gl.map(|gl| OpenClDevice::open_for_gl(index, Arc::clone(gl)));
+        let (device, not_for_gl) = match for_gl {
+            None => (shared(index)?, None),
+            Some(Ok(device)) => (device, None),
+            Some(Err(error)) => {
+                let device = shared(index)?;
+                // Of a driver that does not offer it at all the backend itself tells.
+                let reason = device.info().shares_with_gl.then(|| error.to_string());
+                (device, reason)
+            }
+        };
+        Ok(Opened { backend: Box::new(OpenClBackend::new(&device, schedule)?), not_for_gl })
+    }
+
+    fn shared(index: usize) -> Result<Arc<OpenClDevice>, Error> {
         static OPEN: OnceLock<Mutex<HashMap<usize, Arc<OpenClDevice>>>> = OnceLock::new();
         let mut open = OPEN.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
-        let device = match open.get(&index) {
+        Ok(match open.get(&index) {
             Some(device) => Arc::clone(device),
             None => Arc::clone(open.entry(index).or_insert(OpenClDevice::open(index)?)),
-        };
-        Ok(Box::new(OpenClBackend::new(&device)?))
+        })
     }
 
     pub(super) fn reports() -> Vec<DeviceReport> {
@@ -153,16 +183,22 @@ mod opencl {
 
 #[cfg(not(feature = "opencl"))]
 mod opencl {
-    use populace_core::Backend;
+    use std::sync::Arc;
 
-    use super::{Device, DeviceReport};
+    use populace_core::{GlContext, Schedule};
+
+    use super::{Device, DeviceReport, Opened};
     use crate::Error;
 
     pub(super) fn best() -> Option<Device> {
         None
     }
 
-    pub(super) fn open(_index: usize) -> Result<Box<dyn Backend>, Error> {
+    pub(super) fn open(
+        _index: usize,
+        _schedule: Schedule,
+        _gl: Option<&Arc<dyn GlContext>>,
+    ) -> Result<Opened, Error> {
         Err(Error::WithoutOpenCl)
     }
 

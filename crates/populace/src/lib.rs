@@ -39,7 +39,7 @@ mod error;
 mod play;
 
 pub use populace_core as core;
-pub use populace_core::{Affine, BackendError, LayerMode, LayerSettings, Mask, Trs};
+pub use populace_core::{Affine, BackendError, LayerMode, LayerSettings, Mask, Schedule, Trs};
 
 pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member};
 pub use device::{Device, DeviceReport, devices};

@@ -1,27 +1,48 @@
-//! The native device and OpenCL on the same input.
+//! Devices and schedules on the same input.
 #![cfg(feature = "opencl")]
 
+use populace_core::Schedule::{self, Fused, FusedWide, Staged};
 use populace_native::NativeBackend;
 use populace_opencl::{OpenClBackend, OpenClDevice};
-use populace_testkit::conformance::check_agreement;
+use populace_testkit::conformance::{check_agreement, check_same_frames};
 use populace_testkit::{Broken, Corruption};
 
-fn opencl() -> OpenClBackend {
+fn opencl(schedule: Schedule) -> OpenClBackend {
     let device = OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without");
-    OpenClBackend::new(&device).expect("a backend")
+    OpenClBackend::new(&device, schedule).expect("a backend")
+}
+
+fn native(schedule: Schedule) -> NativeBackend {
+    NativeBackend::new(3, schedule).expect("threads")
 }
 
 /// Bit for bit where `+ - *` and copies decide, within a derived bound elsewhere.
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn native_and_opencl_agree() {
-    check_agreement(&mut NativeBackend::new(3).expect("threads"), &mut opencl());
+    check_agreement(&mut native(Staged), &mut opencl(Staged));
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 #[should_panic(expected = "off by")]
 fn a_bit_of_difference_is_found() {
-    let native = NativeBackend::new(3).expect("threads");
-    check_agreement(&mut Broken::new(native, Corruption::palette_bit()), &mut opencl());
+    check_agreement(&mut Broken::new(native(Staged), Corruption::palette_bit()), &mut opencl(Staged));
+}
+
+/// What is tested on is PoCL, which rounds quotients correctly.
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn all_schedules_of_both_give_the_same_bits() {
+    check_same_frames(&mut native(Staged), &mut native(Fused));
+    check_same_frames(&mut native(Staged), &mut opencl(Staged));
+    check_same_frames(&mut native(Staged), &mut opencl(FusedWide));
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+#[should_panic(expected = "off by")]
+fn a_bit_of_difference_in_a_frame_is_found() {
+    let mut broken = Broken::new(opencl(FusedWide), Corruption::palette_bit());
+    check_same_frames(&mut native(Staged), &mut broken);
 }

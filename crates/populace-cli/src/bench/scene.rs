@@ -8,7 +8,7 @@ use populace::core::{
     Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
     Skeleton, Track, Trs,
 };
-use populace::{Crowd, Device, Error, Member, Placement, Play};
+use populace::{Crowd, Device, Error, Member, Placement, Play, Schedule};
 
 use crate::placement::Random;
 
@@ -68,9 +68,12 @@ impl Scene {
         joints.sum()
     }
 
-    pub(crate) fn stage(&self, device: Device) -> Result<Staging, Error> {
-        let builder =
-            Crowd::builder().device(device).capacity(self.member_count).slots_per_member(self.slot_count);
+    pub(crate) fn stage(&self, device: Device, schedule: Schedule) -> Result<Staging, Error> {
+        let builder = Crowd::builder()
+            .device(device)
+            .schedule(schedule)
+            .capacity(self.member_count)
+            .slots_per_member(self.slot_count);
         let mut crowd = builder.build()?;
         let mut ids = Vec::new();
         for character in &self.characters {

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use populace::core::{Stage, TICKS_PER_SEC};
-use populace::{Device, Error};
+use populace::{Device, Error, Schedule};
 
 use super::check::worst_error_m;
 use super::scene::{Scene, Staging};
@@ -41,11 +41,16 @@ struct Track {
 
 /// Measures `frames` frames on each device, the devices taking turns so that a noisy machine is noisy to all, and
 /// checks the last frame against the oracle.
-pub(crate) fn measure(scene: &Scene, devices: &[Device], frames: u32) -> Result<Vec<Run>, Error> {
+pub(crate) fn measure(
+    scene: &Scene,
+    devices: &[Device],
+    schedules: &[Schedule],
+    frames: u32,
+) -> Result<Vec<Run>, Error> {
     let mut tracks = Vec::new();
-    for &device in devices {
-        let staging = scene.stage(device)?;
-        let schedule = staging.crowd.schedule();
+    for (&device, &schedule) in devices.iter().flat_map(|d| schedules.iter().map(move |s| (d, s))) {
+        let staging = scene.stage(device, schedule)?;
+        let schedule = schedule.name();
         tracks.push(Track {
             device,
             staging,

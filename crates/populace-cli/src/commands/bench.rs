@@ -1,6 +1,6 @@
 //! `populace bench`
 
-use populace::Device;
+use populace::{Device, Schedule};
 use serde_json::json;
 
 use crate::bench::{Run, Scene, measure};
@@ -17,7 +17,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         scene.joint_count(),
         devices.len()
     );
-    let runs = measure(&scene, &devices, args.frames)?;
+    let both = [Schedule::Staged, Schedule::Fused];
+    let schedules = if args.schedule.is_empty() { &both[..] } else { &args.schedule };
+    let runs = measure(&scene, &devices, schedules, args.frames)?;
     let machine = machine();
     if args.json {
         let runs: Vec<_> = runs.iter().map(|r| as_json(r, &scene)).collect();

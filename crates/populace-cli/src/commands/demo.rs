@@ -3,13 +3,13 @@
 use std::time::Instant;
 
 use populace::{Crowd, Device};
-use populace_render::Camera;
+use populace_render::{Camera, Renderer};
 
 use crate::cast::{built_in, role};
 use crate::cli::DemoArgs;
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
-use crate::studio::{Studio, check_output};
+use crate::studio::{Studio, check_output, drawn_with};
 
 /// Frames that are timed.
 const FRAMES: usize = 20;
@@ -25,7 +25,13 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
         }
     }
     let members = args.members;
-    let mut crowd = Crowd::builder().device(device).capacity(members as usize).slots_per_member(1).build()?;
+    let renderer = Renderer::headless(args.size.0);
+    let builder = Crowd::builder()
+        .device(device)
+        .schedule(args.device.schedule)
+        .capacity(members as usize)
+        .slots_per_member(1);
+    let mut crowd = drawn_with(builder, &renderer).build()?;
     crate::report::talk!("{members} people made by code, on {}", crowd.device_name());
     let people = built_in("people")?;
     let roles = people
@@ -39,13 +45,10 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
 
     let [width, height] = args.size.0;
     let camera = Camera::framing(staging.framed(0.0), width as f32 / height as f32);
-    let mut studio = match Studio::new(args.size.0, &roles, &[], camera) {
-        Ok(studio) => studio,
-        Err(failure) => {
-            crate::report::talk!("the crowd was evaluated, but there is nothing to draw it with:");
-            return Err(failure);
-        }
-    };
+    let renderer = renderer.inspect_err(|_| {
+        crate::report::talk!("the crowd was evaluated, but there is nothing to draw it with:");
+    })?;
+    let mut studio = Studio::new(renderer, &mut crowd, &roles, &[], camera)?;
     let start = Instant::now();
     studio.shoot(&mut crowd, &args.out)?;
     let secs = start.elapsed().as_secs_f64();

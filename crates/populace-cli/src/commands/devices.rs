@@ -1,23 +1,30 @@
 //! `populace devices`
 
+use populace::{Crowd, Device, DeviceReport};
+use populace_render::{HandOver, Renderer};
 use serde_json::json;
 
 use crate::cli::DevicesArgs;
 use crate::failure::Failure;
 use crate::report;
 
+/// How a device's palettes reach OpenGL, or why they do not.
+type Palettes = Result<HandOver, String>;
+
 pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
-    let devices = populace::devices();
-    let best = populace::Device::best();
-    let drawing = populace_render::Renderer::headless([16, 16]).map(|renderer| renderer.driver().to_owned());
+    let best = Device::best();
+    let mut renderer = Renderer::headless([16, 16]);
+    let devices = populace::devices().into_iter().map(|report| {
+        let palettes = match (report.device, &mut renderer) {
+            (Some(device), Ok(renderer)) => Some(tried(device, renderer)),
+            _ => None,
+        };
+        (report, palettes)
+    });
+    let devices: Vec<_> = devices.collect();
+    let drawing = renderer.map(|renderer| renderer.driver().to_owned());
     if args.json {
-        let list: Vec<_> = devices
-            .iter()
-            .map(|d| {
-                let device = d.device.map(|d| d.to_string());
-                json!({"device": device, "name": d.name, "detail": d.detail, "best": d.device == Some(best)})
-            })
-            .collect();
+        let list: Vec<_> = devices.iter().map(|(report, palettes)| as_json(report, palettes, best)).collect();
         let drawing = match &drawing {
             Ok(driver) => json!({"driver": driver}),
             Err(error) => json!({"driver": null, "detail": error.to_string()}),
@@ -25,14 +32,43 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
         return report::json(&json!({"schema": 1, "devices": list, "drawing": drawing}));
     }
     let mut text = String::new();
-    for d in &devices {
+    for (d, palettes) in &devices {
         let device = d.device.map_or("cannot be used".to_owned(), |d| d.to_string());
         let best = if d.device == Some(best) { ", used unless another is named" } else { "" };
         text += &format!("{device:<10} {}: {}{best}\n", d.name, d.detail);
+        text += &match palettes {
+            Some(Ok(way)) => format!("{:<10} palettes {way}\n", ""),
+            Some(Err(reason)) => format!("{:<10} palettes do not reach OpenGL: {reason}\n", ""),
+            None => String::new(),
+        };
     }
     text += &match drawing {
         Ok(driver) => format!("{:<10} {driver}\n", "drawing"),
         Err(error) => format!("{:<10} cannot be used: {error}\n", "drawing"),
     };
     report::text(&text)
+}
+
+/// Tries it with an empty crowd, since drivers tell the truth only when asked to do it.
+fn tried(device: Device, renderer: &mut Renderer) -> Palettes {
+    let crowd = Crowd::builder().device(device).for_gl(renderer.gl_context()).build();
+    renderer.link_palettes(&mut crowd.map_err(|e| e.to_string())?).map_err(|e| e.to_string())
+}
+
+fn as_json(report: &DeviceReport, palettes: &Option<Palettes>, best: Device) -> serde_json::Value {
+    let palettes = palettes.as_ref().map(|palettes| match palettes {
+        Ok(HandOver { way, refused }) => {
+            let refused: Vec<_> =
+                refused.iter().map(|(way, reason)| json!({"way": way.name(), "reason": reason})).collect();
+            json!({"way": way.name(), "refused": refused})
+        }
+        Err(reason) => json!({"way": null, "detail": reason}),
+    });
+    json!({
+        "device": report.device.map(|d| d.to_string()),
+        "name": report.name,
+        "detail": report.detail,
+        "best": report.device == Some(best),
+        "palettes": palettes,
+    })
 }

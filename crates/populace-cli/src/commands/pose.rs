@@ -27,7 +27,12 @@ pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
 fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let character = Arc::new(imported.character.clone());
     let device = args.device.device.unwrap_or_else(Device::best);
-    let mut crowd = Crowd::builder().device(device).capacity(1).slots_per_member(1).build()?;
+    let mut crowd = Crowd::builder()
+        .device(device)
+        .schedule(args.device.schedule)
+        .capacity(1)
+        .slots_per_member(1)
+        .build()?;
     let id = crowd.add_character(Arc::clone(&character))?;
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
     let clip = args.clip.as_deref().map(|name| find_clip(&crowd, id, name)).transpose()?;
@@ -46,7 +51,7 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
         // The number as it was typed, not its nearest f32 written out in full.
         "time": args.time.to_string().parse::<f64>().unwrap_or(f64::from(args.time)),
         "device": device.to_string(),
-        "schedule": crowd.schedule(),
+        "schedule": crowd.schedule().name(),
         "joints": joints(imported, &models),
         "skins": skins,
         "vertices": if args.vertices { vertices(&character, &palette, &args.vertex)? } else { Vec::new() },

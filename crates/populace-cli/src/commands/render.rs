@@ -1,25 +1,32 @@
 //! `populace render`
 
 use populace::{Crowd, Device};
-use populace_render::Camera;
+use populace_render::{Camera, Renderer};
 
 use crate::cast::{self, Role};
 use crate::cli::{RenderArgs, View};
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
-use crate::studio::{Studio, check_output, frame_path};
+use crate::studio::{Studio, check_output, drawn_with, frame_path};
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let first = args.frames.map_or(args.out.clone(), |_| frame_path(&args.out, 0));
     check_output(&first)?;
     let device = args.device.device.unwrap_or_else(Device::best);
-    let mut crowd =
-        Crowd::builder().device(device).capacity(args.members as usize).slots_per_member(1).build()?;
+    // Without OpenGL the inputs are still checked first: what is wrong with them is of more use.
+    let renderer = Renderer::headless(args.size.0);
+    let builder = Crowd::builder()
+        .device(device)
+        .schedule(args.device.schedule)
+        .capacity(args.members as usize)
+        .slots_per_member(1);
+    let mut crowd = drawn_with(builder, &renderer).build()?;
     let roles = cast::load(&mut crowd, &args.inputs, args.clip.as_deref(), args.height)?;
     check_hidden(&roles, &args.hide)?;
     let plan = Plan { members: args.members, seed: args.seed, hide: &args.hide, away_percent: 0 };
     let mut staging = Staging::new(&mut crowd, &roles, &plan)?;
-    let mut studio = Studio::new(args.size.0, &roles, &args.hide, camera(args, &staging))?;
+    let camera = camera(args, &staging);
+    let mut studio = Studio::new(renderer?, &mut crowd, &roles, &args.hide, camera)?;
     staging.advance(&mut crowd, 0.0)?;
     studio.shoot(&mut crowd, &first)?;
     for frame in 1..args.frames.unwrap_or(1) {

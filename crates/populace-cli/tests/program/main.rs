@@ -47,7 +47,7 @@ fn pose_keeps_its_contract(device: &str) {
     let args =
         ["pose", &file, "--clip", "Bend", "--time", "1.5", "--vertices", "--vertex", "0,0,7", "--json"];
     let d = json_of(&[&args[..], &["--device", device]].concat());
-    assert_eq!((&d["schema"], &d["clip"], &d["schedule"]), (&json!(1), &json!("Bend"), &json!("staged")));
+    assert_eq!((&d["schema"], &d["clip"], &d["schedule"]), (&json!(1), &json!("Bend"), &json!("fused")));
     assert_eq!(d["joints"][0]["name"], "foot");
     assert_eq!((&d["joints"][0]["node"], &d["joints"][0]["parent"]), (&json!(1), &Value::Null));
     assert_eq!((&d["joints"][1]["node"], &d["joints"][1]["parent"]), (&json!(2), &json!(0)));
@@ -107,6 +107,18 @@ fn devices_lists_native_and_what_draws() {
     let d = json_of(&["devices", "--json"]);
     assert_eq!(d["devices"][0]["device"], "native");
     assert!(d["drawing"].is_object());
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn devices_tells_how_palettes_reach_opengl_and_why_not_better() {
+    let d = json_of(&["devices", "--json"]);
+    let palettes = &d["devices"][0]["palettes"];
+    assert_eq!((&palettes["way"], &palettes["refused"][0]["way"]), (&json!("mapped"), &json!("shared")));
+    assert_eq!(palettes["refused"][0]["reason"], "it takes an OpenCL device");
+    let text = String::from_utf8(populace(&["devices"]).stdout).expect("text");
+    let words = "palettes written straight into OpenGL's memory (not shared between OpenCL and OpenGL: ";
+    assert!(text.contains(words), "{text}");
 }
 
 #[test]
@@ -207,6 +219,7 @@ fn demo_draws_people_without_any_file() {
     let talk = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{talk}");
     assert!(talk.contains("ms a frame") && talk.contains("written to populace-demo.png"), "{talk}");
+    assert!(talk.contains("palettes written straight into OpenGL's memory"), "{talk}");
     let picture = image::open(folder.path("populace-demo.png")).expect("a PNG");
     assert_eq!((picture.width(), picture.height()), (64, 36));
 }

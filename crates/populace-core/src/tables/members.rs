@@ -44,8 +44,8 @@ impl Tables {
         self.all.layers.grow(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
         let joint_block = self.joint_space.take(blocks);
         let palette_block = self.palette_space.take(palette_block_count(entry_count));
-        fill(&mut self.all.joint_blocks, joint_block, place);
-        fill(&mut self.all.palette_blocks, palette_block, place);
+        fill(&mut self.blocks.joint_blocks, joint_block, place);
+        fill(&mut self.blocks.palette_blocks, palette_block, place);
         self.reset_playback(place);
         self.all.members.set(
             place as usize,
@@ -99,8 +99,8 @@ impl Tables {
         let Body { padded_count, entry_count, .. } = self.all.bodies.as_slice()[member.body as usize];
         let joints = ((member.joint_first / JOINT_BLOCK) as usize, (padded_count / JOINT_BLOCK) as usize);
         let palette = ((member.palette_first / PALETTE_BLOCK) as usize, palette_block_count(entry_count));
-        fill(&mut self.all.joint_blocks, joints, NONE);
-        fill(&mut self.all.palette_blocks, palette, NONE);
+        fill(&mut self.blocks.joint_blocks, joints, NONE);
+        fill(&mut self.blocks.palette_blocks, palette, NONE);
         self.joint_space.give_back(joints);
         self.palette_space.give_back(palette);
         if entry_count > 0 {
@@ -118,8 +118,8 @@ impl Tables {
         members.truncate(taken);
         self.all.slots.truncate(taken * self.slots_per_member);
         self.all.layers.truncate(taken * LAYERS_PER_MEMBER as usize);
-        self.all.joint_blocks.truncate(self.joint_space.end());
-        self.all.palette_blocks.truncate(self.palette_space.end());
+        self.blocks.joint_blocks.truncate(self.joint_space.end());
+        self.blocks.palette_blocks.truncate(self.palette_space.end());
     }
 
     fn reset_playback(&mut self, place: u32) {

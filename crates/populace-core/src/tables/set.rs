@@ -3,12 +3,14 @@
 use super::{Table, Tables};
 use crate::layout::{Body, BoundBlock, BoundClip, ClipRows, Entry, Layer, Member, RowBlock, Slot, Source};
 
-/// Calls a macro with every table: its documentation, its name, and the type of its elements (types of
-/// [`layout`](crate::layout), which must be in scope where it is called).
+/// Calls a macro with every table that all schedules read: its documentation, its name, and the type of its elements
+/// (types of [`layout`](crate::layout), which must be in scope where it is called). What follows the macro's name is
+/// passed on before the list.
 #[macro_export]
 macro_rules! with_tables {
-    ($callback:ident) => {
+    ($callback:ident $(, $more:tt)*) => {
         $callback! {
+            $($more)*;
             /// Bodies.
             bodies: Body,
             /// Parents of the joints of all bodies, in level order within each; `NONE` for roots.
@@ -47,23 +49,35 @@ macro_rules! with_tables {
             slots: Slot,
             /// `members x LAYERS_PER_MEMBER`, layers fastest.
             layers: Layer,
-            /// The member of each block of `JOINT_BLOCK` joints in the joint buffer, `NONE` where it is free.
+        }
+    };
+}
+
+/// As [`with_tables`], with the tables that only the staged schedule reads: a device that does not run it needs no copy
+/// of them.
+#[macro_export]
+macro_rules! with_block_tables {
+    ($callback:ident $(, $more:tt)*) => {
+        $callback! {
+            $($more)*;
+            /// The member of each block of `JOINT_BLOCK` joints in the joint buffer, `NONE` where it is free. Only the
+            /// staged schedule reads it.
             joint_blocks: u32,
-            /// The member of each block of `PALETTE_BLOCK` palette entries, `NONE` where it is free.
+            /// The member of each block of `PALETTE_BLOCK` palette entries, `NONE` where it is free. Only the staged
+            /// schedule reads it.
             palette_blocks: u32,
         }
     };
 }
 
 macro_rules! table_set {
-    ($($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
-        /// All tables.
+    ($set:ident $field:ident; $($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
         #[derive(Clone, Debug)]
-        pub(super) struct TableSet {
+        pub(super) struct $set {
             $(pub(super) $name: Table<$element>,)*
         }
 
-        impl TableSet {
+        impl $set {
             pub(super) fn new() -> Self {
                 Self { $($name: Table::new(stringify!($name)),)* }
             }
@@ -79,8 +93,9 @@ macro_rules! table_set {
 
         /// What devices read. Elements change only through methods that check them: a device follows every index.
         impl Tables {
-            $($(#[$doc])* #[must_use] pub fn $name(&self) -> &Table<$element> { &self.all.$name })*
+            $($(#[$doc])* #[must_use] pub fn $name(&self) -> &Table<$element> { &self.$field.$name })*
         }
     };
 }
-crate::with_tables!(table_set);
+crate::with_tables!(table_set, TableSet, all);
+crate::with_block_tables!(table_set, BlockTableSet, blocks);

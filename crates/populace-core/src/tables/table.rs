@@ -13,6 +13,7 @@ use crate::layout::NONE;
 pub struct Table<T> {
     name: &'static str,
     data: Vec<T>,
+    expected: usize,
     /// Elements that there were when devices last took over.
     known: usize,
     /// Those below `known` that changed since, each once; where the table shrank some stand past its end.
@@ -23,7 +24,7 @@ pub struct Table<T> {
 
 impl<T: bytemuck::Pod> Table<T> {
     pub(super) fn new(name: &'static str) -> Self {
-        Self { name, data: Vec::new(), known: 0, changed: Vec::new(), is_changed: Vec::new() }
+        Self { name, data: Vec::new(), expected: 0, known: 0, changed: Vec::new(), is_changed: Vec::new() }
     }
 
     /// The table's name, for errors.
@@ -48,6 +49,17 @@ impl<T: bytemuck::Pod> Table<T> {
     #[must_use]
     pub fn tail(&self) -> Range<usize> {
         self.known.min(self.data.len())..self.data.len()
+    }
+
+    /// As many elements as the table will have at its fullest, where that is known (see
+    /// [`Tables::with_capacity`](super::Tables::with_capacity)), else 0: devices make room for them at once.
+    #[must_use]
+    pub fn expected(&self) -> usize {
+        self.expected
+    }
+
+    pub(super) fn expect(&mut self, count: usize) {
+        self.expected = count;
     }
 
     pub(super) fn len(&self) -> usize {

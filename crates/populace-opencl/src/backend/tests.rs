@@ -40,8 +40,8 @@ fn shared_structs_are_laid_out_alike() {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn past_the_end_is_an_error() {
-    let mut backend = OpenClBackend::new(&device()).unwrap();
-    assert!(backend.read(StageBuffer::Palette, 0, &mut [Float4::default()]).is_err());
+    let mut backend = OpenClBackend::new(&device(), Schedule::Staged).unwrap();
+    assert!(backend.read(&Tables::new(1), StageBuffer::Palette, 0, &mut [Float4::default()]).is_err());
     assert!(backend.write(StageBuffer::Scales, 9, &[Float4::default()]).is_err());
     assert!(backend.with_page(0, &mut |_| ()).is_err());
 }
@@ -68,9 +68,41 @@ fn a_device_that_does_not_exist_is_refused() {
     assert!(matches!(error, BackendError::NoDevice { index: 99, .. }), "{error}");
 }
 
+/// Made up: whatever is asked of this context, a driver without the extension must not be.
+#[derive(Debug)]
+struct NoContext;
+
+#[expect(unsafe_code, reason = "a promise about handles that are refused before anybody uses them")]
+// SAFETY: `OpenClDevice::open_for_gl` and `OpenClBackend::refuses` use no handle where the extension is missing.
+unsafe impl GlContext for NoContext {
+    fn handles(&self) -> populace_core::EglHandles {
+        populace_core::EglHandles { display: 0, context: 0 }
+    }
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn sharing_with_opengl_is_refused_where_the_driver_does_not_offer_it() {
+    let plain = crate::devices().unwrap().into_iter().find(|device| !device.shares_with_gl);
+    let index = plain.expect("a driver that does not offer it, as PoCL").index;
+    let error = OpenClDevice::open_for_gl(index, Arc::new(NoContext)).unwrap_err();
+    assert!(error.to_string().contains("does not offer cl_khr_gl_sharing"), "{error}");
+    let backend = OpenClBackend::new(&OpenClDevice::open(index).unwrap(), Schedule::Fused).unwrap();
+    let reason = backend.refuses(PaletteWay::Shared, &NoContext).unwrap();
+    assert_eq!(reason, "its driver does not offer cl_khr_gl_sharing");
+    assert_eq!(backend.refuses(PaletteWay::Copied, &NoContext), None);
+}
+
 mod conformance {
     populace_testkit::backend_conformance!(
-        super::OpenClBackend::new(&super::device()).expect("a backend"),
+        super::OpenClBackend::new(&super::device(), super::Schedule::Staged).expect("a backend"),
+        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+    );
+}
+
+mod conformance_fused_wide {
+    populace_testkit::fused_conformance!(
+        super::OpenClBackend::new(&super::device(), super::Schedule::FusedWide).expect("a backend"),
         cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
     );
 }
@@ -78,7 +110,8 @@ mod conformance {
 /// The shape for GPUs, on whatever device there is.
 mod conformance_of_the_gpu_shape {
     populace_testkit::backend_conformance!(
-        super::OpenClBackend::with_shape(&super::device(), super::GPU_SHAPE).expect("a backend"),
+        super::OpenClBackend::with_shape(&super::device(), super::Schedule::Staged, super::GPU_SHAPE)
+            .expect("a backend"),
         cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
     );
 }
@@ -90,11 +123,62 @@ fn tables_that_grew_since_the_update_are_refused() {
         populace_core::JointSource { name: "root".into(), parent: None, rest: populace_core::Trs::IDENTITY };
     let mut tables = Tables::new(1);
     let body = tables.add_body(&populace_core::Skeleton::new(&[joint]).unwrap(), &[]).unwrap();
-    let mut backend = OpenClBackend::new(&device()).unwrap();
+    let mut backend = OpenClBackend::new(&device(), Schedule::Staged).unwrap();
     backend.update(&tables).unwrap();
     tables.add_member(body).unwrap();
-    let error = backend.run(&tables, Frame { tick: 0 }).unwrap_err();
+    let error = backend.run(&tables, Frame::of_all(0)).unwrap_err();
     assert!(error.to_string().contains("update first"), "{error}");
     backend.update(&tables).unwrap();
-    backend.run(&tables, Frame { tick: 0 }).unwrap();
+    backend.run(&tables, Frame::of_all(0)).unwrap();
+}
+
+/// A device that allocates no more than so many bytes at once.
+fn device_with_room(bytes: u64) -> Arc<OpenClDevice> {
+    let mut device = OpenClDevice::open(0).unwrap();
+    Arc::get_mut(&mut device).unwrap().info.max_allocation_bytes = bytes;
+    device
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_crowd_without_room_says_so_and_goes_on_once_members_have_left() {
+    let joint = |name: &str| populace_core::JointSource {
+        name: name.into(),
+        parent: None,
+        rest: populace_core::Trs { translation: [1.0, 2.0, 3.0], ..populace_core::Trs::IDENTITY },
+    };
+    let entry = populace_core::PaletteEntry {
+        joint: populace_core::JointIndex(0),
+        joint_from_bind: populace_core::Affine::IDENTITY,
+    };
+    let mut tables = Tables::new(4);
+    let body =
+        tables.add_body(&populace_core::Skeleton::new(&[joint("root")]).unwrap(), &[entry; 6]).unwrap();
+    let mut backend = OpenClBackend::new(&device_with_room(200_000), Schedule::Staged).unwrap();
+    let frame = Frame::of_all(0);
+    let mut taken: Vec<u32> = (0..10).map(|_| tables.add_member(body).unwrap()).collect();
+    // Too much for slots, for what joints need, and for palettes.
+    for (members, what) in [
+        (1100, "211200 bytes of slots"),
+        (900, "bytes of joint translations"),
+        (600, "bytes of matrix palettes"),
+    ] {
+        while taken.len() < members {
+            taken.push(tables.add_member(body).unwrap());
+        }
+        let error = backend.update(&tables).unwrap_err();
+        assert!(error.to_string().contains(what), "{error}");
+        let error = backend.run(&tables, frame).unwrap_err();
+        assert!(error.to_string().contains("update first"), "{error}");
+        taken.drain(10..).for_each(|place| tables.remove_member(place));
+        backend.update(&tables).unwrap();
+        tables.mark_clean();
+        backend.run(&tables, frame).unwrap();
+        for place in &taken {
+            let first = tables.members().as_slice()[*place as usize].palette_first as usize * 3;
+            let mut palette = [Float4::default(); 18];
+            backend.read(&Tables::new(1), StageBuffer::Palette, first, &mut palette).unwrap();
+            assert_eq!(palette[16], Float4([0.0, 1.0, 0.0, 2.0]), "member {place} after {what}");
+        }
+    }
 }

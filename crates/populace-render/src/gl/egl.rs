@@ -1,9 +1,11 @@
 //! Contexts without a window, by EGL.
 
 use std::ffi::{CStr, c_void};
+use std::fmt;
 use std::sync::OnceLock;
 
 use khronos_egl as egl;
+use populace_core::{EglHandles, GlContext};
 
 use crate::Error;
 
@@ -78,8 +80,36 @@ impl Context {
             .map_err(|cause| Error::ContextLost { cause: cause.to_string() })
     }
 
+    /// Makes no context current on this thread, if it is this one now.
+    pub(super) fn release_current(&self) {
+        if self.egl.get_current_context() == Some(self.context) {
+            // A context that cannot be let go of now is let go of when another becomes current.
+            let _ = self.egl.make_current(self.display, None, None, None);
+        }
+    }
+
     pub(super) fn proc_address(&self, name: &str) -> *const c_void {
         self.egl.get_proc_address(name).map_or(std::ptr::null(), |f| f as *const c_void)
+    }
+}
+
+// SAFETY: EGL's functions can be called on every thread, with every handle (EGL 1.5, sections 2.1 and 3.7.3): one that
+// is current elsewhere is refused by eglMakeCurrent, and destroyed by eglDestroyContext once it is no longer current.
+unsafe impl Send for Context {}
+// SAFETY: as above; `Context` holds nothing but handles, which never change.
+unsafe impl Sync for Context {}
+
+impl fmt::Debug for Context {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Context").field(&self.context).finish()
+    }
+}
+
+// SAFETY: the handles are those of the display and the context that `on` made; the context is destroyed when `self` is
+// dropped, and the display never.
+unsafe impl GlContext for Context {
+    fn handles(&self) -> EglHandles {
+        EglHandles { display: self.display.as_ptr() as usize, context: self.context.as_ptr() as usize }
     }
 }
 
@@ -87,9 +117,7 @@ impl Drop for Context {
     fn drop(&mut self) {
         // Failures are of no use to anybody now. The display stays initialised: EGL hands the same one to every
         // context of the process, and terminating it would end them all.
-        if self.egl.get_current_context() == Some(self.context) {
-            let _ = self.egl.make_current(self.display, None, None, None);
-        }
+        self.release_current();
         let _ = self.egl.destroy_context(self.display, self.context);
         if let Some(surface) = self.surface {
             let _ = self.egl.destroy_surface(self.display, surface);

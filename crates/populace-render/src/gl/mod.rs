@@ -7,18 +7,23 @@
 
 mod buffer;
 mod egl;
+mod page;
 mod program;
 mod target;
 mod texture;
 mod vertex_array;
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glow::HasContext as _;
+
+use populace_core::GlContext;
 
 use crate::Error;
 
 pub(crate) use buffer::{Buffer, BufferUse};
+pub(crate) use page::{Fence, Page};
 pub(crate) use program::Program;
 pub(crate) use target::{PictureTarget, ShadowTarget};
 pub(crate) use texture::{Sampling, Texture};
@@ -30,6 +35,8 @@ pub(crate) struct Limits {
     pub(crate) texture_size: u32,
     pub(crate) picture_size: u32,
     pub(crate) storage_bytes: u64,
+    /// Whether buffers can stay mapped while they are drawn from.
+    pub(crate) maps_buffers: bool,
     pub(crate) samples: u32,
     pub(crate) anisotropy: f32,
 }
@@ -40,7 +47,7 @@ pub(crate) struct Gl {
     limits: Limits,
     driver: String,
     // Declared last: it must outlive the functions that were loaded from it.
-    context: egl::Context,
+    context: Arc<egl::Context>,
 }
 
 /// Which triangles are left out.
@@ -80,7 +87,7 @@ impl DrawState {
 impl Gl {
     /// Opens a context without a window.
     pub(crate) fn headless() -> Result<Rc<Self>, Error> {
-        let context = egl::Context::headless()?;
+        let context = Arc::new(egl::Context::headless()?);
         // SAFETY: `egl::Context::headless` made the context current on this thread, and the loader returns addresses
         // of that context's functions or null, which glow checks before each call.
         let functions = unsafe { glow::Context::from_loader_function(|name| context.proc_address(name)) };
@@ -95,6 +102,11 @@ impl Gl {
 
     pub(crate) fn limits(&self) -> &Limits {
         &self.limits
+    }
+
+    /// The context, for devices that write its memory.
+    pub(crate) fn context(&self) -> Arc<dyn GlContext> {
+        Arc::<egl::Context>::clone(&self.context)
     }
 
     pub(crate) fn driver(&self) -> &str {
@@ -171,6 +183,13 @@ impl Gl {
     }
 }
 
+impl Drop for Gl {
+    /// A context that lent its memory lives on, but not on this thread: it may have to go on another one.
+    fn drop(&mut self) {
+        self.context.release_current();
+    }
+}
+
 impl Limits {
     fn of(functions: &glow::Context) -> Result<Self, Error> {
         // SAFETY: the context is current; each parameter asked for below is one integer of OpenGL 4.3, which
@@ -206,6 +225,9 @@ impl Limits {
                 .min(viewport[0])
                 .min(viewport[1]),
             storage_bytes: u64::from(get(glow::MAX_SHADER_STORAGE_BLOCK_SIZE)),
+            maps_buffers: functions.version().major > 4
+                || (functions.version().major == 4 && functions.version().minor >= 4)
+                || functions.supported_extensions().contains("GL_ARB_buffer_storage"),
             samples: get(glow::MAX_SAMPLES),
             anisotropy,
         })

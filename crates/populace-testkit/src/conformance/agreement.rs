@@ -21,6 +21,28 @@ pub fn check_agreement(a: &mut dyn Backend, b: &mut dyn Backend) {
     same_pose(a, b);
 }
 
+/// Whole frames of all skeletons, clips and layers give the same palettes, bit for bit: schedules on one device, and
+/// devices that round quotients correctly, compute the same in the same order.
+///
+/// # Panics
+///
+/// If the backends differ.
+pub fn check_same_frames(a: &mut dyn Backend, b: &mut dyn Backend) {
+    let scene = Scene::new();
+    let mut judge = Judge::new("same frames");
+    let clips: Vec<usize> = (0..scene.clips.len()).collect();
+    let plans = plans::members(83, &scene, &clips, 60, 8);
+    let frame = |backend: &mut dyn Backend| {
+        let mut crowd = plans::crowd(&scene, 8, plans.clone());
+        crowd.run(backend, ticks_from_secs(7.1));
+        (0..60).map(|member| crowd.read_palette(backend, member)).collect::<Vec<_>>()
+    };
+    for (member, (one, other)) in frame(a).iter().zip(&frame(b)).enumerate() {
+        judge.same_matrices(&format!("member {member} palette entry"), other, one);
+    }
+    judge.done();
+}
+
 fn same_bits(a: &mut dyn Backend, b: &mut dyn Backend) {
     let scene = Scene::new();
     let mut judge = Judge::of_stage("agreement");

@@ -76,7 +76,7 @@ pub fn check_weights(backend: &mut dyn Backend) {
         for (member, place, plan) in crowd.members() {
             let mut samples = [Float4::default(); 4];
             backend
-                .read(StageBuffer::Samples, place as usize * 4, &mut samples)
+                .read(&crowd.tables, StageBuffer::Samples, place as usize * 4, &mut samples)
                 .expect("samples can be read");
             for (slot, sample) in samples.iter().enumerate() {
                 let (wanted, bound) = match plan.plays.get(slot) {

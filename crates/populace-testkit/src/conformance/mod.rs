@@ -13,7 +13,7 @@ mod running;
 mod sampling;
 mod stages;
 
-pub use agreement::check_agreement;
+pub use agreement::{check_agreement, check_same_frames};
 pub use blend::{check_blends, check_slot_order, check_small_totals, check_zero_weights};
 pub use clock::{check_clock, check_weights};
 pub use layers::{check_additive_layers, check_far_turns, check_override_layers};
@@ -22,14 +22,26 @@ pub use running::{check_growth, check_long_run};
 pub use sampling::{check_sampling_at_keys, check_sampling_between_keys, check_sampling_within_clip_bounds};
 pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
 
-/// Expands to one `#[test]` for each check of the conformance suite, run on the backend that the expression makes, and
-/// one for its twin, which must fail. The expression is evaluated anew for each test, and for some several times.
+/// Expands to one `#[test]` for each check of the conformance suite, run on the staged backend that the expression makes,
+/// and one for its twin, which must fail. The expression is evaluated anew for each test, and for some several times.
 ///
 /// What follows the expression, such as `cfg_attr(no_device, ignore = "why")`, becomes attributes of all tests.
 #[macro_export]
 macro_rules! backend_conformance {
     ($backend:expr $(, $attribute:meta)* $(,)?) => {
-        $crate::backend_conformance! { @checks [$($attribute),*] $backend;
+        $crate::fused_conformance! { $backend $(, $attribute)* }
+        $crate::fused_conformance! { @checks [$($attribute),*] $backend;
+            one check_transform_alone transform_alone_holds transform_alone_can_fail model_rounding;
+            one check_write_back_alone write_back_alone_holds write_back_alone_can_fail palette_rounding;
+        }
+    };
+}
+
+/// The same for a backend of a fused schedule: all checks but those that run one stage alone, which it does not have.
+#[macro_export]
+macro_rules! fused_conformance {
+    ($backend:expr $(, $attribute:meta)* $(,)?) => {
+        $crate::fused_conformance! { @checks [$($attribute),*] $backend;
             one check_clock clock_holds clock_can_fail rotation;
             one check_weights weights_hold weights_can_fail weight;
             one check_sampling_at_keys sampling_at_keys_holds sampling_at_keys_can_fail translation;
@@ -42,8 +54,6 @@ macro_rules! backend_conformance {
             one check_override_layers override_layers_hold override_layers_can_fail palette;
             one check_additive_layers additive_layers_hold additive_layers_can_fail rotation;
             one check_far_turns far_turns_hold far_turns_can_fail coarse_rotation;
-            one check_transform_alone transform_alone_holds transform_alone_can_fail model_rounding;
-            one check_write_back_alone write_back_alone_holds write_back_alone_can_fail palette_rounding;
             one check_pages pages_hold pages_can_fail palette_bit;
             one check_growth growth_holds growth_can_fail palette;
             one check_long_run long_run_holds long_run_can_fail rotation;
@@ -52,7 +62,7 @@ macro_rules! backend_conformance {
         }
     };
     (@checks $attributes:tt $backend:expr; $($kind:ident $check:ident $holds:ident $can_fail:ident $wrong:ident;)*) => {
-        $( $crate::backend_conformance! { @check $attributes $kind $backend, $check $holds $can_fail $wrong } )*
+        $( $crate::fused_conformance! { @check $attributes $kind $backend, $check $holds $can_fail $wrong } )*
     };
     (@check [$($attribute:meta),*] one $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
         #[test]

@@ -151,7 +151,7 @@ pub fn check_pages(backend: &mut dyn Backend) {
     let mut crowd = plans::crowd(&scene, 4, plans::members(53, &scene, &clips, 18, 4));
     crowd.run(backend, ticks_from_secs(6.0));
     let mut pages: Vec<Vec<Float4>> = Vec::new();
-    for (page, length) in crowd.tables.page_lengths().into_iter().enumerate() {
+    for (page, length) in crowd.tables.page_lengths().enumerate() {
         let mut copy = Vec::new();
         backend.with_page(page, &mut |elements| copy = elements.to_vec()).expect("the page exists");
         assert!(copy.len() >= 3 * length, "page {page} is off by {} elements", 3 * length - copy.len());

@@ -1,0 +1,49 @@
+//! What each way costs; a measurement, so it is run by name: `cargo test --release -p populace-cli --test hand_over
+//! times -- --ignored --nocapture`.
+
+use std::time::Instant;
+
+use populace::Device;
+
+use crate::stage::{Stage, Troupe};
+
+const MEMBERS: u16 = 10_000;
+const FRAMES: usize = 21;
+
+/// Median milliseconds of an update with everything waited for, and of taking its palettes.
+fn frame_ms(device: Device, by_copy: bool) -> [f64; 2] {
+    let mut stage = Stage::new();
+    let mut troupe = Troupe::new(device, MEMBERS, &stage);
+    let mut times = [Vec::new(), Vec::new()];
+    for frame in 0..FRAMES + 3 {
+        let start = Instant::now();
+        troupe.update();
+        troupe.crowd.finish().unwrap();
+        let updated = Instant::now();
+        if by_copy {
+            stage.renderer.take_palettes(&mut troupe.by_copy()).unwrap();
+        } else {
+            stage.renderer.take_palettes(&mut troupe.crowd).unwrap();
+        }
+        if frame >= 3 {
+            times[0].push((updated - start).as_secs_f64() * 1e3);
+            times[1].push(updated.elapsed().as_secs_f64() * 1e3);
+        }
+    }
+    times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[FRAMES / 2]
+    })
+}
+
+#[expect(clippy::print_stdout, reason = "a measurement is for people")]
+#[ignore = "a measurement, not a test"]
+#[test]
+fn of_each_way() {
+    for device in [Device::native(), Device::opencl(0)] {
+        for (name, by_copy) in [("copied", true), ("mapped", false), ("copied", true), ("mapped", false)] {
+            let [update, take] = frame_ms(device, by_copy);
+            println!("{device}, {MEMBERS} people, {name}: update {update:.2} ms, hand-over {take:.3} ms");
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Features of the processor, chosen at run time.
+//!
+//! What is below is the same text compiled for different processors; results are the same bit for bit, since no
+//! product is ever fused with a sum.
+#![expect(
+    unsafe_code,
+    reason = "a function compiled for a feature of the processor may only be called where the processor has it"
+)]
+
+use populace_core::layout::Float4;
+use populace_core::{Affine, Tables};
+
+use crate::fused;
+
+/// The widest registers that the processor and this crate both know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Dispatch {
+    /// What every processor of the architecture has.
+    Baseline,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn write_palette_avx2(
+    tables: &Tables,
+    place: u32,
+    tick: u64,
+    models: &mut Vec<Affine>,
+    palette: &mut [Float4],
+) {
+    fused::write_palette(tables, place, tick, models, palette);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn write_palette_avx512(
+    tables: &Tables,
+    place: u32,
+    tick: u64,
+    models: &mut Vec<Affine>,
+    palette: &mut [Float4],
+) {
+    fused::write_palette(tables, place, tick, models, palette);
+}
+
+impl Dispatch {
+    /// What this machine has.
+    pub(crate) fn detect() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            let wide = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl");
+            if wide {
+                return Self::Avx512;
+            }
+            if is_x86_feature_detected!("avx2") {
+                return Self::Avx2;
+            }
+        }
+        Self::Baseline
+    }
+
+    /// The name of the registers, for people.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Baseline => "baseline",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => "AVX2",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => "AVX-512",
+        }
+    }
+
+    /// See [`fused::write_palette`].
+    pub(crate) fn write_palette(
+        self,
+        tables: &Tables,
+        place: u32,
+        tick: u64,
+        models: &mut Vec<Affine>,
+        palette: &mut [Float4],
+    ) {
+        match self {
+            Self::Baseline => fused::write_palette(tables, place, tick, models, palette),
+            // SAFETY: `detect` makes this value only where the processor has AVX2.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => unsafe { write_palette_avx2(tables, place, tick, models, palette) },
+            // SAFETY: `detect` makes this value only where the processor has these parts of AVX-512.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => unsafe { write_palette_avx512(tables, place, tick, models, palette) },
+        }
+    }
+}

@@ -1,0 +1,95 @@
+use std::time::Duration;
+
+use populace_core::{
+    Affine, AlphaMode, BackendError, CharacterSource, HandedOver, Influences, JointIndex, JointSource,
+    Material, Mesh, PaletteEntry, PaletteTarget, PaletteWay, Skeleton, TargetMark, Trs,
+};
+
+use super::*;
+use crate::Camera;
+use crate::gl::Fence;
+
+/// A device whose only member never moves: each frame is the same, in the other set.
+#[derive(Default)]
+struct Still {
+    mark: TargetMark,
+    target: PaletteTarget,
+    set: usize,
+}
+
+impl PaletteSource for Still {
+    fn page_lengths(&self) -> Vec<usize> {
+        vec![1]
+    }
+
+    fn refuses(&self, way: PaletteWay, _context: &dyn GlContext) -> Option<String> {
+        (way != PaletteWay::Mapped).then(|| "this test is about mapped memory".into())
+    }
+
+    fn set_target(&mut self, mut target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+        if let PaletteTarget::Mapped(sets) = &mut target {
+            let pages = sets.iter_mut().flatten();
+            pages.for_each(|page| page.elements()[..3].copy_from_slice(&Affine::IDENTITY.rows.map(Float4)));
+        }
+        (self.mark, self.target) = (mark.clone(), target);
+        Ok(())
+    }
+
+    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+        Ok(Some(HandedOver { mark: self.mark.clone(), set: Some(self.set) }))
+    }
+
+    fn with_page(&mut self, _: usize, _: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        Ok(())
+    }
+}
+
+/// A pane that fills the picture.
+fn glass() -> Character {
+    let joint = JointSource { name: "pane".into(), parent: None, rest: Trs::IDENTITY };
+    let mesh = Mesh {
+        positions: vec![[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]],
+        normals: vec![[0.0, 0.0, 1.0]; 4],
+        uvs: Vec::new(),
+        colors: Vec::new(),
+        influences: Influences {
+            per_vertex: 4,
+            entries: vec![0; 16],
+            weights: [1.0, 0.0, 0.0, 0.0].repeat(4),
+        },
+        indices: vec![0, 1, 2, 0, 2, 3],
+    };
+    Character::new(CharacterSource {
+        name: "glass".into(),
+        skeleton: Skeleton::new(&[joint]).unwrap(),
+        palette: vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }],
+        parts: vec![Part { node: 0, node_name: "pane".into(), primitive: 0, material: Some(0), mesh }],
+        materials: vec![Material { alpha: AlphaMode::Blend, ..Material::default() }],
+        images: Vec::new(),
+        skins: Vec::new(),
+        clips: Vec::new(),
+    })
+    .unwrap()
+}
+
+/// Many panes behind each other take OpenGL far longer than the call that draws them.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn a_frame_waits_for_the_draw_that_reads_where_it_goes() {
+    let mut renderer = Renderer::headless([1024, 1024]).unwrap();
+    let character = renderer.add_character(&glass(), &|_| false).unwrap();
+    let mut device = Still::default();
+    renderer.link_palettes(&mut device).unwrap();
+    let instance =
+        Instance { character, world_from_model: Affine::IDENTITY, palette_first: 0, tint: [1.0; 3] };
+    let camera = Camera::framing([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 1.0);
+    let scene = Scene { camera, ..Scene::default() };
+    renderer.take_palettes(&mut device).unwrap();
+    renderer.draw(&scene, &[instance; 30]).unwrap();
+    let drawn = Fence::new(&renderer.gl).unwrap();
+    device.set = 1;
+    renderer.take_palettes(&mut device).unwrap();
+    // What comes after the draw by a hair may take a moment longer.
+    std::thread::sleep(Duration::from_millis(2));
+    assert!(drawn.is_reached(), "the next frame goes to set 0, which is still being drawn from");
+}

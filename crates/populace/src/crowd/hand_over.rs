@@ -1,0 +1,35 @@
+//! A crowd as a source of palettes, for renderers that draw from where a device writes them.
+
+use populace_core::layout::Float4;
+use populace_core::{
+    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, TargetMark,
+};
+
+use super::Crowd;
+
+impl PaletteSource for Crowd {
+    fn page_lengths(&self) -> Vec<usize> {
+        self.opened.backend.page_lengths()
+    }
+
+    fn page_room(&self) -> Vec<usize> {
+        self.tables.page_lengths().collect()
+    }
+
+    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+        let not_for_gl = self.opened.not_for_gl.clone().filter(|_| way == PaletteWay::Shared);
+        not_for_gl.or_else(|| self.opened.backend.refuses(way, context))
+    }
+
+    fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+        self.opened.backend.set_target(target, mark)
+    }
+
+    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+        self.opened.backend.hand_over()
+    }
+
+    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        self.opened.backend.with_page(page, reader)
+    }
+}
