@@ -108,6 +108,8 @@ device_consts! {
     pub const MAP_SCALE: u32 = 1 << 29;
     /// Flag in a [`RowBlock`]'s lanes: the planes hold floats, one for each component.
     pub const ROW_FLOATS: u32 = 1 << 31;
+    /// Flag in a [`BoundBlock`]: each joint follows the column of its own lane, all in one block.
+    pub const BLOCK_STRAIGHT: u32 = 4;
     /// Flag in a [`BoundBlock`]: all translations stand at the body's rest.
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales stand at the body's rest.
@@ -219,7 +221,6 @@ impl RowBlock {
     };
 
     /// What moves in either block; where it stands is that of one.
-    #[inline]
     #[must_use]
     pub const fn or_moving(mut self, other: &Self) -> Self {
         if other.rotation_first != NONE {
@@ -253,16 +254,44 @@ device_struct! {
 }
 
 device_struct! {
-    /// Where 16 neighbouring joints of a body find their columns in a clip's rows.
+    /// Where 16 neighbouring joints of a body find their columns in a clip's rows. The first six are those of a
+    /// [`RowBlock`]: where [`BLOCK_STRAIGHT`] is set, of the one that the joints follow; else a first word only tells
+    /// whether anything moves.
     pub struct BoundBlock {
+        /// First word of the rotations.
+        pub rotation_first: u32,
+        /// Columns in each of their planes.
+        pub rotation_lanes: u32,
+        /// First word of the translations.
+        pub translation_first: u32,
+        /// Columns in each of their planes.
+        pub translation_lanes: u32,
+        /// First word of the scales.
+        pub scale_first: u32,
+        /// Columns in each of their planes.
+        pub scale_lanes: u32,
+        /// [`BLOCK_STRAIGHT`], [`REST_TRANSLATION`] and [`REST_SCALE`].
+        pub flags: u32,
         /// Into `sources`.
         pub source_first: u32,
         /// Blocks of the clip that the joints follow; 0 where nothing moves.
         pub source_count: u32,
-        /// Whether each joint follows the column of its own lane in the one source.
-        pub straight: u32,
-        /// [`REST_TRANSLATION`] and [`REST_SCALE`].
-        pub flags: u32,
+    }
+}
+
+impl BoundBlock {
+    /// Where the columns stand if they stand in one block.
+    #[inline]
+    #[must_use]
+    pub const fn rows(&self) -> RowBlock {
+        RowBlock {
+            rotation_first: self.rotation_first,
+            rotation_lanes: self.rotation_lanes,
+            translation_first: self.translation_first,
+            translation_lanes: self.translation_lanes,
+            scale_first: self.scale_first,
+            scale_lanes: self.scale_lanes,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin of `kernels/joint.cl`.
 
 use populace_core::Tables;
-use populace_core::layout::{Body, Layer, SlotSample};
+use populace_core::layout::{Body, Layer, REST_SCALE, REST_TRANSLATION, SlotSample};
 use populace_core::math::{Real, quat};
 
 use crate::rows::{Local, Width, load_quat, load_vec3, sample_joint};
@@ -44,35 +44,42 @@ fn add_layer<R: Real>(beneath: &Local<R>, sum: &Local<R>, layer_weight: R) -> Lo
     }
 }
 
+/// The weighted sum over a layer's slots.
+struct Sum<R> {
+    local: Local<R>,
+    /// Of the weights.
+    total: f32,
+    /// [`REST_TRANSLATION`] and [`REST_SCALE`], where no slot leaves the rest.
+    at_rest: u32,
+}
+
+/// What no slot moves is at rest, to the bit.
 #[inline(always)]
-fn mean_of<R: Real>(sum: &Local<R>, total: f32, rest_rotation: [R; 4]) -> Local<R> {
-    let k = R::splat(1.0 / total);
+fn mean_of<R: Real>(sum: &Sum<R>, rest: &Local<R>) -> Local<R> {
+    let k = R::splat(1.0 / sum.total);
+    let vector = |flag, at_rest: [R; 3], sums: [R; 3]| {
+        if sum.at_rest & flag != 0 { at_rest } else { each3(|i| sums[i] * k) }
+    };
     Local {
-        t: each3(|i| sum.t[i] * k),
-        r: quat::normalize_or(sum.r, rest_rotation),
-        s: each3(|i| sum.s[i] * k),
+        t: vector(REST_TRANSLATION, rest.t, sum.local.t),
+        r: quat::normalize_or(sum.local.r, rest.r),
+        s: vector(REST_SCALE, rest.s, sum.local.s),
     }
 }
 
 /// A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath.
 #[inline(always)]
-fn mix_layer<R: Real>(
-    beneath: &Local<R>,
-    sum: &Local<R>,
-    total: f32,
-    layer_weight: R,
-    rest_rotation: [R; 4],
-) -> Local<R> {
-    if total <= 0.0 {
+fn mix_layer<R: Real>(beneath: &Local<R>, sum: &Sum<R>, layer_weight: R, rest: &Local<R>) -> Local<R> {
+    if sum.total <= 0.0 {
         return *beneath;
     }
-    let f = layer_weight * R::splat(if total < 1.0 { total } else { 1.0 });
-    let above = mean_of(sum, total, rest_rotation);
-    let from = quat::hemisphere(beneath.r, rest_rotation);
-    let to = quat::hemisphere(above.r, rest_rotation);
+    let f = layer_weight * R::splat(if sum.total < 1.0 { sum.total } else { 1.0 });
+    let above = mean_of(sum, rest);
+    let from = quat::hemisphere(beneath.r, rest.r);
+    let to = quat::hemisphere(above.r, rest.r);
     Local {
         t: each3(|i| beneath.t[i].mix(above.t[i], f)),
-        r: quat::normalize_or(quat::mix(from, to, f), rest_rotation),
+        r: quat::normalize_or(quat::mix(from, to, f), rest.r),
         s: each3(|i| beneath.s[i].mix(above.s[i], f)),
     }
 }
@@ -88,33 +95,35 @@ pub(crate) struct Posing<'a> {
 }
 
 impl Posing<'_> {
-    /// The sum over a layer's slots of weight times value, or times difference from the first row; and of the weights.
+    /// The sum over a layer's slots of weight times value, or times difference from the first row.
     #[inline(always)]
-    fn sum_layer<R: Width>(&self, layer: u32, additive: bool, rest_rotation: [R; 4]) -> (Local<R>, f32) {
+    fn sum_layer<R: Width>(&self, layer: u32, additive: bool, rest: &Local<R>) -> Sum<R> {
+        let Self { tables, body, joint, .. } = *self;
         let zero = R::splat(0.0);
-        let mut sum = Local { t: [zero; 3], r: [zero; 4], s: [zero; 3] };
-        let mut total = 0.0;
+        let local = Local { t: [zero; 3], r: [zero; 4], s: [zero; 3] };
+        let mut sum = Sum { local, total: 0.0, at_rest: REST_TRANSLATION | REST_SCALE };
         for playing in self.playing {
             if playing.at.weight <= 0.0 || playing.layer != layer {
                 continue;
             }
-            let bound = &self.tables.bound_clips().as_slice()[playing.bound_clip as usize];
-            let sample = |at: &SlotSample| {
-                sample_joint::<R>(self.tables, bound, self.body, self.joint, at, rest_rotation)
-            };
-            let mut value = sample(&playing.at);
+            let bound = &tables.bound_clips().as_slice()[playing.bound_clip as usize];
+            let sample = sample_joint::<R>(tables, bound, body, joint, &playing.at, rest);
+            let (weight, local) = (R::splat(playing.at.weight), &mut sum.local);
+            sum.at_rest &= sample.at_rest;
+            let (mut value, mut unit) = (sample.local, sample.unit);
             if additive {
-                let first = self.tables.clips().as_slice()[bound.clip as usize].row_first;
+                let first = tables.clips().as_slice()[bound.clip as usize].row_first;
                 let start = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
-                value = difference(&value, &sample(&start));
+                let start = sample_joint::<R>(tables, bound, body, joint, &start, rest).normalized();
+                value.r = quat::scale(value.r, unit);
+                (value, unit) = (difference(&value, &start), R::splat(1.0));
             }
-            let weight = R::splat(playing.at.weight);
-            sum.t = each3(|i| sum.t[i] + value.t[i] * weight);
-            sum.r = quat::add(sum.r, quat::scale(value.r, weight));
-            sum.s = each3(|i| sum.s[i] + value.s[i] * weight);
-            total += playing.at.weight;
+            local.t = each3(|i| local.t[i] + value.t[i] * weight);
+            local.r = quat::add(local.r, quat::scale(value.r, unit * weight));
+            local.s = each3(|i| local.s[i] + value.s[i] * weight);
+            sum.total += playing.at.weight;
         }
-        (sum, total)
+        sum
     }
 
     /// Their local transforms.
@@ -122,29 +131,32 @@ impl Posing<'_> {
     pub(crate) fn pose<R: Width>(&self) -> Local<R> {
         let padded = self.body.padded_count as usize;
         let rest = &self.tables.poses().as_slice()[self.body.rest_first as usize + self.joint..];
-        let rest_rotation = load_quat::<R>(rest, padded);
-        let (sum, total) = self.sum_layer::<R>(0, false, rest_rotation);
-        // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
-        let mut pose = if total > 1e-3 {
-            mean_of(&sum, total, rest_rotation)
-        } else {
-            Local {
-                t: load_vec3(&rest[4 * padded..], padded),
-                r: rest_rotation,
-                s: load_vec3(&rest[7 * padded..], padded),
-            }
+        let rest = Local {
+            r: load_quat::<R>(rest, padded),
+            t: load_vec3(&rest[4 * padded..], padded),
+            s: load_vec3(&rest[7 * padded..], padded),
         };
+        let sum = self.sum_layer::<R>(0, false, &rest);
+        // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
+        let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
+        if self.layers.len() > 1 { self.lay_over(&rest, pose) } else { pose }
+    }
+
+    /// What the layers above 0 make of what lies beneath. Apart: it is seldom, and must not take the registers of what
+    /// is not.
+    #[inline(never)]
+    fn lay_over<R: Width>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
         for (index, layer) in (0..).zip(self.layers).skip(1) {
             let mut weight = R::splat(layer.weight);
             if let Some(mask) = layer.mask() {
                 weight = weight * R::load(&self.tables.masks().as_slice()[mask as usize + self.joint..]);
             }
             let additive = layer.is_additive();
-            let (sum, total) = self.sum_layer::<R>(index, additive, rest_rotation);
+            let sum = self.sum_layer::<R>(index, additive, rest);
             let above = if additive {
-                add_layer(&pose, &sum, weight)
+                add_layer(&pose, &sum.local, weight)
             } else {
-                mix_layer(&pose, &sum, total, weight, rest_rotation)
+                mix_layer(&pose, &sum, weight, rest)
             };
             let laid = R::splat(0.0).less(weight);
             pose = Local {

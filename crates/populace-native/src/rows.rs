@@ -4,8 +4,8 @@
 //! arithmetic is the same for all.
 
 use populace_core::layout::{
-    Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE,
-    REST_SCALE, REST_TRANSLATION, ROW_FLOATS, RowBlock, SlotSample,
+    BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
+    MAP_TRANSLATION, NONE, REST_SCALE, REST_TRANSLATION, ROW_FLOATS, RowBlock, SlotSample,
 };
 use populace_core::math::{Real, quat};
 use populace_core::{Property, Tables};
@@ -38,9 +38,6 @@ pub(crate) trait Columns<R> {
 
     /// A component of a row, in steps.
     fn steps(&self, property: Property, row: u32, component: usize) -> R;
-
-    /// [`REST_TRANSLATION`] and [`REST_SCALE`].
-    fn flags(&self) -> u32;
 }
 
 /// Where a property's planes stand in a row, and the words from one plane to the next.
@@ -153,19 +150,12 @@ impl Columns<f32> for JointColumn<'_> {
         let (at, held) = self.planes(property).place(property, row, component);
         held.decode(&self.rows[at..], self.lane)
     }
-
-    #[inline(always)]
-    fn flags(&self) -> u32 {
-        0
-    }
 }
 
-/// The columns of sixteen neighbouring joints: in one block, each in its own lane, or here and there in several; `block`
-/// then tells no more than what moves.
+/// The columns of sixteen neighbouring joints: in one block, each in its own lane, or here and there in several.
 pub(crate) struct BlockColumns<'a> {
     tables: &'a Tables,
-    block: RowBlock,
-    bound: BoundBlock,
+    bound: &'a BoundBlock,
 }
 
 impl Width for Lanes {
@@ -178,16 +168,7 @@ impl Width for Lanes {
 
     #[inline(always)]
     fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> BlockColumns<'a> {
-        let bound = tables.bound_blocks().as_slice()[bound.block_first as usize + joint / LANES];
-        let mut columns = BlockColumns { tables, block: RowBlock::STILL, bound };
-        for (source, _) in columns.sources() {
-            if bound.straight != 0 {
-                columns.block = source;
-            } else {
-                columns.block = columns.block.or_moving(&source);
-            }
-        }
-        columns
+        BlockColumns { tables, bound: bound_block(tables, bound, joint) }
     }
 }
 
@@ -227,12 +208,12 @@ impl<'a> BlockColumns<'a> {
 impl Columns<Lanes> for BlockColumns<'_> {
     #[inline(always)]
     fn planes(&self, property: Property) -> Planes {
-        Planes::of(&self.block, property)
+        Planes::of(&self.bound.rows(), property)
     }
 
     #[inline(always)]
     fn steps(&self, property: Property, row: u32, component: usize) -> Lanes {
-        if self.bound.straight == 0 {
+        if self.bound.flags & BLOCK_STRAIGHT == 0 {
             return self.gather(property, row, component);
         }
         let (at, held) = self.planes(property).place(property, row, component);
@@ -243,11 +224,6 @@ impl Columns<Lanes> for BlockColumns<'_> {
             Held::High => Lanes::from_fn(|lane| Held::High.decode(plane, lane)),
             Held::Packed => Lanes::from_fn(|lane| Held::Packed.decode(plane, lane)),
         }
-    }
-
-    #[inline(always)]
-    fn flags(&self) -> u32 {
-        self.bound.flags
     }
 }
 
@@ -260,33 +236,76 @@ pub(crate) fn load_vec3<R: Width>(planes: &[f32], padded: usize) -> [R; 3] {
 /// Four planes of `padded` floats.
 #[inline(always)]
 pub(crate) fn load_quat<R: Width>(planes: &[f32], padded: usize) -> [R; 4] {
-    let plane = |plane: usize| R::load(&planes[plane * padded..]);
-    [plane(0), plane(1), plane(2), plane(3)]
+    [
+        R::load(planes),
+        R::load(&planes[padded..]),
+        R::load(&planes[2 * padded..]),
+        R::load(&planes[3 * padded..]),
+    ]
 }
 
-/// Translations or scales between two rows; `offset` and `step` are planes.
+// Closures below would not be compiled for the processor that their caller is, so what is hot is functions.
+
+/// A component between two rows: `offset + step * n`.
+#[inline(always)]
+fn component<R: Width>(
+    columns: &R::Columns<'_>,
+    property: Property,
+    at: &SlotSample,
+    index: usize,
+    step: R,
+    offset: R,
+) -> R {
+    let from = columns.steps(property, at.row0, index);
+    let to = columns.steps(property, at.row1, index);
+    from.mix(to, R::splat(at.between)) * step + offset
+}
+
+/// Translations or scales between two rows; `range` starts with planes of offsets, and a plane of steps follows.
 #[inline(always)]
 fn sample_vector<R: Width>(
     columns: &R::Columns<'_>,
     property: Property,
     at: &SlotSample,
-    offset: &[f32],
-    step: &[f32],
+    range: &[f32],
     padded: usize,
 ) -> [R; 3] {
-    let still = load_vec3::<R>(offset, padded);
+    let [x, y, z] = load_vec3::<R>(range, padded);
     if columns.planes(property).first == NONE {
-        return still;
+        return [x, y, z];
     }
-    let (between, step) = (R::splat(at.between), R::load(step));
-    let component = |c: usize| {
-        let [from, to] = [at.row0, at.row1].map(|row| columns.steps(property, row, c));
-        from.mix(to, between) * step + still[c]
-    };
-    [component(0), component(1), component(2)]
+    let step = R::load(&range[3 * padded..]);
+    [
+        component(columns, property, at, 0, step, x),
+        component(columns, property, at, 1, step, y),
+        component(columns, property, at, 2, step, z),
+    ]
 }
 
-/// Local transforms between two rows, rotations in the hemisphere of the rest rotation.
+/// Where sixteen neighbouring joints, of which this is one, find their columns.
+#[inline(always)]
+pub(crate) fn bound_block<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> &'a BoundBlock {
+    &tables.bound_blocks().as_slice()[bound.block_first as usize + joint / LANES]
+}
+
+/// A sample of a clip: a rotation not yet of length 1, with the factor that brings it to that and to the hemisphere of
+/// the rest rotation, or to nothing where it has no length; and what stands at rest, of [`REST_TRANSLATION`] and
+/// [`REST_SCALE`].
+pub(crate) struct Sample<R> {
+    pub(crate) local: Local<R>,
+    pub(crate) unit: R,
+    pub(crate) at_rest: u32,
+}
+
+impl<R: Real> Sample<R> {
+    /// With a rotation of length 1.
+    #[inline(always)]
+    pub(crate) fn normalized(self) -> Local<R> {
+        Local { r: quat::scale(self.local.r, self.unit), ..self.local }
+    }
+}
+
+/// Local transforms between two rows.
 #[inline(always)]
 pub(crate) fn sample_joint<R: Width>(
     tables: &Tables,
@@ -294,29 +313,29 @@ pub(crate) fn sample_joint<R: Width>(
     body: &Body,
     joint: usize,
     at: &SlotSample,
-    rest_rotation: [R; 4],
-) -> Local<R> {
+    rest: &Local<R>,
+) -> Sample<R> {
     let columns = R::columns(tables, bound, joint);
     let padded = body.padded_count as usize;
-    let poses = tables.poses().as_slice();
-    let range = &poses[bound.range_first as usize + joint..];
-    // The same values, more likely to be near: the body's rest serves all of its clips.
-    let rest = &poses[body.rest_first as usize + joint..];
-    let translation =
-        if columns.flags() & REST_TRANSLATION != 0 { &rest[4 * padded..] } else { &range[5 * padded..] };
-    let scale = if columns.flags() & REST_SCALE != 0 { &rest[7 * padded..] } else { &range[9 * padded..] };
+    let range = &tables.poses().as_slice()[bound.range_first as usize + joint..];
     let mut r = load_quat::<R>(range, padded);
     if columns.planes(Property::Rotation).first != NONE {
-        let (between, step) = (R::splat(at.between), R::load(&range[4 * padded..]));
-        let component = |c: usize| {
-            let [from, to] = [at.row0, at.row1].map(|row| columns.steps(Property::Rotation, row, c));
-            from.mix(to, between) * step + r[c]
-        };
-        r = [component(0), component(1), component(2), component(3)];
+        let step = R::load(&range[4 * padded..]);
+        r = [
+            component(&columns, Property::Rotation, at, 0, step, r[0]),
+            component(&columns, Property::Rotation, at, 1, step, r[1]),
+            component(&columns, Property::Rotation, at, 2, step, r[2]),
+            component(&columns, Property::Rotation, at, 3, step, r[3]),
+        ];
     }
-    Local {
-        r: quat::hemisphere(quat::normalize_or(r, rest_rotation), rest_rotation),
-        t: sample_vector::<R>(&columns, Property::Translation, at, translation, &range[8 * padded..], padded),
-        s: sample_vector::<R>(&columns, Property::Scale, at, scale, &range[12 * padded..], padded),
+    let at_rest = bound_block(tables, bound, joint).flags & (REST_TRANSLATION | REST_SCALE);
+    let (mut t, mut s) = (rest.t, rest.s);
+    if at_rest & REST_TRANSLATION == 0 {
+        t = sample_vector::<R>(&columns, Property::Translation, at, &range[5 * padded..], padded);
     }
+    if at_rest & REST_SCALE == 0 {
+        s = sample_vector::<R>(&columns, Property::Scale, at, &range[9 * padded..], padded);
+    }
+    let unit = quat::dot(r, r).inverse_sqrt() * quat::side(r, rest.r);
+    Sample { local: Local { r, t, s }, unit, at_rest }
 }

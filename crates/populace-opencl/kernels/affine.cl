@@ -2,15 +2,20 @@
  * at; the twin of populace-core math/affine.rs. A product is three permutes, three repeated rows, and one more permute for
  * the translation. */
 
-float16 repeated(float4 row) { return (float16)(row, row, row, row); }
+INLINE float16 repeated(float4 row) { return (float16)(row, row, row, row); }
 
-/* a * b: applies b first. Adding -0 changes no bit, so only the last column takes a's translation. */
-float16 affine_mul_rows(float16 a, float4 b0, float4 b1, float4 b2)
+/* The last column's lanes of `a`, and -0 elsewhere: adding -0 changes no bit. */
+INLINE float16 last_column(float16 a)
 {
-    const float16 nothing = (float16)(-0.0f);
-    const float16 moved = (float16)(nothing.s012, a.s3, nothing.s012, a.s7, nothing.s012, a.sb, nothing.s0123);
-    return (a.s000044448888cccc * repeated(b0) + a.s111155559999dddd * repeated(b1) + a.s22226666aaaaeeee * repeated(b2))
-           + moved;
+    const int16 here = (int16)(0, 0, 0, -1, 0, 0, 0, -1, 0, 0, 0, -1, 0, 0, 0, -1);
+    return as_float16((as_int16(a) & here) | (as_int16((float16)(-0.0f)) & ~here));
 }
 
-float16 affine_mul(float16 a, float16 b) { return affine_mul_rows(a, b.s0123, b.s4567, b.s89ab); }
+/* a * b: applies b first. */
+INLINE float16 affine_mul_rows(float16 a, float4 b0, float4 b1, float4 b2)
+{
+    return (a.s000044448888cccc * repeated(b0) + a.s111155559999dddd * repeated(b1) + a.s22226666aaaaeeee * repeated(b2))
+           + last_column(a);
+}
+
+INLINE float16 affine_mul(float16 a, float16 b) { return affine_mul_rows(a, b.s0123, b.s4567, b.s89ab); }

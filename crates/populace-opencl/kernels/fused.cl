@@ -1,7 +1,7 @@
 /* fused.cl - what the fused schedules share. */
 
 /* The member's slots that weigh anything now, in order; returns how many. */
-uint play(__global const Slot *slots, uint slot_count, ulong tick, Clips of, __global const float *row_times,
+INLINE uint play(__global const Slot *slots, uint slot_count, ulong tick, Clips of, __global const float *row_times,
           __global const uint *buckets, FUSED Playing *playing)
 {
     uint count = 0;

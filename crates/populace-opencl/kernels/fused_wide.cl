@@ -6,8 +6,11 @@
  * Writes   palette: every entry of the members in [place_first, place_end) exactly once; matrices of its own run as scratch;
  * Oracle   populace-testkit; twin of populace-native fused.rs */
 
+/* Two rows of a matrix in memory, where matrices stand 48 bytes apart. */
+typedef float8 Rows __attribute__((aligned(16)));
+
 /* Four perfect shuffles transpose 16 x 16. */
-void transpose(float16 m[16])
+INLINE void transpose(float16 m[16])
 {
     float16 t[16];
 #pragma unroll
@@ -25,7 +28,7 @@ void transpose(float16 m[16])
 
 /* A member's model_from_joint, one float16 each, and where `planes` is not 0 its local transforms there: ten planes as in
  * stored poses. */
-void member_matrices(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body,
+INLINE void member_matrices(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body,
                      __global const uint *parent, __global float16 *restrict models, __global float *planes)
 {
     for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
@@ -73,7 +76,7 @@ void fused_wide(__global const Member *members, __global const uint *page_member
         __global float *to = (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first));
         for (uint e = 0; e < body.entry_count; e++, entry++, to += 12) {
             const float16 out = affine_mul_rows(models[entry->joint], entry->row0, entry->row1, entry->row2);
-            vstore8(out.lo, 0, to);
+            *(__global Rows *)to = out.lo;
             vstore4(out.hi.lo, 0, to + 8);
         }
     }

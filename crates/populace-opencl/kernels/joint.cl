@@ -2,7 +2,7 @@
  * the matrix that comes of it. Twin of populace-native pose.rs. */
 
 /* What takes `reference` to `value`, less what changes nothing: sums of it do not depend on their order. */
-Trs difference(Trs value, Trs reference)
+INLINE Trs difference(Trs value, Trs reference)
 {
     Trs delta;
     delta.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), quat_identity());
@@ -14,7 +14,7 @@ Trs difference(Trs value, Trs reference)
     return delta;
 }
 
-Trs add_layer(Trs beneath, Trs sum, Real layer_weight)
+INLINE Trs add_layer(Trs beneath, Trs sum, Real layer_weight)
 {
     Trs trs;
     const Quat delta = quat_normalize_or(quat_add(quat_identity(), quat_scale(sum.r, layer_weight)), quat_identity());
@@ -26,77 +26,71 @@ Trs add_layer(Trs beneath, Trs sum, Real layer_weight)
     return trs;
 }
 
-Trs mean_of(Trs sum, float total, Quat rest_rotation)
+/* The weighted sum over a layer's slots; `at_rest` holds REST_TRANSLATION and REST_SCALE where no slot leaves the rest. */
+typedef struct { Trs trs; float total; uint at_rest; } Sum;
+
+/* What no slot moves is at rest, to the bit. */
+INLINE Trs mean_of(Sum sum, Trs rest)
 {
-    const float k = 1.0f / total;
+    const float k = 1.0f / sum.total;
     Trs mean;
-    mean.t = vec3_scale(sum.t, k);
-    mean.r = quat_normalize_or(sum.r, rest_rotation);
-    mean.s = vec3_scale(sum.s, k);
+    mean.t = sum.at_rest & REST_TRANSLATION ? rest.t : vec3_scale(sum.trs.t, k);
+    mean.r = quat_normalize_or(sum.trs.r, rest.r);
+    mean.s = sum.at_rest & REST_SCALE ? rest.s : vec3_scale(sum.trs.s, k);
     return mean;
 }
 
 /* A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath. */
-Trs mix_layer(Trs beneath, Trs sum, float total, Real layer_weight, Quat rest_rotation)
+INLINE Trs mix_layer(Trs beneath, Sum sum, Real layer_weight, Trs rest)
 {
-    if (total <= 0.0f) return beneath;
-    const Real f = layer_weight * (total < 1.0f ? total : 1.0f);
-    const Trs above = mean_of(sum, total, rest_rotation);
-    const Quat from = quat_hemisphere(beneath.r, rest_rotation), to = quat_hemisphere(above.r, rest_rotation);
+    if (sum.total <= 0.0f) return beneath;
+    const Real f = layer_weight * (sum.total < 1.0f ? sum.total : 1.0f);
+    const Trs above = mean_of(sum, rest);
+    const Quat from = quat_hemisphere(beneath.r, rest.r), to = quat_hemisphere(above.r, rest.r);
     Trs trs;
     trs.t = vec3_mix(beneath.t, above.t, f);
-    trs.r = quat_normalize_or(quat_mix(from, to, f), rest_rotation);
+    trs.r = quat_normalize_or(quat_mix(from, to, f), rest.r);
     trs.s = vec3_mix(beneath.s, above.s, f);
     return trs;
 }
 
-/* The sum over a layer's slots of weight times value, or times difference from the first row; the weights' in *total. */
-Trs sum_layer(Clips of, Playback playback, uint layer_index, bool additive, Body body, uint joint, Quat rest_rotation,
-              float *total)
+/* The sum over a layer's slots of weight times value, or times difference from the first row. */
+INLINE Sum sum_layer(Clips of, Playback playback, uint layer_index, bool additive, Body body, uint joint, Trs rest)
 {
-    Trs sum = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-    *total = 0.0f;
+    Sum sum = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }, 0.0f,
+                REST_TRANSLATION | REST_SCALE };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
         const BoundClip bound = of.bound_clips[playing.bound_clip];
-        Trs value = sample_joint(of, bound, body, joint, playing.at, rest_rotation);
+        const float weight = playing.at.weight;
+        Sample sample = sample_joint(of, bound, body, joint, playing.at, rest);
         if (additive) {
             const uint first = of.clips[bound.clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            value = difference(value, sample_joint(of, bound, body, joint, start, rest_rotation));
+            sample.trs = difference(normalized(sample), normalized(sample_joint(of, bound, body, joint, start, rest)));
+            sample.unit = 1.0f;
         }
-        sum.t = vec3_add(sum.t, vec3_scale(value.t, playing.at.weight));
-        sum.r = quat_add(sum.r, quat_scale(value.r, playing.at.weight));
-        sum.s = vec3_add(sum.s, vec3_scale(value.s, playing.at.weight));
-        *total += playing.at.weight;
+        sum.trs.t = vec3_add(sum.trs.t, vec3_scale(sample.trs.t, weight));
+        sum.trs.r = quat_add(sum.trs.r, quat_scale(sample.trs.r, sample.unit * weight));
+        sum.trs.s = vec3_add(sum.trs.s, vec3_scale(sample.trs.s, weight));
+        sum.total += weight;
+        sum.at_rest &= sample.at_rest;
     }
     return sum;
 }
 
-/* The local transforms of one joint, or of sixteen from `joint` on. `layers` are the member's. */
-Trs pose_joint(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint)
+/* What the layers above 0 make of what lies beneath. */
+APART Trs lay_over(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,
+                   Trs rest, Trs trs)
 {
-    const uint padded = body.padded_count;
-    __global const float *rest = of.poses + body.rest_first + joint;
-    const Quat rest_rotation = load_quat(rest, padded);
-    float total;
-    Trs trs = sum_layer(of, playback, 0, false, body, joint, rest_rotation, &total);
-    /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
-    if (total > 1e-3f) {
-        trs = mean_of(trs, total, rest_rotation);
-    } else {
-        trs.r = rest_rotation;
-        trs.t = load_vec3(rest + 4 * padded, padded);
-        trs.s = load_vec3(rest + 7 * padded, padded);
-    }
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = layers[l];
         const uint mask = layer.mask_and_mode & LAYER_MASK;
         const Real weight = mask == LAYER_MASK ? (Real)(layer.weight) : layer.weight * LOAD(of.masks + mask + joint);
         const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
-        const Trs sum = sum_layer(of, playback, l, additive, body, joint, rest_rotation, &total);
-        const Trs above = additive ? add_layer(trs, sum, weight) : mix_layer(trs, sum, total, weight, rest_rotation);
+        const Sum sum = sum_layer(of, playback, l, additive, body, joint, rest);
+        const Trs above = additive ? add_layer(trs, sum.trs, weight) : mix_layer(trs, sum, weight, rest);
         const Choice laid = weight > (Real)(0.0f);
         trs.t = vec3_choose(laid, above.t, trs.t);
         trs.r = quat_choose(laid, above.r, trs.r);
@@ -105,8 +99,20 @@ Trs pose_joint(Clips of, Playback playback, __global const Layer *layers, uint l
     return trs;
 }
 
+/* The local transforms of one joint, or of sixteen from `joint` on. `layers` are the member's. */
+INLINE Trs pose_joint(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint)
+{
+    const uint padded = body.padded_count;
+    __global const float *planes = of.poses + body.rest_first + joint;
+    const Trs rest = { load_vec3(planes + 4 * padded, padded), load_quat(planes, padded), load_vec3(planes + 7 * padded, padded) };
+    const Sum sum = sum_layer(of, playback, 0, false, body, joint, rest);
+    /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
+    const Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
+    return layer_count > 1 ? lay_over(of, playback, layers, layer_count, body, joint, rest, trs) : trs;
+}
+
 /* The matrix of translation times rotation times scale, row by row (glTF 2.0, section 3.5.3). */
-void components_of(Trs trs, Real m[12])
+INLINE void components_of(Trs trs, Real m[12])
 {
     const Real x = trs.r.x, y = trs.r.y, z = trs.r.z, w = trs.r.w;
     m[0] = (1.0f - 2.0f * (y * y + z * z)) * trs.s.x;

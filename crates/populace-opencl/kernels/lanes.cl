@@ -2,6 +2,11 @@
  * Everything in the files after this one is written once for `Real` and compiled for either LANES. Comparisons give
  * `Choice`, which `? :` takes: component by component where there are several. */
 
+/* Functions pass whole vectors of sixteen around, so those on every joint's way must not be called; those off it must not
+ * take its registers. */
+#define INLINE static inline __attribute__((always_inline))
+#define APART __attribute__((noinline))
+
 #if LANES == 1
 typedef float Real;
 typedef uint Words;
@@ -22,7 +27,7 @@ typedef int16 Choice;
 #define LOAD(pointer) vload16(0, pointer)
 
 /* words[lanes[i]] in each lane i; only the low four bits of a lane count. */
-Words permute(Words words, Words lanes)
+INLINE Words permute(Words words, Words lanes)
 {
 #if defined(__AVX512F__) && defined(__clang__)
     /* One instruction, where shuffle() is sixteen loads. */

@@ -4,7 +4,7 @@
 
 typedef struct { FUSED const Playing *all; uint count; } Playback;
 
-Playing playing_at(Playback playback, uint s) { return playback.all[s]; }
+INLINE Playing playing_at(Playback playback, uint s) { return playback.all[s]; }
 
 #else
 
@@ -14,7 +14,7 @@ typedef struct {
     uint count;
 } Playback;
 
-Playing playing_at(Playback playback, uint s)
+INLINE Playing playing_at(Playback playback, uint s)
 {
     const Playing playing = { playback.samples[s], playback.slots[s].bound_clip, slot_layer(playback.slots[s]) };
     return playing;

@@ -6,8 +6,8 @@
 
 __kernel void pose(__global const Member *members, __global const uint *joint_blocks, __global const Body *bodies,
                    __global const Slot *slots, __global const SlotSample *samples, __global const Layer *layers,
-                   __global const BoundClip *bound_clips, __global const ClipRows *clips,
-                   __global const RowBlock *row_blocks, __global const uint *joint_maps, __global const uint *rows,
+                   __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks,
+                   __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *joint_maps, __global const uint *rows,
                    __global const float *poses, __global const float *masks, uint slots_per_member, uint place_count,
                    uint member_first, uint member_end, __global float4 *translations, __global float4 *rotations,
                    __global float4 *scales)
@@ -21,7 +21,7 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
     const uint joint = place - member.joint_first, first_slot = owner * slots_per_member;
     if (joint >= body.joint_count) return;
 
-    const Clips of = { bound_clips, 0, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
+    const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
     const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member };
     const Trs trs = pose_joint(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body, joint);
     translations[place] = (float4)(trs.t.x, trs.t.y, trs.t.z, 0.0f);

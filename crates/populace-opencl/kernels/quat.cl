@@ -2,59 +2,59 @@
  * with the same order of operations. dot(), normalize() and mix() of OpenCL C are not used, since they may sum in another
  * order. */
 
-Real mix_real(Real a, Real b, float t) { return a + (b - a) * t; }
+INLINE Real mix_real(Real a, Real b, float t) { return a + (b - a) * t; }
 
-Vec3 vec3_scale(Vec3 a, Real k)
+INLINE Vec3 vec3_scale(Vec3 a, Real k)
 {
     const Vec3 v = { a.x * k, a.y * k, a.z * k };
     return v;
 }
 
-Vec3 vec3_add(Vec3 a, Vec3 b)
+INLINE Vec3 vec3_add(Vec3 a, Vec3 b)
 {
     const Vec3 v = { a.x + b.x, a.y + b.y, a.z + b.z };
     return v;
 }
 
-Vec3 vec3_mix(Vec3 a, Vec3 b, Real t)
+INLINE Vec3 vec3_mix(Vec3 a, Vec3 b, Real t)
 {
     const Vec3 v = { a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t };
     return v;
 }
 
-Vec3 vec3_choose(Choice which, Vec3 a, Vec3 b)
+INLINE Vec3 vec3_choose(Choice which, Vec3 a, Vec3 b)
 {
     const Vec3 v = { which ? a.x : b.x, which ? a.y : b.y, which ? a.z : b.z };
     return v;
 }
 
-Quat quat_identity(void)
+INLINE Quat quat_identity(void)
 {
     const Quat q = { 0.0f, 0.0f, 0.0f, 1.0f };
     return q;
 }
 
-Real quat_dot(Quat a, Quat b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
+INLINE Real quat_dot(Quat a, Quat b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
 
-Quat quat_scale(Quat a, Real k)
+INLINE Quat quat_scale(Quat a, Real k)
 {
     const Quat q = { a.x * k, a.y * k, a.z * k, a.w * k };
     return q;
 }
 
-Quat quat_add(Quat a, Quat b)
+INLINE Quat quat_add(Quat a, Quat b)
 {
     const Quat q = { a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w };
     return q;
 }
 
-Quat quat_mix(Quat a, Quat b, Real t)
+INLINE Quat quat_mix(Quat a, Quat b, Real t)
 {
     const Quat q = { a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t, a.w + (b.w - a.w) * t };
     return q;
 }
 
-Quat quat_choose(Choice which, Quat a, Quat b)
+INLINE Quat quat_choose(Choice which, Quat a, Quat b)
 {
     const Quat q = { which ? a.x : b.x, which ? a.y : b.y, which ? a.z : b.z, which ? a.w : b.w };
     return q;
@@ -62,7 +62,7 @@ Quat quat_choose(Choice which, Quat a, Quat b)
 
 /* 1 / sqrt(x) by + - * alone: a first guess from the exponent, and three steps of Newton's method. Every device rounds it
  * alike, and it costs a CPU less than a root and a quotient. x is positive and normal. */
-Real inverse_sqrt(Real x)
+INLINE Real inverse_sqrt(Real x)
 {
     const Real half_x = 0.5f * x;
     Real y = AS_REAL(0x5f3759df - (AS_INTS(x) >> 1));
@@ -72,24 +72,24 @@ Real inverse_sqrt(Real x)
     return y;
 }
 
-Quat quat_normalize_or(Quat a, Quat fallback)
+INLINE Quat quat_normalize_or(Quat a, Quat fallback)
 {
     const Real length_squared = quat_dot(a, a);
     return quat_choose(length_squared > (Real)(1e-20f), quat_scale(a, inverse_sqrt(length_squared)), fallback);
 }
 
 /* 1 or -1: the sign that turns `a` to the half-space of `towards`. */
-Real quat_side(Quat a, Quat towards) { return quat_dot(a, towards) < (Real)(0.0f) ? (Real)(-1.0f) : (Real)(1.0f); }
+INLINE Real quat_side(Quat a, Quat towards) { return quat_dot(a, towards) < (Real)(0.0f) ? (Real)(-1.0f) : (Real)(1.0f); }
 
-Quat quat_hemisphere(Quat a, Quat towards) { return quat_scale(a, quat_side(a, towards)); }
+INLINE Quat quat_hemisphere(Quat a, Quat towards) { return quat_scale(a, quat_side(a, towards)); }
 
-Quat quat_conjugate(Quat a)
+INLINE Quat quat_conjugate(Quat a)
 {
     const Quat q = { -a.x, -a.y, -a.z, a.w };
     return q;
 }
 
-Quat quat_mul(Quat a, Quat b)
+INLINE Quat quat_mul(Quat a, Quat b)
 {
     const Quat q = { a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
                      a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,

@@ -22,7 +22,7 @@ enum { ROTATION, TRANSLATION, SCALE };
 /* Where a property's planes stand in a row, and the words from one plane to the next. */
 typedef struct { uint first, lanes; } Planes;
 
-Planes planes_of(RowBlock block, uint property)
+INLINE Planes planes_of(RowBlock block, uint property)
 {
     const Planes rotation = { block.rotation_first, block.rotation_lanes };
     const Planes translation = { block.translation_first, block.translation_lanes };
@@ -30,159 +30,220 @@ Planes planes_of(RowBlock block, uint property)
     return property == ROTATION ? rotation : property == TRANSLATION ? translation : scale;
 }
 
-uint plane_at(Planes planes, uint row, uint plane) { return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS); }
+INLINE uint plane_at(Planes planes, uint row, uint plane) { return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS); }
 
 /* A component's steps from the word that holds it: all of a float, or the lower or upper half. */
-Real steps_in(Words words, Planes planes, uint component)
+INLINE Real steps_in(Words words, Planes planes, uint component)
 {
     if (planes.lanes & ROW_FLOATS) return AS_REAL(words);
     return CONVERT_REAL(AS_INTS(component % 2 == 0 ? words & 0xffffu : words >> 16));
 }
 
 /* The plane that holds a component. */
-uint plane_of(Planes planes, uint component) { return planes.lanes & ROW_FLOATS ? component : component / 2; }
+INLINE uint plane_of(Planes planes, uint component) { return planes.lanes & ROW_FLOATS ? component : component / 2; }
 
 /* Whether a plane holds a half for each lane, two in a word: the third component of translations and scales. */
-bool is_packed(Planes planes, uint property, uint component)
+INLINE bool is_packed(Planes planes, uint property, uint component)
 {
     return !(planes.lanes & ROW_FLOATS) && property != ROTATION && component == 2;
+}
+
+/* Where sixteen neighbouring joints, of which this is one, find their columns. */
+INLINE BoundBlock bound_block(Clips of, BoundClip bound, uint joint)
+{
+    return of.bound_blocks[bound.block_first + joint / JOINT_BLOCK];
 }
 
 #if LANES == 1
 
 /* Where a joint's column stands. */
-typedef struct { RowBlock block; uint lane; } Columns;
+typedef struct { RowBlock block; uint flags, lane; } Columns;
 
-Columns columns_of(Clips of, BoundClip bound, uint joint)
+INLINE Columns columns_of(Clips of, BoundClip bound, uint joint)
 {
     const uint map = of.joint_maps[bound.map_first + joint], column = map & MAP_COLUMN;
-    Columns columns = { of.row_blocks[of.clips[bound.clip].block_first + column / JOINT_BLOCK], column % JOINT_BLOCK };
+    Columns columns = { of.row_blocks[of.clips[bound.clip].block_first + column / JOINT_BLOCK],
+                        of.bound_blocks[bound.block_first + joint / JOINT_BLOCK].flags, column % JOINT_BLOCK };
     if (!(map & MAP_ROTATION)) columns.block.rotation_first = NONE;
     if (!(map & MAP_TRANSLATION)) columns.block.translation_first = NONE;
     if (!(map & MAP_SCALE)) columns.block.scale_first = NONE;
     return columns;
 }
 
+/* Whether a property is stored as nearly all are: in halves. */
+INLINE bool is_plain(Columns columns, Planes planes) { return !(planes.lanes & ROW_FLOATS); }
+
+INLINE Words words_at(Clips of, Columns columns, Planes planes, uint row, uint plane)
+{
+    return of.rows[plane_at(planes, row, plane) + columns.lane];
+}
+
+INLINE Real halves_at(Clips of, Columns columns, Planes planes, uint row, uint plane)
+{
+    const uint word = of.rows[plane_at(planes, row, plane) + columns.lane / 2];
+    return convert_float((int)(word >> 16 * (columns.lane % 2) & 0xffffu));
+}
+
 /* A component of a row, in steps. */
-Real steps(Clips of, Columns columns, uint property, uint row, uint component)
+INLINE Real steps(Clips of, Columns columns, uint property, uint row, uint component)
 {
     const Planes planes = planes_of(columns.block, property);
-    __global const uint *plane = of.rows + plane_at(planes, row, plane_of(planes, component));
-    if (is_packed(planes, property, component))
-        return steps_in(plane[columns.lane / 2] >> 16 * (columns.lane % 2), planes, component);
-    return steps_in(plane[columns.lane], planes, component);
+    if (is_packed(planes, property, component)) return halves_at(of, columns, planes, row, 1);
+    return steps_in(words_at(of, columns, planes, row, plane_of(planes, component)), planes, component);
 }
 
 #else
 
 /* Where the columns of sixteen neighbouring joints stand: in one block, each in its own lane, or here and there in
  * several; `block` then tells no more than what moves. */
-typedef struct { RowBlock block; BoundBlock bound; } Columns;
+typedef struct { RowBlock block; uint flags, source_first, source_count; } Columns;
 
-/* What moves in either block; where it stands is that of one. */
-RowBlock moving_of(RowBlock a, RowBlock b)
+INLINE Columns columns_of(Clips of, BoundClip bound, uint joint)
 {
-    if (b.rotation_first != NONE) a.rotation_first = b.rotation_first;
-    if (b.translation_first != NONE) a.translation_first = b.translation_first;
-    if (b.scale_first != NONE) a.scale_first = b.scale_first;
-    return a;
-}
-
-Columns columns_of(Clips of, BoundClip bound, uint joint)
-{
-    Columns columns = { { NONE, 0, NONE, 0, NONE, 0 }, of.bound_blocks[bound.block_first + joint / JOINT_BLOCK] };
-    for (uint s = 0; s < columns.bound.source_count; s++) {
-        const RowBlock source = of.row_blocks[of.sources[columns.bound.source_first + s].block];
-        columns.block = columns.bound.straight ? source : moving_of(columns.block, source);
-    }
+    const BoundBlock b = bound_block(of, bound, joint);
+    const Columns columns = { { b.rotation_first, b.rotation_lanes, b.translation_first, b.translation_lanes, b.scale_first,
+                                b.scale_lanes }, b.flags, b.source_first, b.source_count };
     return columns;
 }
 
-/* A component of a row, in steps, of the columns of one block. */
-Real block_steps(Clips of, Planes planes, uint property, uint row, uint component)
+/* Whether a property is stored as nearly all are: in halves, each joint's in its own lane. */
+INLINE bool is_plain(Columns columns, Planes planes) { return (columns.flags & BLOCK_STRAIGHT) && !(planes.lanes & ROW_FLOATS); }
+
+INLINE Words words_at(Clips of, Columns columns, Planes planes, uint row, uint plane)
 {
-    __global const uint *plane = of.rows + plane_at(planes, row, plane_of(planes, component));
-    if (is_packed(planes, property, component))
-        return CONVERT_REAL(convert_int16(vload16(0, (__global const ushort *)plane)));
-    return steps_in(vload16(0, plane), planes, component);
+    return vload16(0, of.rows + plane_at(planes, row, plane));
+}
+
+INLINE Real halves_at(Clips of, Columns columns, Planes planes, uint row, uint plane)
+{
+    __global const ushort *halves = (__global const ushort *)(of.rows + plane_at(planes, row, plane));
+    return convert_float16(convert_int16(vload16(0, halves)));
+}
+
+/* A component of a row, in steps, of the columns of one block. */
+INLINE Real block_steps(Clips of, Columns columns, Planes planes, uint property, uint row, uint component)
+{
+    if (is_packed(planes, property, component)) return halves_at(of, columns, planes, row, 1);
+    return steps_in(words_at(of, columns, planes, row, plane_of(planes, component)), planes, component);
 }
 
 /* A component of a row, in steps, of each lane's column in the block that it follows. */
-Real gathered_steps(Clips of, BoundBlock bound, uint property, uint row, uint component)
+INLINE Real gathered_steps(Clips of, Columns columns, uint property, uint row, uint component)
 {
     Words found = 0;
-    for (uint s = 0; s < bound.source_count; s++) {
-        const Source source = of.sources[bound.source_first + s];
+    for (uint s = 0; s < columns.source_count; s++) {
+        const Source source = of.sources[columns.source_first + s];
         const Planes planes = planes_of(of.row_blocks[source.block], property);
         if (planes.first == NONE) continue;
         const Words lanes = vload16(0, of.source_lanes + source.lanes_first);
-        const Words here = AS_WORDS(block_steps(of, planes, property, row, component));
+        const Words here = AS_WORDS(block_steps(of, columns, planes, property, row, component));
         found = lanes == (Words)(NONE) ? found : permute(here, lanes);
     }
     return AS_REAL(found);
 }
 
 /* A component of a row, in steps. */
-Real steps(Clips of, Columns columns, uint property, uint row, uint component)
+INLINE Real steps(Clips of, Columns columns, uint property, uint row, uint component)
 {
-    if (!columns.bound.straight) return gathered_steps(of, columns.bound, property, row, component);
-    return block_steps(of, planes_of(columns.block, property), property, row, component);
+    if (!(columns.flags & BLOCK_STRAIGHT)) return gathered_steps(of, columns, property, row, component);
+    return block_steps(of, columns, planes_of(columns.block, property), property, row, component);
 }
 
 #endif
 
-/* A component between two rows, in steps. */
-Real steps_between(Clips of, Columns columns, uint property, SlotSample at, uint component)
+/* Components between two rows, in steps, however they are stored; the way for what is seldom. */
+APART Quat any_rotation_steps(Clips of, Columns columns, SlotSample at)
 {
-    return mix_real(steps(of, columns, property, at.row0, component), steps(of, columns, property, at.row1, component),
-                    at.between);
+    const Quat from = { steps(of, columns, ROTATION, at.row0, 0), steps(of, columns, ROTATION, at.row0, 1),
+                        steps(of, columns, ROTATION, at.row0, 2), steps(of, columns, ROTATION, at.row0, 3) };
+    const Quat to = { steps(of, columns, ROTATION, at.row1, 0), steps(of, columns, ROTATION, at.row1, 1),
+                      steps(of, columns, ROTATION, at.row1, 2), steps(of, columns, ROTATION, at.row1, 3) };
+    return quat_mix(from, to, at.between);
 }
 
-Quat load_quat(__global const float *planes, uint padded)
+APART Vec3 any_vector_steps(Clips of, Columns columns, uint property, SlotSample at)
+{
+    const Vec3 from = { steps(of, columns, property, at.row0, 0), steps(of, columns, property, at.row0, 1),
+                        steps(of, columns, property, at.row0, 2) };
+    const Vec3 to = { steps(of, columns, property, at.row1, 0), steps(of, columns, property, at.row1, 1),
+                      steps(of, columns, property, at.row1, 2) };
+    return vec3_mix(from, to, at.between);
+}
+
+INLINE Real low_half(Words words) { return CONVERT_REAL(AS_INTS(words & 0xffffu)); }
+
+INLINE Real high_half(Words words) { return CONVERT_REAL(AS_INTS(words >> 16)); }
+
+/* Rotations between two rows, in steps. */
+INLINE Quat rotation_steps(Clips of, Columns columns, SlotSample at)
+{
+    const Planes planes = planes_of(columns.block, ROTATION);
+    if (!is_plain(columns, planes)) return any_rotation_steps(of, columns, at);
+    const Words xy0 = words_at(of, columns, planes, at.row0, 0), zw0 = words_at(of, columns, planes, at.row0, 1);
+    const Words xy1 = words_at(of, columns, planes, at.row1, 0), zw1 = words_at(of, columns, planes, at.row1, 1);
+    const Quat n = { mix_real(low_half(xy0), low_half(xy1), at.between), mix_real(high_half(xy0), high_half(xy1), at.between),
+                     mix_real(low_half(zw0), low_half(zw1), at.between), mix_real(high_half(zw0), high_half(zw1), at.between) };
+    return n;
+}
+
+/* Translations or scales between two rows, in steps. */
+INLINE Vec3 vector_steps(Clips of, Columns columns, uint property, SlotSample at)
+{
+    const Planes planes = planes_of(columns.block, property);
+    if (!is_plain(columns, planes)) return any_vector_steps(of, columns, property, at);
+    const Words xy0 = words_at(of, columns, planes, at.row0, 0), xy1 = words_at(of, columns, planes, at.row1, 0);
+    const Real z0 = halves_at(of, columns, planes, at.row0, 1), z1 = halves_at(of, columns, planes, at.row1, 1);
+    const Vec3 n = { mix_real(low_half(xy0), low_half(xy1), at.between), mix_real(high_half(xy0), high_half(xy1), at.between),
+                     mix_real(z0, z1, at.between) };
+    return n;
+}
+
+INLINE Quat load_quat(__global const float *planes, uint padded)
 {
     const Quat q = { LOAD(planes), LOAD(planes + padded), LOAD(planes + 2 * padded), LOAD(planes + 3 * padded) };
     return q;
 }
 
-Vec3 load_vec3(__global const float *planes, uint padded)
+INLINE Vec3 load_vec3(__global const float *planes, uint padded)
 {
     const Vec3 v = { LOAD(planes), LOAD(planes + padded), LOAD(planes + 2 * padded) };
     return v;
 }
 
 /* Translations or scales between two rows; `offset` and `step` are planes. */
-Vec3 sample_vector(Clips of, Columns columns, uint property, SlotSample at, __global const float *offset,
+INLINE Vec3 sample_vector(Clips of, Columns columns, uint property, SlotSample at, __global const float *offset,
                    __global const float *step, uint padded)
 {
     const Vec3 still = load_vec3(offset, padded);
     if (planes_of(columns.block, property).first == NONE) return still;
-    const Vec3 n = { steps_between(of, columns, property, at, 0), steps_between(of, columns, property, at, 1),
-                     steps_between(of, columns, property, at, 2) };
-    return vec3_add(vec3_scale(n, LOAD(step)), still);
+    return vec3_add(vec3_scale(vector_steps(of, columns, property, at), LOAD(step)), still);
 }
 
-/* Local transforms between two rows, rotations in the hemisphere of the rest rotation. */
-Trs sample_joint(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Quat rest_rotation)
+/* A sample of a clip: a rotation not yet of length 1, with the factor that brings it to that and to the hemisphere of the
+ * rest rotation, or to nothing where it has no length; and what stands at rest, of REST_TRANSLATION and REST_SCALE. */
+typedef struct { Trs trs; Real unit; uint at_rest; } Sample;
+
+/* With a rotation of length 1. */
+INLINE Trs normalized(Sample sample)
+{
+    sample.trs.r = quat_scale(sample.trs.r, sample.unit);
+    return sample.trs;
+}
+
+/* Local transforms between two rows. */
+INLINE Sample sample_joint(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Trs rest)
 {
     const Columns columns = columns_of(of, bound, joint);
     const uint padded = body.padded_count;
     __global const float *range = of.poses + bound.range_first + joint;
-    __global const float *translation = range + 5 * padded, *scale = range + 9 * padded;
-#if LANES > 1
-    /* The same values, more likely to be near: the body's rest serves all of its clips. */
-    __global const float *rest = of.poses + body.rest_first + joint;
-    if (columns.bound.flags & REST_TRANSLATION) translation = rest + 4 * padded;
-    if (columns.bound.flags & REST_SCALE) scale = rest + 7 * padded;
-#endif
-    Trs trs;
-    trs.r = load_quat(range, padded);
-    if (columns.block.rotation_first != NONE) {
-        const Quat n = { steps_between(of, columns, ROTATION, at, 0), steps_between(of, columns, ROTATION, at, 1),
-                         steps_between(of, columns, ROTATION, at, 2), steps_between(of, columns, ROTATION, at, 3) };
-        trs.r = quat_add(quat_scale(n, LOAD(range + 4 * padded)), trs.r);
-    }
-    trs.r = quat_hemisphere(quat_normalize_or(trs.r, rest_rotation), rest_rotation);
-    trs.t = sample_vector(of, columns, TRANSLATION, at, translation, range + 8 * padded, padded);
-    trs.s = sample_vector(of, columns, SCALE, at, scale, range + 12 * padded, padded);
-    return trs;
+    Sample sample = { { rest.t, load_quat(range, padded), rest.s }, 0.0f, columns.flags & (REST_TRANSLATION | REST_SCALE) };
+    Trs *trs = &sample.trs;
+    if (columns.block.rotation_first != NONE)
+        trs->r = quat_add(quat_scale(rotation_steps(of, columns, at), LOAD(range + 4 * padded)), trs->r);
+    sample.unit = inverse_sqrt(quat_dot(trs->r, trs->r)) * quat_side(trs->r, rest.r);
+    if (!(sample.at_rest & REST_TRANSLATION))
+        trs->t = sample_vector(of, columns, TRANSLATION, at, range + 5 * padded, range + 8 * padded, padded);
+    if (!(sample.at_rest & REST_SCALE))
+        trs->s = sample_vector(of, columns, SCALE, at, range + 9 * padded, range + 12 * padded, padded);
+    return sample;
 }

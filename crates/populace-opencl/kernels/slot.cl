@@ -1,7 +1,7 @@
 /* slot.cl - each slot's rows and weight from the clock. Slots are closed-form and never written. Twin of populace-native
  * evaluate.rs and populace-core playback.rs. */
 
-float slot_weight(Slot slot, ulong tick)
+INLINE float slot_weight(Slot slot, ulong tick)
 {
     if (tick < slot.start_tick) return 0.0f;
     const float elapsed_secs = (float)(tick > slot.weight_tick ? tick - slot.weight_tick : 0) * TICK_SECS;
@@ -10,11 +10,11 @@ float slot_weight(Slot slot, ulong tick)
     return (rising && weight > slot.end_weight) || (!rising && weight < slot.end_weight) ? slot.end_weight : weight;
 }
 
-uint slot_mode(Slot slot) { return slot.layer_and_mode & ((1u << SLOT_MODE_BITS) - 1u); }
+INLINE uint slot_mode(Slot slot) { return slot.layer_and_mode & ((1u << SLOT_MODE_BITS) - 1u); }
 
-uint slot_layer(Slot slot) { return slot.layer_and_mode >> SLOT_MODE_BITS; }
+INLINE uint slot_layer(Slot slot) { return slot.layer_and_mode >> SLOT_MODE_BITS; }
 
-float slot_time(Slot slot, ulong tick, ClipRows clip)
+INLINE float slot_time(Slot slot, ulong tick, ClipRows clip)
 {
     if (slot_mode(slot) == SLOT_HELD) return as_float(slot.start_phase);
     const ulong elapsed = tick - slot.start_tick;
@@ -30,7 +30,7 @@ float slot_time(Slot slot, ulong tick, ClipRows clip)
 }
 
 /* The last row at or before a time; *between is how far it is to the next. */
-uint find_row(ClipRows clip, __global const float *row_times, __global const uint *buckets, float secs, float *between)
+INLINE uint find_row(ClipRows clip, __global const float *row_times, __global const uint *buckets, float secs, float *between)
 {
     const uint last = clip.row_count - 1;
     const float passed = secs - clip.start_secs;
@@ -52,7 +52,7 @@ uint find_row(ClipRows clip, __global const float *row_times, __global const uin
     return row;
 }
 
-SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bound_clips, __global const ClipRows *clips,
+INLINE SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bound_clips, __global const ClipRows *clips,
                      __global const float *row_times, __global const uint *buckets)
 {
     SlotSample sample = { 0, 0, 0.0f, 0.0f };

@@ -96,6 +96,7 @@ impl Staged {
             .buffer("samples", &self.buffers.samples)
             .buffer("layers", &on.tables.layers.buffer)
             .buffer("bound_clips", &on.tables.bound_clips.buffer)
+            .buffer("bound_blocks", &on.tables.bound_blocks.buffer)
             .buffer("clips", &on.tables.clips.buffer)
             .buffer("row_blocks", &on.tables.row_blocks.buffer)
             .buffer("joint_maps", &on.tables.joint_maps.buffer)

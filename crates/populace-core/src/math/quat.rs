@@ -54,12 +54,18 @@ pub fn normalize_or<R: Real>(a: [R; 4], fallback: [R; 4]) -> [R; 4] {
     choose::<R>(long, scale(a, length_squared.inverse_sqrt()), fallback)
 }
 
+/// 1 or -1: the sign that turns `a` to the half-space of `towards`.
+#[inline(always)]
+#[must_use]
+pub fn side<R: Real>(a: [R; 4], towards: [R; 4]) -> R {
+    R::choose(dot(a, towards).less(R::splat(0.0)), R::splat(-1.0), R::splat(1.0))
+}
+
 /// `a` or `-a`, whichever lies in the half-space of `towards`. Both stand for the same rotation.
 #[inline(always)]
 #[must_use]
 pub fn hemisphere<R: Real>(a: [R; 4], towards: [R; 4]) -> [R; 4] {
-    let opposite = dot(a, towards).less(R::splat(0.0));
-    scale(a, R::choose(opposite, R::splat(-1.0), R::splat(1.0)))
+    scale(a, side(a, towards))
 }
 
 /// The inverse of a unit quaternion.

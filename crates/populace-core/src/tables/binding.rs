@@ -4,8 +4,8 @@ use super::{BodyIndex, Tables, padded, u32_from};
 use crate::Error;
 use crate::clip::Binding;
 use crate::layout::{
-    Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE,
-    RANGE_PLANES, REST_SCALE, REST_TRANSLATION, Source,
+    BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
+    MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE, REST_TRANSLATION, RowBlock, Source,
 };
 
 impl Tables {
@@ -75,12 +75,22 @@ impl Tables {
             let lanes_first = self.all.source_lanes.extend(lanes.iter().copied())?;
             self.all.sources.extend([Source { block: blocks + block, lanes_first }])?;
         }
-        let flags = self.rest_flags(body, range_first, first);
+        let mut rows = RowBlock::STILL;
+        for (block, _) in &sources {
+            let source = self.all.row_blocks.as_slice()[(blocks + block) as usize];
+            rows = if straight { source } else { rows.or_moving(&source) };
+        }
+        let straight = if straight { BLOCK_STRAIGHT } else { 0 };
         Ok(BoundBlock {
+            rotation_first: rows.rotation_first,
+            rotation_lanes: rows.rotation_lanes,
+            translation_first: rows.translation_first,
+            translation_lanes: rows.translation_lanes,
+            scale_first: rows.scale_first,
+            scale_lanes: rows.scale_lanes,
+            flags: straight | self.rest_flags(body, range_first, first),
             source_first,
             source_count: u32_from(sources.len()),
-            straight: u32::from(straight),
-            flags,
         })
     }
 
