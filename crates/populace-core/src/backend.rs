@@ -166,6 +166,21 @@ pub enum BackendError {
         /// How much was asked for.
         bytes: usize,
     },
+    /// A body whose joints do not fit what the work-items of a group share.
+    #[error(
+        "{device} has {available} bytes of local memory, and a body of {joints} joints takes {bytes} bytes of it when \
+         fused; use --schedule staged, which takes bodies of any size"
+    )]
+    BodyTooLarge {
+        /// The device's name.
+        device: String,
+        /// The body's joints.
+        joints: usize,
+        /// How much it takes.
+        bytes: u64,
+        /// How much there is.
+        available: u64,
+    },
     /// A call that the device or its driver failed.
     #[error("{device} failed to {operation}: {cause}")]
     Failed {

@@ -19,3 +19,9 @@ INLINE float16 affine_mul_rows(float16 a, float4 b0, float4 b1, float4 b2)
 }
 
 INLINE float16 affine_mul(float16 a, float16 b) { return affine_mul_rows(a, b.s0123, b.s4567, b.s89ab); }
+
+/* One row of a * b, from the same row of a. */
+INLINE float4 affine_row(float4 a, float4 b0, float4 b1, float4 b2)
+{
+    return affine_mul_rows((float16)(a, (float4)(0.0f), (float8)(0.0f)), b0, b1, b2).s0123;
+}

@@ -1,18 +1,16 @@
 /* fused.cl - what the fused schedules share. */
 
-/* The member's slots that weigh anything now, in order; returns how many. */
-INLINE uint play(__global const Slot *slots, uint slot_count, ulong tick, Clips of, __global const float *row_times,
-          __global const uint *buckets, FUSED Playing *playing)
+/* What a slot plays now; its weight is 0 where that is nothing. */
+INLINE Playing play(Slot slot, ulong tick, Clips of, __global const float *row_times, __global const uint *buckets)
 {
-    uint count = 0;
-    for (uint s = 0; s < slot_count; s++) {
-        const Slot slot = slots[s];
-        const SlotSample at = sample_of(slot, tick, of.bound_clips, of.clips, row_times, buckets);
-        if (at.weight <= 0.0f) continue;
-        playing[count].at = at;
-        playing[count].bound_clip = slot.bound_clip;
-        playing[count].layer = slot_layer(slot);
-        count++;
-    }
-    return count;
+    const Playing playing = { sample_of(slot, tick, of.bound_clips, of.clips, row_times, buckets), slot.bound_clip,
+                              slot_layer(slot) };
+    return playing;
+}
+
+/* Keeps local transforms as ten planes, as in stored poses. */
+INLINE void store_trs(Trs trs, __global float *planes, uint padded)
+{
+    const Real all[10] = { trs.r.x, trs.r.y, trs.r.z, trs.r.w, trs.t.x, trs.t.y, trs.t.z, trs.s.x, trs.s.y, trs.s.z };
+    for (uint plane = 0; plane < 10; plane++) STORE(all[plane], planes + plane * padded);
 }

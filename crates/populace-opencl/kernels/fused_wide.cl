@@ -26,17 +26,26 @@ INLINE void transpose(float16 m[16])
     }
 }
 
+/* The member's slots that weigh anything now, in order; returns how many. */
+INLINE uint play_all(__global const Slot *slots, uint slot_count, ulong tick, Clips of, __global const float *row_times,
+              __global const uint *buckets, Playing *playing)
+{
+    uint count = 0;
+    for (uint s = 0; s < slot_count; s++) {
+        playing[count] = play(slots[s], tick, of, row_times, buckets);
+        if (playing[count].at.weight > 0.0f) count++;
+    }
+    return count;
+}
+
 /* A member's model_from_joint, one float16 each, and where `planes` is not 0 its local transforms there: ten planes as in
  * stored poses. */
 INLINE void member_matrices(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body,
-                     __global const uint *parent, __global float16 *restrict models, __global float *planes)
+                            __global const uint *parent, __global float16 *restrict models, __global float *planes)
 {
     for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
         const Trs trs = pose_joint(of, playback, layers, layer_count, body, joint);
-        if (planes) {
-            const Real all[10] = { trs.r.x, trs.r.y, trs.r.z, trs.r.w, trs.t.x, trs.t.y, trs.t.z, trs.s.x, trs.s.y, trs.s.z };
-            for (uint plane = 0; plane < 10; plane++) vstore16(all[plane], 0, planes + plane * body.padded_count + joint);
-        }
+        if (planes) store_trs(trs, planes + joint, body.padded_count);
         float16 m[16];
         components_of(trs, m);
         m[12] = m[13] = m[14] = m[15] = 0.0f;
@@ -49,15 +58,15 @@ INLINE void member_matrices(Clips of, Playback playback, __global const Layer *l
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
-void fused_wide(__global const Member *members, __global const uint *page_members, __global const Body *bodies,
-                __global const uint *parents, __global const Entry *entries, __global const Slot *slots,
-                __global const Layer *layers, __global const BoundClip *bound_clips,
-                __global const BoundBlock *bound_blocks, __global const Source *sources,
-                __global const uint *source_lanes, __global const ClipRows *clips, __global const RowBlock *row_blocks,
-                __global const uint *rows, __global const float *row_times, __global const uint *buckets,
-                __global const float *poses, __global const float *masks, ulong tick, uint slots_per_member,
-                uint place_first, uint place_end, uint page_first, uint member_count, uint run, uint padded_most,
-                __global float4 *restrict matrices, __global float4 *restrict palette)
+void fused_wide(__global const Member *members, __global const Body *bodies, __global const uint *parents,
+                __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
+                __global const BoundBlock *bound_blocks, __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
+                __global const float *row_times, __global const uint *buckets, __global const float *poses,
+                __global const float *masks, __global const Source *sources,
+                __global const uint *source_lanes, ulong tick, uint slots_per_member,
+                __global const uint *page_members, __global const Entry *entries, uint place_first, uint place_end,
+                uint page_first, __global float4 *restrict palette, uint member_count, uint run, uint padded_most,
+                __global float4 *restrict matrices)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
     __global float16 *restrict models = (__global float16 *)matrices + get_global_id(0) * padded_most;
@@ -68,7 +77,7 @@ void fused_wide(__global const Member *members, __global const uint *page_member
         const Member member = members[owner];
         const Body body = bodies[member.body];
         Playing playing[SLOTS_MOST];
-        const uint count = play(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
+        const uint count = play_all(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
         const Playback playback = { playing, count };
         member_matrices(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body,
                         parents + body.joint_first, models, 0);
@@ -86,12 +95,11 @@ void fused_wide(__global const Member *members, __global const uint *page_member
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void fused_wide_joints(__global const Member *members, __global const Body *bodies, __global const uint *parents,
                        __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
-                       __global const BoundBlock *bound_blocks, __global const Source *sources,
-                       __global const uint *source_lanes, __global const ClipRows *clips,
-                       __global const RowBlock *row_blocks, __global const uint *rows, __global const float *row_times,
-                       __global const uint *buckets, __global const float *poses, __global const float *masks,
-                       ulong tick, uint slots_per_member, uint owner, __global SlotSample *samples,
-                       __global float *planes, __global float4 *matrices)
+                       __global const BoundBlock *bound_blocks, __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
+                       __global const float *row_times, __global const uint *buckets, __global const float *poses,
+                       __global const float *masks, __global const Source *sources, __global const uint *source_lanes, ulong tick,
+                       uint slots_per_member, uint owner, __global SlotSample *samples, __global float *planes,
+                       __global float4 *matrices)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
     const Member member = members[owner];
@@ -100,7 +108,7 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     for (uint s = 0; s < slots_per_member; s++)
         samples[s] = sample_of(mine[s], tick, bound_clips, clips, row_times, buckets);
     Playing playing[SLOTS_MOST];
-    const uint count = play(mine, slots_per_member, tick, of, row_times, buckets, playing);
+    const uint count = play_all(mine, slots_per_member, tick, of, row_times, buckets, playing);
     const Playback playback = { playing, count };
     member_matrices(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body,
                     parents + body.joint_first, (__global float16 *)matrices, planes);

@@ -16,6 +16,7 @@ typedef int Choice;
 #define AS_INTS as_int
 #define AS_WORDS as_uint
 #define LOAD(pointer) (*(pointer))
+#define STORE(value, pointer) (*(pointer) = (value))
 #else
 typedef float16 Real;
 typedef uint16 Words;
@@ -25,6 +26,7 @@ typedef int16 Choice;
 #define AS_INTS as_int16
 #define AS_WORDS as_uint16
 #define LOAD(pointer) vload16(0, pointer)
+#define STORE(value, pointer) vstore16(value, 0, pointer)
 
 /* words[lanes[i]] in each lane i; only the low four bits of a lane count. */
 INLINE Words permute(Words words, Words lanes)

@@ -71,10 +71,13 @@ impl OpenClBackend {
         schedule: Schedule,
         shape: Shape,
     ) -> Result<Self, BackendError> {
+        let on_cpu = device.info.kind == DeviceKind::Cpu;
         let plan = match schedule {
             Schedule::Staged => Plan::Staged(Box::new(Staged::new(device, shape)?)),
-            Schedule::Fused | Schedule::FusedWide | Schedule::FusedGrouped => {
-                Plan::Fused(Box::new(Fused::new(device)?))
+            Schedule::Fused if on_cpu => Plan::Fused(Box::new(Fused::wide(device)?)),
+            Schedule::FusedWide => Plan::Fused(Box::new(Fused::wide(device)?)),
+            Schedule::Fused | Schedule::FusedGrouped => {
+                Plan::Fused(Box::new(Fused::grouped(device, shape.group.min(GPU_SHAPE.group))?))
             }
         };
         let group = device.group_size(shape.group);

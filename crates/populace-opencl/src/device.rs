@@ -57,6 +57,8 @@ pub struct DeviceInfo {
     pub memory_bytes: u64,
     /// The most that can be allocated at once, in bytes.
     pub max_allocation_bytes: u64,
+    /// What the work-items of a group share, in bytes.
+    pub local_memory_bytes: u64,
     /// Whether the driver offers `cl_khr_gl_sharing`; see [`OpenClDevice::open_for_gl`].
     pub shares_with_gl: bool,
 }
@@ -112,6 +114,7 @@ fn info(index: usize, device: &Device) -> Result<DeviceInfo, ClError> {
         compute_units: device.max_compute_units()?,
         memory_bytes: device.global_mem_size()?,
         max_allocation_bytes: device.max_mem_alloc_size()?,
+        local_memory_bytes: device.local_mem_size()?,
         shares_with_gl: is_offered(device)?,
     })
 }

@@ -49,6 +49,15 @@ impl<'a> Launch<'a> {
         self.set(&value)
     }
 
+    /// Local memory for so many elements, at least one, in each work-group.
+    pub(crate) fn local<T: Element>(self, name: &str, len: usize) -> Self {
+        self.check(name, &format!("{}*", T::TYPE_NAME));
+        // SAFETY: no address is given, only a size: the driver takes the memory from each group's own, and refuses a
+        // place that is no local argument, and launches that ask for more than the device has.
+        let result = unsafe { self.kernel.set_arg_local_buffer(self.next, len * size_of::<T>()) };
+        self.took(result)
+    }
+
     fn check(&self, name: &str, kind: &str) {
         if cfg!(debug_assertions) {
             let has =
@@ -60,10 +69,14 @@ impl<'a> Launch<'a> {
         }
     }
 
-    fn set<A>(mut self, value: &A) -> Self {
+    fn set<A>(self, value: &A) -> Self {
         // SAFETY: `value` is a memory object, a `u32` or a `u64`, as the callers above have it; the driver copies
         // it and refuses a size or a place that does not fit the kernel.
         let result = unsafe { self.kernel.set_arg(self.next, value) };
+        self.took(result)
+    }
+
+    fn took(mut self, result: Result<(), ClError>) -> Self {
         self.error = self.error.or(result.err());
         self.next += 1;
         self

@@ -9,6 +9,11 @@ pub(crate) enum Form {
     Staged,
     /// Sixteen joints at a time.
     Wide,
+    /// One joint for each work-item, and a work-group of that size for each member.
+    Grouped {
+        /// Work-items.
+        group: usize,
+    },
 }
 
 impl Form {
@@ -17,9 +22,12 @@ impl Form {
         // A fused product would differ from the native stages in the last bit.
         let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
         let settings = match self {
-            Self::Common => "",
-            Self::Staged => "#define LANES 1\n",
-            Self::Wide => "#define LANES 16\n#define FUSED __private\n",
+            Self::Common => String::new(),
+            Self::Staged => "#define LANES 1\n".into(),
+            Self::Wide => "#define LANES 16\n#define FUSED __private\n".into(),
+            Self::Grouped { group } => {
+                format!("#define LANES 1\n#define FUSED __local\n#define GROUP {group}u\n")
+            }
         };
         let arithmetic = [
             include_str!("../kernels/lanes.cl"),
@@ -41,10 +49,13 @@ impl Form {
                 include_str!("../kernels/write_back.cl"),
             ],
             Self::Wide => &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_wide.cl")],
+            Self::Grouped { .. } => {
+                &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_grouped.cl")]
+            }
         };
         let arithmetic = if self == Self::Common { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();
-        let parts = [rules, settings, &prelude].into_iter().chain(arithmetic.iter().copied());
+        let parts = [rules, &settings, &prelude].into_iter().chain(arithmetic.iter().copied());
         parts.chain(kernels.iter().copied()).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! Devices and schedules on the same input.
 #![cfg(feature = "opencl")]
 
-use populace_core::Schedule::{self, Fused, FusedWide, Staged};
+use populace_core::Schedule::{self, Fused, FusedGrouped, FusedWide, Staged};
 use populace_native::NativeBackend;
 use populace_opencl::{OpenClBackend, OpenClDevice};
 use populace_testkit::conformance::{check_agreement, check_same_frames};
@@ -37,6 +37,7 @@ fn all_schedules_of_both_give_the_same_bits() {
     check_same_frames(&mut native(Staged), &mut native(Fused));
     check_same_frames(&mut native(Staged), &mut opencl(Staged));
     check_same_frames(&mut native(Staged), &mut opencl(FusedWide));
+    check_same_frames(&mut native(Staged), &mut opencl(FusedGrouped));
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]

@@ -107,6 +107,32 @@ mod conformance_fused_wide {
     );
 }
 
+mod conformance_fused_grouped {
+    populace_testkit::fused_conformance!(
+        super::OpenClBackend::new(&super::device(), super::Schedule::FusedGrouped).expect("a backend"),
+        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+    );
+}
+
+/// Groups smaller than most bodies and levels, so that every loop goes around more than once.
+mod conformance_fused_in_small_groups {
+    populace_testkit::fused_conformance!(
+        super::OpenClBackend::with_shape(
+            &super::device(),
+            super::Schedule::FusedGrouped,
+            super::small_groups()
+        )
+        .expect("a backend"),
+        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+    );
+}
+
+fn small_groups() -> Shape {
+    let mut shape = GPU_SHAPE;
+    shape.group = 16;
+    shape
+}
+
 /// The shape for GPUs, on whatever device there is.
 mod conformance_of_the_gpu_shape {
     populace_testkit::backend_conformance!(
@@ -132,11 +158,105 @@ fn tables_that_grew_since_the_update_are_refused() {
     backend.run(&tables, Frame::of_all(0)).unwrap();
 }
 
-/// A device that allocates no more than so many bytes at once.
-fn device_with_room(bytes: u64) -> Arc<OpenClDevice> {
+/// A device that says other things of itself than it is.
+fn device_that_claims(claim: impl FnOnce(&mut crate::DeviceInfo)) -> Arc<OpenClDevice> {
     let mut device = OpenClDevice::open(0).unwrap();
-    Arc::get_mut(&mut device).unwrap().info.max_allocation_bytes = bytes;
+    claim(&mut Arc::get_mut(&mut device).unwrap().info);
     device
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn fused_is_grouped_but_on_cpus() {
+    let form = |kind, schedule| {
+        let device = device_that_claims(|info| info.kind = kind);
+        let backend = OpenClBackend::new(&device, schedule).unwrap();
+        let Plan::Fused(fused) = &backend.plan else { panic!("{schedule} is not fused") };
+        fused.kernel_name()
+    };
+    for (kind, fused) in [
+        (DeviceKind::Cpu, "fused_wide"),
+        (DeviceKind::Gpu, "fused_grouped"),
+        (DeviceKind::Other, "fused_grouped"),
+    ] {
+        assert_eq!(form(kind, Schedule::Fused), fused, "{kind:?}");
+        assert_eq!(form(kind, Schedule::FusedWide), "fused_wide", "{kind:?}");
+        assert_eq!(form(kind, Schedule::FusedGrouped), "fused_grouped", "{kind:?}");
+    }
+}
+
+/// Tables with a body of so many joints in a chain.
+fn tables_with_chain(joint_count: usize) -> Tables {
+    let joint = |n: usize| populace_core::JointSource {
+        name: format!("joint {n}"),
+        parent: n.checked_sub(1),
+        rest: populace_core::Trs { translation: [1.0, 0.0, 0.0], ..populace_core::Trs::IDENTITY },
+    };
+    let joints: Vec<_> = (0..joint_count).map(joint).collect();
+    let entry = populace_core::PaletteEntry {
+        joint: populace_core::JointIndex(u32::try_from(joint_count - 1).unwrap()),
+        joint_from_bind: populace_core::Affine::IDENTITY,
+    };
+    let mut tables = Tables::new(4);
+    let body = tables.add_body(&populace_core::Skeleton::new(&joints).unwrap(), &[entry]).unwrap();
+    tables.add_member(body).unwrap();
+    tables
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_frame_of_some_members_leaves_the_others_palettes_alone() {
+    let mut tables = tables_with_chain(3);
+    for _ in 0..3 {
+        tables.add_member(populace_core::BodyIndex(0)).unwrap();
+    }
+    for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
+        let mut backend = OpenClBackend::new(&device(), schedule).unwrap();
+        tables.mark_dirty();
+        backend.update(&tables).unwrap();
+        let first = |place: usize| tables.members().as_slice()[place].palette_first as usize * 3;
+        for place in 0..4 {
+            backend.write(StageBuffer::Palette, first(place), &[Float4([9.0; 4]); 3]).unwrap();
+        }
+        backend.run(&tables, Frame { tick: 0, place_first: 1, place_end: 3 }).unwrap();
+        let rows = [0, 1, 2, 3].map(|place| {
+            let mut row = [Float4::default()];
+            backend.read(&tables, StageBuffer::Palette, first(place), &mut row).unwrap();
+            row[0].0
+        });
+        let (untouched, written) = ([9.0; 4], [1.0, 0.0, 0.0, 3.0]);
+        assert_eq!(rows, [untouched, written, written, untouched], "{schedule}");
+    }
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_body_past_local_memory_is_an_error_that_names_it_and_the_remedy() {
+    // Three rows of 16 bytes for each joint of the largest body, padded: 64 fit, and what the group plays; 80 do not.
+    let (rows_of_64, rows_of_80) = (3 * 16 * (64 + 3), 3 * 16 * (80 + 3));
+    let available = rows_of_64 + 400;
+    let device = device_that_claims(|info| info.local_memory_bytes = available);
+    let mut backend = OpenClBackend::new(&device, Schedule::FusedGrouped).unwrap();
+    let fits = tables_with_chain(64);
+    backend.update(&fits).unwrap();
+    backend.run(&fits, Frame::of_all(0)).unwrap();
+    let mut palette = [Float4::default(); 3];
+    backend.read(&fits, StageBuffer::Palette, 0, &mut palette).unwrap();
+    assert_eq!(palette[0], Float4([1.0, 0.0, 0.0, 64.0]));
+
+    let mut backend = OpenClBackend::new(&device, Schedule::FusedGrouped).unwrap();
+    let too_large = tables_with_chain(65);
+    let error = backend.update(&too_large).unwrap_err();
+    let BackendError::BodyTooLarge { joints: 65, bytes, .. } = error else { panic!("{error}") };
+    assert!((rows_of_80..rows_of_80 + 400).contains(&bytes), "{error}");
+    let said = format!("has {available} bytes of local memory, and a body of 65 joints takes {bytes} bytes");
+    assert!(error.to_string().contains(&said), "{error}");
+    assert!(error.to_string().contains("--schedule staged"), "{error}");
+    let error = backend.run(&too_large, Frame::of_all(0)).unwrap_err();
+    assert!(error.to_string().contains("update first"), "{error}");
+    let mut staged = OpenClBackend::new(&device, Schedule::Staged).unwrap();
+    staged.update(&too_large).unwrap();
+    staged.run(&too_large, Frame::of_all(0)).unwrap();
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
@@ -154,7 +274,9 @@ fn a_crowd_without_room_says_so_and_goes_on_once_members_have_left() {
     let mut tables = Tables::new(4);
     let body =
         tables.add_body(&populace_core::Skeleton::new(&[joint("root")]).unwrap(), &[entry; 6]).unwrap();
-    let mut backend = OpenClBackend::new(&device_with_room(200_000), Schedule::Staged).unwrap();
+    let mut backend =
+        OpenClBackend::new(&device_that_claims(|info| info.max_allocation_bytes = 200_000), Schedule::Staged)
+            .unwrap();
     let frame = Frame::of_all(0);
     let mut taken: Vec<u32> = (0..10).map(|_| tables.add_member(body).unwrap()).collect();
     // Too much for slots, for what joints need, and for palettes.
