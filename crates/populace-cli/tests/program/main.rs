@@ -163,7 +163,11 @@ fn devices_and_splits_that_make_no_sense_are_exit_code_2() {
     several("native+native", "measured", "native is named twice");
     several("opencl:0:3/2", "measured", "there is no device \"opencl:0:3/2\"");
     several("native:0", "measured", "native:2 takes two threads");
-    several("native:1+native:2", "60", "has 1 shares for 2 devices, native:1+native:2; give each device one");
+    several(
+        "native:1+native:2",
+        "60",
+        "has one share for 2 devices, native:1+native:2; give each device one",
+    );
     several("native:1+native:2", "60,-40", "a share of -40");
     several("native:1+native:2", "0,0", "no share above 0");
     several("native:1+native:2", "sixty,forty", "as 60,40, or measured");

@@ -203,7 +203,7 @@ mod tests {
             ("half", "as 60,40"),
             ("60;40", "is no list of numbers"),
             ("60,", "is no list of numbers"),
-            ("60", "has 1 shares for 2 devices, native+opencl:0; give each device one"),
+            ("60", "has one share for 2 devices, native+opencl:0; give each device one"),
             ("1,1,1", "has 3 shares for 2 devices"),
             ("60,-40", "has a share of -40"),
             ("NaN,1", "has a share of NaN"),
