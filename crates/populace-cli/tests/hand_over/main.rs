@@ -165,6 +165,26 @@ fn a_split_crowd_looks_like_an_undivided_one() {
     }
 }
 
+/// The first device has no member, but the pages that OpenGL draws from.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn what_is_drawn_stays_as_it_is_while_others_palettes_come() {
+    let threads = |threads| Device::Native { threads };
+    let film = film_by_copy(&threads(1).into(), 40, 4);
+    let mut stage = Stage::new();
+    let mut troupe = Troupe::new(&[threads(1), threads(2)].into(), 40, &stage);
+    troupe.crowd.set_split(&Split::Fixed(vec![0.0, 1.0])).unwrap();
+    stage.link(&mut troupe.crowd);
+    let instances = stage.instances(&troupe.crowd);
+    troupe.update();
+    for (frame, wanted) in film.iter().enumerate() {
+        stage.renderer.take_palettes(&mut troupe.crowd).unwrap();
+        troupe.update();
+        troupe.crowd.with_page(0, &mut |_| ()).unwrap();
+        assert_same(&stage.picture(&instances), wanted, &format!("frame {frame}"));
+    }
+}
+
 macro_rules! on_devices {
     ($($test:path as $name:ident),* $(,)?) => {
         mod native {
