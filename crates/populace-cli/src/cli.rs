@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
-use populace::{Device, Schedule};
+use populace::{Crowd, CrowdBuilder, Device, Devices, Schedule, Split};
 
 /// Animates and draws crowds in which every member has the full character pipeline.
 #[derive(Debug, Parser)]
@@ -25,6 +25,11 @@ pub(crate) enum Command {
     /// Evaluate one member through the real pipeline: joints, palettes, skinned vertices.
     Pose(PoseArgs),
     /// List the devices that can be used, and why not what cannot.
+    ///
+    /// --device takes these names: native is the CPU without a driver, on all cores; native:2 the same on two threads;
+    /// opencl:N an OpenCL device by its number, opencl the first of them; opencl:N:1/2 the first of two equal parts of
+    /// one, which CPU drivers offer, each with compute units of its own. Several names joined by + share a crowd, as in
+    /// native:1+opencl:0:1/2; the first of them is the one that hands palettes to OpenGL.
     Devices(DevicesArgs),
     /// Measure the pipeline on this machine, and check its results against the oracle.
     Bench(BenchArgs),
@@ -33,12 +38,28 @@ pub(crate) enum Command {
 /// Where to evaluate.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct DeviceArgs {
-    /// Device to evaluate on: native, opencl or opencl:N [default: the best there is]
-    #[arg(long, value_name = "DEVICE")]
-    pub(crate) device: Option<Device>,
+    /// Device to evaluate on: native, opencl or opencl:N, or several joined by + [default: the best there is].
+    /// `populace devices --help` tells more
+    #[arg(long, value_name = "DEVICE[+DEVICE]")]
+    pub(crate) device: Option<Devices>,
+    /// How several devices share the members: measured, or a share for each as in 60,40
+    #[arg(long, value_name = "measured|SHARE,SHARE", default_value_t = Split::Measured, allow_hyphen_values = true)]
+    pub(crate) split: Split,
     /// How stages are mapped to work-items
     #[arg(long, value_name = "staged|fused|fused-wide|fused-grouped", default_value_t = Schedule::Fused)]
     pub(crate) schedule: Schedule,
+}
+
+impl DeviceArgs {
+    /// What is named, or the best device there is.
+    pub(crate) fn devices(&self) -> Devices {
+        self.device.clone().unwrap_or_else(|| Device::best().into())
+    }
+
+    /// A crowd to be built there.
+    pub(crate) fn crowd(&self) -> CrowdBuilder {
+        Crowd::builder().devices(self.devices()).split(self.split.clone()).schedule(self.schedule)
+    }
 }
 
 #[derive(Args, Debug)]
@@ -154,9 +175,13 @@ pub(crate) struct BenchArgs {
     /// Frames measured on each device, after three to warm up
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) frames: u32,
-    /// Device to measure; can be repeated [default: native and every OpenCL device]
-    #[arg(long, value_name = "DEVICE")]
-    pub(crate) device: Vec<Device>,
+    /// Device to measure, or several that share the crowd, joined by +; can be repeated [default: native and every OpenCL
+    /// device]
+    #[arg(long, value_name = "DEVICE[+DEVICE]")]
+    pub(crate) device: Vec<Devices>,
+    /// How several devices share the members: measured, or a share for each as in 60,40
+    #[arg(long, value_name = "measured|SHARE,SHARE", default_value_t = Split::Measured, allow_hyphen_values = true)]
+    pub(crate) split: Split,
     /// Schedule to measure; can be repeated [default: staged and fused]
     #[arg(long, value_name = "staged|fused|fused-wide|fused-grouped")]
     pub(crate) schedule: Vec<Schedule>,

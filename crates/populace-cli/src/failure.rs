@@ -50,9 +50,11 @@ impl From<populace::Error> for Failure {
         use populace::Error;
         match error {
             Error::Backend(BackendError::NoRuntime) | Error::WithoutOpenCl => Self::NoDevice(error.into()),
-            Error::Backend(BackendError::NoDevice { .. })
+            Error::Backend(BackendError::NoDevice { .. } | BackendError::NoPart { .. })
             | Error::UnknownClip { .. }
             | Error::UnknownDevice { .. }
+            | Error::BadDevices { .. }
+            | Error::BadSplit { .. }
             | Error::BadValue { .. } => Self::Usage(error.into()),
             Error::Backend(_) | Error::Full { .. } => Self::Run(error.into()),
             _ => Self::Input(error.into()),

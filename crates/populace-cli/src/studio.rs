@@ -72,6 +72,18 @@ pub(crate) fn drawn_with(
     }
 }
 
+/// The devices of a crowd by name, and the share of each where there are several.
+pub(crate) fn devices_and_shares(crowd: &Crowd) -> String {
+    let (devices, shares) = (crowd.devices().as_slice(), crowd.shares());
+    match devices {
+        [only] => only.to_string(),
+        _ => {
+            let part = |(device, share)| format!("{device} ({:.0} %)", share * 100.0);
+            devices.iter().zip(shares).map(part).collect::<Vec<_>>().join(" + ")
+        }
+    }
+}
+
 /// Opens the output before the work, so that a wrong path costs no waiting; what stands there is left as it is.
 pub(crate) fn check_output(path: &Path) -> Result<(), Failure> {
     if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {

@@ -156,6 +156,16 @@ pub enum BackendError {
         /// How many there are.
         count: usize,
     },
+    /// A device that is not to be had in so many equal parts.
+    #[error("{device} cannot be cut into {parts} equal parts: {cause}; name the whole device")]
+    NoPart {
+        /// The device's name.
+        device: String,
+        /// How many parts were asked for.
+        parts: usize,
+        /// Why not.
+        cause: String,
+    },
     /// Memory that could not be had.
     #[error("{device} has no room for {bytes} bytes of {what}")]
     OutOfMemory {
@@ -226,6 +236,11 @@ pub trait Backend: PaletteSource + Send {
     ///
     /// A failing device.
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError>;
+
+    /// Whether [`run`](Self::run) returns while the device is still at work, so that the host can start others meanwhile.
+    fn runs_ahead(&self) -> bool {
+        false
+    }
 
     /// Reads elements of a buffer as of the last frame, waiting for what was enqueued before. A fused schedule keeps only
     /// the palettes; of other buffers it reads those of one member at a time, which it evaluates once more for that.

@@ -220,6 +220,10 @@ impl Backend for OpenClBackend {
         })
     }
 
+    fn runs_ahead(&self) -> bool {
+        true
+    }
+
     fn read(
         &mut self,
         tables: &Tables,

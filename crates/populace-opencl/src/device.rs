@@ -6,12 +6,13 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
 use opencl3::context::Context;
 use opencl3::device::{
-    CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_CPU, CL_DEVICE_TYPE_GPU, CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device,
+    CL_DEVICE_PARTITION_EQUALLY, CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_CPU, CL_DEVICE_TYPE_GPU,
+    CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device, SubDevice,
 };
 use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel;
@@ -53,6 +54,8 @@ pub struct DeviceInfo {
     pub kind: DeviceKind,
     /// Compute units.
     pub compute_units: u32,
+    /// Into how many equal parts the device can be cut at most, for [`OpenClDevice::open_part`]; 1 where it cannot be cut.
+    pub most_parts: u32,
     /// Memory in bytes.
     pub memory_bytes: u64,
     /// The most that can be allocated at once, in bytes.
@@ -112,11 +115,63 @@ fn info(index: usize, device: &Device) -> Result<DeviceInfo, ClError> {
             DeviceKind::Other
         },
         compute_units: device.max_compute_units()?,
+        most_parts: most_parts(device)?,
         memory_bytes: device.global_mem_size()?,
         max_allocation_bytes: device.max_mem_alloc_size()?,
         local_memory_bytes: device.local_mem_size()?,
         shares_with_gl: is_offered(device)?,
     })
+}
+
+fn most_parts(device: &Device) -> Result<u32, ClError> {
+    let is_cut_equally = device.partition_properties()?.contains(&CL_DEVICE_PARTITION_EQUALLY);
+    Ok(if is_cut_equally {
+        device.partition_max_sub_devices()?.clamp(1, device.max_compute_units()?)
+    } else {
+        1
+    })
+}
+
+/// One of the equal parts of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct DevicePart {
+    /// Which part, from 1.
+    pub part: usize,
+    /// How many parts there are.
+    pub parts: usize,
+}
+
+/// A part of a device. A device is cut once into so many parts and stays so: the parts are then apart from each other,
+/// and PoCL 3.1 crashes where one is let go of while its threads still clear up. Compute units that are left over belong
+/// to no part.
+fn part_of(whole: &Device, info: &DeviceInfo, part: DevicePart) -> Result<Device, BackendError> {
+    type Cuts = HashMap<(usize, usize), Vec<SubDevice>>;
+    static CUT: OnceLock<Mutex<Cuts>> = OnceLock::new();
+    let DevicePart { part, parts } = part;
+    let mut cuts = CUT.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
+    let cut = match cuts.entry((info.index, parts)) {
+        Entry::Occupied(cut) => cut.into_mut(),
+        Entry::Vacant(place) => place.insert(cut(whole, info, parts)?),
+    };
+    let found = cut.get(part.wrapping_sub(1)).map(|part| Device::new(part.id()));
+    let cause = || format!("there is no part {part} among them");
+    found.ok_or_else(|| BackendError::NoPart { device: info.name.clone(), parts, cause: cause() })
+}
+
+fn cut(whole: &Device, info: &DeviceInfo, parts: usize) -> Result<Vec<SubDevice>, BackendError> {
+    let (units, most) = (info.compute_units, info.most_parts);
+    let refused = |cause| BackendError::NoPart { device: info.name.clone(), parts, cause };
+    if most < 2 {
+        return Err(refused("its driver does not offer that".into()));
+    }
+    if !(1..=most as usize).contains(&parts) {
+        return Err(refused(format!("it has {units} compute units, for at most {most} parts")));
+    }
+    let each = (units as usize / parts).cast_signed();
+    let found = whole.create_sub_devices(&[CL_DEVICE_PARTITION_EQUALLY, each, 0]);
+    let mut found = found.map_err(|e| failed(&info.name, &format!("cut itself into {parts} parts"), &e))?;
+    found.truncate(parts); // units that are left over can make one more
+    Ok(found)
 }
 
 /// A device with its context and the programs built for it. Crowds on the same device share it.
@@ -137,10 +192,20 @@ impl OpenClDevice {
     ///
     /// [`BackendError::NoRuntime`], [`BackendError::NoDevice`], or [`BackendError::Failed`].
     pub fn open(index: usize) -> Result<Arc<Self>, BackendError> {
-        Self::open_with(index, None)
+        Self::open_with(index, None, None)
     }
 
-    /// The same, with a context that shares buffers with one of OpenGL's, so that palettes are written where OpenGL
+    /// The same for one of several equal parts of a device, as if it were a device of its own: parts work at the same
+    /// time, each on its own compute units. Units that are left over stay idle.
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open); [`BackendError::NoPart`] where the device cannot be cut so, or has no such part.
+    pub fn open_part(index: usize, part: DevicePart) -> Result<Arc<Self>, BackendError> {
+        Self::open_with(index, Some(part), None)
+    }
+
+    /// The same for a device or a part of one, with a context that shares buffers with one of OpenGL's, so that palettes are written where OpenGL
     /// draws from ([`PaletteWay::Shared`](populace_core::PaletteWay::Shared)). Best called on the thread on which the
     /// context of OpenGL's is current: some drivers want that.
     ///
@@ -150,14 +215,24 @@ impl OpenClDevice {
     ///
     /// As [`open`](Self::open); [`BackendError::Failed`] too where the driver does not offer `cl_khr_gl_sharing`, or
     /// refuses this context.
-    pub fn open_for_gl(index: usize, gl: Arc<dyn GlContext>) -> Result<Arc<Self>, BackendError> {
-        Self::open_with(index, Some(gl))
+    pub fn open_for_gl(
+        index: usize,
+        part: Option<DevicePart>,
+        gl: Arc<dyn GlContext>,
+    ) -> Result<Arc<Self>, BackendError> {
+        Self::open_with(index, part, Some(gl))
     }
 
-    fn open_with(index: usize, gl: Option<Arc<dyn GlContext>>) -> Result<Arc<Self>, BackendError> {
+    fn open_with(
+        index: usize,
+        part: Option<DevicePart>,
+        gl: Option<Arc<dyn GlContext>>,
+    ) -> Result<Arc<Self>, BackendError> {
         let devices = all_devices()?;
-        let device = *devices.get(index).ok_or(BackendError::NoDevice { index, count: devices.len() })?;
-        let info = info(index, &device).map_err(|e| failed("OpenCL", "describe a device", &e))?;
+        let whole = *devices.get(index).ok_or(BackendError::NoDevice { index, count: devices.len() })?;
+        let describe = |device| info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e));
+        let device = part.map_or(Ok(whole), |part| part_of(&whole, &describe(&whole)?, part))?;
+        let info = describe(&device)?;
         let context = match &gl {
             None => Context::from_device(&device).map_err(|e| failed(&info.name, "make a context", &e))?,
             Some(gl) => {

@@ -33,5 +33,5 @@ mod tables;
 mod upload;
 
 pub use backend::OpenClBackend;
-pub use device::{DeviceInfo, DeviceKind, OpenClDevice, devices};
+pub use device::{DeviceInfo, DeviceKind, DevicePart, OpenClDevice, devices};
 pub use populace_core::BackendError;

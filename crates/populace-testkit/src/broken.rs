@@ -149,6 +149,10 @@ impl<B: Backend> Backend for Broken<B> {
         self.inner.run(tables, frame)
     }
 
+    fn runs_ahead(&self) -> bool {
+        self.inner.runs_ahead()
+    }
+
     fn read(
         &mut self,
         tables: &Tables,

@@ -1,12 +1,12 @@
 //! The crowd: members of characters, playing clips on a device.
 
+mod builder;
 mod hand_over;
 mod playback;
 mod readback;
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
@@ -14,9 +14,11 @@ use populace_core::{
     Tables,
 };
 
-use crate::device::Opened;
+use crate::device::{Engine, Opened};
 use crate::error::nearest_names;
-use crate::{Device, Error, Placement};
+use crate::{Devices, Error, Placement, Split};
+
+pub use builder::CrowdBuilder;
 
 /// A character of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,81 +70,6 @@ pub struct Instance {
     pub palette_first: u32,
 }
 
-/// Settings of a crowd to be built.
-#[derive(Clone, Debug)]
-pub struct CrowdBuilder {
-    device: Option<Device>,
-    schedule: Schedule,
-    gl: Option<Arc<dyn GlContext>>,
-    capacity: usize,
-    slots_per_member: usize,
-}
-
-impl CrowdBuilder {
-    /// The device to evaluate on; [`Device::best`] unless named.
-    #[must_use]
-    pub fn device(mut self, device: Device) -> Self {
-        self.device = Some(device);
-        self
-    }
-
-    /// How stages are mapped to work-items; [`Schedule::Fused`] unless named. All give the same poses.
-    #[must_use]
-    pub fn schedule(mut self, schedule: Schedule) -> Self {
-        self.schedule = schedule;
-        self
-    }
-
-    /// The context of OpenGL's to be drawn with. A device that shares buffers with OpenGL, as graphics processors do,
-    /// then writes palettes where OpenGL draws from; others are opened as ever.
-    ///
-    /// Call [`build`](Self::build) on the thread on which that context is current: some drivers want that.
-    #[must_use]
-    pub fn for_gl(mut self, context: Arc<dyn GlContext>) -> Self {
-        self.gl = Some(context);
-        self
-    }
-
-    /// The most members there may be at once; 1,000 unless set. The device makes room for all of them with the first.
-    #[must_use]
-    pub fn capacity(mut self, members: usize) -> Self {
-        self.capacity = members;
-        self
-    }
-
-    /// Clips that a member can play at once, 1 to 8; 4 unless set.
-    #[must_use]
-    pub fn slots_per_member(mut self, slots: usize) -> Self {
-        self.slots_per_member = slots;
-        self
-    }
-
-    /// Opens the device.
-    ///
-    /// # Errors
-    ///
-    /// A device that is not there or cannot be opened.
-    pub fn build(self) -> Result<Crowd, Error> {
-        // Ids carry their crowd's number, so that those of another crowd are refused rather than mistaken.
-        static CROWDS: AtomicU32 = AtomicU32::new(0);
-        let device = self.device.unwrap_or_else(Device::best);
-        Ok(Crowd {
-            number: CROWDS.fetch_add(1, Ordering::Relaxed),
-            device,
-            opened: device.open(self.schedule, self.gl.as_ref())?,
-            gl: self.gl,
-            tables: Tables::with_capacity(self.slots_per_member, self.capacity),
-            clips: AnimationSet::default(),
-            characters: Vec::new(),
-            bound_clips: HashMap::new(),
-            members: Vec::new(),
-            member_count: 0,
-            capacity: self.capacity,
-            clock: Clock::default(),
-        })
-    }
-}
-
 /// The longest step of the clock; a longer one is a mistake.
 const MAX_STEP_SECS: f32 = 1e6;
 
@@ -171,7 +98,7 @@ struct MemberState {
 /// Members of characters, playing clips on a device.
 pub struct Crowd {
     number: u32,
-    device: Device,
+    devices: Devices,
     opened: Opened,
     /// What devices are opened for.
     gl: Option<Arc<dyn GlContext>>,
@@ -189,41 +116,59 @@ impl Crowd {
     /// Settings to build a crowd from.
     #[must_use]
     pub fn builder() -> CrowdBuilder {
-        CrowdBuilder {
-            device: None,
-            schedule: Schedule::default(),
-            gl: None,
-            capacity: 1000,
-            slots_per_member: 4,
+        CrowdBuilder::default()
+    }
+
+    /// The devices in use.
+    #[must_use]
+    pub fn devices(&self) -> &Devices {
+        &self.devices
+    }
+
+    /// The devices' own names, for people.
+    #[must_use]
+    pub fn device_name(&self) -> String {
+        self.opened.backend().device_name()
+    }
+
+    /// The share of the members that each device takes, of 1 in all; measured ones change from frame to frame.
+    #[must_use]
+    pub fn shares(&self) -> Vec<f64> {
+        match &self.opened.engine {
+            Engine::Alone(_) => vec![1.0],
+            Engine::Split(backend) => backend.shares().to_vec(),
         }
     }
 
-    /// The device in use.
-    #[must_use]
-    pub fn device(&self) -> Device {
-        self.device
-    }
-
-    /// The device's own name, for people.
-    #[must_use]
-    pub fn device_name(&self) -> String {
-        self.opened.backend.device_name()
+    /// Lets the devices share the members in another way, from the next update on.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadSplit`] for one that does not fit the devices; the split then stays as it is.
+    pub fn set_split(&mut self, split: &Split) -> Result<(), Error> {
+        let shares = split.shares(&self.devices)?;
+        if let Engine::Split(backend) = &mut self.opened.engine {
+            backend.set_shares(shares);
+        }
+        Ok(())
     }
 
     /// How stages are mapped to work-items.
     #[must_use]
     pub fn schedule(&self) -> Schedule {
-        self.opened.backend.schedule()
+        self.opened.backend().schedule()
     }
 
-    /// Moves the crowd to another device, after one was lost or to compare them. Members, clips and clock go on.
+    /// Moves the crowd to another device or to several, after one was lost or to compare them. Members, clips and clock
+    /// go on. Several share the members by their measured speed, until [`set_split`](Self::set_split) says otherwise.
     ///
     /// # Errors
     ///
-    /// A device that is not there or cannot be opened; the crowd then stays where it is.
-    pub fn move_to(&mut self, device: Device) -> Result<(), Error> {
-        self.opened = device.open(self.schedule(), self.gl.as_ref())?;
-        self.device = device;
+    /// A device that is not there or cannot be opened, or [`Error::BadDevices`]; the crowd then stays where it is.
+    pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
+        let devices = devices.into();
+        self.opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;
+        self.devices = devices;
         self.tables.mark_dirty();
         Ok(())
     }
@@ -372,9 +317,9 @@ impl Crowd {
         )]
         let whole = ticks.round().max(0.0) as u64;
         let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
-        self.opened.backend.update(&self.tables)?;
+        self.opened.backend_mut().update(&self.tables)?;
         self.tables.mark_clean();
-        self.opened.backend.run(&self.tables, Frame::of_all(clock.tick))?;
+        self.opened.backend_mut().run(&self.tables, Frame::of_all(clock.tick))?;
         self.clock = clock;
         Ok(())
     }
@@ -385,7 +330,7 @@ impl Crowd {
     ///
     /// A failing device.
     pub fn finish(&mut self) -> Result<(), Error> {
-        Ok(self.opened.backend.finish()?)
+        Ok(self.opened.backend_mut().finish()?)
     }
 
     /// What to draw, in order of the members' places.
@@ -432,3 +377,6 @@ impl Crowd {
 fn u32_from(index: usize) -> u32 {
     index as u32
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,7 @@
 //! Devices to evaluate a crowd on.
 
+mod set;
+
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -8,6 +10,9 @@ use populace_core::{Backend, GlContext, Schedule};
 use populace_native::NativeBackend;
 
 use crate::Error;
+use crate::split::SplitBackend;
+
+pub use set::{Devices, Split};
 
 /// A device, chosen by name; it is opened when a crowd is built on it.
 #[non_exhaustive]
@@ -22,6 +27,15 @@ pub enum Device {
     OpenCl {
         /// The number.
         index: usize,
+    },
+    /// One of several equal parts of an OpenCL device: so many of its compute units, that no other part uses.
+    OpenClPart {
+        /// The device's number.
+        index: usize,
+        /// Which part, from 1 to `parts`.
+        part: usize,
+        /// Into how many parts the device is cut.
+        parts: usize,
     },
 }
 
@@ -38,6 +52,13 @@ impl Device {
         Self::OpenCl { index }
     }
 
+    /// Part `part`, from 1 to `parts`, of an OpenCL device that is cut into so many equal ones. CPUs can be cut, down to
+    /// single compute units, while drivers for graphics processors do not offer it.
+    #[must_use]
+    pub const fn opencl_part(index: usize, part: usize, parts: usize) -> Self {
+        Self::OpenClPart { index, part, parts }
+    }
+
     /// The best device of this machine: an OpenCL GPU, else an OpenCL CPU, else the native one.
     #[must_use]
     pub fn best() -> Self {
@@ -48,25 +69,65 @@ impl Device {
     pub(crate) fn open(self, schedule: Schedule, gl: Option<&Arc<dyn GlContext>>) -> Result<Opened, Error> {
         match self {
             Self::Native { threads } => {
-                Ok(Opened { backend: Box::new(NativeBackend::new(threads, schedule)?), not_for_gl: None })
+                Ok(Opened { engine: Engine::alone(NativeBackend::new(threads, schedule)?), not_for_gl: None })
             }
-            Self::OpenCl { index } => opencl::open(index, schedule, gl),
+            Self::OpenCl { index } => opencl::open((index, None), schedule, gl),
+            Self::OpenClPart { index, part, parts } => {
+                opencl::open((index, Some((part, parts))), schedule, gl)
+            }
         }
     }
 }
 
-/// A device that is ready.
+/// What evaluates a crowd.
+pub(crate) enum Engine {
+    Alone(Box<dyn Backend>),
+    Split(Box<SplitBackend>),
+}
+
+impl Engine {
+    fn alone(backend: impl Backend + 'static) -> Self {
+        Self::Alone(Box::new(backend))
+    }
+
+    fn into_backend(self) -> Box<dyn Backend> {
+        match self {
+            Self::Alone(backend) => backend,
+            Self::Split(backend) => backend,
+        }
+    }
+}
+
+/// A device that is ready, or several that share their work.
 pub(crate) struct Opened {
-    pub(crate) backend: Box<dyn Backend>,
+    pub(crate) engine: Engine,
     /// Why it was not opened for the context of OpenGL's that was given.
     pub(crate) not_for_gl: Option<String>,
+}
+
+impl Opened {
+    pub(crate) fn backend(&self) -> &dyn Backend {
+        match &self.engine {
+            Engine::Alone(backend) => &**backend,
+            Engine::Split(backend) => &**backend,
+        }
+    }
+
+    pub(crate) fn backend_mut(&mut self) -> &mut dyn Backend {
+        match &mut self.engine {
+            Engine::Alone(backend) => &mut **backend,
+            Engine::Split(backend) => &mut **backend,
+        }
+    }
 }
 
 impl fmt::Display for Device {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Native { .. } => f.write_str("native"),
+            Self::Native { threads: 0 } => f.write_str("native"),
+            Self::Native { threads } => write!(f, "native:{threads}"),
             Self::OpenCl { index } => write!(f, "opencl:{index}"),
+            Self::OpenClPart { index, part, parts } => write!(f, "opencl:{index}:{part}/{parts}"),
         }
     }
 }
@@ -74,15 +135,23 @@ impl fmt::Display for Device {
 impl FromStr for Device {
     type Err = Error;
 
-    /// Reads `native`, `opencl` (the first OpenCL device) or `opencl:N`.
+    /// Reads `native`, `native:N` (on N threads), `opencl` (the first OpenCL device), `opencl:N`, or `opencl:N:K/P` (part
+    /// K of the device cut into P equal ones).
     fn from_str(name: &str) -> Result<Self, Error> {
-        let unknown = || Error::UnknownDevice { name: name.to_owned() };
-        match name.split_once(':') {
-            None if name == "native" => Ok(Self::native()),
-            None if name == "opencl" => Ok(Self::opencl(0)),
-            Some(("opencl", index)) => index.parse().map(Self::opencl).map_err(|_| unknown()),
-            _ => Err(unknown()),
-        }
+        let words: Vec<&str> = name.split(':').collect();
+        let number = |word: &str| word.parse::<usize>().ok();
+        let device = match words[..] {
+            ["native"] => Some(Self::native()),
+            ["native", threads] => number(threads).filter(|n| *n > 0).map(|threads| Self::Native { threads }),
+            ["opencl"] => Some(Self::opencl(0)),
+            ["opencl", index] => number(index).map(Self::opencl),
+            ["opencl", index, part] => part.split_once('/').and_then(|(part, parts)| {
+                let (part, parts) = (number(part)?, number(parts)?);
+                (1..=parts).contains(&part).then_some(Self::opencl_part(number(index)?, part, parts))
+            }),
+            _ => None,
+        };
+        device.ok_or_else(|| Error::UnknownDevice { name: name.to_owned() })
     }
 }
 
@@ -115,10 +184,13 @@ mod opencl {
     use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
     use populace_core::{GlContext, Schedule};
-    use populace_opencl::{DeviceKind, OpenClBackend, OpenClDevice};
+    use populace_opencl::{DeviceKind, DevicePart, OpenClBackend, OpenClDevice};
 
-    use super::{Device, DeviceReport, Opened};
+    use super::{Device, DeviceReport, Engine, Opened};
     use crate::Error;
+
+    /// A device's number, and which part of how many.
+    type Name = (usize, Option<(usize, usize)>);
 
     pub(super) fn best() -> Option<Device> {
         let found = populace_opencl::devices().ok()?;
@@ -129,31 +201,39 @@ mod opencl {
     /// Opens a device. Its context and kernels are for this crowd alone if made for OpenGL, else all crowds of this
     /// process share them.
     pub(super) fn open(
-        index: usize,
+        device: Name,
         schedule: Schedule,
         gl: Option<&Arc<dyn GlContext>>,
     ) -> Result<Opened, Error> {
-        let for_gl = gl.map(|gl| OpenClDevice::open_for_gl(index, Arc::clone(gl)));
+        let for_gl = gl.map(|gl| OpenClDevice::open_for_gl(device.0, part_of(device), Arc::clone(gl)));
         let (device, not_for_gl) = match for_gl {
-            None => (shared(index)?, None),
+            None => (shared(device)?, None),
             Some(Ok(device)) => (device, None),
             Some(Err(error)) => {
-                let device = shared(index)?;
+                let device = shared(device)?;
                 // Of a driver that does not offer it at all the backend itself tells.
                 let reason = device.info().shares_with_gl.then(|| error.to_string());
                 (device, reason)
             }
         };
-        Ok(Opened { backend: Box::new(OpenClBackend::new(&device, schedule)?), not_for_gl })
+        Ok(Opened { engine: Engine::alone(OpenClBackend::new(&device, schedule)?), not_for_gl })
     }
 
-    fn shared(index: usize) -> Result<Arc<OpenClDevice>, Error> {
-        static OPEN: OnceLock<Mutex<HashMap<usize, Arc<OpenClDevice>>>> = OnceLock::new();
+    fn part_of((_, part): Name) -> Option<DevicePart> {
+        part.map(|(part, parts)| DevicePart { part, parts })
+    }
+
+    fn shared(name: Name) -> Result<Arc<OpenClDevice>, Error> {
+        static OPEN: OnceLock<Mutex<HashMap<Name, Arc<OpenClDevice>>>> = OnceLock::new();
         let mut open = OPEN.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(match open.get(&index) {
-            Some(device) => Arc::clone(device),
-            None => Arc::clone(open.entry(index).or_insert(OpenClDevice::open(index)?)),
-        })
+        if let Some(device) = open.get(&name) {
+            return Ok(Arc::clone(device));
+        }
+        let device = match part_of(name) {
+            None => OpenClDevice::open(name.0)?,
+            Some(part) => OpenClDevice::open_part(name.0, part)?,
+        };
+        Ok(Arc::clone(open.entry(name).or_insert(device)))
     }
 
     pub(super) fn reports() -> Vec<DeviceReport> {
@@ -168,10 +248,15 @@ mod opencl {
             .map(|d| DeviceReport {
                 device: Some(Device::opencl(d.index)),
                 detail: format!(
-                    "{}, {:?}, {} compute units, {} MiB, at most {} MiB at once",
+                    "{}, {:?}, {} compute units{}, {} MiB, at most {} MiB at once",
                     d.driver,
                     d.kind,
                     d.compute_units,
+                    if d.most_parts > 1 {
+                        format!(" for up to {} equal parts", d.most_parts)
+                    } else {
+                        String::new()
+                    },
                     d.memory_bytes >> 20,
                     d.max_allocation_bytes >> 20
                 ),
@@ -195,7 +280,7 @@ mod opencl {
     }
 
     pub(super) fn open(
-        _index: usize,
+        _device: (usize, Option<(usize, usize)>),
         _schedule: Schedule,
         _gl: Option<&Arc<dyn GlContext>>,
     ) -> Result<Opened, Error> {
@@ -213,11 +298,26 @@ mod tests {
 
     #[test]
     fn names_read_back_and_nonsense_is_refused() {
-        for device in [Device::native(), Device::opencl(0), Device::opencl(3)] {
+        let (two_threads, half) = (Device::Native { threads: 2 }, Device::opencl_part(1, 2, 2));
+        for device in [Device::native(), two_threads, Device::opencl(0), Device::opencl(3), half] {
             assert_eq!(device.to_string().parse(), Ok(device));
         }
         assert_eq!("opencl".parse(), Ok(Device::opencl(0)));
-        for name in ["", "cuda", "opencl:", "opencl:x", "opencl:-1", "native:2"] {
+        assert_eq!("opencl:1:2/2".parse(), Ok(half));
+        let no_parts =
+            ["opencl:0:", "opencl:0:2", "opencl:0:0/2", "opencl:0:3/2", "opencl:0:1/0", "opencl:0:1/2/3"];
+        let others = [
+            "",
+            "cuda",
+            "opencl:",
+            "opencl:x",
+            "opencl:-1",
+            "native:",
+            "native:0",
+            "native:1/2",
+            "native:1:2",
+        ];
+        for name in no_parts.into_iter().chain(others) {
             assert_eq!(name.parse::<Device>(), Err(Error::UnknownDevice { name: name.into() }));
         }
     }

@@ -23,10 +23,27 @@ pub enum Error {
         nearest: Vec<String>,
     },
     /// A device name that means nothing.
-    #[error("there is no device \"{name}\"; devices are native, opencl, and opencl:N")]
+    #[error(
+        "there is no device \"{name}\"; devices are native, opencl and opencl:N; native:2 takes two threads, opencl:N:1/2 \
+         the first of two equal parts, and + joins several"
+    )]
     UnknownDevice {
         /// The name given.
         name: String,
+    },
+    /// Devices that cannot share a crowd.
+    #[error("{devices}: {reason}")]
+    BadDevices {
+        /// The devices, joined.
+        devices: String,
+        /// What is wrong and how to mend it.
+        reason: String,
+    },
+    /// A split that does not fit its devices.
+    #[error("the split {reason}")]
+    BadSplit {
+        /// What is wrong and how to mend it.
+        reason: String,
     },
     /// OpenCL asked for in a build without it.
     #[error("this build has no OpenCL; build with the feature \"opencl\", or choose the native device")]

@@ -37,12 +37,13 @@ mod crowd;
 mod device;
 mod error;
 mod play;
+mod split;
 
 pub use populace_core as core;
 pub use populace_core::{Affine, BackendError, LayerMode, LayerSettings, Mask, Schedule, Trs};
 
 pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member};
-pub use device::{Device, DeviceReport, devices};
+pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::{Error, nearest_names};
 pub use play::{Placement, Play};
 

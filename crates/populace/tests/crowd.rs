@@ -229,7 +229,7 @@ fn a_crowd_moves_to_another_device_and_goes_on() {
     crowd.update(0.5).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.75);
     assert!(crowd.move_to(Device::opencl(99)).is_err());
-    assert_eq!(crowd.device(), Device::opencl(0));
+    assert_eq!(*crowd.devices(), Device::opencl(0).into());
 }
 
 #[test]

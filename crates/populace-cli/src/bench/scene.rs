@@ -8,7 +8,7 @@ use populace::core::{
     Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
     Skeleton, Track, Trs,
 };
-use populace::{Crowd, Device, Error, Member, Placement, Play, Schedule};
+use populace::{Crowd, Devices, Error, Member, Placement, Play, Schedule, Split};
 
 use crate::placement::Random;
 
@@ -68,9 +68,15 @@ impl Scene {
         joints.sum()
     }
 
-    pub(crate) fn stage(&self, device: Device, schedule: Schedule) -> Result<Staging, Error> {
+    pub(crate) fn stage(
+        &self,
+        devices: &Devices,
+        split: &Split,
+        schedule: Schedule,
+    ) -> Result<Staging, Error> {
         let builder = Crowd::builder()
-            .device(device)
+            .devices(devices.clone())
+            .split(split.clone())
             .schedule(schedule)
             .capacity(self.member_count)
             .slots_per_member(self.slot_count);

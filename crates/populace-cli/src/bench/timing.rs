@@ -3,13 +3,16 @@
 use std::time::Instant;
 
 use populace::core::{Stage, TICKS_PER_SEC};
-use populace::{Device, Error, Schedule};
+use populace::{Devices, Error, Schedule, Split};
 
 use super::check::worst_error_m;
 use super::scene::{Scene, Staging};
+use crate::studio::devices_and_shares;
 
 /// Frames before anything is measured.
 const WARM_UP: u32 = 3;
+/// Frames of no time before those, in which several devices find out how to share the members.
+const FIRST_SHARING: u32 = 30;
 const FRAME_SECS: f32 = 1.0 / 60.0;
 /// The crowd's ticks of one such frame.
 const FRAME_TICKS: u64 = TICKS_PER_SEC / 60;
@@ -18,7 +21,7 @@ const ENTRY_BYTES: f64 = 48.0;
 
 /// One line of the table.
 pub(crate) struct Run {
-    pub(crate) device: Device,
+    pub(crate) device: Devices,
     pub(crate) schedule: &'static str,
     pub(crate) stage: &'static str,
     pub(crate) ms_median: f64,
@@ -31,7 +34,7 @@ pub(crate) struct Run {
 }
 
 struct Track {
-    device: Device,
+    device: Devices,
     staging: Staging,
     schedule: &'static str,
     all_ms: Vec<f64>,
@@ -43,16 +46,22 @@ struct Track {
 /// checks the last frame against the oracle.
 pub(crate) fn measure(
     scene: &Scene,
-    devices: &[Device],
+    devices: &[Devices],
+    split: &Split,
     schedules: &[Schedule],
     frames: u32,
 ) -> Result<Vec<Run>, Error> {
     let mut tracks = Vec::new();
-    for (&device, &schedule) in devices.iter().flat_map(|d| schedules.iter().map(move |s| (d, s))) {
-        let staging = scene.stage(device, schedule)?;
+    for (device, &schedule) in devices.iter().flat_map(|d| schedules.iter().map(move |s| (d, s))) {
+        let is_shared = device.as_slice().len() > 1;
+        let mut staging = scene.stage(device, if is_shared { split } else { &Split::Measured }, schedule)?;
+        for _ in 0..if is_shared { FIRST_SHARING } else { 0 } {
+            staging.crowd.update(0.0)?;
+            staging.crowd.finish()?;
+        }
         let schedule = schedule.name();
         tracks.push(Track {
-            device,
+            device: device.clone(),
             staging,
             schedule,
             all_ms: Vec::new(),
@@ -70,6 +79,10 @@ pub(crate) fn measure(
         let tick = u64::from(WARM_UP + frames) * FRAME_TICKS;
         let error_m = worst_error_m(scene, &mut track.staging, tick)?;
         track.report(scene, error_m, &mut runs);
+        if track.device.as_slice().len() > 1 {
+            let shares = devices_and_shares(&track.staging.crowd);
+            crate::report::talk!("at the end {shares} share the members ({})", track.schedule);
+        }
     }
     Ok(runs)
 }
@@ -94,14 +107,14 @@ impl Track {
     }
 
     fn report(&mut self, scene: &Scene, error_m: (f64, f64), runs: &mut Vec<Run>) {
-        let (device, memory_bytes) = (self.device, self.staging.crowd.device_memory_bytes());
+        let (device, memory_bytes) = (&self.device, self.staging.crowd.device_memory_bytes());
         let mut add = |schedule, stage, times: &mut Vec<f64>, bytes_per_joint, error_m| {
             times.sort_by(f64::total_cmp);
             let (Some(&ms_min), Some(&ms_median)) = (times.first(), times.get(times.len() / 2)) else {
                 return;
             };
             runs.push(Run {
-                device,
+                device: device.clone(),
                 schedule,
                 stage,
                 ms_median,

@@ -1,6 +1,6 @@
 //! `populace bench`
 
-use populace::{Device, Schedule};
+use populace::{Devices, Schedule, Split};
 use serde_json::json;
 
 use crate::bench::{Run, Scene, measure};
@@ -10,6 +10,11 @@ use crate::report;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let devices = if args.device.is_empty() { all_devices() } else { args.device.clone() };
+    if args.split != Split::Measured && devices.iter().all(|d| d.as_slice().len() == 1) {
+        return Err(Failure::usage(
+            "--split is for several devices; join them by +, as --device native+opencl:0",
+        ));
+    }
     let scene = Scene::new(args.members, args.joints, args.slots, args.seed)?;
     crate::report::talk!(
         "{} members, {} joints, on {} devices",
@@ -19,7 +24,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     );
     let both = [Schedule::Staged, Schedule::Fused];
     let schedules = if args.schedule.is_empty() { &both[..] } else { &args.schedule };
-    let runs = measure(&scene, &devices, schedules, args.frames)?;
+    let runs = measure(&scene, &devices, &args.split, schedules, args.frames)?;
     let machine = machine();
     if args.json {
         let runs: Vec<_> = runs.iter().map(|r| as_json(r, &scene)).collect();
@@ -27,8 +32,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     } else {
         report::text(&as_table(&runs, &scene, &machine))?;
     }
-    let wrong =
-        runs.iter().find_map(|r| r.error_m.filter(|(error, allowed)| error > allowed).map(|e| (r.device, e)));
+    let wrong = runs
+        .iter()
+        .find_map(|r| r.error_m.filter(|(error, allowed)| error > allowed).map(|e| (&r.device, e)));
     match wrong {
         None => Ok(()),
         Some((device, (error, allowed))) => Err(Failure::Run(anyhow::anyhow!(
@@ -37,8 +43,8 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
 }
 
-fn all_devices() -> Vec<Device> {
-    populace::devices().into_iter().filter_map(|report| report.device).collect()
+fn all_devices() -> Vec<Devices> {
+    populace::devices().into_iter().filter_map(|report| report.device.map(Devices::from)).collect()
 }
 
 fn ns_per_joint(run: &Run, scene: &Scene) -> f64 {

@@ -2,14 +2,14 @@
 
 use std::time::Instant;
 
-use populace::{Crowd, Device};
+use populace::Crowd;
 use populace_render::{Camera, Renderer};
 
 use crate::cast::{built_in, role};
 use crate::cli::DemoArgs;
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
-use crate::studio::{Studio, check_output, drawn_with};
+use crate::studio::{Studio, check_output, devices_and_shares, drawn_with};
 
 /// Frames that are timed.
 const FRAMES: usize = 20;
@@ -17,7 +17,6 @@ const FRAME_SECS: f32 = 1.0 / 60.0;
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     check_output(&args.out)?;
-    let device = args.device.device.unwrap_or_else(Device::best);
     if args.device.device.is_none() {
         // Missing devices are no reason to stop, but one to tell what would mend it.
         for missing in populace::devices().iter().filter(|report| report.device.is_none()) {
@@ -26,11 +25,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     }
     let members = args.members;
     let renderer = Renderer::headless(args.size.0);
-    let builder = Crowd::builder()
-        .device(device)
-        .schedule(args.device.schedule)
-        .capacity(members as usize)
-        .slots_per_member(1);
+    let builder = args.device.crowd().capacity(members as usize).slots_per_member(1);
     let mut crowd = drawn_with(builder, &renderer).build()?;
     crate::report::talk!("{members} people made by code, on {}", crowd.device_name());
     let people = built_in("people")?;
@@ -41,7 +36,10 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let plan = Plan { members, seed: args.seed, hide: &[], away_percent: 15 };
     let mut staging = Staging::new(&mut crowd, &roles, &plan)?;
     let frame_ms = time_frames(&mut crowd, &mut staging)?;
-    crate::report::talk!("evaluating all of them takes {frame_ms:.2} ms a frame, the median of {FRAMES}");
+    let devices = devices_and_shares(&crowd);
+    crate::report::talk!(
+        "evaluating all of them on {devices} takes {frame_ms:.2} ms a frame, the median of {FRAMES}"
+    );
 
     let [width, height] = args.size.0;
     let camera = Camera::framing(staging.framed(0.0), width as f32 / height as f32);

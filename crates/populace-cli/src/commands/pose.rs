@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use populace::core::{Affine, Character, JointIndex, Part, SkinInstance};
-use populace::{ClipId, Crowd, Device, Placement, Play};
+use populace::{ClipId, Crowd, Placement, Play};
 use populace_assets::Imported;
 use serde_json::{Value, json};
 
@@ -26,13 +26,7 @@ pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
 
 fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let character = Arc::new(imported.character.clone());
-    let device = args.device.device.unwrap_or_else(Device::best);
-    let mut crowd = Crowd::builder()
-        .device(device)
-        .schedule(args.device.schedule)
-        .capacity(1)
-        .slots_per_member(1)
-        .build()?;
+    let mut crowd = args.device.crowd().capacity(1).slots_per_member(1).build()?;
     let id = crowd.add_character(Arc::clone(&character))?;
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
     let clip = args.clip.as_deref().map(|name| find_clip(&crowd, id, name)).transpose()?;
@@ -50,7 +44,7 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
         "clip": clip.map(|(_, name)| name),
         // The number as it was typed, not its nearest f32 written out in full.
         "time": args.time.to_string().parse::<f64>().unwrap_or(f64::from(args.time)),
-        "device": device.to_string(),
+        "device": crowd.devices().to_string(),
         "schedule": crowd.schedule().name(),
         "joints": joints(imported, &models),
         "skins": skins,

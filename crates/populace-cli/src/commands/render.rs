@@ -1,25 +1,19 @@
 //! `populace render`
 
-use populace::{Crowd, Device};
 use populace_render::{Camera, Renderer};
 
 use crate::cast::{self, Role};
 use crate::cli::{RenderArgs, View};
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
-use crate::studio::{Studio, check_output, drawn_with, frame_path};
+use crate::studio::{Studio, check_output, devices_and_shares, drawn_with, frame_path};
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let first = args.frames.map_or(args.out.clone(), |_| frame_path(&args.out, 0));
     check_output(&first)?;
-    let device = args.device.device.unwrap_or_else(Device::best);
     // Without OpenGL the inputs are still checked first: what is wrong with them is of more use.
     let renderer = Renderer::headless(args.size.0);
-    let builder = Crowd::builder()
-        .device(device)
-        .schedule(args.device.schedule)
-        .capacity(args.members as usize)
-        .slots_per_member(1);
+    let builder = args.device.crowd().capacity(args.members as usize).slots_per_member(1);
     let mut crowd = drawn_with(builder, &renderer).build()?;
     let roles = cast::load(&mut crowd, &args.inputs, args.clip.as_deref(), args.height)?;
     check_hidden(&roles, &args.hide)?;
@@ -39,7 +33,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     let (members, schedule) = (crowd.member_count(), crowd.schedule());
     crate::report::talk!(
-        "{members} members on {device} ({schedule}), drawn by {}, written to {written}",
+        "{members} members on {} ({schedule}), drawn by {}, written to {written}",
+        devices_and_shares(&crowd),
         studio.driver()
     );
     Ok(())

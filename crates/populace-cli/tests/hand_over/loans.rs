@@ -7,12 +7,12 @@ use populace::core::{
     Affine, Character, CharacterSource, Clip, ClipSource, Image, Influences, Interpolation, JointIndex,
     JointSource, Mesh, PaletteEntry, Part, Property, Skeleton, Track, Trs,
 };
-use populace::{Crowd, Device, Placement, Play};
+use populace::{Crowd, Device, Devices, Placement, Play};
 
 use crate::assert_same;
 use crate::stage::{ByCopy, Stage, Troupe, film_by_copy};
 
-pub(crate) fn a_crowd_outlives_its_renderer(device: Device) {
+pub(crate) fn a_crowd_outlives_its_renderer(device: &Devices) {
     let film = film_by_copy(device, 30, 4);
     let mut troupe = Troupe::new(device, 30, &Stage::new());
     for wanted in &film {
@@ -24,7 +24,7 @@ pub(crate) fn a_crowd_outlives_its_renderer(device: Device) {
     }
 }
 
-pub(crate) fn a_renderer_outlives_a_crowd_at_work(device: Device) {
+pub(crate) fn a_renderer_outlives_a_crowd_at_work(device: &Devices) {
     let film = film_by_copy(device, 30, 3);
     let mut stage = Stage::new();
     for _ in 0..3 {
@@ -39,7 +39,7 @@ pub(crate) fn a_renderer_outlives_a_crowd_at_work(device: Device) {
     }
 }
 
-pub(crate) fn a_crowd_ends_on_another_thread(device: Device) {
+pub(crate) fn a_crowd_ends_on_another_thread(device: &Devices) {
     let mut stage = Stage::new();
     for renderer_first in [false, true] {
         let mut troupe = Troupe::new(device, 30, &stage);
@@ -60,7 +60,7 @@ pub(crate) fn a_crowd_ends_on_another_thread(device: Device) {
     }
 }
 
-pub(crate) fn two_crowds_take_turns_on_one_renderer(device: Device) {
+pub(crate) fn two_crowds_take_turns_on_one_renderer(device: &Devices) {
     let films = [film_by_copy(device, 20, 4), film_by_copy(device, 35, 4)];
     let mut stage = Stage::new();
     let mut troupes = [20, 35].map(|members| Troupe::new(device, members, &stage));
@@ -72,7 +72,7 @@ pub(crate) fn two_crowds_take_turns_on_one_renderer(device: Device) {
     }
 }
 
-pub(crate) fn two_renderers_take_turns_on_one_crowd(device: Device) {
+pub(crate) fn two_renderers_take_turns_on_one_crowd(device: &Devices) {
     let film = film_by_copy(device, 20, 4);
     let mut stages = [Stage::new(), Stage::new()];
     let mut troupe = Troupe::new(device, 20, &stages[0]);
@@ -87,9 +87,9 @@ pub(crate) fn two_renderers_take_turns_on_one_crowd(device: Device) {
 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
 #[test]
 fn a_crowd_moves_to_another_device_under_way() {
-    let film = film_by_copy(Device::native(), 30, 4);
+    let film = film_by_copy(&Device::native().into(), 30, 4);
     let mut stage = Stage::new();
-    let mut troupe = Troupe::new(Device::native(), 30, &stage);
+    let mut troupe = Troupe::new(&Device::native().into(), 30, &stage);
     stage.link(&mut troupe.crowd);
     for (wanted, device) in
         film.iter().zip([0, 1, 2, 3].map(|i| [Device::opencl(0), Device::native()][i % 2]))
@@ -139,11 +139,12 @@ fn large() -> Character {
     .unwrap()
 }
 
-pub(crate) fn palettes_on_the_second_page_are_drawn(device: Device) {
+pub(crate) fn palettes_on_the_second_page_are_drawn(device: &Devices) {
     let character = Arc::new(large());
     let film = |by_copy: bool| -> Vec<Image> {
         let mut stage = Stage::with(&[Arc::clone(&character)]);
-        let mut crowd = Crowd::builder().device(device).for_gl(stage.renderer.gl_context()).build().unwrap();
+        let mut crowd =
+            Crowd::builder().devices(device.clone()).for_gl(stage.renderer.gl_context()).build().unwrap();
         let id = crowd.add_character(Arc::clone(&character)).unwrap();
         let rise = crowd.clip(id, "Rise").unwrap();
         let mut frames = Vec::new();

@@ -6,8 +6,8 @@ mod loans;
 mod stage;
 mod times;
 
-use populace::Device;
 use populace::core::{Image, PaletteWay};
+use populace::{Device, Devices, Split};
 
 use stage::{Stage, Troupe, film_by_copy};
 
@@ -16,7 +16,7 @@ fn assert_same(found: &Image, wanted: &Image, what: &str) {
     assert!(found == wanted, "{what}: {different} bytes differ");
 }
 
-fn every_frame_is_the_one_by_copies(device: Device) {
+fn every_frame_is_the_one_by_copies(device: &Devices) {
     let film = film_by_copy(device, 60, 5);
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 60, &stage);
@@ -28,7 +28,7 @@ fn every_frame_is_the_one_by_copies(device: Device) {
 }
 
 /// The device works on frame N + 1 before OpenGL is told to draw frame N, and again before its picture is read.
-fn frames_are_drawn_while_the_next_ones_are_computed(device: Device) {
+fn frames_are_drawn_while_the_next_ones_are_computed(device: &Devices) {
     const FRAMES: usize = 6;
     let film = film_by_copy(device, 300, FRAMES);
     let mut stage = Stage::new();
@@ -52,7 +52,7 @@ fn frames_are_drawn_while_the_next_ones_are_computed(device: Device) {
 }
 
 /// Frames that nobody takes, and takes without a frame.
-fn frames_and_takes_need_not_alternate(device: Device) {
+fn frames_and_takes_need_not_alternate(device: &Devices) {
     let film = film_by_copy(device, 40, 4);
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 40, &stage);
@@ -65,7 +65,7 @@ fn frames_and_takes_need_not_alternate(device: Device) {
     assert_same(&stage.shoot(&mut troupe.crowd), &film[3], "the next");
 }
 
-fn a_page_grows_under_way(device: Device) {
+fn a_page_grows_under_way(device: &Devices) {
     let (mut stage, mut by_copy) = (Stage::new(), Stage::new());
     let [mut troupe, mut twin] = [&stage, &by_copy].map(|stage| Troupe::new(device, 10, stage));
     stage.link(&mut troupe.crowd);
@@ -80,7 +80,7 @@ fn a_page_grows_under_way(device: Device) {
 }
 
 /// What was taken stays to be drawn while the crowd outgrows it.
-fn a_frame_outlives_the_pages_it_was_written_into(device: Device) {
+fn a_frame_outlives_the_pages_it_was_written_into(device: &Devices) {
     let film = film_by_copy(device, 20, 1);
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 20, &stage);
@@ -93,7 +93,7 @@ fn a_frame_outlives_the_pages_it_was_written_into(device: Device) {
     assert_same(&stage.picture(&instances), &film[0], "20 members");
 }
 
-fn palettes_read_back_wherever_they_stand(device: Device) {
+fn palettes_read_back_wherever_they_stand(device: &Devices) {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 30, &stage);
     let mut twin = Troupe::new(device, 30, &stage);
@@ -123,12 +123,12 @@ fn palettes_read_back_wherever_they_stand(device: Device) {
     same(&mut troupe, &mut twin, "back in the device's own memory");
 }
 
-fn the_way_and_the_reason_are_told(device: Device) {
+fn the_way_and_the_reason_are_told(device: &Devices) {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 1, &stage);
     let hand_over = stage.link(&mut troupe.crowd);
     if hand_over.way == PaletteWay::Mapped {
-        let native = device == Device::native();
+        let native = device.as_slice()[0] == Device::native();
         let reason =
             if native { "it takes an OpenCL device" } else { "its driver does not offer cl_khr_gl_sharing" };
         assert_eq!(hand_over.refused, [(PaletteWay::Shared, reason.to_owned())]);
@@ -140,20 +140,79 @@ fn the_way_and_the_reason_are_told(device: Device) {
     assert_eq!((copied.way, copied.refused.len()), (PaletteWay::Copied, 2));
 }
 
+/// Whoever has the members, and whoever OpenGL is linked to.
+#[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
+#[test]
+fn a_split_crowd_looks_like_an_undivided_one() {
+    let film = film_by_copy(&Device::native().into(), 60, 8);
+    let halves = [1, 2].map(|part| Device::opencl_part(0, part, 2));
+    let [native, opencl] = [Device::native(), Device::opencl(0)];
+    for devices in [[native, opencl], [opencl, native], halves].map(Devices::from) {
+        let mut stage = Stage::new();
+        let mut troupe = Troupe::new(&devices, 60, &stage);
+        stage.link(&mut troupe.crowd);
+        for (frame, wanted) in film.iter().enumerate() {
+            let parts = [[1.0, 0.0], [0.0, 1.0], [0.3, 0.7]].get(frame % 4);
+            let split = parts.map_or(Split::Measured, |parts| Split::Fixed(parts.to_vec()));
+            troupe.crowd.set_split(&split).unwrap();
+            troupe.update();
+            assert_same(
+                &stage.shoot(&mut troupe.crowd),
+                wanted,
+                &format!("{devices}, {split}, frame {frame}"),
+            );
+        }
+    }
+}
+
+/// The first device has no member, but the pages that OpenGL draws from.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn what_is_drawn_stays_as_it_is_while_others_palettes_come() {
+    let threads = |threads| Device::Native { threads };
+    let film = film_by_copy(&threads(1).into(), 40, 4);
+    let mut stage = Stage::new();
+    let mut troupe = Troupe::new(&[threads(1), threads(2)].into(), 40, &stage);
+    troupe.crowd.set_split(&Split::Fixed(vec![0.0, 1.0])).unwrap();
+    stage.link(&mut troupe.crowd);
+    let instances = stage.instances(&troupe.crowd);
+    troupe.update();
+    for (frame, wanted) in film.iter().enumerate() {
+        stage.renderer.take_palettes(&mut troupe.crowd).unwrap();
+        troupe.update();
+        troupe.crowd.with_page(0, &mut |_| ()).unwrap();
+        assert_same(&stage.picture(&instances), wanted, &format!("frame {frame}"));
+    }
+}
+
 macro_rules! on_devices {
     ($($test:path as $name:ident),* $(,)?) => {
         mod native {
             $(
                 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
                 #[test]
-                fn $name() { $test(populace::Device::native()); }
+                fn $name() { $test(&populace::Device::native().into()); }
+            )*
+        }
+        mod native_and_opencl {
+            $(
+                #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
+                #[test]
+                fn $name() { $test(&[populace::Device::native(), populace::Device::opencl(0)].into()); }
+            )*
+        }
+        mod opencl_and_native {
+            $(
+                #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
+                #[test]
+                fn $name() { $test(&[populace::Device::opencl(0), populace::Device::native()].into()); }
             )*
         }
         mod opencl {
             $(
                 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
                 #[test]
-                fn $name() { $test(populace::Device::opencl(0)); }
+                fn $name() { $test(&populace::Device::opencl(0).into()); }
             )*
         }
     };

@@ -7,7 +7,7 @@ use populace::core::{
     BackendError, Character, GlContext, HandedOver, Image, PaletteSource, PaletteTarget, PaletteWay,
     TargetMark,
 };
-use populace::{CharacterId, Crowd, Device, Placement, Play};
+use populace::{CharacterId, Crowd, Devices, Placement, Play};
 use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene};
 
 pub(crate) const FRAME_SECS: f32 = 0.11;
@@ -51,8 +51,8 @@ pub(crate) struct Troupe {
 
 impl Troupe {
     /// For the OpenGL of a stage, so that a device that can share with it does.
-    pub(crate) fn new(device: Device, members: u16, stage: &Stage) -> Self {
-        let builder = Crowd::builder().device(device).for_gl(stage.renderer.gl_context());
+    pub(crate) fn new(device: &Devices, members: u16, stage: &Stage) -> Self {
+        let builder = Crowd::builder().devices(device.clone()).for_gl(stage.renderer.gl_context());
         let mut crowd = builder.capacity(100_000).build().unwrap();
         let roles = people().into_iter().map(|person| crowd.add_character(person).unwrap()).collect();
         let mut troupe = Self { crowd, roles, spawned: 0 };
@@ -142,7 +142,7 @@ impl Stage {
 }
 
 /// The pictures of so many frames, by copies.
-pub(crate) fn film_by_copy(device: Device, members: u16, frames: usize) -> Vec<Image> {
+pub(crate) fn film_by_copy(device: &Devices, members: u16, frames: usize) -> Vec<Image> {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, members, &stage);
     let shoot = |_| {

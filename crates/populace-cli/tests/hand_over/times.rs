@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use populace::Device;
+use populace::{Device, Devices};
 
 use crate::stage::{Stage, Troupe};
 
@@ -11,7 +11,7 @@ const MEMBERS: u16 = 10_000;
 const FRAMES: usize = 21;
 
 /// Median milliseconds of an update with everything waited for, and of taking its palettes.
-fn frame_ms(device: Device, by_copy: bool) -> [f64; 2] {
+fn frame_ms(device: &Devices, by_copy: bool) -> [f64; 2] {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, MEMBERS, &stage);
     let mut times = [Vec::new(), Vec::new()];
@@ -40,9 +40,10 @@ fn frame_ms(device: Device, by_copy: bool) -> [f64; 2] {
 #[ignore = "a measurement, not a test"]
 #[test]
 fn of_each_way() {
-    for device in [Device::native(), Device::opencl(0)] {
+    let both = [Device::native(), Device::opencl(0)];
+    for device in [both[0].into(), both[1].into(), Devices::from(both)] {
         for (name, by_copy) in [("copied", true), ("mapped", false), ("copied", true), ("mapped", false)] {
-            let [update, take] = frame_ms(device, by_copy);
+            let [update, take] = frame_ms(&device, by_copy);
             println!("{device}, {MEMBERS} people, {name}: update {update:.2} ms, hand-over {take:.3} ms");
         }
     }

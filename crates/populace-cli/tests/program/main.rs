@@ -84,6 +84,16 @@ fn pose_keeps_its_contract_on_opencl() {
     pose_keeps_its_contract("opencl");
 }
 
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn pose_keeps_its_contract_on_several_devices() {
+    pose_keeps_its_contract("native:1+opencl:0");
+    pose_keeps_its_contract("opencl:0:1/2+opencl:0:2/2");
+    let folder = Folder::new();
+    let args = ["pose", &folder.text("post.gltf"), "--json", "--device", "opencl+native", "--split", "0,1"];
+    assert_eq!(json_of(&args)["device"], "opencl:0+native");
+}
+
 #[test]
 fn inspect_tells_what_is_in_a_file() {
     let folder = Folder::new();
@@ -142,6 +152,38 @@ fn wrong_usage_is_exit_code_2() {
     refused(&[], 2, &["Usage"]);
 }
 
+#[test]
+fn devices_and_splits_that_make_no_sense_are_exit_code_2() {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    let several = |names: &str, split: &str, words: &str| {
+        refused(&["pose", &file, "--device", names, "--split", split], 2, &[words]);
+    };
+    several("native+", "measured", "there is no device \"\"");
+    several("native+native", "measured", "native is named twice");
+    several("opencl:0:3/2", "measured", "there is no device \"opencl:0:3/2\"");
+    several("native:0", "measured", "native:2 takes two threads");
+    several(
+        "native:1+native:2",
+        "60",
+        "has one share for 2 devices, native:1+native:2; give each device one",
+    );
+    several("native:1+native:2", "60,-40", "a share of -40");
+    several("native:1+native:2", "0,0", "no share above 0");
+    several("native:1+native:2", "sixty,forty", "as 60,40, or measured");
+    several("native", "60,40", "has 2 shares for one device, native");
+    let bench = ["bench", "--members", "9", "--frames", "1", "--device", "native", "--split", "60,40"];
+    refused(&bench, 2, &["join them by +"]);
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_part_that_is_not_to_be_had_is_refused() {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    refused(&["pose", &file, "--device", "opencl:0:1/999"], 2, &["cannot be cut into 999 equal parts"]);
+}
+
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn an_opencl_device_that_does_not_exist_is_refused() {
@@ -178,28 +220,25 @@ fn render_draws_the_same_crowd_on_every_device_and_again() {
     let file = folder.text("post.gltf");
     let draw = |name: &str, device: &str, seed: &str| {
         let out = folder.text(name);
-        let args = [
-            "render",
-            &file,
-            "--members",
-            "30",
-            "--size",
-            "160x90",
-            "--out",
-            &out,
-            "--device",
-            device,
-            "--seed",
-            seed,
-        ];
+        let args = ["render", &file, "--members", "30", "--size", "160x90", "--out", &out, "--seed", seed];
+        let args = [&args[..], &["--device"], &device.split(' ').collect::<Vec<_>>()].concat();
         let output = populace(&args);
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let talk = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{talk}");
+        if device.contains("60,40") {
+            assert!(talk.contains("on opencl:0 (60 %) + native (40 %) (fused), drawn by"), "{talk}");
+        }
         assert!(output.stdout.is_empty(), "talk is for stderr");
         std::fs::read(out).expect("a picture")
     };
     let native = draw("native.png", "native", "1");
     assert!(native == draw("again.png", "native", "1"), "the same seed gives the same bytes");
     assert!(native == draw("opencl.png", "opencl", "1"), "PoCL gives the same bytes as the native device");
+    assert!(
+        native == draw("both.png", "opencl:0+native --split 60,40", "1"),
+        "nor does it show that two shared it"
+    );
+    assert!(native == draw("halves.png", "opencl:0:1/2+opencl:0:2/2", "1"), "or that parts of one did");
     assert!(native != draw("other.png", "native", "2"), "another seed gives another crowd");
     let picture = image::load_from_memory(&native).expect("a PNG").to_rgb8();
     assert_eq!(picture.dimensions(), (160, 90));
@@ -304,5 +343,26 @@ fn bench_checks_what_it_measures() {
     assert_eq!((&all["members"], &all["slots"]), (&json!(40), &json!(2)));
     for stage in ["evaluate", "pose", "transform", "write_back"] {
         assert!(find("staged", stage).is_some(), "{stage}");
+    }
+}
+
+#[test]
+fn bench_measures_devices_that_share_a_crowd_as_one_more() {
+    let both = ["--device", "native", "--device", "native:1+native:2", "--split", "1,3", "--json"];
+    let output = populace(&[&["bench", "--members", "40", "--frames", "2"], &both[..]].concat());
+    let talk = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{talk}");
+    assert!(
+        talk.contains("at the end native:1 (25 %) + native:2 (75 %) share the members (fused)"),
+        "{talk}"
+    );
+    let d: Value = serde_json::from_slice(&output.stdout).expect("stdout is one JSON document");
+    for device in ["native", "native:1+native:2"] {
+        for (schedule, stage) in [("staged", "all"), ("fused", "all"), ("floor", "all"), ("staged", "pose")] {
+            let wanted =
+                |r: &&Value| r["device"] == device && r["schedule"] == schedule && r["stage"] == stage;
+            let run = d["runs"].as_array().expect("runs").iter().find(wanted);
+            assert!(run.is_some(), "{device} {schedule} {stage}");
+        }
     }
 }

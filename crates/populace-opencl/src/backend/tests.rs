@@ -68,6 +68,37 @@ fn a_device_that_does_not_exist_is_refused() {
     assert!(matches!(error, BackendError::NoDevice { index: 99, .. }), "{error}");
 }
 
+/// A part of PoCL's device with one compute unit of its own.
+fn half(part: usize) -> Result<Arc<OpenClDevice>, BackendError> {
+    OpenClDevice::open_part(0, crate::DevicePart { part, parts: 2 })
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn parts_of_a_device_share_its_compute_units_and_there_are_no_more() {
+    let whole = device().info().compute_units;
+    assert_eq!(device().info().most_parts, whole, "PoCL cuts down to single units");
+    let [first, second] = [1, 2].map(|part| half(part).unwrap().info().compute_units);
+    assert_eq!((first, second), (whole / 2, whole / 2));
+    for (part, parts, words) in [
+        (1, 9999, "compute units, for at most"),
+        (1, 0, "compute units, for at most"),
+        (3, 2, "there is no part 3"),
+        (0, 2, "there is no part 0"),
+    ] {
+        let error = OpenClDevice::open_part(0, crate::DevicePart { part, parts }).unwrap_err();
+        assert!(matches!(error, BackendError::NoPart { .. }) && error.to_string().contains(words), "{error}");
+    }
+}
+
+mod conformance_of_a_part {
+    populace_testkit::fused_conformance!(
+        super::OpenClBackend::new(&super::half(2).expect("a second half"), super::Schedule::FusedWide)
+            .expect("a backend"),
+        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+    );
+}
+
 /// Made up: whatever is asked of this context, a driver without the extension must not be.
 #[derive(Debug)]
 struct NoContext;
@@ -85,7 +116,7 @@ unsafe impl GlContext for NoContext {
 fn sharing_with_opengl_is_refused_where_the_driver_does_not_offer_it() {
     let plain = crate::devices().unwrap().into_iter().find(|device| !device.shares_with_gl);
     let index = plain.expect("a driver that does not offer it, as PoCL").index;
-    let error = OpenClDevice::open_for_gl(index, Arc::new(NoContext)).unwrap_err();
+    let error = OpenClDevice::open_for_gl(index, None, Arc::new(NoContext)).unwrap_err();
     assert!(error.to_string().contains("does not offer cl_khr_gl_sharing"), "{error}");
     let backend = OpenClBackend::new(&OpenClDevice::open(index).unwrap(), Schedule::Fused).unwrap();
     let reason = backend.refuses(PaletteWay::Shared, &NoContext).unwrap();

@@ -9,7 +9,7 @@ use super::Crowd;
 
 impl PaletteSource for Crowd {
     fn page_lengths(&self) -> Vec<usize> {
-        self.opened.backend.page_lengths()
+        self.opened.backend().page_lengths()
     }
 
     fn page_room(&self) -> Vec<usize> {
@@ -18,18 +18,18 @@ impl PaletteSource for Crowd {
 
     fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
         let not_for_gl = self.opened.not_for_gl.clone().filter(|_| way == PaletteWay::Shared);
-        not_for_gl.or_else(|| self.opened.backend.refuses(way, context))
+        not_for_gl.or_else(|| self.opened.backend().refuses(way, context))
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
-        self.opened.backend.set_target(target, mark)
+        self.opened.backend_mut().set_target(target, mark)
     }
 
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        self.opened.backend.hand_over()
+        self.opened.backend_mut().hand_over()
     }
 
     fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
-        self.opened.backend.with_page(page, reader)
+        self.opened.backend_mut().with_page(page, reader)
     }
 }

@@ -14,7 +14,7 @@ impl Crowd {
     ///
     /// A page that is not in use, or a failing device.
     pub fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), Error> {
-        Ok(self.opened.backend.with_page(page, reader)?)
+        Ok(self.opened.backend_mut().with_page(page, reader)?)
     }
 
     /// A member's matrix palette after the last update: `model_from_bind`, one for each palette entry. Waits for it.
@@ -25,7 +25,7 @@ impl Crowd {
     pub fn palette(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
         let (row, body) = self.device_member(member)?;
         let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
-        self.opened.backend.read(
+        self.opened.backend_mut().read(
             &self.tables,
             StageBuffer::Palette,
             row.palette_first as usize * 3,
@@ -59,12 +59,12 @@ impl Crowd {
 
     /// Milliseconds that the last update took on the device, where it measures that and has finished.
     pub fn frame_time_ms(&mut self) -> Option<f64> {
-        self.opened.backend.frame_time_ms()
+        self.opened.backend_mut().frame_time_ms()
     }
 
     /// Milliseconds that each stage of the last update took on the device, where there are stages and it measures that.
     pub fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
-        self.opened.backend.stage_times_ms()
+        self.opened.backend_mut().stage_times_ms()
     }
 
     /// Milliseconds that writing every palette with a constant takes: the floor under an update, for benchmarks. The
@@ -74,20 +74,20 @@ impl Crowd {
     ///
     /// A failing device.
     pub fn write_floor(&mut self) -> Result<f64, Error> {
-        Ok(self.opened.backend.write_floor(&self.tables)?)
+        Ok(self.opened.backend_mut().write_floor(&self.tables)?)
     }
 
     /// Bytes that the device holds for this crowd.
     #[must_use]
     pub fn device_memory_bytes(&self) -> usize {
-        self.opened.backend.memory_bytes()
+        self.opened.backend().memory_bytes()
     }
 
     fn read_joints(&mut self, member: Member, buffers: [StageBuffer; 3]) -> Result<[Vec<Float4>; 3], Error> {
         let (row, body) = self.device_member(member)?;
         let mut arrays = [(); 3].map(|()| vec![Float4::default(); body.joint_count as usize]);
         for (buffer, array) in buffers.into_iter().zip(&mut arrays) {
-            self.opened.backend.read(&self.tables, buffer, row.joint_first as usize, array)?;
+            self.opened.backend_mut().read(&self.tables, buffer, row.joint_first as usize, array)?;
         }
         Ok(arrays)
     }

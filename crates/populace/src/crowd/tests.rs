@@ -1,0 +1,193 @@
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use populace_core::layout::Float4;
+use populace_core::{
+    Backend, BackendError, CharacterSource, ClipSource, HandedOver, Interpolation, JointIndex, JointSource,
+    PaletteEntry, PaletteSource, PaletteTarget, PaletteWay, Property, Skeleton, Stage, StageBuffer,
+    TargetMark, Track, Trs,
+};
+use populace_native::NativeBackend;
+
+use super::*;
+use crate::split::SplitBackend;
+use crate::{Device, Play};
+
+/// A device that is lost, as a driver would tell, while a switch is on.
+struct Losable {
+    inner: NativeBackend,
+    lost_in: &'static str,
+    is_lost: Arc<AtomicBool>,
+}
+
+impl Losable {
+    fn check(&self, operation: &str) -> Result<(), BackendError> {
+        if self.lost_in == operation && self.is_lost.load(Ordering::Relaxed) {
+            let cause = "CL_DEVICE_NOT_AVAILABLE".into();
+            return Err(BackendError::Failed {
+                device: self.device_name(),
+                operation: operation.into(),
+                cause,
+            });
+        }
+        Ok(())
+    }
+}
+
+impl Backend for Losable {
+    fn device_name(&self) -> String {
+        "the losable device".into()
+    }
+
+    fn schedule(&self) -> Schedule {
+        self.inner.schedule()
+    }
+
+    fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
+        self.check("update")?;
+        self.inner.update(tables)
+    }
+
+    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+        self.inner.run_stage(tables, frame, stage)
+    }
+
+    fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
+        self.check("run")?;
+        self.inner.run(tables, frame)
+    }
+
+    fn read(
+        &mut self,
+        tables: &Tables,
+        buffer: StageBuffer,
+        first: usize,
+        into: &mut [Float4],
+    ) -> Result<(), BackendError> {
+        self.inner.read(tables, buffer, first, into)
+    }
+
+    fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
+        self.inner.write(buffer, first, from)
+    }
+
+    fn finish(&mut self) -> Result<(), BackendError> {
+        self.inner.finish()
+    }
+
+    fn frame_time_ms(&mut self) -> Option<f64> {
+        self.inner.frame_time_ms()
+    }
+
+    fn write_floor(&mut self, tables: &Tables) -> Result<f64, BackendError> {
+        self.inner.write_floor(tables)
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.inner.memory_bytes()
+    }
+}
+
+impl PaletteSource for Losable {
+    fn page_lengths(&self) -> Vec<usize> {
+        self.inner.page_lengths()
+    }
+
+    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+        self.inner.refuses(way, context)
+    }
+
+    fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+        self.inner.set_target(target, mark)
+    }
+
+    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+        self.inner.hand_over()
+    }
+
+    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        self.inner.with_page(page, reader)
+    }
+}
+
+/// A joint that a clip lifts.
+fn lift() -> Character {
+    let joint = JointSource { name: "base".into(), parent: None, rest: Trs::IDENTITY };
+    let skeleton = Skeleton::new(&[joint]).unwrap();
+    let track = Track {
+        joint: "base".into(),
+        property: Property::Translation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+    };
+    let clip = Clip::new(ClipSource { name: "Lift".into(), tracks: vec![track] }, &skeleton).unwrap();
+    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
+    let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
+    let (name, clips) = ("lift".into(), vec![Arc::new(clip)]);
+    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
+        .unwrap()
+}
+
+fn spawn(crowd: &mut Crowd, count: u8) {
+    let id = CharacterId { crowd: crowd.number, index: 0 };
+    let clip = crowd.clip(id, "Lift").unwrap();
+    for nth in 0..count {
+        let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+        crowd.play(member, clip, Play::looping().phase(f32::from(nth) / 256.0)).unwrap();
+    }
+}
+
+fn palettes(crowd: &mut Crowd) -> Vec<Vec<Affine>> {
+    let members: Vec<_> = crowd.instances().map(|i| i.member).collect();
+    members.into_iter().map(|member| crowd.palette(member).unwrap()).collect()
+}
+
+fn crowd() -> Crowd {
+    let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+    crowd.add_character(lift()).unwrap();
+    spawn(&mut crowd, 100);
+    crowd
+}
+
+/// A crowd on a native device and on another that is lost in one operation while the switch is on.
+fn losable(operation: &'static str) -> (Crowd, Arc<AtomicBool>) {
+    let lost = Arc::new(AtomicBool::new(false));
+    let native = || NativeBackend::new(1, Schedule::Fused).unwrap();
+    let second = Losable { inner: native(), lost_in: operation, is_lost: Arc::clone(&lost) };
+    let backends: Vec<Box<dyn Backend>> = vec![Box::new(native()), Box::new(second)];
+    let mut crowd = crowd();
+    crowd.opened.engine = Engine::Split(Box::new(SplitBackend::new(backends, None)));
+    (crowd, lost)
+}
+
+#[test]
+fn a_device_that_is_lost_is_named_and_the_crowd_goes_on_without_it_or_once_it_is_back() {
+    for operation in ["update", "run"] {
+        for moves in [true, false] {
+            let (mut crowd, lost) = losable(operation);
+            let mut twin = self::crowd();
+            (0..3).for_each(|_| crowd.update(0.1).unwrap());
+            (0..3).for_each(|_| twin.update(0.1).unwrap());
+            [&mut crowd, &mut twin].into_iter().for_each(|crowd| spawn(crowd, 30));
+            lost.store(true, Ordering::Relaxed);
+            for _ in 0..2 {
+                let error = crowd.update(0.1).unwrap_err().to_string();
+                assert_eq!(
+                    error,
+                    format!("the losable device failed to {operation}: CL_DEVICE_NOT_AVAILABLE")
+                );
+            }
+            if moves {
+                crowd.move_to(Device::native()).unwrap();
+            } else {
+                lost.store(false, Ordering::Relaxed);
+            }
+            crowd.update(0.1).unwrap();
+            twin.update(0.1).unwrap();
+            let found = palettes(&mut crowd);
+            assert!(found == palettes(&mut twin), "lost in {operation}, moved: {moves}");
+            assert_eq!(found.len(), 130);
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! Several devices that evaluate one crowd: each takes the members of one range of places, all at the same time.
+
+mod balance;
+mod places;
+
+use std::ops::Range;
+use std::panic::resume_unwind;
+use std::thread::{self, ScopedJoinHandle};
+
+use populace_core::layout::{Float4, JOINT_BLOCK, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_core::{
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
+    Stage, StageBuffer, Tables, TargetMark,
+};
+
+use balance::Balance;
+use places::{Places, Run};
+
+/// Elements of a page of palettes.
+const PAGE: usize = PAGE_ENTRIES as usize * 3;
+
+/// A crowd on several devices. Each keeps copies of all tables and has room for all palettes, so that members change
+/// over from one to another at no cost. Palettes are gathered on the first device, once somebody looks at pages.
+pub(crate) struct SplitBackend {
+    /// Two or more.
+    parts: Vec<Part>,
+    balance: Balance,
+    places: Places,
+    /// Whether the first device holds all palettes of the last frame.
+    is_gathered: bool,
+    /// Whether a whole frame ran that `balance` does not know of yet.
+    is_measurable: bool,
+}
+
+/// A device, and what it evaluated last.
+struct Part {
+    backend: Box<dyn Backend>,
+    places: Range<u32>,
+    members: usize,
+    /// Whether it has a part in frames. The first has even without a member: others' palettes are written into its
+    /// pages, and only a frame turns it to pages that OpenGL does not draw from.
+    is_at_work: bool,
+}
+
+impl Part {
+    fn new(backend: Box<dyn Backend>) -> Self {
+        Self { backend, places: 0..0, members: 0, is_at_work: false }
+    }
+
+    fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
+        self.backend.run(tables, self.own(frame))
+    }
+
+    /// What of a frame is this device's.
+    fn own(&self, frame: Frame) -> Frame {
+        let place_first = frame.place_first.max(self.places.start);
+        Frame { place_first, place_end: frame.place_end.min(self.places.end), ..frame }
+    }
+}
+
+impl SplitBackend {
+    /// Lets devices share a crowd, by fixed shares of 1 in all, or as they are measured.
+    pub(crate) fn new(backends: Vec<Box<dyn Backend>>, shares: Option<Vec<f64>>) -> Self {
+        let balance = Balance::new(backends.len(), shares);
+        let parts = backends.into_iter().map(Part::new).collect();
+        Self { parts, balance, places: Places::default(), is_gathered: true, is_measurable: false }
+    }
+
+    /// Replaces the shares, from the next frame on.
+    pub(crate) fn set_shares(&mut self, shares: Option<Vec<f64>>) {
+        if shares.is_some() || self.balance.is_fixed() {
+            self.balance = Balance::new(self.parts.len(), shares);
+        }
+    }
+
+    /// The share of each device, of 1 in all.
+    pub(crate) fn shares(&self) -> &[f64] {
+        self.balance.shares()
+    }
+
+    /// Learns from the last frame and divides the places anew.
+    fn divide(&mut self) {
+        if std::mem::take(&mut self.is_measurable) && !self.balance.is_fixed() {
+            let work: Vec<_> =
+                self.parts.iter_mut().map(|part| (part.members, part.backend.frame_time_ms())).collect();
+            self.balance.measured(work.into_iter());
+        }
+        let all = self.places.members();
+        let (mut share, mut first, mut place) = (0.0, 0, 0);
+        for (part, own) in self.parts.iter_mut().zip(self.balance.shares()) {
+            share += own;
+            let end = nth_of(share, all).max(first);
+            // Whoever has the last member has the places after it too.
+            let place_end = self.places.place_after(end);
+            (part.places, part.members) = (place..place_end, end - first);
+            part.is_at_work = part.members > 0;
+            (first, place) = (end, place_end);
+        }
+        self.parts[0].is_at_work = true;
+        self.is_gathered = false;
+    }
+
+    fn at_work(&mut self, runs_ahead: bool) -> impl Iterator<Item = &mut Part> {
+        let parts = self.parts.iter_mut().filter(|part| part.is_at_work);
+        parts.filter(move |part| part.backend.runs_ahead() == runs_ahead)
+    }
+
+    fn with_members(&mut self) -> impl Iterator<Item = &mut Part> {
+        self.parts.iter_mut().filter(|part| part.members > 0)
+    }
+
+    /// The device that evaluated an element, and the first element that may be another's.
+    fn owner_of(&self, tables: &Tables, buffer: StageBuffer, element: usize) -> (usize, usize) {
+        let block = match buffer {
+            StageBuffer::Samples => tables.slots_per_member(),
+            StageBuffer::Palette => PALETTE_BLOCK as usize * 3,
+            _ => JOINT_BLOCK as usize,
+        };
+        let place = match buffer {
+            StageBuffer::Palette => tables.palette_blocks().as_slice().get(element / block).copied(),
+            _ => tables.place_of(buffer, element).map(|(place, _)| place),
+        };
+        let of_place = |place: u32| self.parts.iter().position(|part| part.places.contains(&place));
+        (place.and_then(of_place).unwrap_or(0), (element / block + 1) * block)
+    }
+
+    /// Brings the palettes that other devices wrote into the pages of the first.
+    fn gather(&mut self) -> Result<(), BackendError> {
+        let Self { parts, places, is_gathered, .. } = self;
+        if let Some((first, others)) = parts.split_first_mut().filter(|_| !*is_gathered) {
+            for part in others.iter_mut().filter(|part| part.members > 0) {
+                for runs in places.palettes(part.places.clone()).chunk_by(|a, b| a.page == b.page) {
+                    bring(&mut *part.backend, &mut *first.backend, runs)?;
+                }
+            }
+        }
+        *is_gathered = true;
+        Ok(())
+    }
+}
+
+/// Runs a frame on devices whose `run` waits until it is done: one on this thread, others on threads of their own.
+fn run_together<'a>(
+    parts: impl Iterator<Item = &'a mut Part>,
+    tables: &Tables,
+    frame: Frame,
+) -> Result<(), BackendError> {
+    let mut parts = parts.peekable();
+    let Some(here) = parts.next() else { return Ok(()) };
+    if parts.peek().is_none() {
+        return here.run(tables, frame);
+    }
+    thread::scope(|scope| {
+        let others: Vec<_> = parts.map(|part| scope.spawn(move || part.run(tables, frame))).collect();
+        let result = here.run(tables, frame);
+        let join = |other: ScopedJoinHandle<'_, _>| other.join().unwrap_or_else(|panic| resume_unwind(panic));
+        others.into_iter().map(join).fold(result, Result::and)
+    })
+}
+
+/// Brings runs of one page from one device to another.
+fn bring(from: &mut dyn Backend, to: &mut dyn Backend, runs: &[Run]) -> Result<(), BackendError> {
+    let page = runs[0].page;
+    let mut result = Ok(());
+    from.with_page(page, &mut |palettes| {
+        result = runs.iter().try_for_each(|run| {
+            let end = run.elements.end.min(palettes.len());
+            let start = run.elements.start.min(end);
+            to.write(StageBuffer::Palette, page * PAGE + start, &palettes[start..end])
+        });
+    })?;
+    result
+}
+
+/// How many of all members a share comes to.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "shares lie between 0 and 1, and there are less than 2^32 members"
+)]
+fn nth_of(share: f64, all: usize) -> usize {
+    ((share * all as f64).round() as usize).min(all)
+}
+
+impl Backend for SplitBackend {
+    fn device_name(&self) -> String {
+        let names: Vec<_> = self.parts.iter().map(|part| part.backend.device_name()).collect();
+        names.join(" + ")
+    }
+
+    fn schedule(&self) -> Schedule {
+        self.parts[0].backend.schedule()
+    }
+
+    fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
+        self.parts.iter_mut().try_for_each(|part| part.backend.update(tables))?;
+        self.places.update(tables);
+        Ok(())
+    }
+
+    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+        if stage == Stage::Evaluate {
+            self.divide();
+        }
+        self.is_gathered = false;
+        self.parts.iter_mut().try_for_each(|part| part.backend.run_stage(tables, part.own(frame), stage))
+    }
+
+    fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
+        self.divide();
+        // First those that need only be told.
+        self.at_work(true).try_for_each(|part| part.run(tables, frame))?;
+        run_together(self.at_work(false), tables, frame)?;
+        self.is_measurable = true;
+        Ok(())
+    }
+
+    fn runs_ahead(&self) -> bool {
+        self.parts.iter().all(|part| part.backend.runs_ahead())
+    }
+
+    fn read(
+        &mut self,
+        tables: &Tables,
+        buffer: StageBuffer,
+        mut first: usize,
+        mut into: &mut [Float4],
+    ) -> Result<(), BackendError> {
+        while !into.is_empty() {
+            let (owner, mut end) = self.owner_of(tables, buffer, first);
+            while end < first + into.len() {
+                match self.owner_of(tables, buffer, end) {
+                    (other, next) if other == owner => end = next,
+                    _ => break,
+                }
+            }
+            let (now, later) = into.split_at_mut((end - first).min(into.len()));
+            self.parts[owner].backend.read(tables, buffer, first, now)?;
+            (first, into) = (end, later);
+        }
+        Ok(())
+    }
+
+    /// Every device gets them: which one the next stage needs them on is then no matter.
+    fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
+        self.parts.iter_mut().try_for_each(|part| part.backend.write(buffer, first, from))
+    }
+
+    fn finish(&mut self) -> Result<(), BackendError> {
+        self.parts.iter_mut().try_for_each(|part| part.backend.finish())
+    }
+
+    /// The longest of all: they work at the same time.
+    fn frame_time_ms(&mut self) -> Option<f64> {
+        let times: Option<Vec<f64>> = self.with_members().map(|part| part.backend.frame_time_ms()).collect();
+        times?.into_iter().reduce(f64::max)
+    }
+
+    fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
+        let times: Vec<_> = self.with_members().flat_map(|part| part.backend.stage_times_ms()).collect();
+        let longest = |stage: Stage| {
+            let of_stage = times.iter().filter(|(known, _)| *known == stage).map(|(_, ms)| *ms);
+            Some((stage, of_stage.reduce(f64::max)?))
+        };
+        Stage::ALL.into_iter().filter_map(longest).collect()
+    }
+
+    /// The least of all: each writes every palette.
+    fn write_floor(&mut self, tables: &Tables) -> Result<f64, BackendError> {
+        let times: Result<Vec<f64>, _> =
+            self.parts.iter_mut().map(|part| part.backend.write_floor(tables)).collect();
+        Ok(times?.into_iter().fold(f64::INFINITY, f64::min))
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.parts.iter().map(|part| part.backend.memory_bytes()).sum()
+    }
+}
+
+impl PaletteSource for SplitBackend {
+    fn page_lengths(&self) -> Vec<usize> {
+        self.parts[0].backend.page_lengths()
+    }
+
+    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+        self.parts[0].backend.refuses(way, context)
+    }
+
+    fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+        self.parts[0].backend.set_target(target, mark)
+    }
+
+    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+        self.gather()?;
+        self.parts[0].backend.hand_over()
+    }
+
+    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        self.gather()?;
+        self.parts[0].backend.with_page(page, reader)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,120 @@
+use populace_native::NativeBackend;
+use populace_testkit::conformance::check_same_frames;
+use populace_testkit::{Broken, Corruption};
+
+use super::*;
+
+fn native(threads: usize, schedule: Schedule) -> Box<dyn Backend> {
+    Box::new(NativeBackend::new(threads, schedule).unwrap())
+}
+
+/// Native devices of one thread with these shares.
+fn natives(schedule: Schedule, shares: &[f64]) -> SplitBackend {
+    let backends = shares.iter().map(|_| native(1, schedule)).collect();
+    SplitBackend::new(backends, Some(shares.to_vec()))
+}
+
+mod three_native_devices_staged {
+    populace_testkit::backend_conformance!(super::natives(super::Schedule::Staged, &[0.2, 0.5, 0.3]));
+}
+
+mod one_native_device_has_all {
+    populace_testkit::fused_conformance!(super::natives(super::Schedule::Fused, &[1.0, 0.0]));
+}
+
+mod neither_the_first_native_device_nor_the_last_has_any {
+    populace_testkit::fused_conformance!(super::natives(super::Schedule::Fused, &[0.0, 0.7, 0.3, 0.0]));
+}
+
+#[test]
+fn many_native_devices_give_the_bits_of_one() {
+    for schedule in [Schedule::Staged, Schedule::Fused] {
+        let mut whole = NativeBackend::new(2, schedule).unwrap();
+        for shares in [&[0.5, 0.5][..], &[0.01, 0.98, 0.01], &[0.125; 8], &[0.0, 1.0]] {
+            check_same_frames(&mut whole, &mut natives(schedule, shares));
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "off by")]
+fn a_bit_of_difference_on_the_second_device_is_found() {
+    let wrong = Broken::new(NativeBackend::new(1, Schedule::Fused).unwrap(), Corruption::palette_bit());
+    let mut split =
+        SplitBackend::new(vec![native(1, Schedule::Fused), Box::new(wrong)], Some(vec![0.5, 0.5]));
+    check_same_frames(&mut NativeBackend::new(2, Schedule::Fused).unwrap(), &mut split);
+}
+
+#[cfg(feature = "opencl")]
+mod with_opencl {
+    use std::sync::{Arc, OnceLock};
+
+    use populace_opencl::{DevicePart, OpenClBackend, OpenClDevice};
+
+    use super::*;
+
+    /// The whole device, and its two halves, for all tests of this process.
+    fn opencl(which: usize, schedule: Schedule) -> Box<dyn Backend> {
+        static DEVICES: OnceLock<[Arc<OpenClDevice>; 3]> = OnceLock::new();
+        let open = |which| match which {
+            0 => OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without"),
+            part => {
+                OpenClDevice::open_part(0, DevicePart { part, parts: 2 }).expect("a device that can be cut")
+            }
+        };
+        let devices = DEVICES.get_or_init(|| [0, 1, 2].map(open));
+        Box::new(OpenClBackend::new(&devices[which], schedule).expect("a backend"))
+    }
+
+    fn native_and_opencl(schedule: Schedule, shares: Option<[f64; 2]>) -> SplitBackend {
+        let backends = vec![native(1, schedule), opencl(0, schedule)];
+        SplitBackend::new(backends, shares.map(|shares| shares.to_vec()))
+    }
+
+    fn halves(schedule: Schedule, shares: Option<[f64; 2]>) -> SplitBackend {
+        let backends = vec![opencl(1, schedule), opencl(2, schedule)];
+        SplitBackend::new(backends, shares.map(|shares| shares.to_vec()))
+    }
+
+    mod native_and_opencl_measured {
+        populace_testkit::fused_conformance!(
+            super::native_and_opencl(super::Schedule::Fused, None),
+            cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+        );
+    }
+
+    mod native_and_opencl_staged {
+        populace_testkit::backend_conformance!(
+            super::native_and_opencl(super::Schedule::Staged, Some([0.4, 0.6])),
+            cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+        );
+    }
+
+    mod halves_of_an_opencl_device {
+        populace_testkit::fused_conformance!(
+            super::halves(super::Schedule::Fused, None),
+            cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+        );
+    }
+
+    mod opencl_has_all_and_native_shows_it {
+        populace_testkit::fused_conformance!(
+            super::native_and_opencl(super::Schedule::Fused, Some([0.0, 1.0])),
+            cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
+        );
+    }
+
+    /// What is tested on is PoCL, which gives the native device's bits.
+    #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+    #[test]
+    fn whatever_the_split_the_bits_are_those_of_one_device() {
+        for schedule in [Schedule::Staged, Schedule::Fused] {
+            let mut whole = NativeBackend::new(2, schedule).unwrap();
+            for share in [0.0, 0.03, 0.5, 0.9, 1.0] {
+                let shares = Some([share, 1.0 - share]);
+                check_same_frames(&mut whole, &mut native_and_opencl(schedule, shares));
+                check_same_frames(&mut whole, &mut halves(schedule, shares));
+            }
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Crowds on several devices: nobody can tell from the result.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use std::sync::Arc;
+
+use populace::core::layout::Float4;
+use populace::core::{
+    Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource,
+    PaletteEntry, Property, Skeleton, Track,
+};
+use populace::{CharacterId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split, Trs};
+
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, below: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        usize::try_from(self.0 >> 33).unwrap() % below
+    }
+}
+
+/// A chain of joints that a clip lifts one by one.
+fn chain(joint_count: u16) -> Arc<Character> {
+    let name = |joint: u16| format!("joint {joint}");
+    let joint = |index: u16| JointSource {
+        name: name(index),
+        parent: index.checked_sub(1).map(usize::from),
+        rest: Trs { translation: [0.0, 0.1, 0.0], ..Trs::IDENTITY },
+    };
+    let skeleton = Skeleton::new(&(0..joint_count).map(joint).collect::<Vec<_>>()).unwrap();
+    let track = |joint: u16| Track {
+        joint: name(joint),
+        property: Property::Translation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![0.0, f32::from(joint), 0.0, 1.0, f32::from(joint) + 0.5, 0.0],
+    };
+    let source = ClipSource { name: "Lift".into(), tracks: (0..joint_count).map(track).collect() };
+    let clips = vec![Arc::new(Clip::new(source, &skeleton).unwrap())];
+    let entry =
+        |joint: u16| PaletteEntry { joint: JointIndex(joint.into()), joint_from_bind: Affine::IDENTITY };
+    let palette = (0..joint_count).map(entry).collect();
+    let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
+    let name = format!("a chain of {joint_count}");
+    let source = CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
+    Arc::new(Character::new(source).unwrap())
+}
+
+/// A crowd whose members come and go, the same ones in every crowd of one seed.
+struct Troupe {
+    crowd: Crowd,
+    roles: Vec<CharacterId>,
+    members: Vec<Member>,
+    random: Random,
+}
+
+impl Troupe {
+    fn new(devices: &Devices, schedule: Schedule, split: Split) -> Self {
+        let builder = Crowd::builder().devices(devices.clone()).schedule(schedule).split(split);
+        let mut crowd = builder.capacity(200).build().unwrap();
+        let roles = [1, 5, 40].map(|joints| crowd.add_character(chain(joints)).unwrap()).to_vec();
+        Self { crowd, roles, members: Vec::new(), random: Random(11) }
+    }
+
+    fn step(&mut self) {
+        for _ in 0..self.random.below(20) {
+            let role = self.roles[self.random.below(self.roles.len())];
+            let member = self.crowd.spawn(role, Placement::at([0.0; 3])).unwrap();
+            let lift = self.crowd.clip(role, "Lift").unwrap();
+            let phase = f32::from(u16::try_from(self.random.below(100)).unwrap()) / 100.0;
+            self.crowd.play(member, lift, Play::looping().phase(phase)).unwrap();
+            self.members.push(member);
+        }
+        for _ in 0..self.random.below(self.members.len().min(18) + 1) {
+            let member = self.members.swap_remove(self.random.below(self.members.len()));
+            self.crowd.despawn(member).unwrap();
+        }
+        self.crowd.update(0.03).unwrap();
+    }
+
+    /// All palettes twice, member by member and from their pages, and the joints of some.
+    #[track_caller]
+    fn assert_same(&mut self, twin: &mut Self, when: &str) {
+        let mut pages: [Vec<Vec<Float4>>; 2] = Default::default();
+        for (crowd, pages) in [&mut self.crowd, &mut twin.crowd].into_iter().zip(&mut pages) {
+            for page in 0..crowd.page_count() {
+                crowd.with_page(page, &mut |elements| pages.push(elements.to_vec())).unwrap();
+            }
+        }
+        let firsts: Vec<u32> = self.crowd.instances().map(|i| i.palette_first).collect();
+        assert_eq!(firsts, twin.crowd.instances().map(|i| i.palette_first).collect::<Vec<_>>());
+        let pairs: Vec<_> = self.crowd.instances().zip(twin.crowd.instances()).collect();
+        for (nth, (ours, theirs)) in pairs.into_iter().enumerate() {
+            let palette = twin.crowd.palette(theirs.member).unwrap();
+            assert!(self.crowd.palette(ours.member).unwrap() == palette, "{when}: member {nth}");
+            let first = ours.palette_first as usize * 3;
+            for (entry, matrix) in palette.iter().enumerate() {
+                let at = first + entry * 3;
+                let rows = [0, 1, 2].map(|row| pages[0][0][at + row].0);
+                assert!(rows == matrix.rows, "{when}: entry {entry} of member {nth} in its page");
+            }
+            if nth % 7 == 0 {
+                let joints = self.crowd.model_from_joints(ours.member).unwrap();
+                assert!(
+                    joints == twin.crowd.model_from_joints(theirs.member).unwrap(),
+                    "{when}: member {nth}"
+                );
+                let pose = self.crowd.local_pose(ours.member).unwrap();
+                assert!(pose == twin.crowd.local_pose(theirs.member).unwrap(), "{when}: member {nth}");
+            }
+        }
+    }
+}
+
+/// Members come and go while the split moves, from all to nothing too.
+fn nobody_can_tell(devices: &Devices, schedule: Schedule) {
+    let mut troupe = Troupe::new(devices, schedule, Split::Measured);
+    let mut twin = Troupe::new(&Device::native().into(), schedule, Split::Measured);
+    let (count, mut random) = (devices.as_slice().len(), Random(3));
+    for step in 0..60 {
+        let mut parts: Vec<f64> =
+            (0..count).map(|_| f64::from(u16::try_from(random.below(4)).unwrap())).collect();
+        parts[random.below(count)] += 1.0;
+        let split = if step % 4 == 3 { Split::Measured } else { Split::Fixed(parts) };
+        troupe.crowd.set_split(&split).unwrap();
+        troupe.step();
+        twin.step();
+        // Not after each frame, so that some follow frames of which nobody looked at the pages.
+        if step % 3 > 0 {
+            troupe.assert_same(&mut twin, &format!("{devices}, step {step}, {split}"));
+        }
+    }
+}
+
+#[test]
+fn nobody_can_tell_from_native_devices() {
+    let threads = |threads| Device::Native { threads };
+    for schedule in [Schedule::Fused, Schedule::Staged] {
+        nobody_can_tell(&[threads(1), threads(2), threads(3)].into(), schedule);
+    }
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn nobody_can_tell_from_unlike_devices() {
+    for schedule in [Schedule::Fused, Schedule::Staged] {
+        nobody_can_tell(&[Device::native(), Device::opencl(0)].into(), schedule);
+        nobody_can_tell(&[Device::opencl(0), Device::Native { threads: 1 }].into(), schedule);
+    }
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn nobody_can_tell_from_parts_of_one_device() {
+    let (first, second) = (Device::opencl_part(0, 1, 2), Device::opencl_part(0, 2, 2));
+    nobody_can_tell(&[first, second].into(), Schedule::Fused);
+    nobody_can_tell(&[second, Device::Native { threads: 1 }, first].into(), Schedule::Fused);
+}
+
+#[test]
+fn devices_and_shares_can_be_changed_at_any_time() {
+    let [one, two] = [1, 2].map(|threads| Device::Native { threads });
+    let mut troupe = Troupe::new(&[one, two].into(), Schedule::Fused, Split::Fixed(vec![30.0, 10.0]));
+    assert_eq!(
+        (troupe.crowd.devices().to_string(), troupe.crowd.shares()),
+        ("native:1+native:2".into(), vec![0.75, 0.25])
+    );
+    troupe.step();
+    assert_eq!(troupe.crowd.shares(), [0.75, 0.25], "they are fixed");
+    let error = troupe.crowd.set_split(&Split::Fixed(vec![1.0])).unwrap_err();
+    assert!(matches!(&error, Error::BadSplit { .. }), "{error}");
+    assert_eq!(troupe.crowd.shares(), [0.75, 0.25]);
+    troupe.crowd.move_to(one).unwrap();
+    assert_eq!((troupe.crowd.devices(), troupe.crowd.shares()), (&Devices::from(one), vec![1.0]));
+    troupe.step();
+    troupe.crowd.move_to([two, one]).unwrap();
+    assert_eq!(troupe.crowd.shares(), [0.5, 0.5]);
+    let error = troupe.crowd.move_to([two, two]).unwrap_err();
+    assert!(matches!(&error, Error::BadDevices { .. }), "{error}");
+    assert!(Crowd::builder().devices([]).build().is_err());
+    assert!(Crowd::builder().device(one).split(Split::Fixed(vec![1.0, 1.0])).build().is_err());
+    let mut twin = Troupe::new(&Device::native().into(), Schedule::Fused, Split::Measured);
+    (0..2).for_each(|_| twin.step());
+    troupe.step();
+    twin.step();
+    troupe.assert_same(&mut twin, "after all moves");
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_device_that_cannot_be_cut_so_is_refused() {
+    let error = Crowd::builder().device(Device::opencl_part(0, 1, 1000)).build().map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("cannot be cut into 1000 equal parts"), "{error}");
+    assert!(error.to_string().contains("name the whole device"), "{error}");
+}
