@@ -65,7 +65,8 @@ INLINE void member_models(Clips of, Playback playback, __global const Layer *lay
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void fused_grouped(__global const Member *members, __global const Body *bodies, __global const uint *parents,
                    __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
-                   __global const BoundBlock *bound_blocks, __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
+                   __global const BoundBlock *bound_blocks, __global const ClipRows *clips,
+                   __global const RowBlock *row_blocks, __global const uint *rows,
                    __global const float *row_times, __global const uint *buckets, __global const float *poses,
                    __global const float *masks, __global const uint *levels, __global const uint *joint_maps, ulong tick,
                    uint slots_per_member, __global const uint *page_members, __global const Entry *entries,

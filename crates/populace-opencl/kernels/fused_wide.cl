@@ -60,7 +60,8 @@ INLINE void member_matrices(Clips of, Playback playback, __global const Layer *l
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void fused_wide(__global const Member *members, __global const Body *bodies, __global const uint *parents,
                 __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
-                __global const BoundBlock *bound_blocks, __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
+                __global const BoundBlock *bound_blocks, __global const ClipRows *clips,
+                __global const RowBlock *row_blocks, __global const uint *rows,
                 __global const float *row_times, __global const uint *buckets, __global const float *poses,
                 __global const float *masks, __global const Source *sources,
                 __global const uint *source_lanes, ulong tick, uint slots_per_member,
@@ -95,7 +96,8 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void fused_wide_joints(__global const Member *members, __global const Body *bodies, __global const uint *parents,
                        __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
-                       __global const BoundBlock *bound_blocks, __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
+                       __global const BoundBlock *bound_blocks, __global const ClipRows *clips,
+                       __global const RowBlock *row_blocks, __global const uint *rows,
                        __global const float *row_times, __global const uint *buckets, __global const float *poses,
                        __global const float *masks, __global const Source *sources, __global const uint *source_lanes, ulong tick,
                        uint slots_per_member, uint owner, __global SlotSample *samples, __global float *planes,
