@@ -97,6 +97,6 @@ impl Tables {
                 (0..3).all(|c| plane(range_first, range_plane + c) == plane(body.rest_first, rest_plane + c));
             offsets && plane(range_first, range_plane + 3).iter().all(|&step| step == 0.0)
         };
-        u32::from(same(5, 4)) * REST_TRANSLATION | u32::from(same(9, 7)) * REST_SCALE
+        (u32::from(same(5, 4)) * REST_TRANSLATION) | (u32::from(same(9, 7)) * REST_SCALE)
     }
 }
