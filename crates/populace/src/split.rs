@@ -19,6 +19,10 @@ use places::{Places, Run};
 /// Elements of a page of palettes.
 const PAGE: usize = PAGE_ENTRIES as usize * 3;
 
+/// Runs of palettes that a driver is given one by one. Each call takes as long as copying some hundred kilobytes: where
+/// there are more, as come with members that come and go, the page is written as a whole.
+const CALLS: usize = 64;
+
 /// A crowd on several devices. Each keeps copies of all tables and has room for all palettes, so that members change
 /// over from one to another at no cost. Palettes are gathered on the first device, once somebody looks at pages.
 pub(crate) struct SplitBackend {
@@ -28,6 +32,8 @@ pub(crate) struct SplitBackend {
     places: Places,
     /// Whether the first device holds all palettes of the last frame.
     is_gathered: bool,
+    /// A page on which palettes of both sides are laid together.
+    page: Vec<Float4>,
     /// Whether a whole frame ran that `balance` does not know of yet.
     is_measurable: bool,
 }
@@ -63,7 +69,14 @@ impl SplitBackend {
     pub(crate) fn new(backends: Vec<Box<dyn Backend>>, shares: Option<Vec<f64>>) -> Self {
         let balance = Balance::new(backends.len(), shares);
         let parts = backends.into_iter().map(Part::new).collect();
-        Self { parts, balance, places: Places::default(), is_gathered: true, is_measurable: false }
+        Self {
+            parts,
+            balance,
+            places: Places::default(),
+            is_gathered: true,
+            page: Vec::new(),
+            is_measurable: false,
+        }
     }
 
     /// Replaces the shares, from the next frame on.
@@ -126,11 +139,11 @@ impl SplitBackend {
 
     /// Brings the palettes that other devices wrote into the pages of the first.
     fn gather(&mut self) -> Result<(), BackendError> {
-        let Self { parts, places, is_gathered, .. } = self;
+        let Self { parts, places, is_gathered, page, .. } = self;
         if let Some((first, others)) = parts.split_first_mut().filter(|_| !*is_gathered) {
             for part in others.iter_mut().filter(|part| part.members > 0) {
                 for runs in places.palettes(part.places.clone()).chunk_by(|a, b| a.page == b.page) {
-                    bring(&mut *part.backend, &mut *first.backend, runs)?;
+                    bring(&mut *part.backend, &mut *first.backend, runs, page)?;
                 }
             }
         }
@@ -158,18 +171,34 @@ fn run_together<'a>(
     })
 }
 
-/// Brings runs of one page from one device to another.
-fn bring(from: &mut dyn Backend, to: &mut dyn Backend, runs: &[Run]) -> Result<(), BackendError> {
+/// Brings runs of one page from one device to another. `copy` is memory to work in.
+fn bring(
+    from: &mut dyn Backend,
+    to: &mut dyn Backend,
+    runs: &[Run],
+    copy: &mut Vec<Float4>,
+) -> Result<(), BackendError> {
     let page = runs[0].page;
+    let scattered = to.runs_ahead() && runs.len() > CALLS;
+    if scattered {
+        copy.clear();
+        to.with_page(page, &mut |palettes| copy.extend_from_slice(palettes))?;
+    }
     let mut result = Ok(());
     from.with_page(page, &mut |palettes| {
         result = runs.iter().try_for_each(|run| {
-            let end = run.elements.end.min(palettes.len());
-            let start = run.elements.start.min(end);
-            to.write(StageBuffer::Palette, page * PAGE + start, &palettes[start..end])
+            let length = if scattered { copy.len().min(palettes.len()) } else { palettes.len() };
+            let end = run.elements.end.min(length);
+            let own = run.elements.start.min(end)..end;
+            if scattered {
+                copy[own.clone()].copy_from_slice(&palettes[own]);
+                return Ok(());
+            }
+            to.write(StageBuffer::Palette, page * PAGE + own.start, &palettes[own])
         });
     })?;
-    result
+    result?;
+    if scattered { to.write(StageBuffer::Palette, page * PAGE, copy) } else { Ok(()) }
 }
 
 /// How many of all members a share comes to.

@@ -58,13 +58,13 @@ struct Troupe {
 impl Troupe {
     fn new(devices: &Devices, schedule: Schedule, split: Split) -> Self {
         let builder = Crowd::builder().devices(devices.clone()).schedule(schedule).split(split);
-        let mut crowd = builder.capacity(200).build().unwrap();
+        let mut crowd = builder.capacity(5000).build().unwrap();
         let roles = [1, 5, 40].map(|joints| crowd.add_character(chain(joints)).unwrap()).to_vec();
         Self { crowd, roles, members: Vec::new(), random: Random(11) }
     }
 
     fn step(&mut self) {
-        for _ in 0..self.random.below(20) {
+        for _ in 0..self.random.below(200) {
             let role = self.roles[self.random.below(self.roles.len())];
             let member = self.crowd.spawn(role, Placement::at([0.0; 3])).unwrap();
             let lift = self.crowd.clip(role, "Lift").unwrap();
@@ -72,7 +72,7 @@ impl Troupe {
             self.crowd.play(member, lift, Play::looping().phase(phase)).unwrap();
             self.members.push(member);
         }
-        for _ in 0..self.random.below(self.members.len().min(18) + 1) {
+        for _ in 0..self.random.below(self.members.len().min(180) + 1) {
             let member = self.members.swap_remove(self.random.below(self.members.len()));
             self.crowd.despawn(member).unwrap();
         }
