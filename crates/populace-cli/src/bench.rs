@@ -1,8 +1,15 @@
 //! What `populace bench` measures: its scene, the timing, and the check against the oracle.
 
+mod baked;
 mod check;
+mod memory;
+mod rigs;
+mod runs;
 mod scene;
+mod table;
 mod timing;
 
-pub(crate) use scene::Scene;
-pub(crate) use timing::{Run, measure};
+pub(crate) use runs::{Run, Way};
+pub(crate) use scene::{Load, Scene};
+pub(crate) use table::as_table;
+pub(crate) use timing::{Subject, measure};

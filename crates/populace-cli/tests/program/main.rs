@@ -1,5 +1,6 @@
 //! The program as a user meets it: exit codes, JSON documents, pictures, and what it says when something is wrong.
 
+mod bench;
 mod pictures;
 mod post;
 
@@ -289,20 +290,4 @@ fn an_output_that_cannot_be_written_is_exit_code_4_before_the_work() {
     let folder = Folder::new();
     let out = folder.text("no/such/folder/x.png");
     refused(&["render", &folder.text("post.gltf"), "--out", &out], 4, &["cannot write", "x.png"]);
-}
-
-#[test]
-fn bench_checks_what_it_measures() {
-    let d = json_of(&["bench", "--members", "40", "--frames", "2", "--device", "native", "--json"]);
-    assert_eq!(d["schema"], 1);
-    let runs = d["runs"].as_array().expect("runs");
-    let find =
-        |schedule: &str, stage: &str| runs.iter().find(|r| r["schedule"] == schedule && r["stage"] == stage);
-    assert!(find("floor", "all").is_some());
-    let all = find("staged", "all").expect("the whole frame");
-    assert!(all["max_error"].as_f64() > Some(0.0), "single precision is never exactly right");
-    assert_eq!((&all["members"], &all["slots"]), (&json!(40), &json!(2)));
-    for stage in ["evaluate", "pose", "transform", "write_back"] {
-        assert!(find("staged", stage).is_some(), "{stage}");
-    }
 }

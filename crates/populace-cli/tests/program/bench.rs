@@ -1,0 +1,104 @@
+//! `populace bench`: its document, its loads, and what it refuses.
+
+use serde_json::{Value, json};
+
+use crate::{json_of, refused};
+
+const NATIVE: [&str; 5] = ["bench", "--frames", "2", "--device", "native"];
+
+fn runs_of(args: &[&str]) -> Vec<Value> {
+    let d = json_of(&[args, &["--json"]].concat());
+    assert_eq!(d["schema"], 1);
+    assert!(d["machine"].as_str().is_some_and(|machine| machine.contains("threads")));
+    d["runs"].as_array().expect("runs").clone()
+}
+
+/// The one run whose fields have these values.
+#[track_caller]
+fn only<'a>(runs: &'a [Value], fields: &[(&str, Value)]) -> &'a Value {
+    let alike = |run: &&Value| fields.iter().all(|(name, value)| run[name] == *value);
+    let found: Vec<_> = runs.iter().filter(alike).collect();
+    assert_eq!(found.len(), 1, "{fields:?}");
+    found[0]
+}
+
+#[test]
+fn bench_checks_what_it_measures() {
+    let runs = runs_of(&[&NATIVE[..], &["--members", "40"]].concat());
+    let stage =
+        |schedule: &str, stage: &str| only(&runs, &[("schedule", json!(schedule)), ("stage", json!(stage))]);
+    let floor = stage("floor", "all");
+    assert_eq!((&floor["max_error"], &floor["bytes_per_joint"]), (&Value::Null, &json!(48.0)));
+    for schedule in ["staged", "fused"] {
+        let all = stage(schedule, "all");
+        assert!(all["max_error"].as_f64() > Some(0.0), "single precision is never exactly right");
+        assert!(all["ms_min"].as_f64() > Some(0.0) && all["ms_min"].as_f64() <= all["ms_median"].as_f64());
+        assert!(all["wall_ms_median"].as_f64() >= all["ms_min"].as_f64());
+        // Ten of each skeleton: 24, 54, 67 and 128 joints.
+        assert_eq!((&all["members"], &all["joints"], &all["slots"]), (&json!(40), &json!(2730), &json!(2)));
+        let ns = all["ms_median"].as_f64().expect("a time") * 1e6 / 2730.0;
+        assert!((all["ns_per_joint"].as_f64().expect("a time") - ns).abs() < 1e-6);
+    }
+    for name in ["evaluate", "pose", "transform", "write_back"] {
+        assert_eq!(stage("staged", name)["max_error"], Value::Null);
+    }
+    let baked = stage("baked", "all");
+    let (error, bytes) = (baked["max_error"].as_f64(), baked["baked"]["bytes"].as_u64());
+    assert!(
+        error > Some(0.0) && error < Some(0.1),
+        "mixed matrices are near the oracle, not right: {error:?}"
+    );
+    assert!(baked["slots"] == 1 && bytes > baked["baked"]["row_bytes"].as_u64(), "{baked}");
+}
+
+#[test]
+fn bench_measures_every_size_and_load() {
+    let args = ["--members", "40,9", "--members", "20", "--retarget", "--changing", "10"];
+    let runs = runs_of(&[&NATIVE[..], &["--schedule", "fused", "--slots", "1"], &args].concat());
+    assert_eq!(runs.len(), 3 * 4);
+    for members in [40, 9, 20] {
+        only(&runs, &[("members", json!(members)), ("schedule", json!("floor"))]);
+        for load in ["plain", "retargeted", "changing 10 %"] {
+            let run = only(
+                &runs,
+                &[("members", json!(members)), ("schedule", json!("fused")), ("load", json!(load))],
+            );
+            assert!(run["max_error"].as_f64() > Some(0.0));
+            assert_eq!(run["change_ms_median"].is_f64(), load == "changing 10 %");
+        }
+    }
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_member_of_four_slots_takes_256_bytes_at_most_on_a_device() {
+    let args = ["bench", "--frames", "2", "--members", "100", "--slots", "4", "--device", "opencl"];
+    let runs = runs_of(&[&args[..], &["--schedule", "fused", "--retarget"]].concat());
+    for load in ["plain", "retargeted"] {
+        let run = only(&runs, &[("schedule", json!("fused")), ("load", json!(load))]);
+        let bytes = run["bytes_per_member_beyond_palettes"].as_f64();
+        assert!(bytes > Some(48.0 * 4.0) && bytes <= Some(256.0), "{bytes:?}");
+        assert!(run["host_ms_median"].as_f64() <= run["wall_ms_median"].as_f64());
+    }
+}
+
+#[test]
+fn wrong_values_are_refused() {
+    for members in ["0", "10,x", "", "10,0", "99999999"] {
+        refused(&["bench", "--members", members], 2, &["--members"]);
+    }
+    for percent in ["0", "101", "-1", "NaN", "x"] {
+        refused(&["bench", &format!("--changing={percent}")], 2, &["--changing", "above 0 and up to 100"]);
+    }
+    refused(&["bench", "--schedule", "magic"], 2, &["no schedule \"magic\"", "or baked"]);
+    refused(&["bench", "--slots", "9"], 2, &["--slots"]);
+    refused(&["bench", "--device", "cuda"], 2, &["native, opencl"]);
+}
+
+#[test]
+fn a_crowd_that_memory_does_not_hold_is_left_out() {
+    // A terabyte of palettes, and one of what stands between stages.
+    let args = [&NATIVE[..], &["--members", "10000000", "--joints", "2000"]].concat();
+    let words = ["left out: staged of 10000000 members on native", "left out: baked", "nothing was left"];
+    refused(&args, 4, &words);
+}
