@@ -1,6 +1,7 @@
 //! What `populace bench` measures: its scene, the timing, and the check against the oracle.
 
 mod baked;
+mod chart;
 mod check;
 mod memory;
 mod rigs;
@@ -9,6 +10,7 @@ mod scene;
 mod table;
 mod timing;
 
+pub(crate) use chart::as_svg;
 pub(crate) use runs::{Run, Way};
 pub(crate) use scene::{Load, Scene};
 pub(crate) use table::as_table;

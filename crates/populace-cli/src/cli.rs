@@ -178,6 +178,9 @@ pub(crate) struct BenchArgs {
     /// Also measure while this share of the members, in turn, crossfades to another clip each frame
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) changing: Option<f32>,
+    /// Also draw nanoseconds per joint over members, of whole frames, as an SVG
+    #[arg(long, value_name = "FILE")]
+    pub(crate) chart: Option<PathBuf>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,

@@ -16,8 +16,8 @@ pub(crate) fn as_table(runs: &[Run]) -> String {
     let shown: Vec<&Run> = runs.iter().filter(|run| stages || run.stage == "all").collect();
     let mut text = HEAD.to_owned();
     shown.iter().for_each(|run| text += &line(run));
-    let notes: Vec<_> =
-        shown.iter().filter_map(|run| against_plain(run, runs).or_else(|| baked(run))).collect();
+    let mut notes: Vec<_> = shown.iter().filter_map(|run| against_plain(run, runs)).collect();
+    notes.extend(shown.iter().find_map(|run| baked(run)));
     if !notes.is_empty() {
         text += &format!("\n{}", notes.concat());
     }
@@ -69,8 +69,7 @@ fn baked(run: &Run) -> Option<String> {
     let tables = run.tables?;
     let kib_each = |bytes: usize| bytes as f64 / 1024.0 / tables.clips as f64;
     Some(format!(
-        "baked, {} members: {:.2} MiB of tables, {:.1} KiB for each of {} pairs of model and clip; the clips' rows take {:.1} KiB each\n",
-        run.members,
+        "baked: {:.2} MiB of tables, {:.1} KiB for each of {} pairs of model and clip; the clips' rows take {:.1} KiB each\n",
         tables.bytes as f64 / 1_048_576.0,
         kib_each(tables.bytes),
         tables.clips,

@@ -3,12 +3,16 @@
 use populace::{Device, Schedule};
 use serde_json::json;
 
-use crate::bench::{Load, Run, Scene, Subject, Way, as_table, measure};
+use crate::bench::{Load, Run, Scene, Subject, Way, as_svg, as_table, measure};
 use crate::cli::BenchArgs;
 use crate::failure::Failure;
 use crate::report;
+use crate::studio::check_output;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
+    if let Some(chart) = &args.chart {
+        check_output(chart, "svg")?;
+    }
     let scenes = loads(args).into_iter().map(|load| Scene::new(args, load));
     let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     let mut runs = Vec::new();
@@ -22,6 +26,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         return Err(Failure::Run(anyhow::anyhow!("nothing was left to measure")));
     }
     let machine = machine();
+    if let Some(chart) = &args.chart {
+        std::fs::write(chart, as_svg(&runs, &machine))?;
+    }
     if args.json {
         let runs: Vec<_> = runs.iter().map(as_json).collect();
         report::json(&json!({"schema": 1, "machine": machine, "runs": runs}))?;

@@ -16,7 +16,7 @@ const FRAMES: usize = 20;
 const FRAME_SECS: f32 = 1.0 / 60.0;
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
-    check_output(&args.out)?;
+    check_output(&args.out, "png")?;
     let device = args.device.device.unwrap_or_else(Device::best);
     if args.device.device.is_none() {
         // Missing devices are no reason to stop, but one to tell what would mend it.

@@ -11,7 +11,7 @@ use crate::studio::{Studio, check_output, drawn_with, frame_path};
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let first = args.frames.map_or(args.out.clone(), |_| frame_path(&args.out, 0));
-    check_output(&first)?;
+    check_output(&first, "png")?;
     let device = args.device.device.unwrap_or_else(Device::best);
     // Without OpenGL the inputs are still checked first: what is wrong with them is of more use.
     let renderer = Renderer::headless(args.size.0);

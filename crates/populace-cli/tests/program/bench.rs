@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use crate::{json_of, refused};
+use crate::post::Folder;
+use crate::{json_of, populace, refused};
 
 const NATIVE: [&str; 5] = ["bench", "--frames", "2", "--device", "native"];
 
@@ -101,4 +102,65 @@ fn a_crowd_that_memory_does_not_hold_is_left_out() {
     let args = [&NATIVE[..], &["--members", "10000000", "--joints", "2000"]].concat();
     let words = ["left out: staged of 10000000 members on native", "left out: baked", "nothing was left"];
     refused(&args, 4, &words);
+}
+
+/// The elements of a document in which each is closed where it should be.
+fn elements(svg: &str) -> Vec<&str> {
+    let (mut open, mut elements) = (Vec::new(), Vec::new());
+    for tag in svg.split('<').skip(1) {
+        let (tag, text) = tag.split_once('>').expect("a tag ends");
+        let name = tag.split([' ', '/']).find(|word| !word.is_empty()).expect("a name");
+        assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name), "closed where it was not open");
+        } else {
+            elements.push(name);
+            open.extend((!tag.ends_with('/')).then_some(name));
+        }
+        assert!(text.trim().is_empty() || open.last() == Some(&"text"), "{text:?} is not in a label");
+    }
+    assert!(open.is_empty(), "{open:?} are still open");
+    elements
+}
+
+#[test]
+fn the_chart_shows_every_series() {
+    let folder = Folder::new();
+    let chart = folder.text("chart.svg");
+    let output =
+        populace(&[&NATIVE[..], &["--members", "10,100,20", "--retarget", "--chart", &chart]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = String::from_utf8(output.stdout).expect("text");
+    assert!(table.contains("| 100 | native | fused | all | retargeted |"), "{table}");
+    assert!(!table.contains("write_back"), "of several sizes the table leaves stages out");
+    let svg = std::fs::read_to_string(&chart).expect("a chart");
+    let elements = elements(&svg);
+    let count = |name: &str| elements.iter().filter(|element| **element == name).count();
+    let names = [
+        "native floor",
+        "native staged",
+        "native staged, retargeted",
+        "native fused",
+        "native fused, retargeted",
+        "native baked",
+    ];
+    for name in names {
+        assert!(svg.contains(&format!(">{name}</text>")), "{name}");
+    }
+    // A line through three points and one through one in the legend for each, and the floor dashed in both.
+    assert_eq!((count("path"), count("circle")), (2 * names.len(), 4 * names.len()));
+    assert_eq!(svg.matches("stroke-dasharray").count(), 2);
+    for line in svg.split("d=\"M").skip(1) {
+        let places = line.split('"').next().expect("the end").split([' ', 'L']).filter(|p| !p.is_empty());
+        let inside = |place: &str| place.parse::<f64>().is_ok_and(|at| (0.0..1000.0).contains(&at));
+        assert!(places.clone().count() >= 4 && places.into_iter().all(inside), "{line}");
+    }
+    assert!(svg.contains("nanoseconds per joint") && svg.contains(">members"), "axes are labelled");
+}
+
+#[test]
+fn a_chart_that_cannot_be_written_is_refused_before_the_work() {
+    let folder = Folder::new();
+    refused(&["bench", "--chart", &folder.text("chart.png")], 2, &["does not end in .svg"]);
+    refused(&["bench", "--chart", &folder.text("no/chart.svg")], 4, &["cannot write"]);
 }
