@@ -22,7 +22,7 @@ pub(crate) enum Command {
     Demo(DemoArgs),
     /// Draw a crowd of the characters in FILE... as a PNG or as numbered PNGs, without a window.
     Render(RenderArgs),
-    /// Show what is in a character file.
+    /// Show what is in character files.
     Inspect(InspectArgs),
     /// Evaluate one member through the real pipeline: joints, palettes, skinned vertices.
     Pose(PoseArgs),
@@ -103,9 +103,12 @@ pub(crate) struct DemoArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// A glTF 2.0 file (.gltf, .glb)
-    #[arg(value_name = "FILE")]
-    pub(crate) file: PathBuf,
+    /// glTF 2.0 files (.gltf, .glb)
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Show only what clips take: rows, their bytes, and those of the files' keys
+    #[arg(long)]
+    pub(crate) rows: bool,
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,

@@ -104,6 +104,26 @@ fn inspect_tells_what_is_in_a_file() {
 }
 
 #[test]
+fn inspect_sums_what_clips_take_as_rows() {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    let d = json_of(&["inspect", &file, "--json"]);
+    let both = json_of(&["inspect", "--rows", &file, &file, "--json"]);
+    for field in ["rows", "row_bytes", "key_bytes"] {
+        assert_eq!(
+            (&both["files"][1][field], both["files"][0]["clips"].as_u64()),
+            (&d["clips"][0][field], Some(1))
+        );
+    }
+    let (rows, bytes) = (d["clips"][0]["rows"].as_u64(), d["clips"][0]["row_bytes"].as_u64());
+    let (rows, bytes) = (rows.expect("rows"), bytes.expect("bytes"));
+    let text = String::from_utf8(populace(&["inspect", "--rows", &file, &file]).stdout).expect("text");
+    assert!(text.contains(&format!("| post.gltf | 2 | 1 | {rows} | {bytes} |")), "{text}");
+    assert!(text.contains(&format!("| all |  | 2 | {} | {} |", 2 * rows, 2 * bytes)), "{text}");
+    refused(&["inspect", &file, &file, "--json"], 2, &["one file", "--rows"]);
+}
+
+#[test]
 fn devices_lists_native_and_what_draws() {
     let d = json_of(&["devices", "--json"]);
     assert_eq!(d["devices"][0]["device"], "native");
