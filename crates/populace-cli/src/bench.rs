@@ -3,6 +3,7 @@
 mod baked;
 mod chart;
 mod check;
+mod document;
 mod memory;
 mod rigs;
 mod runs;
@@ -11,6 +12,7 @@ mod table;
 mod timing;
 
 pub(crate) use chart::as_svg;
+pub(crate) use document::Document;
 pub(crate) use runs::{Run, Way};
 pub(crate) use scene::{Load, Scene};
 pub(crate) use table::as_table;

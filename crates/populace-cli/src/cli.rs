@@ -184,6 +184,9 @@ pub(crate) struct BenchArgs {
     /// Also draw nanoseconds per joint over members, of whole frames, as an SVG
     #[arg(long, value_name = "FILE")]
     pub(crate) chart: Option<PathBuf>,
+    /// Measure nothing, and show what an earlier run gave with --json
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["members", "joints", "slots", "frames", "device", "schedule", "retarget", "changing", "seed"])]
+    pub(crate) from: Option<PathBuf>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,

@@ -2,8 +2,8 @@
 
 use populace::Device;
 
+use super::document::Document;
 use super::runs::Run;
-use super::scene::Load;
 
 const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 540.0;
@@ -31,7 +31,8 @@ struct Axis {
 
 /// A picture of whole frames: a line for each device, schedule and load. Floors are dashed, the native device's points
 /// hollow.
-pub(crate) fn as_svg(runs: &[Run], machine: &str) -> String {
+pub(crate) fn as_svg(document: &Document) -> String {
+    let Document { machine, runs } = document;
     let series = series(runs);
     let points = || series.iter().flat_map(|s| &s.points);
     let [left, top, right, bottom] = FRAME;
@@ -59,7 +60,7 @@ pub(crate) fn as_svg(runs: &[Run], machine: &str) -> String {
 fn series(runs: &[Run]) -> Vec<Series> {
     let mut all: Vec<Series> = Vec::new();
     for run in runs.iter().filter(|run| run.stage == "all") {
-        let load = if run.load == Load::Plain { String::new() } else { format!(", {}", run.load) };
+        let load = if run.is_plain() { String::new() } else { format!(", {}", run.load) };
         let (device, way) = (run.device, format!("{}{load}", run.schedule));
         let at = all.iter().position(|s| s.device == device && s.way == way).unwrap_or_else(|| {
             all.push(Series { device, way, is_floor: run.schedule == "floor", points: Vec::new() });

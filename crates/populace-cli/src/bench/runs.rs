@@ -76,9 +76,9 @@ pub(crate) struct Measured<'a> {
 /// One line of the table; most of it is told in `populace bench --help`.
 pub(crate) struct Run {
     pub(crate) device: Device,
-    pub(crate) schedule: &'static str,
-    pub(crate) stage: &'static str,
-    pub(crate) load: Load,
+    pub(crate) schedule: String,
+    pub(crate) stage: String,
+    pub(crate) load: String,
     pub(crate) members: usize,
     /// Of all members.
     pub(crate) joints: usize,
@@ -98,6 +98,10 @@ pub(crate) struct Run {
 }
 
 impl Run {
+    pub(crate) fn is_plain(&self) -> bool {
+        self.load == Load::Plain.to_string()
+    }
+
     pub(crate) fn ns_per_joint(&self) -> f64 {
         self.ms_median * 1e6 / self.joints as f64
     }
@@ -125,19 +129,13 @@ pub(crate) fn runs(measured: &[Measured]) -> Vec<Run> {
 
 impl Measured<'_> {
     /// Nothing where there are no times.
-    fn line(
-        &self,
-        schedule: &'static str,
-        stage: &'static str,
-        ms: &[f64],
-        bytes_per_joint: f64,
-    ) -> Option<Run> {
+    fn line(&self, schedule: &str, stage: &str, ms: &[f64], bytes_per_joint: f64) -> Option<Run> {
         let Subject { scene, device, way } = self.subject;
         Some(Run {
             device,
-            schedule,
-            stage,
-            load: scene.load,
+            schedule: schedule.to_owned(),
+            stage: stage.to_owned(),
+            load: scene.load.to_string(),
             members: scene.member_count,
             joints: scene.joint_count(),
             slots: if way == Way::Baked { 1 } else { scene.slot_count },
@@ -157,7 +155,7 @@ impl Measured<'_> {
 
     fn floor(&self, ms: &[f64]) -> Option<Run> {
         let run = self.line("floor", "all", ms, ENTRY_BYTES as f64)?;
-        Some(Run { load: Load::Plain, memory_bytes: palette_bytes(self.subject.scene), ..run })
+        Some(Run { load: Load::Plain.to_string(), memory_bytes: palette_bytes(self.subject.scene), ..run })
     }
 
     fn whole(&self) -> Option<Run> {

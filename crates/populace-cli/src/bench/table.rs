@@ -1,7 +1,7 @@
 //! What was measured, for people.
 
+use super::document::Document;
 use super::runs::Run;
-use super::scene::Load;
 
 const HEAD: &str = "\
 | members | device | schedule | stage | load | ms, median | ms, least | ns per joint | ms, waited | host's part, ms \
@@ -10,11 +10,11 @@ const HEAD: &str = "\
 ";
 
 /// A table of Markdown, and what follows from it. Of several sizes it leaves single stages out.
-pub(crate) fn as_table(runs: &[Run]) -> String {
-    let Some(first) = runs.first() else { return String::new() };
-    let stages = runs.iter().all(|run| run.members == first.members);
+pub(crate) fn as_table(document: &Document) -> String {
+    let runs = &document.runs;
+    let stages = runs.iter().all(|run| run.members == runs[0].members);
     let shown: Vec<&Run> = runs.iter().filter(|run| stages || run.stage == "all").collect();
-    let mut text = HEAD.to_owned();
+    let mut text = format!("{}\n\n{HEAD}", document.machine);
     shown.iter().for_each(|run| text += &line(run));
     let mut notes: Vec<_> = shown.iter().filter_map(|run| against_plain(run, runs)).collect();
     notes.extend(shown.iter().find_map(|run| baked(run)));
@@ -48,10 +48,11 @@ fn line(run: &Run) -> String {
 /// How a load compares with the plain one of the same schedule.
 fn against_plain(run: &Run, runs: &[Run]) -> Option<String> {
     let alike = |other: &&Run| {
-        (other.load, other.members, other.device, other.schedule, other.stage)
-            == (Load::Plain, run.members, run.device, run.schedule, "all")
+        (other.members, other.device, &other.schedule, &other.stage)
+            == (run.members, run.device, &run.schedule, &run.stage)
     };
-    let plain = runs.iter().find(alike).filter(|_| run.load != Load::Plain && run.stage == "all")?;
+    let whole_and_loaded = run.stage == "all" && !run.is_plain();
+    let plain = runs.iter().filter(alike).find(|other| whole_and_loaded && other.is_plain())?;
     let changes = run
         .change_ms_median
         .map_or(String::new(), |ms| format!("; the calls that change clips took {ms:.3} ms"));

@@ -1,9 +1,11 @@
 //! `populace bench`
 
-use populace::{Device, Schedule};
-use serde_json::json;
+use std::path::Path;
 
-use crate::bench::{Load, Run, Scene, Subject, Way, as_svg, as_table, measure};
+use populace::{Device, Schedule};
+use serde_json::Value;
+
+use crate::bench::{Document, Load, Run, Scene, Subject, Way, as_svg, as_table, measure};
 use crate::cli::BenchArgs;
 use crate::failure::Failure;
 use crate::report;
@@ -13,29 +15,45 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if let Some(chart) = &args.chart {
         check_output(chart, "svg")?;
     }
+    let document = match &args.from {
+        Some(file) => read(file)?,
+        None => Document { machine: machine(), runs: measure_all(args)? },
+    };
+    if let Some(chart) = &args.chart {
+        std::fs::write(chart, as_svg(&document))?;
+    }
+    if args.json {
+        report::json(&document.as_json())?;
+    } else {
+        report::text(&as_table(&document))?;
+    }
+    document.runs.iter().try_for_each(check)
+}
+
+fn read(file: &Path) -> Result<Document, Failure> {
+    let wrong = |why: String| Failure::Input(anyhow::anyhow!("{}: {why}", file.display()));
+    let text = std::fs::read_to_string(file).map_err(|e| wrong(e.to_string()))?;
+    let json: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    Document::from_json(&json).map_err(wrong)
+}
+
+fn measure_all(args: &BenchArgs) -> Result<Vec<Run>, Failure> {
     let scenes = loads(args).into_iter().map(|load| Scene::new(args, load));
     let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     let mut runs = Vec::new();
     for &members in &args.members {
         let scenes: Vec<_> = scenes.iter().map(|scene| scene.with_members(members as usize)).collect();
         let subjects = subjects(&scenes, args);
+        if subjects.is_empty() {
+            return Err(Failure::usage("baked is measured on the native device alone"));
+        }
         report::talk!("{members} members, {} ways to measure", subjects.len());
         runs.extend(measure(subjects, args.frames)?);
     }
     if runs.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!("nothing was left to measure")));
     }
-    let machine = machine();
-    if let Some(chart) = &args.chart {
-        std::fs::write(chart, as_svg(&runs, &machine))?;
-    }
-    if args.json {
-        let runs: Vec<_> = runs.iter().map(as_json).collect();
-        report::json(&json!({"schema": 1, "machine": machine, "runs": runs}))?;
-    } else {
-        report::text(&format!("{machine}\n\n{}", as_table(&runs)))?;
-    }
-    runs.iter().try_for_each(check)
+    Ok(runs)
 }
 
 fn check(run: &Run) -> Result<(), Failure> {
@@ -78,29 +96,6 @@ fn subjects<'a>(scenes: &'a [Scene], args: &BenchArgs) -> Vec<Subject<'a>> {
 
 fn all_devices() -> Vec<Device> {
     populace::devices().into_iter().filter_map(|report| report.device).collect()
-}
-
-fn as_json(run: &Run) -> serde_json::Value {
-    json!({
-        "device": run.device.to_string(),
-        "schedule": run.schedule,
-        "stage": run.stage,
-        "load": run.load.to_string(),
-        "members": run.members,
-        "joints": run.joints,
-        "slots": run.slots,
-        "ms_median": run.ms_median,
-        "ms_min": run.ms_min,
-        "wall_ms_median": run.wall_ms_median,
-        "host_ms_median": run.host_ms_median,
-        "change_ms_median": run.change_ms_median,
-        "ns_per_joint": run.ns_per_joint(),
-        "bytes_per_joint": run.bytes_per_joint,
-        "memory_bytes": run.memory_bytes,
-        "baked": run.tables.map(|t| json!({"clips": t.clips, "bytes": t.bytes, "row_bytes": t.row_bytes})),
-        "bytes_per_member_beyond_palettes": run.bytes_per_member,
-        "max_error": run.error_m,
-    })
 }
 
 /// The processor by name, where the system tells it, and its threads.

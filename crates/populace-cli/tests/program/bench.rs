@@ -92,6 +92,7 @@ fn wrong_values_are_refused() {
         refused(&["bench", &format!("--changing={percent}")], 2, &["--changing", "above 0 and up to 100"]);
     }
     refused(&["bench", "--schedule", "magic"], 2, &["no schedule \"magic\"", "or baked"]);
+    refused(&["bench", "--schedule", "baked", "--device", "opencl"], 2, &["native device alone"]);
     refused(&["bench", "--slots", "9"], 2, &["--slots"]);
     refused(&["bench", "--device", "cuda"], 2, &["native, opencl"]);
 }
@@ -156,6 +157,47 @@ fn the_chart_shows_every_series() {
         assert!(places.clone().count() >= 4 && places.into_iter().all(inside), "{line}");
     }
     assert!(svg.contains("nanoseconds per joint") && svg.contains(">members"), "axes are labelled");
+}
+
+/// Whether documents say the same, but for the last digits of numbers.
+fn alike(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().expect("a number"), b.as_f64().expect("a number"));
+            (a - b).abs() <= 1e-12 * a.abs()
+        }
+        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(a, b)),
+        (Value::Object(a), Value::Object(b)) => {
+            a.len() == b.len() && a.iter().all(|(name, a)| b.get(name).is_some_and(|b| alike(a, b)))
+        }
+        _ => a == b,
+    }
+}
+
+#[test]
+fn what_was_measured_is_shown_again_from_its_document() {
+    let folder = Folder::new();
+    let (data, chart) = (folder.text("data.json"), folder.text("chart.svg"));
+    let args = [&NATIVE[..], &["--members", "20", "--changing", "5", "--json", "--chart", &chart]].concat();
+    let document = json_of(&args);
+    let drawn = std::fs::read_to_string(&chart).expect("a chart");
+    std::fs::write(&data, document.to_string()).expect("written");
+    assert!(alike(&json_of(&["bench", "--from", &data, "--json", "--chart", &chart]), &document));
+    let again = std::fs::read_to_string(&chart).expect("a chart");
+    assert_eq!(elements(&again), elements(&drawn));
+    let table = String::from_utf8(populace(&["bench", "--from", &data]).stdout).expect("text");
+    let words =
+        ["| 20 | native | staged | pose | plain |", "changing 5 %, fused of 20", "pairs of model and clip"];
+    words.iter().for_each(|word| assert!(table.contains(word), "{word}: {table}"));
+
+    refused(&["bench", "--from", &data, "--members", "5"], 2, &["--from"]);
+    refused(&["bench", "--from", &folder.text("nothing.json")], 1, &["nothing.json"]);
+    let mut broken = document;
+    broken["runs"][2]["ms_median"] = Value::Null;
+    std::fs::write(&data, broken.to_string()).expect("written");
+    refused(&["bench", "--from", &data], 1, &["data.json", "runs[2] has no ms_median"]);
+    std::fs::write(&data, "[]").expect("written");
+    refused(&["bench", "--from", &data], 1, &["schema 1"]);
 }
 
 #[test]
