@@ -1,8 +1,19 @@
 //! What `populace bench` measures: its scene, the timing, and the check against the oracle.
 
+mod baked;
+mod chart;
 mod check;
+mod document;
+mod memory;
+mod rigs;
+mod runs;
 mod scene;
+mod table;
 mod timing;
 
-pub(crate) use scene::Scene;
-pub(crate) use timing::{Run, measure};
+pub(crate) use chart::as_svg;
+pub(crate) use document::Document;
+pub(crate) use runs::{Run, Way};
+pub(crate) use scene::{Load, Scene, Setup};
+pub(crate) use table::as_table;
+pub(crate) use timing::{Subject, measure};

@@ -8,6 +8,11 @@ impl Random {
         Self(seed)
     }
 
+    /// The generator of one of many that a seed has, by its number.
+    pub(crate) fn one_of(seed: u64, number: usize) -> Self {
+        Self(Self(seed ^ (number as u64).rotate_left(32)).next())
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;

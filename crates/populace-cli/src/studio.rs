@@ -85,11 +85,12 @@ pub(crate) fn devices_and_shares(crowd: &Crowd) -> String {
 }
 
 /// Opens the output before the work, so that a wrong path costs no waiting; what stands there is left as it is.
-pub(crate) fn check_output(path: &Path) -> Result<(), Failure> {
-    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("png")) {
+pub(crate) fn check_output(path: &Path, kind: &str) -> Result<(), Failure> {
+    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case(kind)) {
         return Err(Failure::usage(format!(
-            "{} does not end in .png, and PNG is what is written",
-            path.display()
+            "{} does not end in .{kind}, and {} is what is written",
+            path.display(),
+            kind.to_uppercase()
         )));
     }
     // A link counts as standing there, even one that leads nowhere yet.

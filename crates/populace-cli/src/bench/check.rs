@@ -1,12 +1,15 @@
 //! The result of a bench, held against the oracle.
 
-use glam::{DAffine3, DVec3};
-use populace::Error;
-use populace::core::layout::PAGE_ENTRIES;
-use populace::core::{Affine, Clip, TICKS_PER_SEC};
-use populace_testkit::oracle::{OracleBody, OracleSlot, evaluate};
+use std::collections::BTreeMap;
 
-use super::scene::{PlayedSlot, Scene, Staging};
+use glam::{DAffine3, DVec3};
+use populace::core::layout::PAGE_ENTRIES;
+use populace::core::{Affine, Character};
+use populace::{Crowd, Error};
+use populace_testkit::oracle::{OracleBody, OracleSlot, Timing, Weighting, evaluate};
+
+use super::scene::{FADE_SECS, PlayedSlot, Scene};
+use super::timing::FRAME_TICKS;
 use crate::placement::Random;
 
 /// Members looked at, beside the first and the last of each page.
@@ -14,52 +17,125 @@ const SAMPLE: usize = 64;
 /// Errors are measured this far from each joint, on a body of 1.8 m.
 const PROBE_M: f64 = 0.03;
 
-/// The largest distance between a probe as the device moved it and as the oracle does, over 64 random members and the
-/// first and last of each page; and what may be expected: twice the clips' own tolerance, since two clips that each
-/// stray by it are blended joint by joint.
-pub(crate) fn worst_error_m(scene: &Scene, staging: &mut Staging, tick: u64) -> Result<(f64, f64), Error> {
-    let bodies: Vec<_> = scene.characters.iter().map(|c| OracleBody::from_character(c)).collect();
-    let (mut worst, mut allowed): (f64, f64) = (0.0, 0.0);
-    for index in chosen(staging) {
-        let (member, kind, played) = &staging.members[index];
-        let character = &scene.characters[*kind];
-        let slots: Vec<_> =
-            played.iter().map(|slot| oracle_slot(&character.clips[slot.clip], slot, tick)).collect();
-        let wanted = evaluate(&bodies[*kind], &slots, &[]);
-        let found = staging.crowd.palette(*member)?;
-        let probe = PROBE_M * f64::from(character.skeleton.size_m()) / 1.8;
-        for ((found, wanted), entry) in found.iter().zip(&wanted.palette).zip(&character.palette) {
-            worst = worst.max(distance(found, wanted, &entry.joint_from_bind, probe));
+/// One slot of a member, as the oracle needs to know it.
+struct Playing {
+    clip: usize,
+    timing: Timing,
+    weighting: Weighting,
+}
+
+/// What a bench computed.
+pub(crate) struct Found<'a> {
+    pub(crate) scene: &'a Scene,
+    /// Frames since the start.
+    pub(crate) frames: u32,
+    /// Which members to look at.
+    pub(crate) members: Vec<usize>,
+    /// Slots that were evaluated, the first ones.
+    pub(crate) slots: usize,
+}
+
+impl Found<'_> {
+    /// The largest distance between a probe as it was moved by a member's palette and as the oracle moves it.
+    pub(crate) fn worst_error_m(
+        &self,
+        mut palette: impl FnMut(usize) -> Result<Vec<Affine>, Error>,
+    ) -> Result<f64, Error> {
+        let scene = self.scene;
+        let bodies: Vec<_> = scene.characters.iter().map(|c| OracleBody::from_character(c)).collect();
+        let tick = u64::from(self.frames) * FRAME_TICKS;
+        let mut worst: f64 = 0.0;
+        for (member, playing) in self.playing() {
+            let kind = scene.kind(member);
+            let character = &scene.characters[kind];
+            let slots: Vec<_> = playing.iter().map(|slot| slot.at(tick, character)).collect();
+            let wanted = evaluate(&bodies[kind], &slots, &[]);
+            let probe = PROBE_M * f64::from(character.skeleton.size_m()) / 1.8;
+            let found = palette(member)?;
+            assert_eq!(found.len(), wanted.palette.len(), "a palette of member {member}");
+            for ((found, wanted), entry) in found.iter().zip(&wanted.palette).zip(&character.palette) {
+                worst = worst.max(distance(found, wanted, &entry.joint_from_bind, probe));
+            }
         }
-        let tolerance = character.clips.iter().map(|clip| clip.stats().tolerance_m).fold(0.0, f32::max);
-        allowed = allowed.max(2.0 * f64::from(tolerance));
+        Ok(worst)
     }
-    Ok((worst, allowed))
+
+    /// What members play after all frames.
+    fn playing(&self) -> BTreeMap<usize, Vec<Playing>> {
+        let start = |member: &usize| {
+            let slots = self.scene.played(*member).take(self.slots).map(Playing::from_the_start);
+            (*member, slots.collect::<Vec<_>>())
+        };
+        let mut playing: BTreeMap<_, _> = self.members.iter().map(start).collect();
+        for frame in 0..self.frames {
+            for (member, clip) in self.scene.changes(frame) {
+                if let Some(slots) = playing.get_mut(&member) {
+                    change_over(slots, clip, u64::from(frame) * FRAME_TICKS);
+                }
+            }
+        }
+        playing
+    }
 }
 
-fn chosen(staging: &Staging) -> Vec<usize> {
-    let count = staging.members.len();
+impl Playing {
+    fn from_the_start(slot: PlayedSlot) -> Self {
+        let timing = Timing::Loop { start_tick: 0, phase: f64::from(slot.phase), speed: 1.0 };
+        Self { clip: slot.clip, timing, weighting: Weighting::Constant(slot.weight) }
+    }
+
+    fn at<'a>(&self, tick: u64, character: &'a Character) -> OracleSlot<'a> {
+        let clip = &character.clips[self.clip];
+        OracleSlot {
+            clip: clip.source(),
+            time_secs: self.timing.time_secs(tick, clip),
+            weight: self.weighting.weight(tick),
+            layer: 0,
+        }
+    }
+
+    /// Lets the slot fade out, unless it does so already.
+    fn fade_out(&mut self, tick: u64) {
+        if !matches!(self.weighting, Weighting::Ramp { to: 0.0, .. }) {
+            #[expect(clippy::cast_possible_truncation, reason = "the nearest is what is wanted")]
+            let from = self.weighting.weight(tick) as f32;
+            self.weighting = Weighting::Ramp { tick, from, to: 0.0, secs: FADE_SECS };
+        }
+    }
+}
+
+/// What a crossfade does: all that plays fades out, and the new clip takes the place of the weakest.
+fn change_over(slots: &mut [Playing], clip: usize, tick: u64) {
+    slots.iter_mut().for_each(|slot| slot.fade_out(tick));
+    let weakest =
+        slots.iter_mut().min_by(|a, b| a.weighting.weight(tick).total_cmp(&b.weighting.weight(tick)));
+    if let Some(slot) = weakest {
+        let timing = Timing::Loop { start_tick: tick, phase: 0.0, speed: 1.0 };
+        let weighting = Weighting::Ramp { tick, from: 0.0, to: 1.0, secs: FADE_SECS };
+        *slot = Playing { clip, timing, weighting };
+    }
+}
+
+/// How far off a crowd may be: twice the clips' own tolerance, since two clips that each stray by it are blended joint
+/// by joint.
+pub(crate) fn allowed_m(scene: &Scene) -> f64 {
+    let clips = scene.characters.iter().flat_map(|character| &character.clips);
+    2.0 * f64::from(clips.map(|clip| clip.stats().tolerance_m).fold(0.0, f32::max))
+}
+
+/// Random members of a scene, and its first and last.
+pub(crate) fn sample(scene: &Scene) -> Vec<usize> {
+    let count = scene.member_count;
     let mut random = Random::new(count as u64);
-    let mut chosen: Vec<usize> = (0..SAMPLE.min(count)).map(|_| random.below(count)).collect();
-    let pages: Vec<u32> = staging.crowd.instances().map(|i| i.palette_first / PAGE_ENTRIES).collect();
-    let on_border = |at: &usize| {
-        let other = |neighbour: Option<usize>| neighbour.and_then(|n| pages.get(n)) != Some(&pages[*at]);
-        other(at.checked_sub(1)) || other(at.checked_add(1))
-    };
-    chosen.extend((0..count).filter(on_border));
-    chosen
+    let random = (0..SAMPLE.min(count)).map(|_| random.below(count));
+    random.chain([0, count - 1]).collect()
 }
 
-fn oracle_slot<'a>(clip: &'a Clip, slot: &PlayedSlot, tick: u64) -> OracleSlot<'a> {
-    let duration = f64::from(clip.duration_secs());
-    let elapsed = tick as f64 / TICKS_PER_SEC as f64;
-    let phase = (f64::from(slot.phase) + elapsed / duration).rem_euclid(1.0);
-    OracleSlot {
-        clip: clip.source(),
-        time_secs: f64::from(clip.start_secs()) + phase * duration,
-        weight: f64::from(slot.weight),
-        layer: 0,
-    }
+/// The first and last members of each page.
+pub(crate) fn on_page_borders(crowd: &Crowd) -> Vec<usize> {
+    let pages: Vec<u32> = crowd.instances().map(|i| i.palette_first / PAGE_ENTRIES).collect();
+    let borders = (1..pages.len()).filter(|at| pages[at - 1] != pages[*at]);
+    borders.flat_map(|at| [at - 1, at]).collect()
 }
 
 fn distance(found: &Affine, wanted: &[f64; 12], joint_from_bind: &Affine, probe: f64) -> f64 {
@@ -81,4 +157,62 @@ fn distance(found: &Affine, wanted: &[f64; 12], joint_from_bind: &Affine, probe:
 fn wide(m: &Affine) -> DAffine3 {
     let [a, b, c] = m.rows.map(|row| row.map(f64::from));
     DAffine3::from_cols_array(&[a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3]])
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use populace::{Device, Schedule, Split};
+
+    use crate::bench::Setup;
+
+    use super::*;
+    use crate::bench::scene::{Load, Staging};
+    use crate::cli::{Cli, Command};
+
+    const FRAMES: u32 = 45;
+
+    fn scene(load: Load, slots: &str) -> Scene {
+        let cli = Cli::parse_from(["populace", "bench", "--joints", "20", "--slots", slots]);
+        let Command::Bench(args) = cli.command else { unreachable!("it is a bench") };
+        Scene::new(&args, load).unwrap().with_members(12)
+    }
+
+    /// A crowd after some frames, more than a fade has.
+    fn after_frames(scene: &Scene) -> Staging {
+        let mut staging = scene
+            .stage(&Setup { devices: Device::native().into(), split: Split::Measured }, Schedule::Fused)
+            .unwrap();
+        for frame in 0..FRAMES {
+            staging.change(scene, frame).unwrap();
+            staging.crowd.update(1.0 / 60.0).unwrap();
+        }
+        staging
+    }
+
+    fn error_m(scene: &Scene, staging: &mut Staging, of: impl Fn(usize) -> usize) -> f64 {
+        let members = (0..scene.member_count).collect();
+        let found = Found { scene, frames: FRAMES, members, slots: scene.slot_count };
+        found.worst_error_m(|member| staging.crowd.palette(staging.members[of(member)])).unwrap()
+    }
+
+    #[test]
+    fn crowds_are_right_under_every_load() {
+        let loads = [Load::Plain, Load::Retargeted, Load::Changing { percent: 9.0 }];
+        for (load, slots) in loads.into_iter().flat_map(|load| ["1", "2", "4"].map(|slots| (load, slots))) {
+            let scene = scene(load, slots);
+            let error = error_m(&scene, &mut after_frames(&scene), |member| member);
+            assert!(error > 0.0 && error < allowed_m(&scene), "{load}, {slots} slots: {error} m");
+        }
+    }
+
+    #[test]
+    fn palettes_of_others_and_changes_that_were_not_made_are_found_out() {
+        let plain = scene(Load::Plain, "2");
+        let error = error_m(&plain, &mut after_frames(&plain), |member| (member + 1) % 12);
+        assert!(error > 10.0 * allowed_m(&plain), "{error} m");
+        let changing = scene(Load::Changing { percent: 9.0 }, "2");
+        let error = error_m(&changing, &mut after_frames(&plain), |member| member);
+        assert!(error > 10.0 * allowed_m(&plain), "{error} m");
+    }
 }

@@ -1,33 +1,55 @@
 //! A crowd that is never one clip in one phase: several skeletons, 32 clips, random phases and weights, moving scales,
 //! arbitrary inverse binds.
 
-use std::f32::consts::TAU;
+use std::fmt;
 use std::sync::Arc;
 
-use populace::core::{
-    Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
-    Skeleton, Track, Trs,
-};
-use populace::{Crowd, Devices, Error, Member, Placement, Play, Schedule, Split};
+use populace::core::Character;
+use populace::{ClipId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split};
 
+use super::rigs;
+use crate::cli::BenchArgs;
 use crate::placement::Random;
 
 /// Joints of the four skeletons, unless one number is asked for.
 const JOINT_COUNTS: [usize; 4] = [24, 54, 67, 128];
 const CLIP_COUNT: usize = 32;
-const KEYS_PER_SEC: f32 = 30.0;
-/// No deeper than a hand's fingers on a long spine.
-const MAX_DEPTH: usize = 14;
+/// No whole number of frames, so that no weight is at its end just when it is looked at.
+pub(crate) const FADE_SECS: f32 = 0.31;
+
+/// What makes a crowd harder than the plain one; all else is equal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Load {
+    Plain,
+    /// Clips come from other skeletons: joints of the same names in another order, and more between them.
+    Retargeted,
+    /// Each frame so many of a hundred members change over to another clip.
+    Changing {
+        percent: f32,
+    },
+}
+
+impl fmt::Display for Load {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Plain => f.write_str("plain"),
+            Self::Retargeted => f.write_str("retargeted"),
+            Self::Changing { percent } => write!(f, "changing {percent} %"),
+        }
+    }
+}
 
 /// What to build on each device alike.
+#[derive(Clone)]
 pub(crate) struct Scene {
+    pub(crate) load: Load,
     pub(crate) characters: Vec<Arc<Character>>,
-    member_count: usize,
-    slot_count: usize,
+    pub(crate) member_count: usize,
+    pub(crate) slot_count: usize,
     seed: u64,
 }
 
-/// One playing clip, as the oracle needs to know it.
+/// What a member plays from the start on.
 pub(crate) struct PlayedSlot {
     /// Index among the character's clips.
     pub(crate) clip: usize,
@@ -35,175 +57,171 @@ pub(crate) struct PlayedSlot {
     pub(crate) weight: f32,
 }
 
-/// A crowd on a device, and what its members play.
+/// A crowd on a device.
 pub(crate) struct Staging {
     pub(crate) crowd: Crowd,
-    pub(crate) members: Vec<(Member, usize, Vec<PlayedSlot>)>,
+    pub(crate) members: Vec<Member>,
+    /// Of each character.
+    clips: Vec<Vec<ClipId>>,
+}
+
+/// A device to measure on, or several that share each crowd.
+#[derive(Clone, Debug)]
+pub(crate) struct Setup {
+    pub(crate) devices: Devices,
+    pub(crate) split: Split,
+}
+
+impl Setup {
+    /// Whether crowds stay in the host's own tables.
+    pub(crate) fn is_native(&self) -> bool {
+        self.devices.as_slice().iter().all(|device| matches!(device, Device::Native { .. }))
+    }
+
+    pub(crate) fn is_shared(&self) -> bool {
+        self.devices.as_slice().len() > 1
+    }
 }
 
 impl Scene {
-    pub(crate) fn new(members: u32, joints: Option<u32>, slots: u32, seed: u64) -> Result<Self, Error> {
-        let mut random = Random::new(seed);
-        let counts = joints.map_or(JOINT_COUNTS.to_vec(), |n| vec![n as usize]);
+    /// A scene without members yet.
+    pub(crate) fn new(args: &BenchArgs, load: Load) -> Result<Self, Error> {
+        let mut random = Random::new(args.seed);
+        let counts = args.joints.map_or(JOINT_COUNTS.to_vec(), |n| vec![n as usize]);
         let clips_each = CLIP_COUNT / counts.len();
-        let characters: Result<Vec<_>, _> =
-            counts.into_iter().map(|count| character(count, clips_each, &mut random).map(Arc::new)).collect();
-        Ok(Self { characters: characters?, member_count: members as usize, slot_count: slots as usize, seed })
+        let retargeted = load == Load::Retargeted;
+        let characters = counts
+            .into_iter()
+            .map(|count| rigs::character(count, clips_each, retargeted, &mut random).map(Arc::new));
+        let characters = characters.collect::<Result<_, _>>()?;
+        Ok(Self { load, characters, member_count: 0, slot_count: args.slots as usize, seed: args.seed })
     }
 
-    pub(crate) fn member_count(&self) -> usize {
-        self.member_count
+    /// The same with so many members.
+    pub(crate) fn with_members(&self, members: usize) -> Self {
+        Self { member_count: members, ..self.clone() }
     }
 
-    pub(crate) fn slot_count(&self) -> usize {
-        self.slot_count
+    /// Which character a member is.
+    pub(crate) fn kind(&self, member: usize) -> usize {
+        member % self.characters.len()
+    }
+
+    /// The sum over all members of something that their characters have.
+    pub(crate) fn total(&self, of: impl Fn(&Character) -> usize) -> usize {
+        let kinds = self.characters.len();
+        let members = |kind: usize| (self.member_count + kinds - 1 - kind) / kinds;
+        self.characters.iter().enumerate().map(|(kind, character)| of(character) * members(kind)).sum()
     }
 
     /// Joints of all members.
     pub(crate) fn joint_count(&self) -> usize {
-        let kinds = self.characters.len();
-        let of_kind = |kind: usize| (self.member_count + kinds - 1 - kind) / kinds;
-        let joints =
-            self.characters.iter().enumerate().map(|(kind, c)| c.skeleton.joint_count() * of_kind(kind));
-        joints.sum()
+        self.total(|character| character.skeleton.joint_count())
     }
 
-    pub(crate) fn stage(
-        &self,
-        devices: &Devices,
-        split: &Split,
-        schedule: Schedule,
-    ) -> Result<Staging, Error> {
+    /// What a member plays before anything changes.
+    pub(crate) fn played(&self, member: usize) -> impl Iterator<Item = PlayedSlot> + use<> {
+        let clips = self.characters[self.kind(member)].clips.len();
+        let mut random = Random::one_of(self.seed, member);
+        (0..self.slot_count).map(move |_| PlayedSlot {
+            clip: random.below(clips),
+            phase: random.unit(),
+            weight: 0.1 + 0.9 * random.unit(),
+        })
+    }
+
+    /// Members that change over to another clip before a frame, and to which; each member in its turn.
+    pub(crate) fn changes(&self, frame: u32) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let members = self.member_count;
+        let count = match self.load {
+            Load::Changing { percent } => share(members, percent),
+            Load::Plain | Load::Retargeted => 0,
+        };
+        (0..count).map(move |index| {
+            let member = (index * members / count + frame as usize) % members;
+            let clips = self.characters[self.kind(member)].clips.len();
+            let mut random = Random::one_of(self.seed ^ (u64::from(frame) + 1), member);
+            (member, random.below(clips))
+        })
+    }
+
+    /// Builds the crowd and lets the device take it over.
+    pub(crate) fn stage(&self, on: &Setup, schedule: Schedule) -> Result<Staging, Error> {
         let builder = Crowd::builder()
-            .devices(devices.clone())
-            .split(split.clone())
+            .devices(on.devices.clone())
+            .split(on.split.clone())
             .schedule(schedule)
             .capacity(self.member_count)
             .slots_per_member(self.slot_count);
         let mut crowd = builder.build()?;
-        let mut ids = Vec::new();
+        let (mut ids, mut clips) = (Vec::new(), Vec::<Vec<ClipId>>::new());
         for character in &self.characters {
             let id = crowd.add_character(Arc::clone(character))?;
-            let clips: Vec<_> = crowd.clips(id)?.into_iter().map(|(clip, _)| clip).collect();
-            ids.push((id, clips));
+            clips.push(crowd.clips(id)?.into_iter().map(|(clip, _)| clip).collect());
+            ids.push(id);
         }
-        let mut random = Random::new(self.seed ^ 0x5eed);
         let mut members = Vec::with_capacity(self.member_count);
         for index in 0..self.member_count {
-            let (id, clips) = &ids[index % ids.len()];
-            let member = crowd.spawn(*id, Placement::at([0.0; 3]))?;
-            let mut played = Vec::with_capacity(self.slot_count);
-            for _ in 0..self.slot_count {
-                let slot = PlayedSlot {
-                    clip: random.below(clips.len()),
-                    phase: random.unit(),
-                    weight: 0.1 + 0.9 * random.unit(),
-                };
-                crowd.blend(
-                    member,
-                    clips[slot.clip],
-                    Play::looping().phase(slot.phase).weight(slot.weight),
-                )?;
-                played.push(slot);
+            let kind = self.kind(index);
+            let member = crowd.spawn(ids[kind], Placement::at([0.0; 3]))?;
+            for slot in self.played(index) {
+                let play = Play::looping().phase(slot.phase).weight(slot.weight);
+                crowd.blend(member, clips[kind][slot.clip], play)?;
             }
-            members.push((member, index % ids.len(), played));
+            members.push(member);
         }
-        Ok(Staging { crowd, members })
+        crowd.update(0.0)?;
+        crowd.finish()?;
+        Ok(Staging { crowd, members, clips })
     }
 }
 
-fn character(joint_count: usize, clip_count: usize, random: &mut Random) -> Result<Character, Error> {
-    let skeleton = skeleton(joint_count, random)?;
-    let clips: Result<Vec<_>, _> = (0..clip_count)
-        .map(|index| Clip::new(clip(index, &skeleton, random), &skeleton).map(Arc::new))
-        .collect();
-    let palette =
-        skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: bind(random) }).collect();
-    Ok(Character::new(CharacterSource {
-        name: format!("{joint_count} joints"),
-        skeleton,
-        palette,
-        parts: Vec::new(),
-        materials: Vec::new(),
-        images: Vec::new(),
-        skins: Vec::new(),
-        clips: clips?,
-    })?)
+/// That many of a hundred, at least one of any.
+fn share(members: usize, percent: f32) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, not negative")]
+    let count = (members as f64 * f64::from(percent) / 100.0).round() as usize;
+    count.clamp(members.min(1), members)
 }
 
-fn skeleton(joint_count: usize, random: &mut Random) -> Result<Skeleton, Error> {
-    let mut joints: Vec<JointSource> = Vec::with_capacity(joint_count);
-    let mut depths: Vec<usize> = Vec::with_capacity(joint_count);
-    for index in 0..joint_count {
-        let parent = (index > 0).then(|| index - 1 - random.below(index.min(6)));
-        let parent = parent.map(|p| if depths[p] + 1 < MAX_DEPTH { p } else { p / 2 });
-        depths.push(parent.map_or(0, |p| depths[p] + 1));
-        let bone = [random.signed() * 0.1, 0.15 * random.unit(), random.signed() * 0.1];
-        joints.push(JointSource {
-            name: format!("joint {index}"),
-            parent,
-            rest: Trs {
-                translation: bone,
-                rotation: turn(random_axis(random), random.signed() * 0.8),
-                scale: [1.0; 3],
-            },
-        });
+impl Staging {
+    /// Lets members change over to other clips, as the scene has it for a frame.
+    pub(crate) fn change(&mut self, scene: &Scene, frame: u32) -> Result<(), Error> {
+        for (member, clip) in scene.changes(frame) {
+            let clip = self.clips[scene.kind(member)][clip];
+            self.crowd.crossfade(self.members[member], clip, FADE_SECS)?;
+        }
+        Ok(())
     }
-    Ok(Skeleton::new(&joints)?)
 }
 
-/// All joints turn by their own slow waves; the root also moves, and every eighth joint swells.
-fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
-    let duration_secs = 1.0 + random.unit() * 2.0;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "at most three seconds of keys"
-    )]
-    let key_count = (duration_secs * KEYS_PER_SEC) as usize + 1;
-    let times: Vec<f32> = (0..key_count).map(|key| key as f32 / KEYS_PER_SEC).collect();
-    let angle = |key: usize| TAU * key as f32 / (key_count - 1) as f32;
-    let mut tracks = Vec::new();
-    for joint in skeleton.joints() {
-        let name = skeleton.name(joint);
-        let mut add = |property, values| {
-            let (joint, interpolation, times) = (name.to_owned(), Interpolation::Linear, times.clone());
-            tracks.push(Track { joint, property, interpolation, times, values });
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_member_changes_in_its_turn_and_none_twice_in_a_frame() {
+        let scene = |members, percent| Scene {
+            load: Load::Changing { percent },
+            characters: vec![Arc::new(rigs::character(3, 2, false, &mut Random::new(1)).expect("sound"))],
+            member_count: members,
+            slot_count: 2,
+            seed: 0,
         };
-        let (axis, swing, shift) = (random_axis(random), 0.2 + 0.4 * random.unit(), random.unit() * TAU);
-        let wave = |key: usize| f64::from(angle(key) + shift).sin();
-        add(Property::Rotation, (0..key_count).flat_map(|k| turn(axis, swing * narrow(wave(k)))).collect());
-        if skeleton.parent(joint).is_none() {
-            let sway = |k: usize| [narrow(wave(k)) * 0.1, 0.9, narrow(f64::from(angle(k)).cos()) * 0.1];
-            add(Property::Translation, (0..key_count).flat_map(sway).collect());
+        for (members, percent, each) in [(1000, 1.0, 10), (997, 10.0, 100), (7, 100.0, 7), (3, 0.1, 1)] {
+            let scene = scene(members, percent);
+            let mut turns = vec![0; members];
+            for frame in 0..members {
+                let frame = u32::try_from(frame).expect("few");
+                let changing: Vec<_> = scene.changes(frame).collect();
+                assert_eq!(changing.len(), each);
+                let mut different: Vec<_> = changing.iter().map(|(member, _)| *member).collect();
+                different.sort_unstable();
+                different.dedup();
+                assert_eq!(different.len(), each, "{members} members, {percent} %, frame {frame}");
+                changing.iter().for_each(|(member, _)| turns[*member] += 1);
+            }
+            assert_eq!(turns, vec![each; members], "over as many frames all had as many turns");
         }
-        if joint.index() % 8 == 3 {
-            let swell = |k: usize| [1.0 + narrow(wave(k)) * 0.1, 1.0, 1.0 - narrow(wave(k)) * 0.05];
-            add(Property::Scale, (0..key_count).flat_map(swell).collect());
-        }
+        assert_eq!(Scene { load: Load::Plain, ..scene(9, 1.0) }.changes(3).count(), 0);
     }
-    ClipSource { name: format!("clip {index}"), tracks }
-}
-
-fn bind(random: &mut Random) -> Affine {
-    let translation = [random.signed(), random.signed(), random.signed()];
-    let scale = [0.5 + random.unit(), 0.5 + random.unit(), 0.5 + random.unit()];
-    Affine::from_trs(&Trs { translation, rotation: turn(random_axis(random), random.signed() * 3.0), scale })
-}
-
-fn random_axis(random: &mut Random) -> [f32; 3] {
-    let [x, y, z] = [random.signed(), random.signed(), random.signed() + 1e-3];
-    let length = x.hypot(y).hypot(z);
-    [x / length, y / length, z / length]
-}
-
-fn turn([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 4] {
-    let (sin, cos) = f64::from(angle_rad / 2.0).sin_cos();
-    let sin = narrow(sin);
-    [x * sin, y * sin, z * sin, narrow(cos)]
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
-fn narrow(x: f64) -> f32 {
-    x as f32
 }

@@ -1,12 +1,16 @@
 //! Frames, timed on all devices in turn.
 
+use std::collections::VecDeque;
 use std::time::Instant;
 
 use populace::core::{Stage, TICKS_PER_SEC};
-use populace::{Devices, Error, Schedule, Split};
+use populace::{BackendError, Error};
 
-use super::check::worst_error_m;
-use super::scene::{Scene, Staging};
+use super::baked::Baked;
+use super::check::{Found, allowed_m, on_page_borders, sample};
+use super::memory;
+use super::runs::{Measured, Run, Samples, Way, runs};
+use super::scene::{Scene, Setup, Staging};
 use crate::studio::devices_and_shares;
 
 /// Frames before anything is measured.
@@ -15,133 +19,190 @@ const WARM_UP: u32 = 3;
 const FIRST_SHARING: u32 = 30;
 const FRAME_SECS: f32 = 1.0 / 60.0;
 /// The crowd's ticks of one such frame.
-const FRAME_TICKS: u64 = TICKS_PER_SEC / 60;
-/// A palette entry: one 3x4 float matrix.
-const ENTRY_BYTES: f64 = 48.0;
+pub(crate) const FRAME_TICKS: u64 = TICKS_PER_SEC / 60;
 
-/// One line of the table.
-pub(crate) struct Run {
-    pub(crate) device: Devices,
-    pub(crate) schedule: &'static str,
-    pub(crate) stage: &'static str,
-    pub(crate) ms_median: f64,
-    pub(crate) ms_min: f64,
-    /// Bytes of device memory that a joint's share of the stage reads and writes, counted, not measured.
-    pub(crate) bytes_per_joint: f64,
-    pub(crate) memory_bytes: usize,
-    /// In metres, and what is allowed; `None` for the floor and for single stages.
-    pub(crate) error_m: Option<(f64, f64)>,
+/// A scene to be measured in one way.
+#[derive(Clone, Copy)]
+pub(crate) struct Subject<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) on: &'a Setup,
+    pub(crate) way: Way,
 }
 
-struct Track {
-    device: Devices,
-    staging: Staging,
-    schedule: &'static str,
-    all_ms: Vec<f64>,
-    floor_ms: Vec<f64>,
-    stage_ms: Vec<(Stage, Vec<f64>)>,
+/// A subject that is ready.
+struct Track<'a> {
+    subject: Subject<'a>,
+    stand: Stand,
+    samples: Samples,
 }
 
-/// Measures `frames` frames on each device, the devices taking turns so that a noisy machine is noisy to all, and
-/// checks the last frame against the oracle.
-pub(crate) fn measure(
-    scene: &Scene,
-    devices: &[Devices],
-    split: &Split,
-    schedules: &[Schedule],
-    frames: u32,
-) -> Result<Vec<Run>, Error> {
-    let mut tracks = Vec::new();
-    for (device, &schedule) in devices.iter().flat_map(|d| schedules.iter().map(move |s| (d, s))) {
-        let is_shared = device.as_slice().len() > 1;
-        let mut staging = scene.stage(device, if is_shared { split } else { &Split::Measured }, schedule)?;
-        for _ in 0..if is_shared { FIRST_SHARING } else { 0 } {
-            staging.crowd.update(0.0)?;
-            staging.crowd.finish()?;
+enum Stand {
+    Crowd(Box<Staging>),
+    Baked(Baked),
+}
+
+/// Measures `frames` frames of each subject, as many of them as memory holds taking turns, so that a noisy machine is noisy
+/// to all, and holds the last frame against the oracle. Subjects too large for the memory are left out, and named.
+pub(crate) fn measure(subjects: Vec<Subject>, frames: u32) -> Result<Vec<Run>, Error> {
+    let mut waiting = VecDeque::from(subjects);
+    let mut measured = Vec::new();
+    while !waiting.is_empty() {
+        measured.extend(measure_together(next_group(&mut waiting), frames)?);
+    }
+    Ok(runs(&measured))
+}
+
+/// The next subjects that there is memory for at once.
+fn next_group<'a>(waiting: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
+    let (mut group, mut free) = (Vec::new(), memory::free_bytes());
+    while let Some(subject) = waiting.front() {
+        let bytes = subject.bytes();
+        if bytes <= free {
+            free -= bytes;
+            group.extend(waiting.pop_front());
+        } else if group.is_empty() {
+            subject.leave_out(&format!("it takes about {} MiB, and {} are free", bytes >> 20, free >> 20));
+            waiting.pop_front();
+        } else {
+            break;
         }
-        let schedule = schedule.name();
-        tracks.push(Track {
-            device: device.clone(),
-            staging,
-            schedule,
-            all_ms: Vec::new(),
-            floor_ms: Vec::new(),
-            stage_ms: Stage::ALL.map(|stage| (stage, Vec::new())).to_vec(),
-        });
+    }
+    group
+}
+
+fn measure_together<'a>(group: Vec<Subject<'a>>, frames: u32) -> Result<Vec<Measured<'a>>, Error> {
+    let mut tracks = Vec::new();
+    for subject in group {
+        match subject.stage() {
+            Ok(stand) => tracks.push(Track { subject, stand, samples: Samples::default() }),
+            Err(Error::Backend(error @ BackendError::OutOfMemory { .. })) => {
+                subject.leave_out(&error.to_string());
+            }
+            Err(error) => return Err(error),
+        }
     }
     for frame in 0..WARM_UP + frames {
         for track in &mut tracks {
-            track.frame(frame >= WARM_UP)?;
+            if frame == WARM_UP {
+                track.samples = Samples::default();
+            }
+            track.frame(frame)?;
         }
     }
-    let mut runs = Vec::new();
-    for track in &mut tracks {
-        let tick = u64::from(WARM_UP + frames) * FRAME_TICKS;
-        let error_m = worst_error_m(scene, &mut track.staging, tick)?;
-        track.report(scene, error_m, &mut runs);
-        if track.device.as_slice().len() > 1 {
-            let shares = devices_and_shares(&track.staging.crowd);
-            crate::report::talk!("at the end {shares} share the members ({})", track.schedule);
-        }
-    }
-    Ok(runs)
+    tracks.into_iter().map(|track| track.measured(WARM_UP + frames)).collect()
 }
 
-impl Track {
-    fn frame(&mut self, measured: bool) -> Result<(), Error> {
-        let floor_ms = self.staging.crowd.write_floor()?;
-        let start = Instant::now();
-        self.staging.crowd.update(FRAME_SECS)?;
-        self.staging.crowd.finish()?;
-        let all_ms = start.elapsed().as_secs_f64() * 1e3;
-        if measured {
-            self.all_ms.push(all_ms);
-            self.floor_ms.push(floor_ms);
-            for (stage, ms) in self.staging.crowd.stage_times_ms() {
-                if let Some((_, times)) = self.stage_ms.iter_mut().find(|(known, _)| *known == stage) {
-                    times.push(ms);
+impl Subject<'_> {
+    fn bytes(&self) -> usize {
+        match self.way {
+            Way::Crowd(schedule) => memory::crowd_bytes(self.scene, self.on, schedule),
+            Way::Baked => memory::palette_bytes(self.scene),
+        }
+    }
+
+    fn leave_out(&self, reason: &str) {
+        crate::report::talk!(
+            "left out: {} of {} members on {}: {reason}",
+            self.way,
+            self.scene.member_count,
+            self.on.devices
+        );
+    }
+
+    fn stage(&self) -> Result<Stand, Error> {
+        Ok(match self.way {
+            Way::Crowd(schedule) => {
+                let mut staging = self.scene.stage(self.on, schedule)?;
+                for _ in 0..if self.on.is_shared() { FIRST_SHARING } else { 0 } {
+                    staging.crowd.update(0.0)?;
+                    staging.crowd.finish()?;
                 }
+                Stand::Crowd(Box::new(staging))
+            }
+            Way::Baked => Stand::Baked(Baked::new(self.scene)?),
+        })
+    }
+}
+
+impl<'a> Track<'a> {
+    fn frame(&mut self, frame: u32) -> Result<(), Error> {
+        let samples = &mut self.samples;
+        match &mut self.stand {
+            Stand::Crowd(staging) => crowd_frame(staging, self.subject.scene, frame, samples)?,
+            Stand::Baked(baked) => {
+                let secs = f64::from(frame + 1) * FRAME_TICKS as f64 / TICKS_PER_SEC as f64;
+                let start = Instant::now();
+                baked.update(secs);
+                let wall_ms = ms_since(start);
+                samples.wall.push(wall_ms);
+                samples.device.push(wall_ms);
             }
         }
         Ok(())
     }
 
-    fn report(&mut self, scene: &Scene, error_m: (f64, f64), runs: &mut Vec<Run>) {
-        let (device, memory_bytes) = (&self.device, self.staging.crowd.device_memory_bytes());
-        let mut add = |schedule, stage, times: &mut Vec<f64>, bytes_per_joint, error_m| {
-            times.sort_by(f64::total_cmp);
-            let (Some(&ms_min), Some(&ms_median)) = (times.first(), times.get(times.len() / 2)) else {
-                return;
-            };
-            runs.push(Run {
-                device: device.clone(),
-                schedule,
-                stage,
-                ms_median,
-                ms_min,
-                bytes_per_joint,
-                memory_bytes,
-                error_m,
-            });
-        };
-        add("floor", "all", &mut self.floor_ms, ENTRY_BYTES, None);
-        let bytes: f64 = Stage::ALL.iter().map(|&stage| stage_bytes(scene, stage)).sum();
-        add(self.schedule, "all", &mut self.all_ms, bytes, Some(error_m));
-        for (stage, times) in &mut self.stage_ms {
-            add(self.schedule, stage.name(), times, stage_bytes(scene, *stage), None);
+    fn measured(self, frames: u32) -> Result<Measured<'a>, Error> {
+        let Subject { scene, on, .. } = self.subject;
+        let found = |members, slots| Found { scene, frames, members, slots };
+        let (subject, samples) = (self.subject, self.samples);
+        match self.stand {
+            Stand::Crowd(mut staging) => {
+                let members = [sample(scene), on_page_borders(&staging.crowd)].concat();
+                let error_m = found(members, scene.slot_count)
+                    .worst_error_m(|member| staging.crowd.palette(staging.members[member]))?;
+                let (memory_bytes, schedule) =
+                    (staging.crowd.device_memory_bytes(), staging.crowd.schedule());
+                if on.is_shared() {
+                    let shares = devices_and_shares(&staging.crowd);
+                    crate::report::talk!("at the end {shares} share the members ({schedule})");
+                }
+                drop(staging);
+                Ok(Measured {
+                    subject,
+                    samples,
+                    memory_bytes,
+                    tables: None,
+                    bytes_per_member: memory::bytes_per_member(scene, on, schedule)?,
+                    error_m,
+                    allowed_m: Some(allowed_m(scene)),
+                })
+            }
+            Stand::Baked(baked) => {
+                let tables = baked.table_sizes(scene);
+                Ok(Measured {
+                    subject,
+                    samples,
+                    memory_bytes: tables.bytes + baked.member_bytes(),
+                    tables: Some(tables),
+                    bytes_per_member: None,
+                    error_m: found(sample(scene), 1)
+                        .worst_error_m(|member| Ok(baked.palette(member).to_vec()))?,
+                    allowed_m: None,
+                })
+            }
         }
     }
 }
 
-/// Bytes that the staged schedule moves per joint: two rows of 16 bytes of rotation for each slot (translations and
-/// scales move in few blocks), 40 of stored pose for each slot and once for the rest, 48 of local transforms written and
-/// read again, 48 of model rows written, read by the children, and read again, 64 of palette entry, 48 of palette.
-fn stage_bytes(scene: &Scene, stage: Stage) -> f64 {
-    let slots = scene.slot_count() as f64;
-    match stage {
-        Stage::Evaluate => slots * 16.0 * scene.member_count() as f64 / scene.joint_count() as f64,
-        Stage::Pose => slots * (2.0 * 16.0 + 40.0 + 4.0) + 40.0 + 48.0,
-        Stage::Transform => 48.0 + 48.0 + 48.0,
-        Stage::WriteBack => 48.0 + 64.0 + ENTRY_BYTES,
+fn crowd_frame(staging: &mut Staging, scene: &Scene, frame: u32, samples: &mut Samples) -> Result<(), Error> {
+    samples.floor.push(staging.crowd.write_floor()?);
+    let start = Instant::now();
+    staging.change(scene, frame)?;
+    samples.change.push(ms_since(start));
+    let start = Instant::now();
+    staging.crowd.update(FRAME_SECS)?;
+    samples.host.push(ms_since(start));
+    staging.crowd.finish()?;
+    let wall_ms = ms_since(start);
+    samples.wall.push(wall_ms);
+    samples.device.push(staging.crowd.frame_time_ms().unwrap_or(wall_ms));
+    for (stage, ms) in staging.crowd.stage_times_ms() {
+        let at = Stage::ALL.iter().position(|known| *known == stage);
+        at.into_iter().for_each(|at| samples.stages[at].push(ms));
     }
+    Ok(())
+}
+
+fn ms_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
 }

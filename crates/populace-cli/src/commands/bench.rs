@@ -1,97 +1,117 @@
 //! `populace bench`
 
-use populace::{Devices, Schedule, Split};
-use serde_json::json;
+use std::path::Path;
 
-use crate::bench::{Run, Scene, measure};
+use populace::{Devices, Schedule, Split};
+use serde_json::Value;
+
+use crate::bench::{Document, Load, Run, Scene, Setup, Subject, Way, as_svg, as_table, measure};
 use crate::cli::BenchArgs;
 use crate::failure::Failure;
 use crate::report;
+use crate::studio::check_output;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
+    if let Some(chart) = &args.chart {
+        check_output(chart, "svg")?;
+    }
+    let document = match &args.from {
+        Some(file) => read(file)?,
+        None => Document { machine: machine(), runs: measure_all(args)? },
+    };
+    if let Some(chart) = &args.chart {
+        std::fs::write(chart, as_svg(&document))?;
+    }
+    if args.json {
+        report::json(&document.as_json())?;
+    } else {
+        report::text(&as_table(&document))?;
+    }
+    document.runs.iter().try_for_each(check)
+}
+
+fn read(file: &Path) -> Result<Document, Failure> {
+    let wrong = |why: String| Failure::Input(anyhow::anyhow!("{}: {why}", file.display()));
+    let text = std::fs::read_to_string(file).map_err(|e| wrong(e.to_string()))?;
+    let json: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    Document::from_json(&json).map_err(wrong)
+}
+
+fn measure_all(args: &BenchArgs) -> Result<Vec<Run>, Failure> {
+    let scenes = loads(args).into_iter().map(|load| Scene::new(args, load));
+    let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
+    let setups = setups(args)?;
+    let mut runs = Vec::new();
+    for &members in &args.members {
+        let scenes: Vec<_> = scenes.iter().map(|scene| scene.with_members(members as usize)).collect();
+        let subjects = subjects(&scenes, &setups, args);
+        if subjects.is_empty() {
+            return Err(Failure::usage("baked is measured on the native device alone"));
+        }
+        report::talk!("{members} members, {} ways to measure", subjects.len());
+        runs.extend(measure(subjects, args.frames)?);
+    }
+    if runs.is_empty() {
+        return Err(Failure::Run(anyhow::anyhow!("nothing was left to measure")));
+    }
+    Ok(runs)
+}
+
+fn check(run: &Run) -> Result<(), Failure> {
+    match (run.error_m, run.allowed_m) {
+        (Some(error), Some(allowed)) if error.is_nan() || error > allowed => {
+            Err(Failure::Run(anyhow::anyhow!(
+                "{} ({}, {}) is wrong: a joint is {error:.6} m from where the oracle puts it; {allowed:.6} m are allowed",
+                run.device,
+                run.schedule,
+                run.load
+            )))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn loads(args: &BenchArgs) -> Vec<Load> {
+    let retargeted = args.retarget.then_some(Load::Retargeted);
+    let changing = args.changing.map(|percent| Load::Changing { percent });
+    [Some(Load::Plain), retargeted, changing].into_iter().flatten().collect()
+}
+
+/// Everything to measure; the loads of one schedule stand side by side.
+fn subjects<'a>(scenes: &'a [Scene], setups: &'a [Setup], args: &BenchArgs) -> Vec<Subject<'a>> {
+    let usual = [Way::Crowd(Schedule::Staged), Way::Crowd(Schedule::Fused), Way::Baked];
+    let ways = if args.schedule.is_empty() { &usual[..] } else { &args.schedule };
+    let mut subjects = Vec::new();
+    for on in setups {
+        for &way in ways {
+            let measured = |scene: &&Scene| match way {
+                Way::Crowd(_) => true,
+                Way::Baked => scene.load == Load::Plain && on.is_native() && !on.is_shared(),
+            };
+            subjects.extend(scenes.iter().filter(measured).map(|scene| Subject { scene, on, way }));
+        }
+    }
+    subjects
+}
+
+/// The devices to measure on, with how several share a crowd.
+fn setups(args: &BenchArgs) -> Result<Vec<Setup>, Failure> {
     let devices = if args.device.is_empty() { all_devices() } else { args.device.clone() };
-    if args.split != Split::Measured && devices.iter().all(|d| d.as_slice().len() == 1) {
+    let setup = |devices: Devices| {
+        let split = if devices.as_slice().len() > 1 { args.split.clone() } else { Split::Measured };
+        Setup { devices, split }
+    };
+    let setups: Vec<_> = devices.into_iter().map(setup).collect();
+    if args.split != Split::Measured && !setups.iter().any(Setup::is_shared) {
         return Err(Failure::usage(
             "--split is for several devices; join them by +, as --device native+opencl:0",
         ));
     }
-    let scene = Scene::new(args.members, args.joints, args.slots, args.seed)?;
-    crate::report::talk!(
-        "{} members, {} joints, on {} devices",
-        args.members,
-        scene.joint_count(),
-        devices.len()
-    );
-    let both = [Schedule::Staged, Schedule::Fused];
-    let schedules = if args.schedule.is_empty() { &both[..] } else { &args.schedule };
-    let runs = measure(&scene, &devices, &args.split, schedules, args.frames)?;
-    let machine = machine();
-    if args.json {
-        let runs: Vec<_> = runs.iter().map(|r| as_json(r, &scene)).collect();
-        report::json(&json!({"schema": 1, "machine": machine, "runs": runs}))?;
-    } else {
-        report::text(&as_table(&runs, &scene, &machine))?;
-    }
-    let wrong = runs
-        .iter()
-        .find_map(|r| r.error_m.filter(|(error, allowed)| error > allowed).map(|e| (&r.device, e)));
-    match wrong {
-        None => Ok(()),
-        Some((device, (error, allowed))) => Err(Failure::Run(anyhow::anyhow!(
-            "{device} is wrong: a joint is {error:.6} m from where the oracle puts it; {allowed:.6} m are allowed"
-        ))),
-    }
+    Ok(setups)
 }
 
 fn all_devices() -> Vec<Devices> {
     populace::devices().into_iter().filter_map(|report| report.device.map(Devices::from)).collect()
-}
-
-fn ns_per_joint(run: &Run, scene: &Scene) -> f64 {
-    run.ms_median * 1e6 / scene.joint_count() as f64
-}
-
-fn as_json(run: &Run, scene: &Scene) -> serde_json::Value {
-    json!({
-        "device": run.device.to_string(),
-        "schedule": run.schedule,
-        "stage": run.stage,
-        "load": "plain",
-        "members": scene.member_count(),
-        "joints": scene.joint_count(),
-        "slots": scene.slot_count(),
-        "ms_median": run.ms_median,
-        "ms_min": run.ms_min,
-        "ns_per_joint": ns_per_joint(run, scene),
-        "bytes_per_joint": run.bytes_per_joint,
-        "memory_bytes": run.memory_bytes,
-        "max_error": run.error_m.map(|(error, _)| error),
-    })
-}
-
-fn as_table(runs: &[Run], scene: &Scene, machine: &str) -> String {
-    let mut text = format!(
-        "{machine}\n{} members, {} joints, {} clips blended\n\n",
-        scene.member_count(),
-        scene.joint_count(),
-        scene.slot_count()
-    );
-    text += "| device | schedule | stage | ms, median | ms, least | ns per joint | MiB on the device | worst error, mm |\n";
-    text += "|---|---|---|---|---|---|---|---|\n";
-    for run in runs {
-        let error = run.error_m.map_or(String::new(), |(error, _)| format!("{:.3}", error * 1e3));
-        text += &format!(
-            "| {} | {} | {} | {:.2} | {:.2} | {:.1} | {} | {error} |\n",
-            run.device,
-            run.schedule,
-            run.stage,
-            run.ms_median,
-            run.ms_min,
-            ns_per_joint(run, scene),
-            run.memory_bytes >> 20,
-        );
-    }
-    text
 }
 
 /// The processor by name, where the system tells it, and its threads.

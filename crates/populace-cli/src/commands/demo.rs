@@ -16,7 +16,7 @@ const FRAMES: usize = 20;
 const FRAME_SECS: f32 = 1.0 / 60.0;
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
-    check_output(&args.out)?;
+    check_output(&args.out, "png")?;
     if args.device.device.is_none() {
         // Missing devices are no reason to stop, but one to tell what would mend it.
         for missing in populace::devices().iter().filter(|report| report.device.is_none()) {

@@ -1,5 +1,7 @@
 //! `populace inspect`
 
+mod rows;
+
 use populace::core::{Character, Clip, Skeleton};
 use populace_assets::Imported;
 use serde_json::{Value, json};
@@ -7,14 +9,29 @@ use serde_json::{Value, json};
 use crate::cli::InspectArgs;
 use crate::failure::Failure;
 use crate::report;
+use rows::Taken;
 
 /// Points looked at between each two rows for the worst error.
 const ERROR_POINTS: usize = 4;
 
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
-    let imported = populace_assets::load(&args.file)?;
-    let document = describe(&imported, &args.file.display().to_string());
-    if args.json { report::json(&document) } else { report::text(&as_text(&document)) }
+    if args.rows {
+        let taken = args.files.iter().map(|file| Ok(Taken::of(file, &populace_assets::load(file)?)));
+        let taken = taken.collect::<Result<Vec<_>, Failure>>()?;
+        return if args.json {
+            report::json(&rows::as_json(&taken))
+        } else {
+            report::text(&rows::as_table(&taken))
+        };
+    }
+    if args.json && args.files.len() > 1 {
+        return Err(Failure::usage("--json describes one file; only with --rows several"));
+    }
+    for file in &args.files {
+        let document = describe(&populace_assets::load(file)?, &file.display().to_string());
+        if args.json { report::json(&document)? } else { report::text(&as_text(&document))? }
+    }
+    Ok(())
 }
 
 fn describe(imported: &Imported, file: &str) -> Value {

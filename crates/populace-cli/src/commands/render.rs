@@ -10,7 +10,7 @@ use crate::studio::{Studio, check_output, devices_and_shares, drawn_with, frame_
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let first = args.frames.map_or(args.out.clone(), |_| frame_path(&args.out, 0));
-    check_output(&first)?;
+    check_output(&first, "png")?;
     // Without OpenGL the inputs are still checked first: what is wrong with them is of more use.
     let renderer = Renderer::headless(args.size.0);
     let builder = args.device.crowd().capacity(args.members as usize).slots_per_member(1);

@@ -1,5 +1,6 @@
 //! The program as a user meets it: exit codes, JSON documents, pictures, and what it says when something is wrong.
 
+mod bench;
 mod pictures;
 mod post;
 
@@ -110,6 +111,26 @@ fn inspect_tells_what_is_in_a_file() {
     assert!(clip["worst_error_m"].as_f64() <= clip["tolerance_m"].as_f64());
     let text = String::from_utf8(populace(&["inspect", &file]).stdout).expect("text");
     assert!(text.contains("clip 0 \"Bend\": 1.000 s from 0.500 s"), "{text}");
+}
+
+#[test]
+fn inspect_sums_what_clips_take_as_rows() {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    let d = json_of(&["inspect", &file, "--json"]);
+    let both = json_of(&["inspect", "--rows", &file, &file, "--json"]);
+    for field in ["rows", "row_bytes", "key_bytes"] {
+        assert_eq!(
+            (&both["files"][1][field], both["files"][0]["clips"].as_u64()),
+            (&d["clips"][0][field], Some(1))
+        );
+    }
+    let (rows, bytes) = (d["clips"][0]["rows"].as_u64(), d["clips"][0]["row_bytes"].as_u64());
+    let (rows, bytes) = (rows.expect("rows"), bytes.expect("bytes"));
+    let text = String::from_utf8(populace(&["inspect", "--rows", &file, &file]).stdout).expect("text");
+    assert!(text.contains(&format!("| post.gltf | 2 | 1 | {rows} | {bytes} |")), "{text}");
+    assert!(text.contains(&format!("| all |  | 2 | {} | {} |", 2 * rows, 2 * bytes)), "{text}");
+    refused(&["inspect", &file, &file, "--json"], 2, &["one file", "--rows"]);
 }
 
 #[test]
@@ -328,22 +349,6 @@ fn an_output_that_cannot_be_written_is_exit_code_4_before_the_work() {
     let folder = Folder::new();
     let out = folder.text("no/such/folder/x.png");
     refused(&["render", &folder.text("post.gltf"), "--out", &out], 4, &["cannot write", "x.png"]);
-}
-
-#[test]
-fn bench_checks_what_it_measures() {
-    let d = json_of(&["bench", "--members", "40", "--frames", "2", "--device", "native", "--json"]);
-    assert_eq!(d["schema"], 1);
-    let runs = d["runs"].as_array().expect("runs");
-    let find =
-        |schedule: &str, stage: &str| runs.iter().find(|r| r["schedule"] == schedule && r["stage"] == stage);
-    assert!(find("floor", "all").is_some());
-    let all = find("staged", "all").expect("the whole frame");
-    assert!(all["max_error"].as_f64() > Some(0.0), "single precision is never exactly right");
-    assert_eq!((&all["members"], &all["slots"]), (&json!(40), &json!(2)));
-    for stage in ["evaluate", "pose", "transform", "write_back"] {
-        assert!(find("staged", stage).is_some(), "{stage}");
-    }
 }
 
 #[test]

@@ -1,0 +1,166 @@
+//! Characters to measure with: skeletons of random shape, clips in which all joints turn and some swell, arbitrary
+//! inverse binds; and the skeletons that clips to be retargeted come from.
+
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+use populace::Error;
+use populace::core::{
+    Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
+    Skeleton, Track, Trs,
+};
+
+use crate::placement::Random;
+
+const KEYS_PER_SEC: f32 = 30.0;
+/// No deeper than a hand's fingers on a long spine.
+const MAX_DEPTH: usize = 14;
+/// Every so many-th joint of a skeleton that clips come from hangs on a joint that the character lacks.
+const JOINTS_PER_EXTRA: usize = 3;
+
+/// A character of so many joints and clips. Where `retargeted`, its clips are made on another skeleton: joints of the
+/// same names in another order, with some more between them. The motion is the same.
+pub(crate) fn character(
+    joint_count: usize,
+    clip_count: usize,
+    retargeted: bool,
+    random: &mut Random,
+) -> Result<Character, Error> {
+    let joints = joints(joint_count, random);
+    let skeleton = Skeleton::new(&joints)?;
+    let sources: Vec<_> = (0..clip_count).map(|index| clip(index, &skeleton, random)).collect();
+    let palette =
+        skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: bind(random) }).collect();
+    let clips: Result<Vec<_>, _> = if retargeted {
+        let (author, extras) = author(&joints, &mut Random::new(joint_count as u64));
+        let author = Skeleton::new(&author)?;
+        let made = sources.into_iter().map(|source| Clip::new(with_extras(source, &extras), &author));
+        made.collect()
+    } else {
+        sources.into_iter().map(|source| Clip::new(source, &skeleton)).collect()
+    };
+    Ok(Character::new(CharacterSource {
+        name: format!("{joint_count} joints"),
+        skeleton,
+        palette,
+        parts: Vec::new(),
+        materials: Vec::new(),
+        images: Vec::new(),
+        skins: Vec::new(),
+        clips: clips?.into_iter().map(Arc::new).collect(),
+    })?)
+}
+
+fn joints(joint_count: usize, random: &mut Random) -> Vec<JointSource> {
+    let mut joints: Vec<JointSource> = Vec::with_capacity(joint_count);
+    let mut depths: Vec<usize> = Vec::with_capacity(joint_count);
+    for index in 0..joint_count {
+        let parent = (index > 0).then(|| index - 1 - random.below(index.min(6)));
+        let parent = parent.map(|p| if depths[p] + 1 < MAX_DEPTH { p } else { p / 2 });
+        depths.push(parent.map_or(0, |p| depths[p] + 1));
+        let bone = [random.signed() * 0.1, 0.15 * random.unit(), random.signed() * 0.1];
+        joints.push(JointSource {
+            name: format!("joint {index}"),
+            parent,
+            rest: Trs {
+                translation: bone,
+                rotation: turn(random_axis(random), random.signed() * 0.8),
+                scale: [1.0; 3],
+            },
+        });
+    }
+    joints
+}
+
+/// Joints of the same names and rests, shuffled, with some more between them and their parents; and the names of those.
+fn author(joints: &[JointSource], random: &mut Random) -> (Vec<JointSource>, Vec<String>) {
+    let (mut author, mut extras): (Vec<JointSource>, Vec<String>) = (Vec::new(), Vec::new());
+    let mut places = vec![None; joints.len()];
+    let mut waiting: Vec<usize> = (0..joints.len()).collect();
+    while !waiting.is_empty() {
+        let at = random.below(waiting.len());
+        let joint = &joints[waiting[at]];
+        let mut parent = match joint.parent {
+            Some(parent) if places[parent].is_none() => continue,
+            Some(parent) => places[parent],
+            None => None,
+        };
+        if waiting[at] % JOINTS_PER_EXTRA == 1 {
+            let name = format!("between {} and its parent", joint.name);
+            extras.push(name.clone());
+            author.push(JointSource { name, parent, rest: Trs::IDENTITY });
+            parent = Some(author.len() - 1);
+        }
+        places[waiting.swap_remove(at)] = Some(author.len());
+        author.push(JointSource { parent, ..joint.clone() });
+    }
+    (author, extras)
+}
+
+/// The clip with motion of joints that the character lacks, as twist joints have it.
+fn with_extras(mut source: ClipSource, extras: &[String]) -> ClipSource {
+    let moving = source.tracks.iter().filter(|track| track.property == Property::Rotation);
+    let lent: Vec<_> = extras
+        .iter()
+        .zip(moving.cycle())
+        .map(|(name, track)| Track { joint: name.clone(), ..track.clone() })
+        .collect();
+    source.tracks.extend(lent);
+    source
+}
+
+/// All joints turn by their own slow waves; the root also moves, and every eighth joint swells.
+fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
+    let duration_secs = 1.0 + random.unit() * 2.0;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most three seconds of keys"
+    )]
+    let key_count = (duration_secs * KEYS_PER_SEC) as usize + 1;
+    let times: Vec<f32> = (0..key_count).map(|key| key as f32 / KEYS_PER_SEC).collect();
+    let angle = |key: usize| TAU * key as f32 / (key_count - 1) as f32;
+    let mut tracks = Vec::new();
+    for joint in skeleton.joints() {
+        let name = skeleton.name(joint);
+        let mut add = |property, values| {
+            let (joint, interpolation, times) = (name.to_owned(), Interpolation::Linear, times.clone());
+            tracks.push(Track { joint, property, interpolation, times, values });
+        };
+        let (axis, swing, shift) = (random_axis(random), 0.2 + 0.4 * random.unit(), random.unit() * TAU);
+        let wave = |key: usize| f64::from(angle(key) + shift).sin();
+        add(Property::Rotation, (0..key_count).flat_map(|k| turn(axis, swing * narrow(wave(k)))).collect());
+        if skeleton.parent(joint).is_none() {
+            let sway = |k: usize| [narrow(wave(k)) * 0.1, 0.9, narrow(f64::from(angle(k)).cos()) * 0.1];
+            add(Property::Translation, (0..key_count).flat_map(sway).collect());
+        }
+        if joint.index() % 8 == 3 {
+            let swell = |k: usize| [1.0 + narrow(wave(k)) * 0.1, 1.0, 1.0 - narrow(wave(k)) * 0.05];
+            add(Property::Scale, (0..key_count).flat_map(swell).collect());
+        }
+    }
+    ClipSource { name: format!("clip {index}"), tracks }
+}
+
+fn bind(random: &mut Random) -> Affine {
+    let translation = [random.signed(), random.signed(), random.signed()];
+    let scale = [0.5 + random.unit(), 0.5 + random.unit(), 0.5 + random.unit()];
+    Affine::from_trs(&Trs { translation, rotation: turn(random_axis(random), random.signed() * 3.0), scale })
+}
+
+fn random_axis(random: &mut Random) -> [f32; 3] {
+    let [x, y, z] = [random.signed(), random.signed(), random.signed() + 1e-3];
+    let length = x.hypot(y).hypot(z);
+    [x / length, y / length, z / length]
+}
+
+fn turn([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 4] {
+    let (sin, cos) = f64::from(angle_rad / 2.0).sin_cos();
+    let sin = narrow(sin);
+    [x * sin, y * sin, z * sin, narrow(cos)]
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+fn narrow(x: f64) -> f32 {
+    x as f32
+}

@@ -1,0 +1,208 @@
+//! `populace bench`: its document, its loads, and what it refuses.
+
+use serde_json::{Value, json};
+
+use crate::post::Folder;
+use crate::{json_of, populace, refused};
+
+const NATIVE: [&str; 5] = ["bench", "--frames", "2", "--device", "native"];
+
+fn runs_of(args: &[&str]) -> Vec<Value> {
+    let d = json_of(&[args, &["--json"]].concat());
+    assert_eq!(d["schema"], 1);
+    assert!(d["machine"].as_str().is_some_and(|machine| machine.contains("threads")));
+    d["runs"].as_array().expect("runs").clone()
+}
+
+/// The one run whose fields have these values.
+#[track_caller]
+fn only<'a>(runs: &'a [Value], fields: &[(&str, Value)]) -> &'a Value {
+    let alike = |run: &&Value| fields.iter().all(|(name, value)| run[name] == *value);
+    let found: Vec<_> = runs.iter().filter(alike).collect();
+    assert_eq!(found.len(), 1, "{fields:?}");
+    found[0]
+}
+
+#[test]
+fn bench_checks_what_it_measures() {
+    let runs = runs_of(&[&NATIVE[..], &["--members", "40"]].concat());
+    let stage =
+        |schedule: &str, stage: &str| only(&runs, &[("schedule", json!(schedule)), ("stage", json!(stage))]);
+    let floor = stage("floor", "all");
+    assert_eq!((&floor["max_error"], &floor["bytes_per_joint"]), (&Value::Null, &json!(48.0)));
+    for schedule in ["staged", "fused"] {
+        let all = stage(schedule, "all");
+        assert!(all["max_error"].as_f64() > Some(0.0), "single precision is never exactly right");
+        assert!(all["ms_min"].as_f64() > Some(0.0) && all["ms_min"].as_f64() <= all["ms_median"].as_f64());
+        assert!(all["wall_ms_median"].as_f64() >= all["ms_min"].as_f64());
+        // Ten of each skeleton: 24, 54, 67 and 128 joints.
+        assert_eq!((&all["members"], &all["joints"], &all["slots"]), (&json!(40), &json!(2730), &json!(2)));
+        let ns = all["ms_median"].as_f64().expect("a time") * 1e6 / 2730.0;
+        assert!((all["ns_per_joint"].as_f64().expect("a time") - ns).abs() < 1e-6);
+    }
+    for name in ["evaluate", "pose", "transform", "write_back"] {
+        assert_eq!(stage("staged", name)["max_error"], Value::Null);
+    }
+    let baked = stage("baked", "all");
+    let (error, bytes) = (baked["max_error"].as_f64(), baked["baked"]["bytes"].as_u64());
+    assert!(
+        error > Some(0.0) && error < Some(0.1),
+        "mixed matrices are near the oracle, not right: {error:?}"
+    );
+    assert!(baked["slots"] == 1 && bytes > baked["baked"]["row_bytes"].as_u64(), "{baked}");
+}
+
+#[test]
+fn bench_measures_every_size_and_load() {
+    let args = ["--members", "40,9", "--members", "20", "--retarget", "--changing", "10"];
+    let runs = runs_of(&[&NATIVE[..], &["--schedule", "fused", "--slots", "1"], &args].concat());
+    assert_eq!(runs.len(), 3 * 4);
+    for members in [40, 9, 20] {
+        only(&runs, &[("members", json!(members)), ("schedule", json!("floor"))]);
+        for load in ["plain", "retargeted", "changing 10 %"] {
+            let run = only(
+                &runs,
+                &[("members", json!(members)), ("schedule", json!("fused")), ("load", json!(load))],
+            );
+            assert!(run["max_error"].as_f64() > Some(0.0));
+            assert_eq!(run["change_ms_median"].is_f64(), load == "changing 10 %");
+        }
+    }
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_member_of_four_slots_takes_256_bytes_at_most_on_a_device() {
+    let args = ["bench", "--frames", "2", "--members", "100", "--slots", "4", "--device", "opencl"];
+    let runs = runs_of(&[&args[..], &["--schedule", "fused", "--retarget"]].concat());
+    for load in ["plain", "retargeted"] {
+        let run = only(&runs, &[("schedule", json!("fused")), ("load", json!(load))]);
+        let bytes = run["bytes_per_member_beyond_palettes"].as_f64();
+        assert!(bytes > Some(48.0 * 4.0) && bytes <= Some(256.0), "{bytes:?}");
+        assert!(run["host_ms_median"].as_f64() <= run["wall_ms_median"].as_f64());
+    }
+}
+
+#[test]
+fn wrong_values_are_refused() {
+    for members in ["0", "10,x", "", "10,0", "99999999"] {
+        refused(&["bench", "--members", members], 2, &["--members"]);
+    }
+    for percent in ["0", "101", "-1", "NaN", "x"] {
+        refused(&["bench", &format!("--changing={percent}")], 2, &["--changing", "above 0 and up to 100"]);
+    }
+    refused(&["bench", "--schedule", "magic"], 2, &["no schedule \"magic\"", "or baked"]);
+    refused(&["bench", "--schedule", "baked", "--device", "opencl"], 2, &["native device alone"]);
+    refused(&["bench", "--slots", "9"], 2, &["--slots"]);
+    refused(&["bench", "--device", "cuda"], 2, &["native, opencl"]);
+}
+
+#[test]
+fn a_crowd_that_memory_does_not_hold_is_left_out() {
+    // A terabyte of palettes, and one of what stands between stages.
+    let args = [&NATIVE[..], &["--members", "10000000", "--joints", "2000"]].concat();
+    let words = ["left out: staged of 10000000 members on native", "left out: baked", "nothing was left"];
+    refused(&args, 4, &words);
+}
+
+/// The elements of a document in which each is closed where it should be.
+fn elements(svg: &str) -> Vec<&str> {
+    let (mut open, mut elements) = (Vec::new(), Vec::new());
+    for tag in svg.split('<').skip(1) {
+        let (tag, text) = tag.split_once('>').expect("a tag ends");
+        let name = tag.split([' ', '/']).find(|word| !word.is_empty()).expect("a name");
+        assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name), "closed where it was not open");
+        } else {
+            elements.push(name);
+            open.extend((!tag.ends_with('/')).then_some(name));
+        }
+        assert!(text.trim().is_empty() || open.last() == Some(&"text"), "{text:?} is not in a label");
+    }
+    assert!(open.is_empty(), "{open:?} are still open");
+    elements
+}
+
+#[test]
+fn the_chart_shows_every_series() {
+    let folder = Folder::new();
+    let chart = folder.text("chart.svg");
+    let output =
+        populace(&[&NATIVE[..], &["--members", "10,100,20", "--retarget", "--chart", &chart]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = String::from_utf8(output.stdout).expect("text");
+    assert!(table.contains("| 100 | native | fused | all | retargeted |"), "{table}");
+    assert!(!table.contains("write_back"), "of several sizes the table leaves stages out");
+    let svg = std::fs::read_to_string(&chart).expect("a chart");
+    let elements = elements(&svg);
+    let count = |name: &str| elements.iter().filter(|element| **element == name).count();
+    let names = [
+        "native floor",
+        "native staged",
+        "native staged, retargeted",
+        "native fused",
+        "native fused, retargeted",
+        "native baked",
+    ];
+    for name in names {
+        assert!(svg.contains(&format!(">{name}</text>")), "{name}");
+    }
+    // A line through three points and one through one in the legend for each, and the floor dashed in both.
+    assert_eq!((count("path"), count("circle")), (2 * names.len(), 4 * names.len()));
+    assert_eq!(svg.matches("stroke-dasharray").count(), 2);
+    for line in svg.split("d=\"M").skip(1) {
+        let places = line.split('"').next().expect("the end").split([' ', 'L']).filter(|p| !p.is_empty());
+        let inside = |place: &str| place.parse::<f64>().is_ok_and(|at| (0.0..1000.0).contains(&at));
+        assert!(places.clone().count() >= 4 && places.into_iter().all(inside), "{line}");
+    }
+    assert!(svg.contains("nanoseconds per joint") && svg.contains(">members"), "axes are labelled");
+}
+
+/// Whether documents say the same, but for the last digits of numbers.
+fn alike(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().expect("a number"), b.as_f64().expect("a number"));
+            (a - b).abs() <= 1e-12 * a.abs()
+        }
+        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(a, b)),
+        (Value::Object(a), Value::Object(b)) => {
+            a.len() == b.len() && a.iter().all(|(name, a)| b.get(name).is_some_and(|b| alike(a, b)))
+        }
+        _ => a == b,
+    }
+}
+
+#[test]
+fn what_was_measured_is_shown_again_from_its_document() {
+    let folder = Folder::new();
+    let (data, chart) = (folder.text("data.json"), folder.text("chart.svg"));
+    let args = [&NATIVE[..], &["--members", "20", "--changing", "5", "--json", "--chart", &chart]].concat();
+    let document = json_of(&args);
+    let drawn = std::fs::read_to_string(&chart).expect("a chart");
+    std::fs::write(&data, document.to_string()).expect("written");
+    assert!(alike(&json_of(&["bench", "--from", &data, "--json", "--chart", &chart]), &document));
+    let again = std::fs::read_to_string(&chart).expect("a chart");
+    assert_eq!(elements(&again), elements(&drawn));
+    let table = String::from_utf8(populace(&["bench", "--from", &data]).stdout).expect("text");
+    let words =
+        ["| 20 | native | staged | pose | plain |", "changing 5 %, fused of 20", "pairs of model and clip"];
+    words.iter().for_each(|word| assert!(table.contains(word), "{word}: {table}"));
+
+    refused(&["bench", "--from", &data, "--members", "5"], 2, &["--from"]);
+    refused(&["bench", "--from", &folder.text("nothing.json")], 1, &["nothing.json"]);
+    let mut broken = document;
+    broken["runs"][2]["ms_median"] = Value::Null;
+    std::fs::write(&data, broken.to_string()).expect("written");
+    refused(&["bench", "--from", &data], 1, &["data.json", "runs[2] has no ms_median"]);
+    std::fs::write(&data, "[]").expect("written");
+    refused(&["bench", "--from", &data], 1, &["schema 1"]);
+}
+
+#[test]
+fn a_chart_that_cannot_be_written_is_refused_before_the_work() {
+    let folder = Folder::new();
+    refused(&["bench", "--chart", &folder.text("chart.png")], 2, &["does not end in .svg"]);
+    refused(&["bench", "--chart", &folder.text("no/chart.svg")], 4, &["cannot write"]);
+}
