@@ -34,6 +34,17 @@ pub(crate) enum Command {
     /// native:1+opencl:0:1/2; the first of them is the one that hands palettes to OpenGL.
     Devices(DevicesArgs),
     /// Measure the pipeline on this machine, and check its results against the oracle.
+    ///
+    /// Schedules, devices and loads take turns frame by frame, after three frames to warm up; the last frame is held
+    /// against the oracle.
+    ///
+    /// In the JSON document `joints` are those of all members together. `ms_median` and `ms_min` are the device's own time,
+    /// from profiling events where it has them (the native device's is that of the host). `wall_ms_median` is the host's
+    /// from the call to the end, `host_ms_median` its part in the call alone, `change_ms_median` that of the calls that
+    /// change clips, before it. `bytes_per_joint` counts what is a member's own, once for each stage that reads or writes
+    /// it, without the tables that all share. `memory_bytes` are the device's; `bytes_per_member_beyond_palettes` is how
+    /// many more it takes for each further member, found from crowds of 2,000 and 4,000. `baked` tells what tables of
+    /// palettes take, and the rows of the same clips. The schedule floor writes palettes and computes nothing.
     Bench(BenchArgs),
 }
 
@@ -166,15 +177,6 @@ pub(crate) struct DevicesArgs {
     pub(crate) json: bool,
 }
 
-/// Schedules, devices and loads take turns frame by frame, after three frames to warm up; the last frame is held against
-/// the oracle. Every line gives medians.
-///
-/// In the JSON document `joints` are those of all members together, and `ms_median` and `ms_min` the device's own time, from
-/// profiling events where it has them (the native device's is that of the host); `wall_ms_median` is the host's from the
-/// call to the end, `host_ms_median` its part in the call alone, `change_ms_median` that of the calls that change clips,
-/// before it. `bytes_per_joint` counts what is a member's own, once for each stage that reads or writes it, without the
-/// tables that all share. `memory_bytes` are the device's; `bytes_per_member_beyond_palettes` is how many more it takes for
-/// each further member, found from crowds of 2,000 and 4,000. The floor writes palettes and computes nothing.
 #[derive(Args, Debug)]
 pub(crate) struct BenchArgs {
     /// Members of the crowd; several sizes as a list or by repeating it

@@ -1,5 +1,7 @@
 //! `populace bench`: its document, its loads, and what it refuses.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
 use crate::post::Folder;
@@ -205,4 +207,20 @@ fn a_chart_that_cannot_be_written_is_refused_before_the_work() {
     let folder = Folder::new();
     refused(&["bench", "--chart", &folder.text("chart.png")], 2, &["does not end in .svg"]);
     refused(&["bench", "--chart", &folder.text("no/chart.svg")], 4, &["cannot write"]);
+}
+
+#[test]
+fn the_page_of_benchmarks_shows_what_its_data_says() {
+    let folder = Folder::new();
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let (data, chart) = (docs.join("data/benchmark.json"), folder.text("chart.svg"));
+    let output = populace(&["bench", "--from", &data.to_string_lossy(), "--chart", &chart]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |path: &Path| std::fs::read_to_string(path).expect("text");
+    let page = read(&docs.join("benchmarks.md"));
+    let table = String::from_utf8(output.stdout).expect("text");
+    for line in table.lines().skip(2) {
+        assert!(page.contains(line), "docs/benchmarks.md lacks: {line}");
+    }
+    assert!(read(Path::new(&chart)) == read(&docs.join("pictures/benchmark.svg")), "the chart is another");
 }
