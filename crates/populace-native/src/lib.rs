@@ -165,7 +165,8 @@ fn grow<T: Clone + Default>(buffer: &mut Vec<T>, count: usize, what: &str) -> Re
 
 impl Backend for NativeBackend {
     fn device_name(&self) -> String {
-        format!("native ({} threads, {})", self.thread_count(), self.dispatch.name())
+        let (count, registers) = (self.thread_count(), self.dispatch.name());
+        format!("native ({count} {}, {registers})", if count == 1 { "thread" } else { "threads" })
     }
 
     fn schedule(&self) -> Schedule {

@@ -232,7 +232,10 @@ impl OpenClDevice {
         let whole = *devices.get(index).ok_or(BackendError::NoDevice { index, count: devices.len() })?;
         let describe = |device| info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e));
         let device = part.map_or(Ok(whole), |part| part_of(&whole, &describe(&whole)?, part))?;
-        let info = describe(&device)?;
+        let mut info = describe(&device)?;
+        if let Some(DevicePart { part, parts }) = part {
+            info.name += &format!(", part {part} of {parts}");
+        }
         let context = match &gl {
             None => Context::from_device(&device).map_err(|e| failed(&info.name, "make a context", &e))?,
             Some(gl) => {

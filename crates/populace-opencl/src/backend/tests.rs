@@ -80,6 +80,7 @@ fn parts_of_a_device_share_its_compute_units_and_there_are_no_more() {
     assert_eq!(device().info().most_parts, whole, "PoCL cuts down to single units");
     let [first, second] = [1, 2].map(|part| half(part).unwrap().info().compute_units);
     assert_eq!((first, second), (whole / 2, whole / 2));
+    assert!(half(2).unwrap().info().name.ends_with(", part 2 of 2"), "errors tell parts apart");
     for (part, parts, words) in [
         (1, 9999, "compute units, for at most"),
         (1, 0, "compute units, for at most"),

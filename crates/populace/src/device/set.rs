@@ -103,7 +103,8 @@ impl FromStr for Devices {
     }
 }
 
-/// How several devices share a crowd's members. What a member gets does not depend on it.
+/// How several devices share a crowd's members. What a member gets does not depend on it, but for what devices differ in
+/// by themselves: native and PoCL give the same bits.
 #[non_exhaustive]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Split {
