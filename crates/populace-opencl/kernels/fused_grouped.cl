@@ -24,8 +24,8 @@ INLINE void keep_model(Models models, uint joint, float4 row0, float4 row1, floa
 }
 
 /* What a member plays, for the whole group. Slots that weigh nothing stay where they are: what mixes passes them over. */
-INLINE Playback play_all(__global const Slot *slots, uint slot_count, ulong tick, Clips of, __global const float *row_times,
-                  __global const uint *buckets, __local Playing *playing)
+INLINE Playback play_all(__global const Slot *slots, uint slot_count, ulong tick, Clips of,
+                         __global const float *row_times, __global const uint *buckets, __local Playing *playing)
 {
     for (uint s = (uint)get_local_id(0); s < slot_count; s += GROUP)
         playing[s] = play(slots[s], tick, of, row_times, buckets);
@@ -37,7 +37,8 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, ulong tick
 /* A member's model_from_joint, for the whole group, and where `planes` is not 0 its local transforms there: ten planes as
  * in stored poses. */
 INLINE void member_models(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body,
-                   __global const uint *parent, __global const uint *level, Models models, __global float *planes)
+                          __global const uint *parent, __global const uint *level, Models models,
+                          __global float *planes)
 {
     for (uint joint = (uint)get_local_id(0); joint < body.joint_count; joint += GROUP) {
         const Trs trs = pose_joint(of, playback, layers, layer_count, body, joint);
@@ -66,12 +67,11 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void fused_grouped(__global const Member *members, __global const Body *bodies, __global const uint *parents,
                    __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
                    __global const BoundBlock *bound_blocks, __global const ClipRows *clips,
-                   __global const RowBlock *row_blocks, __global const uint *rows,
-                   __global const float *row_times, __global const uint *buckets, __global const float *poses,
-                   __global const float *masks, __global const uint *levels, __global const uint *joint_maps, ulong tick,
-                   uint slots_per_member, __global const uint *page_members, __global const Entry *entries,
-                   uint place_first, uint place_end, uint page_first, __global float4 *restrict palette, uint stride,
-                   __local float4 *model_rows)
+                   __global const RowBlock *row_blocks, __global const uint *rows, __global const float *row_times,
+                   __global const uint *buckets, __global const float *poses, __global const float *masks,
+                   __global const uint *levels, __global const uint *joint_maps, ulong tick, uint slots_per_member,
+                   __global const uint *page_members, __global const Entry *entries, uint place_first, uint place_end,
+                   uint page_first, __global float4 *restrict palette, uint stride, __local float4 *model_rows)
 {
     __local Playing playing[SLOTS_MOST];
     const uint owner = page_members[get_group_id(0)];

@@ -3,11 +3,11 @@
  * `Choice`, which `? :` takes: component by component where there are several. */
 
 /* Functions pass whole vectors of sixteen around, so those on every joint's way must not be called; those off it must not
- * take its registers. */
+ * take its registers. With one lane none is called: a GPU would pass what it is given through memory. */
 #define INLINE static inline __attribute__((always_inline))
-#define APART __attribute__((noinline))
 
 #if LANES == 1
+#define APART INLINE
 typedef float Real;
 typedef uint Words;
 typedef int Choice;
@@ -18,6 +18,7 @@ typedef int Choice;
 #define LOAD(pointer) (*(pointer))
 #define STORE(value, pointer) (*(pointer) = (value))
 #else
+#define APART __attribute__((noinline))
 typedef float16 Real;
 typedef uint16 Words;
 typedef int16 Choice;
