@@ -122,10 +122,8 @@ impl Split {
         let refused = |reason| Err(Error::BadSplit { reason });
         if parts.len() != count {
             let wanted = if count == 1 { "one device".into() } else { format!("{count} devices") };
-            return refused(format!(
-                "has {} shares for {wanted}, {devices}; give each device one",
-                parts.len()
-            ));
+            let found = if parts.len() == 1 { "one share".into() } else { format!("{} shares", parts.len()) };
+            return refused(format!("has {found} for {wanted}, {devices}; give each device one"));
         }
         let total: f64 = parts.iter().sum();
         match parts.iter().find(|part| !part.is_finite() || **part < 0.0) {
