@@ -220,18 +220,19 @@ impl RowBlock {
         scale_lanes: 0,
     };
 
-    /// What moves in either block; where it stands is that of one.
+    /// What moves in either block, and whether either holds floats; where it stands is that of one.
     #[must_use]
     pub const fn or_moving(mut self, other: &Self) -> Self {
         if other.rotation_first != NONE {
-            (self.rotation_first, self.rotation_lanes) = (other.rotation_first, other.rotation_lanes);
+            (self.rotation_first, self.rotation_lanes) =
+                (other.rotation_first, self.rotation_lanes | other.rotation_lanes);
         }
         if other.translation_first != NONE {
             (self.translation_first, self.translation_lanes) =
                 (other.translation_first, other.translation_lanes);
         }
         if other.scale_first != NONE {
-            (self.scale_first, self.scale_lanes) = (other.scale_first, other.scale_lanes);
+            (self.scale_first, self.scale_lanes) = (other.scale_first, self.scale_lanes | other.scale_lanes);
         }
         self
     }
@@ -256,7 +257,7 @@ device_struct! {
 device_struct! {
     /// Where 16 neighbouring joints of a body find their columns in a clip's rows. The first six are those of a
     /// [`RowBlock`]: where [`BLOCK_STRAIGHT`] is set, of the one that the joints follow; else a first word only tells
-    /// whether anything moves.
+    /// whether anything moves, and lanes whether any of it is held as floats.
     pub struct BoundBlock {
         /// First word of the rotations.
         pub rotation_first: u32,

@@ -174,10 +174,37 @@ INLINE Real low_half(Words words) { return CONVERT_REAL(AS_INTS(words & 0xffffu)
 
 INLINE Real high_half(Words words) { return CONVERT_REAL(AS_INTS(words >> 16)); }
 
+#if LANES > 1
+
+/* The same where columns stand here and there, but none is held as floats: whole words are gathered, not components. */
+APART Quat gathered_rotation_steps(Clips of, Columns columns, SlotSample at)
+{
+    Words xy0 = 0, zw0 = 0, xy1 = 0, zw1 = 0;
+    for (uint s = 0; s < columns.source_count; s++) {
+        const Source source = of.sources[columns.source_first + s];
+        const Planes planes = planes_of(of.row_blocks[source.block], ROTATION);
+        if (planes.first == NONE) continue;
+        const Words lanes = vload16(0, of.source_lanes + source.lanes_first);
+        const Choice elsewhere = lanes == (Words)(NONE);
+        xy0 = elsewhere ? xy0 : permute(words_at(of, columns, planes, at.row0, 0), lanes);
+        zw0 = elsewhere ? zw0 : permute(words_at(of, columns, planes, at.row0, 1), lanes);
+        xy1 = elsewhere ? xy1 : permute(words_at(of, columns, planes, at.row1, 0), lanes);
+        zw1 = elsewhere ? zw1 : permute(words_at(of, columns, planes, at.row1, 1), lanes);
+    }
+    const Quat n = { mix_real(low_half(xy0), low_half(xy1), at.between), mix_real(high_half(xy0), high_half(xy1), at.between),
+                     mix_real(low_half(zw0), low_half(zw1), at.between), mix_real(high_half(zw0), high_half(zw1), at.between) };
+    return n;
+}
+
+#endif
+
 /* Rotations between two rows, in steps. */
 INLINE Quat rotation_steps(Clips of, Columns columns, SlotSample at)
 {
     const Planes planes = planes_of(columns.block, ROTATION);
+#if LANES > 1
+    if (!is_plain(columns, planes) && !(planes.lanes & ROW_FLOATS)) return gathered_rotation_steps(of, columns, at);
+#endif
     if (!is_plain(columns, planes)) return any_rotation_steps(of, columns, at);
     const Words xy0 = words_at(of, columns, planes, at.row0, 0), zw0 = words_at(of, columns, planes, at.row0, 1);
     const Words xy1 = words_at(of, columns, planes, at.row1, 0), zw1 = words_at(of, columns, planes, at.row1, 1);

@@ -121,8 +121,9 @@ impl Split {
         let (Self::Fixed(parts), count) = (self, devices.0.len()) else { return Ok(None) };
         let refused = |reason| Err(Error::BadSplit { reason });
         if parts.len() != count {
-            let wanted = if count == 1 { "one device".into() } else { format!("{count} devices") };
-            let found = if parts.len() == 1 { "one share".into() } else { format!("{} shares", parts.len()) };
+            let number =
+                |n: usize, what: &str| if n == 1 { format!("one {what}") } else { format!("{n} {what}s") };
+            let (found, wanted) = (number(parts.len(), "share"), number(count, "device"));
             return refused(format!("has {found} for {wanted}, {devices}; give each device one"));
         }
         let total: f64 = parts.iter().sum();
