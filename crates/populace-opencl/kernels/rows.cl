@@ -213,10 +213,36 @@ INLINE Quat rotation_steps(Clips of, Columns columns, SlotSample at)
     return n;
 }
 
+#if LANES > 1
+
+APART Vec3 gathered_vector_steps(Clips of, Columns columns, uint property, SlotSample at)
+{
+    Words xy0 = 0, z0 = 0, xy1 = 0, z1 = 0;
+    for (uint s = 0; s < columns.source_count; s++) {
+        const Source source = of.sources[columns.source_first + s];
+        const Planes planes = planes_of(of.row_blocks[source.block], property);
+        if (planes.first == NONE) continue;
+        const Words lanes = vload16(0, of.source_lanes + source.lanes_first);
+        const Choice elsewhere = lanes == (Words)(NONE);
+        xy0 = elsewhere ? xy0 : permute(words_at(of, columns, planes, at.row0, 0), lanes);
+        z0 = elsewhere ? z0 : permute(AS_WORDS(halves_at(of, columns, planes, at.row0, 1)), lanes);
+        xy1 = elsewhere ? xy1 : permute(words_at(of, columns, planes, at.row1, 0), lanes);
+        z1 = elsewhere ? z1 : permute(AS_WORDS(halves_at(of, columns, planes, at.row1, 1)), lanes);
+    }
+    const Vec3 n = { mix_real(low_half(xy0), low_half(xy1), at.between), mix_real(high_half(xy0), high_half(xy1), at.between),
+                     mix_real(AS_REAL(z0), AS_REAL(z1), at.between) };
+    return n;
+}
+
+#endif
+
 /* Translations or scales between two rows, in steps. */
 INLINE Vec3 vector_steps(Clips of, Columns columns, uint property, SlotSample at)
 {
     const Planes planes = planes_of(columns.block, property);
+#if LANES > 1
+    if (!is_plain(columns, planes) && !(planes.lanes & ROW_FLOATS)) return gathered_vector_steps(of, columns, property, at);
+#endif
     if (!is_plain(columns, planes)) return any_vector_steps(of, columns, property, at);
     const Words xy0 = words_at(of, columns, planes, at.row0, 0), xy1 = words_at(of, columns, planes, at.row1, 0);
     const Real z0 = halves_at(of, columns, planes, at.row0, 1), z1 = halves_at(of, columns, planes, at.row1, 1);
