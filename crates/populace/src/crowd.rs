@@ -5,6 +5,7 @@ mod controls;
 mod hand_over;
 mod playback;
 mod readback;
+mod watches;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -22,6 +23,7 @@ use crate::{Devices, Error, Placement, Split};
 
 pub use builder::CrowdBuilder;
 use controls::{MemberControls, Watches};
+pub use watches::{Sighting, Watch};
 
 /// A character of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -113,6 +115,8 @@ pub struct Crowd {
     /// Of members that more than clips move, by place.
     controls: HashMap<u32, MemberControls>,
     watches: Watches,
+    /// Watches that bring joints to the host.
+    readers: usize,
     /// What another device kept of members, for the next one.
     kept: Option<Kept>,
     /// Where devices have the lengths of joints, by those.
@@ -349,6 +353,9 @@ impl Crowd {
         let frame = Frame::of_all(clock.tick).after_ticks(u32::try_from(whole).unwrap_or(u32::MAX));
         self.opened.backend_mut().run(&self.tables, frame)?;
         self.clock = clock;
+        if self.readers > 0 {
+            self.opened.backend_mut().fetch_watched(&self.tables, clock.tick)?;
+        }
         Ok(())
     }
 

@@ -47,7 +47,7 @@ pub use populace_core::{
 };
 
 pub use control::{Reach, Target, Weight};
-pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member};
+pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member, Sighting, Watch};
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::{Error, nearest_names};
 pub use play::{Placement, Play};
