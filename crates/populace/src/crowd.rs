@@ -11,11 +11,10 @@ use std::sync::Arc;
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
     Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, Frame, GlContext, Schedule, TICKS_PER_SEC,
-    Tables,
+    Tables, nearest_names,
 };
 
 use crate::device::{Engine, Opened};
-use crate::error::nearest_names;
 use crate::{Devices, Error, Placement, Split};
 
 pub use builder::CrowdBuilder;

@@ -40,11 +40,11 @@ mod play;
 mod split;
 
 pub use populace_core as core;
-pub use populace_core::{Affine, BackendError, LayerMode, LayerSettings, Mask, Schedule, Trs};
+pub use populace_core::{Affine, BackendError, LayerMode, LayerSettings, Mask, Schedule, Trs, nearest_names};
 
 pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member};
 pub use device::{Device, DeviceReport, Devices, Split, devices};
-pub use error::{Error, nearest_names};
+pub use error::Error;
 pub use play::{Placement, Play};
 
 /// The library as the README shows it, compiled as a test.
