@@ -134,8 +134,7 @@ pub(crate) fn check(slots: &[SlotArg], layers: &[LayerArg]) -> Result<(), Failur
         let message = format!("there are {} slots; a member has at most {MAX_SLOTS}", slots.len());
         return Err(Failure::usage(message));
     }
-    let twice =
-        layers.iter().enumerate().find(|(nth, l)| layers[..*nth].iter().any(|o| o.layer == l.layer));
+    let twice = layers.iter().enumerate().find(|(nth, l)| layers[..*nth].iter().any(|o| o.layer == l.layer));
     twice.map_or(Ok(()), |(_, l)| Err(Failure::usage(format!("layer {} is set twice", l.layer))))
 }
 

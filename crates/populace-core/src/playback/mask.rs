@@ -17,7 +17,7 @@ use crate::{Error, JointIndex, Skeleton};
 /// assert_eq!(upper.without(&head)?.weights(), [0.0, 0.5, 1.0, 0.0]);
 ///
 /// let error = Mask::of_joints(&skeleton, ["haed"]).unwrap_err();
-/// assert_eq!(error.to_string(), "there is no joint \"haed\"; did you mean \"head\"?");
+/// assert_eq!(error.to_string(), "there is no joint \"haed\"; did you mean \"head\" or \"chest\"?");
 /// # Ok::<(), populace_core::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
