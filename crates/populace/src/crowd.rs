@@ -4,6 +4,9 @@ mod builder;
 mod hand_over;
 mod playback;
 mod readback;
+mod room;
+mod spaces;
+mod waiting;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -17,7 +20,12 @@ use populace_core::{
 use crate::device::{Engine, Opened};
 use crate::{Devices, Error, Placement, Split};
 
+use room::Started;
+use spaces::{Space, Steered};
+use waiting::Waiting;
+
 pub use builder::CrowdBuilder;
+pub use spaces::SpaceId;
 
 /// A character of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -56,6 +64,14 @@ pub struct Member {
     generation: u32,
 }
 
+/// A handle to a clip that was started on a member. It goes stale once another clip has taken its slot, which happens
+/// after it has faded out, and when it was to start later and something else was started in its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PlayId {
+    member: Member,
+    serial: u32,
+}
+
 /// What a renderer needs to draw one member.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instance {
@@ -73,10 +89,18 @@ pub struct Instance {
 const MAX_STEP_SECS: f32 = 1e6;
 
 /// Time in whole ticks, with what is left over.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Clock {
     tick: u64,
     left_over: f64,
+}
+
+impl Default for Clock {
+    /// Most of a year after 0: a clip that goes on at another speed is one that began at another time, maybe long before
+    /// the crowd did.
+    fn default() -> Self {
+        Self { tick: 1 << 44, left_over: 0.0 }
+    }
 }
 
 struct CharacterState {
@@ -109,6 +133,13 @@ pub struct Crowd {
     member_count: usize,
     capacity: usize,
     clock: Clock,
+    /// Beside each slot of the tables.
+    started: Vec<Started>,
+    last_serial: u32,
+    waiting: Waiting,
+    spaces: Vec<Space>,
+    /// The blend space that a member plays, by its place.
+    steered: HashMap<u32, Steered>,
 }
 
 impl Crowd {
@@ -256,6 +287,7 @@ impl Crowd {
         if self.members.len() <= place as usize {
             let free = MemberState { generation: 0, character: None, placement };
             self.members.resize(place as usize + 1, free);
+            self.started.resize(self.members.len() * self.tables.slots_per_member(), Started::default());
         }
         let state = &mut self.members[place as usize];
         state.character = Some(character);
@@ -272,6 +304,8 @@ impl Crowd {
     pub fn despawn(&mut self, member: Member) -> Result<(), Error> {
         self.check(member)?;
         self.tables.remove_member(member.place);
+        self.waiting.retain(member.place, |_| false);
+        self.steered.remove(&member.place);
         let state = &mut self.members[member.place as usize];
         state.character = None;
         state.generation = state.generation.wrapping_add(1);
@@ -297,7 +331,7 @@ impl Crowd {
         Ok(())
     }
 
-    /// Moves the clock on and evaluates every member.
+    /// Moves the clock on, starts what was to start by then, and evaluates every member.
     ///
     /// # Errors
     ///
@@ -316,6 +350,7 @@ impl Crowd {
         )]
         let whole = ticks.round().max(0.0) as u64;
         let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
+        self.begin_what_is_due(clock.tick)?;
         self.opened.backend_mut().update(&self.tables)?;
         self.tables.mark_clean();
         self.opened.backend_mut().run(&self.tables, Frame::of_all(clock.tick))?;

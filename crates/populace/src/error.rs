@@ -57,6 +57,15 @@ pub enum Error {
     /// A handle to a member that was despawned, or of another crowd.
     #[error("the member handle is stale: its member was despawned")]
     StaleMember,
+    /// A handle to a clip that has faded out, or that something else was started in place of.
+    #[error("the handle is stale: the clip has ended, and another took its slot")]
+    StalePlay,
+    /// A blend space that cannot be, or cannot be played so.
+    #[error("the blend space {reason}")]
+    BadBlendSpace {
+        /// What is wrong and how to mend it.
+        reason: String,
+    },
     /// An id that is not of this crowd.
     #[error("there is no {what} {index} in this crowd")]
     UnknownId {

@@ -33,6 +33,7 @@
 //! The main decision: the host keeps the truth in plain tables and devices take over what changed, so a crowd can
 //! move to another device, and everything a device computes can be computed by every other.
 
+mod blend_space;
 mod crowd;
 mod device;
 mod error;
@@ -42,10 +43,11 @@ mod split;
 pub use populace_core as core;
 pub use populace_core::{Affine, BackendError, LayerMode, LayerSettings, Mask, Schedule, Trs, nearest_names};
 
-pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member};
+pub use blend_space::{BlendSpace, SpacePoint};
+pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member, PlayId, SpaceId};
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
-pub use play::{Placement, Play};
+pub use play::{Placement, Play, Playing};
 
 /// The library as the README shows it, compiled as a test.
 #[cfg(doctest)]
