@@ -92,8 +92,11 @@ impl Crowd {
         if missing == 0 {
             return Ok(None);
         }
-        let roles: Vec<_> = (0..count).map(|i| role(&self.slots(place)[i], self.started(place, i))).collect();
-        let (victims, smoothly) = self.weakest(place, missing, &shares, &roles);
+        let roles = self.roles(place, role);
+        let (mut victims, others) = self.by_strength(place, &shares, &roles);
+        let smoothly = victims.len() >= missing;
+        victims.extend(others);
+        victims.truncate(missing);
         if secs <= 0.0 || !smoothly {
             for index in victims {
                 let empty = Slot { bound_clip: NONE, ..Slot::default() };
@@ -105,33 +108,39 @@ impl Crowd {
         self.hasten(place, &victims, &roles, share * secs, tick)
     }
 
-    /// The slots that give way: those on their way out first, the weakest of them first. Says whether they can fade: not
-    /// where the base layer would be left with nothing.
-    fn weakest(
+    /// How many slots are free or can be made so without a cut.
+    pub(super) fn room_for(&self, place: u32, tick: u64, role: impl Fn(&Slot, Started) -> Role) -> usize {
+        let shares = self.slot_shares(place, tick);
+        let free = (0..self.slots(place).len()).filter(|index| shares[*index].is_none()).count();
+        free + self.by_strength(place, &shares, &self.roles(place, role)).0.len()
+    }
+
+    fn roles(&self, place: u32, role: impl Fn(&Slot, Started) -> Role) -> Vec<Role> {
+        let slots = self.slots(place).iter().enumerate();
+        slots.map(|(index, slot)| role(slot, self.started(place, index))).collect()
+    }
+
+    /// The slots that can give way: those on their way out first, of these the weakest first. Apart from them those that
+    /// cannot fade, since the base layer would be left with nothing.
+    fn by_strength(
         &self,
         place: u32,
-        missing: usize,
         shares: &[Option<f32>; MAX_SLOTS],
         roles: &[Role],
-    ) -> (Vec<usize>, bool) {
+    ) -> (Vec<usize>, Vec<usize>) {
         let slots = self.slots(place);
         let leaves = |i: usize| roles[i] == Role::Leaves || slots[i].end_weight <= 0.0;
         let mut order: Vec<_> =
             (0..slots.len()).filter(|i| shares[*i].is_some() && roles[*i] != Role::Stays).collect();
         let share = |i: usize| shares[i].unwrap_or(0.0);
         order.sort_by(|&a, &b| leaves(b).cmp(&leaves(a)).then(share(a).total_cmp(&share(b))));
-        let (mut victims, mut base) = (Vec::new(), 0.0);
-        for &index in &order {
+        let mut base = 0.0;
+        order.into_iter().partition(|&index| {
             let of_base = if slots[index].layer() == 0 { share(index) } else { 0.0 };
-            if victims.len() < missing && base + of_base < 1.0 - NEGLIGIBLE {
-                base += of_base;
-                victims.push(index);
-            }
-        }
-        let smoothly = victims.len() == missing;
-        let others: Vec<_> = order.into_iter().filter(|i| !victims.contains(i)).collect();
-        victims.extend(others.into_iter().take(missing - victims.len()));
-        (victims, smoothly)
+            let fades = base + of_base < 1.0 - NEGLIGIBLE;
+            base += if fades { of_base } else { 0.0 };
+            fades
+        })
     }
 
     /// Lets slots fade out in so many seconds at most. What the start is to change otherwise stands still until then, so

@@ -70,8 +70,8 @@ impl Crowd {
     ///
     /// [`Play::speed`] is times the clips' own pace, [`Play::phase`] where the shared phase begins, [`Play::weight`] that of
     /// all clips together. A member plays one space: another takes its place for [`steer`](Self::steer). It takes two
-    /// slots in a line and three in a plane; give members twice as many, so that one point can change over to any other
-    /// without a cut.
+    /// slots in a line and three in a plane; with twice as many one point changes over to any other at once, with fewer
+    /// some clips wait until others have faded out.
     ///
     /// # Errors
     ///
@@ -156,9 +156,10 @@ impl Crowd {
         if secs <= 0.0 {
             self.fade_out(place, layer, 0.0, tick)?;
         }
-        let weights = self.spaces[index as usize].space.weights_at(at);
-        let needed = weights.iter().filter(|(_, weight)| *weight > 0.0).count();
         let role = |slot: &Slot, _| if slot.layer() as usize == layer { Role::Leaves } else { Role::Apart };
+        let all = self.spaces[index as usize].space.weights_at(at);
+        let weights = strongest(all, |_| false, self.room_for(place, tick, role));
+        let needed = weights.iter().filter(|(_, weight)| *weight > 0.0).count();
         if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
             self.waiting.push(place, due, start.at_its_time());
             return Ok(());
@@ -180,7 +181,20 @@ impl Crowd {
         for (sample, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
             self.add_sample(place, &steered, (sample, weight), secs, tick)?;
         }
+        if weights != all {
+            self.steer_on(place, start, (at, secs), tick);
+        }
         Ok(())
+    }
+
+    /// Some clips found no slot: steers to the same point again once others have faded out.
+    fn steer_on(&mut self, place: u32, start: &Start, (at, secs): (SpacePoint, f32), tick: u64) {
+        let due = tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1);
+        let action = Action::Steer { at, over_secs: secs };
+        self.waiting.push(place, due, Start { action, ..start.at_its_time() });
+        if let Some(steered) = self.steered.get_mut(&place) {
+            steered.at = None;
+        }
     }
 
     pub(super) fn begin_steer(
@@ -196,22 +210,23 @@ impl Crowd {
         if steered.at == Some(at) {
             return Ok(());
         }
-        let weights = self.spaces[steered.space as usize].space.weights_at(at);
+        let all = self.spaces[steered.space as usize].space.weights_at(at);
         let fading_in = steered.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
         let secs = over_secs.max(crate::blend_space::single(fading_in));
         let layer = steered.play.layer;
         let role = |slot: &Slot, started: Started| {
             let own = started.serial == steered.serial && slot.layer() as usize == layer;
             match started.sample.filter(|_| own) {
-                Some(sample) if weight_of(&weights, sample) > 0.0 => Role::Stays,
+                Some(sample) if weight_of(&all, sample) > 0.0 => Role::Stays,
                 Some(_) => Role::Leaves,
                 None if slot.layer() as usize == layer && slot.end_weight <= 0.0 => Role::Leaves,
                 None => Role::Apart,
             }
         };
-        let missing = weights.iter().filter(|(sample, weight)| {
-            *weight > 0.0 && self.sample_slot(place, steered.serial, *sample, tick).is_none()
-        });
+        let is_there = |sample| self.sample_slot(place, steered.serial, sample, tick).is_some();
+        let weights =
+            if secs > 0.0 { strongest(all, is_there, self.room_for(place, tick, role)) } else { all };
+        let missing = weights.iter().filter(|(sample, weight)| *weight > 0.0 && !is_there(*sample));
         let needed = missing.count();
         if secs <= 0.0 {
             self.steer_slots(place, &steered, &weights, 0.0, tick)?;
@@ -230,6 +245,9 @@ impl Crowd {
             if self.sample_slot(place, steered.serial, sample, tick).is_none() {
                 self.add_sample(place, &steered, (sample, weight), secs, tick)?;
             }
+        }
+        if weights != all {
+            self.steer_on(place, start, (at, over_secs), tick);
         }
         Ok(())
     }
@@ -310,6 +328,23 @@ impl Crowd {
         }
         if total > 0.0 { f64::from(speed) * sum / total } else { 0.0 }
     }
+}
+
+/// The clips that are there, and of the others as many as there is room for, but one at least; in the same proportions.
+fn strongest(all: Weights, is_there: impl Fn(usize) -> bool, room: usize) -> Weights {
+    let mut order = all;
+    order.sort_by(|a, b| is_there(b.0).cmp(&is_there(a.0)).then(b.1.total_cmp(&a.1)));
+    let weighing = |(_, weight): &&(usize, f32)| *weight > 0.0;
+    let there = order.iter().filter(weighing).filter(|(sample, _)| is_there(*sample)).count();
+    let kept = order.iter().filter(weighing).take((there + room).max(1));
+    let kept: Vec<_> = kept.copied().collect();
+    if kept.len() == order.iter().filter(weighing).count() {
+        return all;
+    }
+    let total: f32 = kept.iter().map(|(_, weight)| weight).sum();
+    let mut weights = [(0, 0.0); MOST];
+    weights.iter_mut().zip(kept).for_each(|(to, (sample, weight))| *to = (sample, weight / total));
+    weights
 }
 
 fn weight_of(weights: &[(usize, f32); MOST], sample: u16) -> f32 {

@@ -4,7 +4,7 @@ use glam::Quat;
 use populace::{ClipId, Crowd, CrowdBuilder, Member, Play};
 
 use crate::on_every_way;
-use crate::rig::{JOINTS, Motion, one_member, step_rad, turns};
+use crate::rig::{Motion, one_member, step_rad, turns};
 
 /// A frame, and between two starts: 20 of them in 0.3 s.
 const STEP_SECS: f32 = 0.015;
