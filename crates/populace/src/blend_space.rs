@@ -72,13 +72,13 @@ enum Shape {
 /// # let knight = crowd.add_character(knight)?;
 /// # let member = crowd.spawn(knight, Placement::at([0.0; 3]))?;
 /// let (idle, walk, run) = (crowd.clip(knight, "Idle")?, crowd.clip(knight, "Walk")?, crowd.clip(knight, "Run")?);
-/// let gait = BlendSpace::line(&[(idle, 0.0), (walk, 1.4), (run, 3.4)])?;
-/// assert_eq!(gait.weights(2.4)?, [(walk, 0.5), (run, 0.5)]);
+/// let gait = BlendSpace::line(&[(idle, 0.0), (walk, 1.5), (run, 3.5)])?;
+/// assert_eq!(gait.weights(2.5)?, [(walk, 0.5), (run, 0.5)]);
 ///
 /// let gait = crowd.add_space(gait)?;
-/// crowd.play_space(member, gait, 1.4, Play::looping())?;
+/// crowd.play_space(member, gait, 1.5, Play::looping())?;
 /// crowd.update(0.1)?;
-/// crowd.steer(member, 3.4, 0.5)?; // from a walk into a run in half a second
+/// crowd.steer(member, 3.5, 0.5)?; // from a walk into a run in half a second
 /// crowd.update(0.25)?;
 /// assert_eq!(crowd.playing(member)?.len(), 2);
 /// # Ok::<(), populace::Error>(())
@@ -191,7 +191,8 @@ fn on_line(values: &[(f32, usize)], at: f32) -> Weights {
     let mut weights = [(0, 0.0); MOST];
     match (above.checked_sub(1).map(|below| values[below]), values.get(above)) {
         (Some((low, below)), Some(&(high, above))) => {
-            let share = f64::from(at - low) / f64::from(high - low);
+            let [at, low, high] = [at, low, high].map(f64::from);
+            let share = (at - low) / (high - low);
             weights[..2].copy_from_slice(&[(below, single(1.0 - share)), (above, single(share))]);
         }
         (Some((_, only)), None) | (None, Some(&(_, only))) => weights[0] = (only, 1.0),

@@ -171,3 +171,6 @@ impl Plane {
 fn least(shares: [f64; 3]) -> f64 {
     shares.into_iter().fold(f64::MAX, f64::min)
 }
+
+#[cfg(test)]
+mod tests;
