@@ -40,12 +40,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         crowd.update(1.0 / 60.0)?;
     }
     let clips = crowd.clips(id)?;
-    for (nth, member) in (0..).zip(members) {
+    for (nth, member) in (0..7_u8).zip(members) {
         let name = |clip| clips.iter().find(|(id, _)| *id == clip).map_or("", |(_, clip)| clip.name());
         let playing = crowd.playing(member)?;
         let shares: Vec<_> =
             playing.iter().map(|p| format!("{} {:.0} %", name(p.clip), p.weight * 100.0)).collect();
-        println!("{:.1} m/s: {}", f32::from(nth as u8) * 0.5, shares.join(", "));
+        println!("{:.1} m/s: {}", f32::from(nth) * 0.5, shares.join(", "));
     }
     let path = shared::output("blend_space.png");
     shared::draw(&mut crowd, &man, &[[-4.2, 0.0, 0.0], [4.2, 1.9, 0.0]], &path)?;

@@ -9,30 +9,24 @@ mod shared;
 
 use std::error::Error;
 
+use glam::{Quat, Vec3};
 use populace::core::{Clip, ClipSource, Interpolation, Property, Skeleton, Track};
 use populace::{Crowd, LayerMode, LayerSettings, Mask, Placement, Play};
 use populace_cast::{Look, person};
 
-/// A clip that turns joints about one axis (0 for X, 2 for Z): angles in radians at keys a third of a second apart.
+/// A clip that turns joints about one axis: angles in radians at keys a third of a second apart.
 fn clip(
     skeleton: &Skeleton,
     name: &str,
-    axis: usize,
-    joints: &[(&str, [f64; 4])],
+    axis: Vec3,
+    joints: &[(&str, [f32; 4])],
 ) -> Result<Clip, populace::core::Error> {
-    let track = |&(joint, angles): &(&str, [f64; 4])| {
-        let quaternion = |angle: f64| {
-            let mut q = [0.0, 0.0, 0.0, (angle / 2.0).cos() as f32];
-            q[axis] = (angle / 2.0).sin() as f32;
-            q
-        };
-        Track {
-            joint: joint.into(),
-            property: Property::Rotation,
-            interpolation: Interpolation::Linear,
-            times: vec![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0],
-            values: angles.into_iter().flat_map(quaternion).collect(),
-        }
+    let track = |&(joint, angles): &(&str, [f32; 4])| Track {
+        joint: joint.into(),
+        property: Property::Rotation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0],
+        values: angles.into_iter().flat_map(|angle| Quat::from_axis_angle(axis, angle).to_array()).collect(),
     };
     Clip::new(ClipSource { name: name.into(), tracks: joints.iter().map(track).collect() }, skeleton)
 }
@@ -41,10 +35,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let woman = person(&Look::woman())?;
     let skeleton = &woman.skeleton;
     let arm = [("r_upper_arm", [-1.2; 4]), ("r_forearm", [-1.0, -1.7, -1.0, -1.7])];
-    let wave = clip(skeleton, "Wave", 2, &arm)?;
+    let wave = clip(skeleton, "Wave", Vec3::Z, &arm)?;
     // An additive clip adds what it moves from its first key on.
-    let bow =
-        clip(skeleton, "Bow", 0, &[("spine", [0.0, 0.35, 0.35, 0.0]), ("chest", [0.0, 0.35, 0.35, 0.0])])?;
+    let bow = clip(
+        skeleton,
+        "Bow",
+        Vec3::X,
+        &[("spine", [0.0, 0.35, 0.35, 0.0]), ("chest", [0.0, 0.35, 0.35, 0.0])],
+    )?;
     // The mask fades in over the shoulder, so that no seam shows there.
     let one_arm = Mask::of_subtrees(skeleton, ["r_shoulder"])?.with_falloff(skeleton, 2)?;
 

@@ -172,7 +172,6 @@ impl Slot {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "shifted down to 32 bits")]
 const fn upper_half(phase: u64) -> u32 {
     (phase >> 32) as u32
 }

@@ -111,7 +111,8 @@ impl Crowd {
         check_weight("the weight of a clip", weight)?;
         check_secs("the time to change a weight", over_secs)?;
         let Some(index) = self.find_slot(id)? else {
-            return self.change_waiting(id, |play| play.weight = weight);
+            self.change_waiting(id, |play| play.weight = weight);
+            return Ok(());
         };
         let (place, tick) = (id.member.place, self.clock.tick);
         let mut slot = self.slots(place)[index];
@@ -129,8 +130,9 @@ impl Crowd {
         finite("the speed of a clip", &[speed])?;
         let place = id.member.place;
         let Some(index) = self.find_slot(id)? else {
-            self.change_waiting(id, |play| play.speed = speed)?;
-            return Ok(self.time_the_queue(place));
+            self.change_waiting(id, |play| play.speed = speed);
+            self.time_the_queue(place);
+            return Ok(());
         };
         let mut slot = self.slots(place)[index];
         let duration = self.duration_secs(slot.bound_clip);
@@ -329,13 +331,12 @@ impl Crowd {
         if waits { Ok(None) } else { Err(Error::StalePlay) }
     }
 
-    fn change_waiting(&mut self, id: PlayId, change: impl Fn(&mut Play)) -> Result<(), Error> {
+    fn change_waiting(&mut self, id: PlayId, change: impl Fn(&mut Play)) {
         self.waiting.change(id.member.place, |_, start| {
             if start.serial == id.serial {
                 change(&mut start.play);
             }
         });
-        Ok(())
     }
 
     /// When what a layer was last told to play ends.

@@ -1,6 +1,11 @@
 //! What members play, on every device and schedule: layers, fades, queues, speeds, blend spaces.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::disallowed_methods,
+    reason = "scenes may be rounded as they come: each is made once for the device and for what judges it"
+)]
 
 mod crowds;
 mod layers;
