@@ -15,7 +15,8 @@ impl Crowd {
     /// fades in, and what was queued is forgotten.
     ///
     /// Where all slots of the member are taken, the weakest fades out first and this waits for it, for a small part of
-    /// its own fade: a pose never jumps. (A member with one slot has nothing to fade with, and changes over at once.)
+    /// its own fade: a pose never jumps. One that starts without a fade takes the weakest's slot at once, and a member with
+    /// one slot has nothing to fade with.
     ///
     /// # Errors
     ///

@@ -105,7 +105,7 @@ impl Crowd {
             return Ok(None);
         }
         let share: f32 = victims.iter().filter_map(|i| shares[*i]).sum();
-        self.hasten(place, &victims, &roles, share * secs, tick)
+        self.hasten(place, &victims, &roles, share * secs, tick).map(Some)
     }
 
     /// How many slots are free or can be made so without a cut.
@@ -152,7 +152,7 @@ impl Crowd {
         roles: &[Role],
         secs: f32,
         tick: u64,
-    ) -> Result<Option<u64>, Error> {
+    ) -> Result<u64, Error> {
         let mut due = tick + 1;
         let mut left_behind = [0.0_f32; MAX_LAYERS];
         for &index in victims {
@@ -165,7 +165,7 @@ impl Crowd {
             };
             let secs = secs.min(own);
             slot.ramp_weight(tick, weight, 0.0, secs);
-            due = due.max(tick + ticks_from_secs(f64::from(secs)) + 1);
+            due = due.max(tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1));
             left_behind[slot.layer() as usize] += weight;
             self.tables.set_slot(place, index, slot)?;
         }
@@ -185,7 +185,7 @@ impl Crowd {
                 }
             }
         }
-        Ok(Some(due))
+        Ok(due)
     }
 
     /// Fades out all clips of a layer together, keeping their proportions, so that what fades in meanwhile takes the

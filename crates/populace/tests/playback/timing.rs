@@ -221,7 +221,10 @@ fn bad_values_are_refused_and_change_nothing() {
     assert!(crowd.queue(member, other_clips[0], Play::once()).is_err());
     crowd.update(0.5).unwrap();
     assert_near(root(&mut crowd, member), 0.5);
-    // The longest delays and the slowest speeds are only long and slow.
+    // The longest delays and fades and the slowest speeds are only long and slow.
+    for _ in 0..9 {
+        crowd.blend(member, clips[1], Play::looping().fade_in_secs(f32::MAX).on_layer(1)).unwrap();
+    }
     crowd.queue(member, clips[1], Play::once().after_secs(f32::MAX)).unwrap();
     crowd.set_speed(wave, 1e-30).unwrap();
     crowd.queue(member, clips[1], Play::once().speed(1e-30)).unwrap();
