@@ -51,6 +51,16 @@ pub(crate) struct Staging {
 }
 
 impl Staging {
+    /// Whether no device reads the words any longer.
+    pub(crate) fn is_done(&self) -> Result<bool, ClError> {
+        for read in &self.reads {
+            if !waits::is_done(read)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
     /// The words, to be changed: waits until no device reads them any longer.
     pub(crate) fn words(&mut self) -> Result<&mut Vec<u32>, ClError> {
         for read in &self.reads {

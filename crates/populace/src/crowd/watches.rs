@@ -3,7 +3,7 @@
 use populace_core::layout::WATCHED_ELEMENTS;
 use populace_core::{Affine, JointIndex, TICKS_PER_SEC};
 
-use super::{Crowd, Member};
+use super::{Crowd, FIRST_TICK, Member};
 use crate::Error;
 
 /// A joint that is brought to the host after each frame.
@@ -16,7 +16,7 @@ pub struct Watch {
 /// A joint as it was a little while ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
-    /// The crowd's clock then.
+    /// The crowd's clock then, from its beginning on.
     pub at_secs: f64,
     /// Where it was in the world.
     pub world_from_joint: Affine,
@@ -54,7 +54,7 @@ impl Crowd {
         let world_from_joint = Affine { rows: [rows[0].0, rows[1].0, rows[2].0] };
         // What was never written is all zeros.
         let seen = world_from_joint.rows[0][..3].iter().any(|v| *v != 0.0);
-        let at_secs = tick as f64 / TICKS_PER_SEC as f64;
+        let at_secs = tick.saturating_sub(FIRST_TICK) as f64 / TICKS_PER_SEC as f64;
         Ok(seen.then_some(Sighting { at_secs, world_from_joint }))
     }
 
