@@ -30,9 +30,11 @@ mod clip;
 mod error;
 mod f64math;
 mod hand_over;
+mod humanoid;
 pub mod layout;
 pub mod math;
 mod playback;
+mod retarget;
 mod skeleton;
 mod tables;
 mod track;
@@ -49,6 +51,7 @@ pub use hand_over::{
     EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteWay,
     SharedPage, TargetMark,
 };
+pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
 pub use math::{Affine, Trs};
 pub use playback::{LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs};
 pub use skeleton::{JointIndex, JointSource, Skeleton};

@@ -29,6 +29,7 @@ mod reading;
 mod rows;
 mod split;
 mod transform;
+mod turns;
 mod write_back;
 
 use std::time::Instant;

@@ -4,14 +4,15 @@ mod builder;
 mod hand_over;
 mod playback;
 mod readback;
+mod roles;
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
-    Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, Frame, GlContext, Schedule, TICKS_PER_SEC,
-    Tables,
+    Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, Frame, GlContext, RoleMap, Schedule,
+    TICKS_PER_SEC, Tables,
 };
 
 use crate::device::{Engine, Opened};
@@ -35,7 +36,8 @@ impl CharacterId {
     }
 }
 
-/// A clip of a crowd. Any member can play it; it drives the joints whose names it knows.
+/// A clip of a crowd. Any member can play it: it drives the joints whose names it knows, and moves other bodies by their
+/// humanoid roles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClipId {
     crowd: u32,
@@ -83,6 +85,8 @@ struct Clock {
 struct CharacterState {
     character: Arc<Character>,
     body: BodyIndex,
+    /// Found by name, or given.
+    roles: Option<RoleMap>,
     /// The clips that came with the character or were added to it, by name.
     clips: Vec<ClipId>,
 }
@@ -106,6 +110,8 @@ pub struct Crowd {
     clips: AnimationSet,
     characters: Vec<CharacterState>,
     bound_clips: HashMap<(BodyIndex, ClipIndex), u32>,
+    /// Of the skeletons that clips were made for, where given.
+    clip_roles: HashMap<ClipIndex, RoleMap>,
     members: Vec<MemberState>,
     member_count: usize,
     capacity: usize,
@@ -183,7 +189,8 @@ impl Crowd {
         let body = self.tables.add_body(&character.skeleton, &character.palette)?;
         let id = CharacterId { crowd: self.number, index: u32_from(self.characters.len()) };
         let clips = character.clips.clone();
-        self.characters.push(CharacterState { character, body, clips: Vec::new() });
+        let roles = RoleMap::detect(&character.skeleton);
+        self.characters.push(CharacterState { character, body, roles, clips: Vec::new() });
         for clip in &clips {
             self.add_clip(id, clip)?;
         }

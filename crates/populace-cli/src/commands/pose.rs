@@ -28,6 +28,11 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let character = Arc::new(imported.character.clone());
     let mut crowd = args.device.crowd().capacity(1).slots_per_member(1).build()?;
     let id = crowd.add_character(Arc::clone(&character))?;
+    if let Some(file) = &args.clips {
+        for clip in &populace_assets::load(file)?.character.clips {
+            crowd.add_clip(id, clip)?;
+        }
+    }
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
     let clip = args.clip.as_deref().map(|name| find_clip(&crowd, id, name)).transpose()?;
     if let Some((clip, _)) = &clip {

@@ -104,6 +104,7 @@ impl CrowdBuilder {
             clips: AnimationSet::default(),
             characters: Vec::new(),
             bound_clips: HashMap::new(),
+            clip_roles: HashMap::new(),
             members: Vec::new(),
             member_count: 0,
             capacity: self.capacity,

@@ -115,7 +115,8 @@ impl Crowd {
         }
         let known =
             self.clips.get(clip.index).ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
-        let binding = Binding::new(known, &state.character.skeleton);
+        let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
+        let binding = Binding::fitting(known, self.roles_of(known).as_ref(), skeleton, roles)?;
         let bound = self.tables.add_bound_clip(clip.index.0, state.body, &binding)?;
         self.bound_clips.insert(key, bound);
         Ok(bound)
