@@ -38,7 +38,7 @@ pub(crate) fn load(
     let mut drawn = Vec::new();
     let mut lent = Vec::new();
     for file in lenders {
-        lent.extend(from_file(file)?.clips);
+        lent.extend(from_file(file)?.clips.iter().cloned());
     }
     for input in inputs {
         match input.strip_prefix('@') {

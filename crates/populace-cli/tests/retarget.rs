@@ -24,7 +24,7 @@ fn measure() {
         for (onto, _) in BODIES {
             let (source, target) = (load(from), load(onto));
             let mut crowd =
-                Crowd::builder().devices(Device::native(1)).capacity(2).slots_per_member(1).build().unwrap();
+                Crowd::builder().devices(Device::native()).capacity(2).slots_per_member(1).build().unwrap();
             let s = crowd.add_character(source.character.clone()).unwrap();
             let t = crowd.add_character(target.character.clone()).unwrap();
             let clip = crowd.clip(s, clip_name).unwrap();
@@ -89,6 +89,12 @@ fn measure() {
                 let palette = crowd.palette(b).unwrap();
                 for part in &target.character.parts {
                     for v in 0..part.mesh.positions.len() {
+                        let inf = &part.mesh.influences;
+                        let n = inf.per_vertex;
+                        let best = (0..n).max_by(|a, b| inf.weights[v * n + a].total_cmp(&inf.weights[v * n + b])).unwrap();
+                        let j = target.character.palette[inf.entries[v * n + best] as usize].joint;
+                        let feet = [Side::Left, Side::Right].map(|s| tr.joint(Role::Foot(s)).unwrap());
+                        if !feet.iter().any(|f| j == *f || tk.is_below(j, *f)) { continue; }
                         let y = vertex_y(part, v, &palette);
                         low_vertex = low_vertex.min(y as f32);
                     }

@@ -107,6 +107,6 @@ INLINE Vec3 vec3_cross(Quat q, Vec3 a)
 
 INLINE Vec3 quat_rotate(Quat q, Vec3 v)
 {
-    const Vec3 half = vec3_cross(q, v), once = vec3_add(half, half), twice = vec3_cross(q, once);
+    const Vec3 across = vec3_cross(q, v), once = vec3_add(across, across), twice = vec3_cross(q, once);
     return vec3_add(vec3_add(v, vec3_scale(once, q.w)), twice);
 }
