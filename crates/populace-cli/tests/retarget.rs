@@ -91,10 +91,14 @@ fn measure() {
                     for v in 0..part.mesh.positions.len() {
                         let inf = &part.mesh.influences;
                         let n = inf.per_vertex;
-                        let best = (0..n).max_by(|a, b| inf.weights[v * n + a].total_cmp(&inf.weights[v * n + b])).unwrap();
+                        let best = (0..n)
+                            .max_by(|a, b| inf.weights[v * n + a].total_cmp(&inf.weights[v * n + b]))
+                            .unwrap();
                         let j = target.character.palette[inf.entries[v * n + best] as usize].joint;
                         let feet = [Side::Left, Side::Right].map(|s| tr.joint(Role::Foot(s)).unwrap());
-                        if !feet.iter().any(|f| j == *f || tk.is_below(j, *f)) { continue; }
+                        if !feet.iter().any(|f| j == *f || tk.is_below(j, *f)) {
+                            continue;
+                        }
                         let y = vertex_y(part, v, &palette);
                         low_vertex = low_vertex.min(y as f32);
                     }

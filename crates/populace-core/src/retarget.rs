@@ -6,16 +6,19 @@
 //! `Gt = Gs * inverse(Gs0) * Gtc`. All other joints of the target keep their local rest.
 
 mod chain;
+mod ground;
 
 use glam::{DAffine3, DQuat, DVec3};
 
-use crate::humanoid::{Finger, Phalanx, Role, RoleMap, Side};
+use crate::humanoid::{Role, RoleMap, Side};
 use crate::{JointIndex, Skeleton, f64math};
 
 pub(crate) use chain::{Chain, ColumnMotion, Value};
 
 /// Lengths below this part of the body's size have no direction.
 const SHORT: f64 = 1e-5;
+/// Collarbones begin within this part of the way from the middle of the shoulders to an upper arm.
+const COLLARBONE: f64 = 0.6;
 
 /// A skeleton at rest and its roles.
 pub(crate) struct Figure<'a> {
@@ -32,10 +35,7 @@ impl<'a> Figure<'a> {
         let parents: Vec<_> = skeleton.joints().map(|j| skeleton.parent(j)).collect();
         let local = |j: JointIndex| f64math::quat(skeleton.rest(j).rotation).normalize();
         let rest = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
-        let mut turn: Vec<DQuat> = Vec::with_capacity(parents.len());
-        for joint in skeleton.joints() {
-            turn.push(skeleton.parent(joint).map_or(DQuat::IDENTITY, |p| turn[p.index()]) * local(joint));
-        }
+        let turn = f64math::turns(&parents, skeleton.joints().map(local));
         Self { skeleton, roles, rest: f64math::model_from_joints(&parents, rest), turn }
     }
 
@@ -51,6 +51,19 @@ impl<'a> Figure<'a> {
     /// The joint that carries the whole body over the ground, where there is one: the hips' parent.
     fn root(&self) -> Option<JointIndex> {
         self.skeleton.parent(self.roles.joint(Role::Hips)?)
+    }
+
+    /// Whether the joint between chest and upper arm leads outwards, as collarbones do. Some rigs have a joint in its place
+    /// that turns the arm in the shoulder: what it does is part of what the upper arm does.
+    fn has_collarbone(&self, side: Side) -> bool {
+        let place = |role| Some(self.place(self.roles.joint(role)?));
+        let arms = [Side::Left, Side::Right].map(|side| place(Role::UpperArm(side)));
+        let (Some(left), Some(right), Some(shoulder)) = (arms[0], arms[1], place(Role::Shoulder(side)))
+        else {
+            return false;
+        };
+        let (middle, arm) = ((left + right) / 2.0, if side == Side::Left { left } else { right });
+        shoulder.distance(middle) < COLLARBONE * arm.distance(middle)
     }
 
     /// Joints of the back, from below.
@@ -176,7 +189,7 @@ impl<'a> Common<'a> {
             _ if self.target.roles.joint(role) != Some(joint) => return inherited,
             _ => {}
         }
-        let swing = ends(role).into_iter().find_map(|end| {
+        let swing = end(role).and_then(|end| {
             let (to_source, to_target) = (self.source.roles.joint(end)?, self.target.roles.joint(end)?);
             let wanted = self.source.place(to_source) - self.source.place(source);
             let inherits = inherited * (self.target.place(to_target) - self.target.place(joint));
@@ -214,19 +227,15 @@ impl<'a> Common<'a> {
     }
 }
 
-/// Where the limb of a role leads to, the first that both bodies have.
-fn ends(role: Role) -> Vec<Role> {
+/// Where the limb of a role leads to. Hands and fingers keep their own shape: a palm may be cupped at rest, and pulling it
+/// straight would tear it.
+fn end(role: Role) -> Option<Role> {
     match role {
-        Role::UpperArm(side) => vec![Role::LowerArm(side)],
-        Role::LowerArm(side) => vec![Role::Hand(side)],
-        Role::UpperLeg(side) => vec![Role::LowerLeg(side)],
-        Role::LowerLeg(side) => vec![Role::Foot(side)],
-        Role::Hand(side) => {
-            [Finger::Middle, Finger::Index].map(|f| Role::Finger(side, f, Phalanx::First)).into()
-        }
-        Role::Finger(side, finger, Phalanx::First) => vec![Role::Finger(side, finger, Phalanx::Second)],
-        Role::Finger(side, finger, Phalanx::Second) => vec![Role::Finger(side, finger, Phalanx::Third)],
-        _ => Vec::new(),
+        Role::UpperArm(side) => Some(Role::LowerArm(side)),
+        Role::LowerArm(side) => Some(Role::Hand(side)),
+        Role::UpperLeg(side) => Some(Role::LowerLeg(side)),
+        Role::LowerLeg(side) => Some(Role::Foot(side)),
+        _ => None,
     }
 }
 
@@ -235,10 +244,11 @@ fn ends(role: Role) -> Vec<Role> {
 fn pairs(source: &Figure<'_>, target: &Figure<'_>) -> Vec<Option<Pair>> {
     let mut pairs = vec![None; target.skeleton.joint_count()];
     for (role, joint) in target.roles.iter().chain(target.roles.followers().iter().copied()) {
-        let same = source
-            .roles
-            .joint(role)
-            .filter(|_| !matches!(role, Role::Spine | Role::Chest | Role::UpperChest));
+        let same = source.roles.joint(role).filter(|_| match role {
+            Role::Spine | Role::Chest | Role::UpperChest => false,
+            Role::Shoulder(side) => source.has_collarbone(side) && target.has_collarbone(side),
+            _ => true,
+        });
         pairs[joint.index()] = same.map(|source| Pair { source, role: Some(role) });
     }
     let (from, onto) = (source.back(), target.back());

@@ -1,5 +1,7 @@
 //! Clips bound to skeletons: by joint names, or by humanoid roles.
 
+use glam::DAffine3;
+
 use super::rows::Rows;
 use super::{Clip, Range};
 use crate::humanoid::RoleMap;
@@ -11,6 +13,8 @@ use crate::{Error, JointIndex, Property, Skeleton, Trs, f64math};
 /// this part of the bodies' size, are the same.
 const SAME_TURN_RAD: f64 = 0.01;
 const SAME_PLACE: f64 = 0.002;
+/// Poses by which feet are kept above the ground.
+const GROUND_POSES: usize = 128;
 
 /// A clip bound to a skeleton: which column each joint follows, and what its stored components mean.
 ///
@@ -110,8 +114,8 @@ impl Binding {
     /// Binds by humanoid roles: the skeleton's limbs point where those of the clip's own skeleton do, and the body keeps its
     /// own proportions. Both skeletons face +Z with +Y up.
     ///
-    /// The skeleton is first brought to a common pose, its own rest with arms, legs and fingers turned to where the clip's
-    /// own skeleton has them at rest; heads, feet and backs stay. Then each joint with a role turns away from that pose as
+    /// The skeleton is first brought to a common pose, its own rest with arms and legs turned to where the clip's own
+    /// skeleton has them at rest; heads, feet, backs and the shape of hands stay. Then each joint with a role turns away from that pose as
     /// its partner turns away from rest, whatever joints lie between on either side; other joints keep their local rest.
     /// Translations move the root and the hips alone, scaled by how high the hips stand above the feet on either body, and
     /// hips stand so high in the common pose that feet do on the ground. Feet and fingers that do not hang on their limbs
@@ -133,13 +137,14 @@ impl Binding {
                 return refused(format!("its roles are those of {wanted} joints, but there are {has}"));
             }
         }
-        let common = Common::new(Figure::new(&clip.skeleton, clip_roles), Figure::new(skeleton, roles));
+        let mut common = Common::new(Figure::new(&clip.skeleton, clip_roles), Figure::new(skeleton, roles));
         let driven =
             |joint: JointIndex| common.partner(joint).is_some_and(|source| clip.rows.drives(source.0));
         let bound_joint_count = skeleton.joints().filter(|joint| driven(*joint)).count();
         if bound_joint_count == 0 {
             return refused("it drives no joint with a humanoid role that both bodies have".into());
         }
+        common.keep_above_ground(clip.rows.some_poses(&clip.skeleton));
         let mut binding =
             Self { joint_map: Vec::new(), ranges: Vec::new(), turns: Vec::new(), bound_joint_count };
         let motion = |joint: JointIndex| clip.rows.motion(joint);
@@ -244,6 +249,13 @@ impl Rows {
     /// Whether any track drives a column.
     fn drives(&self, column: u32) -> bool {
         self.driven[column as usize].iter().any(|driven| *driven)
+    }
+
+    /// Local transforms of all joints at some hundred rows, or all of fewer.
+    fn some_poses<'a>(&'a self, skeleton: &'a Skeleton) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
+        let every = self.times.len().div_ceil(GROUND_POSES).max(1);
+        let pose = move |row| skeleton.joints().map(|joint| self.local(joint, row, 0.0).affine()).collect();
+        (0..self.times.len()).step_by(every).map(pose)
     }
 
     /// What moves a column.

@@ -136,7 +136,7 @@ impl Common<'_> {
     }
 
     /// A place of the common pose, the whole body lifted so that feet are on the ground; the root stays there.
-    fn place_of(&self, joint: JointIndex) -> DVec3 {
+    pub(super) fn place_of(&self, joint: JointIndex) -> DVec3 {
         let is_root = self.pairs[joint.index()].is_some_and(|pair| pair.role.is_none());
         let lift = if is_root { 0.0 } else { self.lift };
         self.place[joint.index()] + DVec3::new(0.0, lift, 0.0)
