@@ -17,6 +17,8 @@ pub(crate) use chain::{Chain, ColumnMotion, Value};
 
 /// Lengths below this part of the body's size have no direction.
 const SHORT: f64 = 1e-5;
+/// The longest run of joints that hang elsewhere, each from the one before.
+const LOOSE: usize = 4;
 /// Collarbones begin within this part of the way from the middle of the shoulders to an upper arm.
 const COLLARBONE: f64 = 0.6;
 
@@ -215,15 +217,20 @@ impl<'a> Common<'a> {
             );
             models.push(parent.map_or(local, |p| models[p.index()] * local));
         }
-        let mut places: Vec<DVec3> = models.iter().map(|model| model.translation).collect();
-        for joint in skeleton.joints() {
-            if let Some(of) = self.detached(joint) {
-                let turn = self.turn[of.index()] * self.target.turn[of.index()].inverse();
-                let arm = self.target.place(joint) - self.target.place(of);
-                places[joint.index()] = places[of.index()] + turn * arm;
+        let stood = |joint: JointIndex| models[joint.index()].translation;
+        let mut shifts = vec![DVec3::ZERO; models.len()];
+        // What hangs elsewhere may come before what it follows, and a hand and three joints of a finger may all do.
+        for _ in 0..=LOOSE {
+            for joint in skeleton.joints() {
+                let parent = skeleton.parent(joint).map_or(DVec3::ZERO, |p| shifts[p.index()]);
+                shifts[joint.index()] = self.detached(joint).map_or(parent, |of| {
+                    let turn = self.turn[of.index()] * self.target.turn[of.index()].inverse();
+                    let arm = self.target.place(joint) - self.target.place(of);
+                    stood(of) + shifts[of.index()] + turn * arm - stood(joint)
+                });
             }
         }
-        places
+        skeleton.joints().map(|joint| stood(joint) + shifts[joint.index()]).collect()
     }
 }
 

@@ -87,6 +87,7 @@ impl Playing {
     fn at<'a>(&self, tick: u64, character: &'a Character) -> OracleSlot<'a> {
         let clip = &character.clips[self.clip];
         OracleSlot {
+            retarget: None,
             clip: clip.source(),
             time_secs: self.timing.time_secs(tick, clip),
             weight: self.weighting.weight(tick),

@@ -29,6 +29,27 @@ impl Common<'_> {
         self.lift += (deepest - SINKS * size).clamp(0.0, MOST * size);
     }
 
+    /// Where the hips are, carried by the root where both bodies have one.
+    fn hips_place(
+        &self,
+        hips: JointIndex,
+        partner: JointIndex,
+        turns: &[DQuat],
+        models: &[DAffine3],
+    ) -> DVec3 {
+        let now = |joint: JointIndex| models[joint.index()].translation;
+        let roots = self.target.root().and_then(|root| {
+            self.pairs[root.index()].filter(|pair| pair.role.is_none()).map(|pair| (root, pair.source))
+        });
+        let Some((root, other)) = roots else {
+            return self.place_of(hips) + self.scale * (now(partner) - self.source.place(partner));
+        };
+        let guide = turns[other.index()] * self.source.turn[other.index()].inverse();
+        let own = now(partner) - now(other) - guide * (self.source.place(partner) - self.source.place(other));
+        let root_place = self.place_of(root) + self.scale * (now(other) - self.source.place(other));
+        root_place + guide * (self.place_of(hips) - self.place_of(root)) + self.scale * own
+    }
+
     /// How far below their rest the foot or the toes of a side are.
     fn depth(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> f64 {
         let roles =
@@ -42,10 +63,7 @@ impl Common<'_> {
                 continue;
             };
             let place = match at {
-                None => {
-                    let moved = models[partner.index()].translation - self.source.place(partner);
-                    self.place_of(joint) + self.scale * moved
-                }
+                None => self.hips_place(joint, partner, turns, models),
                 Some((above, place)) => {
                     let guide = self.partner(above).map_or(DQuat::IDENTITY, |partner| {
                         turns[partner.index()] * self.source.turn[partner.index()].inverse()
