@@ -3,6 +3,8 @@
 mod detect;
 mod names;
 mod schemes;
+#[cfg(test)]
+mod tests;
 
 use std::collections::BTreeMap;
 use std::fmt;
