@@ -1,144 +1,194 @@
-//! Clips of one body on others.
+//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names.
 
-use populace::core::{Affine, Role, RoleMap, Side, Skeleton};
-use populace::{Crowd, Device, Placement, Play};
-use populace_assets::Imported;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
-const BODIES: [(&str, &str); 3] =
+use libtest_mimic::{Arguments, Failed, Trial};
+use populace::core::{Affine, Character, JointIndex, Role, RoleMap, Side};
+use populace::{CharacterId, ClipId, Crowd, Device, Member, Placement, Play};
+
+const WALKS: [(&str, &str); 3] =
     [("kaykit_knight", "Walking_A"), ("m2m_human_base", "Walk_Loop"), ("quaternius_robot", "Robot_Walking")];
+/// Of limbs, between the body that the walk was made for and the other.
+const LIMB_DEGREES: f64 = 5.0;
+/// How far ankles and toes may sink below where they rest, in parts of the body's height.
+const SINKS: f64 = 0.01;
+/// The hips' mean height over that at rest, between bodies.
+const HIPS: f64 = 0.05;
 
-fn load(name: &str) -> Imported {
-    let folder = std::env::var("POPULACE_TEST_DATA").expect("test data");
-    populace_assets::load(format!("{folder}/characters/{name}.glb")).expect("a sound file")
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let trials = match std::env::var_os("POPULACE_TEST_DATA") {
+        Some(folder) => trials(Path::new(&folder)),
+        None => {
+            let name = "retarget (POPULACE_TEST_DATA does not name a folder of test data)";
+            vec![Trial::test(name, || Ok(())).with_ignored_flag(true)]
+        }
+    };
+    libtest_mimic::run(&arguments, trials).exit_code()
 }
 
-fn place(models: &[Affine], skeleton: &Skeleton, joint: populace::core::JointIndex) -> [f32; 3] {
-    let _ = skeleton;
-    let m = models[joint.index()].rows;
-    [m[0][3], m[1][3], m[2][3]]
+fn trials(folder: &Path) -> Vec<Trial> {
+    let mut trials = Vec::new();
+    for (from, clip) in WALKS {
+        for (onto, _) in WALKS.into_iter().filter(|(onto, _)| *onto != from) {
+            let folder = folder.join("characters");
+            trials.push(Trial::test(format!("{clip} of {from} on {onto}"), move || {
+                walk(&folder, (from, clip), onto)
+            }));
+        }
+    }
+    let folder = folder.join("characters");
+    trials.push(Trial::test("clips of one rig keep their binding by name", move || by_name(&folder)));
+    trials
 }
 
-#[test]
-fn measure() {
-    for (from, clip_name) in BODIES {
-        for (onto, _) in BODIES {
-            let (source, target) = (load(from), load(onto));
-            let mut crowd =
-                Crowd::builder().devices(Device::native()).capacity(2).slots_per_member(1).build().unwrap();
-            let s = crowd.add_character(source.character.clone()).unwrap();
-            let t = crowd.add_character(target.character.clone()).unwrap();
-            let clip = crowd.clip(s, clip_name).unwrap();
-            let a = crowd.spawn(s, Placement::at([0.0; 3])).unwrap();
-            let b = crowd.spawn(t, Placement::at([0.0; 3])).unwrap();
-            let (sk, tk) = (&source.character.skeleton, &target.character.skeleton);
-            let (sr, tr) = (RoleMap::detect(sk).unwrap(), RoleMap::detect(tk).unwrap());
-            let clips = crowd.clips(s).unwrap();
-            let info = &clips.iter().find(|(id, _)| *id == clip).unwrap().1;
-            crowd.update(0.0).unwrap();
-            let rest = crowd.model_from_joints(b).unwrap();
-            let restj = |r: Role| place(&rest, tk, tr.joint(r).unwrap());
-            let height = target.character.height_m();
-            let mut worst = [(0.0f32, String::new()), (0.0, String::new())];
-            let mut lowest = 0.0f32;
-            let mut low_vertex = 0.0f32;
-            let mut hips = (f32::MAX, f32::MIN);
-            let mut hips_s = (f32::MAX, f32::MIN);
-            let mut foot = (f32::MAX, f32::MAX);
-            for step in 0..60 {
-                let time = info.start_secs() + info.duration_secs() * step as f32 / 60.0;
-                crowd.play(a, clip, Play::held_at_secs(time)).unwrap();
-                crowd.play(b, clip, Play::held_at_secs(time)).unwrap();
-                crowd.update(0.0).unwrap();
-                let (sm, tm) = (crowd.model_from_joints(a).unwrap(), crowd.model_from_joints(b).unwrap());
-                for side in [Side::Left, Side::Right] {
-                    for (r, n) in [
-                        (Role::UpperArm(side), Role::LowerArm(side)),
-                        (Role::LowerArm(side), Role::Hand(side)),
-                        (Role::UpperLeg(side), Role::LowerLeg(side)),
-                        (Role::LowerLeg(side), Role::Foot(side)),
-                    ] {
-                        let dir = |m: &[Affine], k: &Skeleton, map: &RoleMap| {
-                            let (a, b) =
-                                (place(m, k, map.joint(r).unwrap()), place(m, k, map.joint(n).unwrap()));
-                            glam_unit([b[0] - a[0], b[1] - a[1], b[2] - a[2]])
-                        };
-                        let (x, y) = (dir(&sm, sk, &sr), dir(&tm, tk, &tr));
-                        let angle =
-                            (x[0] * y[0] + x[1] * y[1] + x[2] * y[2]).clamp(-1.0, 1.0).acos().to_degrees();
-                        if angle > worst[0].0 {
-                            worst[0] = (angle, format!("{r}"));
-                        }
-                    }
-                    for r in [Role::Foot(side), Role::Toes(side)] {
-                        if let Some(j) = tr.joint(r) {
-                            let y = place(&tm, tk, j)[1];
-                            let below = restj(r)[1] - y;
-                            lowest = lowest.max(below / height);
-                            if r == Role::Foot(side) {
-                                foot.0 = foot.0.min(y - restj(r)[1]);
-                            }
-                        }
-                    }
-                    let j = sr.joint(Role::Foot(side)).unwrap();
-                    foot.1 = foot.1.min(place(&sm, sk, j)[1]);
-                }
-                let y = place(&tm, tk, tr.joint(Role::Hips).unwrap())[1];
-                hips = (hips.0.min(y), hips.1.max(y));
-                let y = place(&sm, sk, sr.joint(Role::Hips).unwrap())[1];
-                hips_s = (hips_s.0.min(y), hips_s.1.max(y));
-                let palette = crowd.palette(b).unwrap();
-                for part in &target.character.parts {
-                    for v in 0..part.mesh.positions.len() {
-                        let inf = &part.mesh.influences;
-                        let n = inf.per_vertex;
-                        let best = (0..n)
-                            .max_by(|a, b| inf.weights[v * n + a].total_cmp(&inf.weights[v * n + b]))
-                            .unwrap();
-                        let j = target.character.palette[inf.entries[v * n + best] as usize].joint;
-                        let feet = [Side::Left, Side::Right].map(|s| tr.joint(Role::Foot(s)).unwrap());
-                        if !feet.iter().any(|f| j == *f || tk.is_below(j, *f)) {
-                            continue;
-                        }
-                        let y = vertex_y(part, v, &palette);
-                        low_vertex = low_vertex.min(y as f32);
-                    }
-                }
+fn load(folder: &Path, name: &str) -> Result<Character, Failed> {
+    let file: PathBuf = folder.join(format!("{name}.glb"));
+    Ok(populace_assets::load(&file).map_err(|e| e.to_string())?.character)
+}
+
+/// A crowd with a member of each body.
+fn crowd_of(bodies: [&Character; 2]) -> Result<(Crowd, [(CharacterId, Member); 2]), Failed> {
+    let mut crowd = Crowd::builder().device(Device::native()).capacity(2).slots_per_member(1).build()?;
+    let mut add = |body: &Character| -> Result<_, Failed> {
+        let id = crowd.add_character(body.clone())?;
+        Ok((id, crowd.spawn(id, Placement::at([0.0; 3]))?))
+    };
+    let members = [add(bodies[0])?, add(bodies[1])?];
+    Ok((crowd, members))
+}
+
+/// Places of a body's joints by role.
+fn places(models: &[Affine], roles: &RoleMap) -> BTreeMap<Role, [f64; 3]> {
+    let place = |joint: JointIndex| models[joint.index()].rows.map(|row| f64::from(row[3]));
+    roles.iter().map(|(role, joint)| (role, place(joint))).collect()
+}
+
+/// Between the directions of the limb of a role on two bodies.
+fn angle_degrees(bodies: [&BTreeMap<Role, [f64; 3]>; 2], from: Role, to: Role) -> f64 {
+    let [a, b] = bodies.map(|places| {
+        let v: [f64; 3] = std::array::from_fn(|axis| places[&to][axis] - places[&from][axis]);
+        let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        v.map(|c| c / length)
+    });
+    a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>().clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// What a walk was found to do.
+#[derive(Default)]
+struct Found {
+    limb_degrees: f64,
+    /// In parts of the height.
+    sinks: f64,
+    hips: [f64; 2],
+    /// How far knees lead in front of the line from hip to ankle, at least, in parts of the height.
+    knees: f64,
+}
+
+const MOMENTS: u32 = 48;
+
+fn walk(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Failed> {
+    let (source, target) = (load(folder, from)?, load(folder, onto)?);
+    let (mut crowd, members) = crowd_of([&source, &target])?;
+    let clip = crowd.clip(members[0].0, clip)?;
+    let roles = [source, target].map(|body| RoleMap::detect(&body.skeleton).ok_or("no roles"));
+    let [Ok(from_roles), Ok(onto_roles)] = roles else {
+        return Err("a body without roles".into());
+    };
+    let found = look(&mut crowd, members, clip, [&from_roles, &onto_roles])?;
+    println!(
+        "limbs {:.2} degrees, sinks {:.2} %, hips at {:.3} of rest where the source's are at {:.3}, knees {:.3}",
+        found.limb_degrees,
+        100.0 * found.sinks,
+        found.hips[1],
+        found.hips[0],
+        found.knees
+    );
+    let checks = [
+        (found.limb_degrees <= LIMB_DEGREES, format!("a limb is {:.2} degrees off", found.limb_degrees)),
+        (found.sinks <= SINKS, format!("a foot sinks by {:.2} % of the height", 100.0 * found.sinks)),
+        (
+            (found.hips[0] - found.hips[1]).abs() <= HIPS,
+            format!("hips stand at {:?} of their rest", found.hips),
+        ),
+        (found.knees > -0.005, format!("a knee bends backwards by {:.3} of the height", -found.knees)),
+    ];
+    match checks.into_iter().find(|(holds, _)| !holds) {
+        Some((_, what)) => Err(what.into()),
+        None => Ok(()),
+    }
+}
+
+fn look(
+    crowd: &mut Crowd,
+    members: [(CharacterId, Member); 2],
+    clip: ClipId,
+    roles: [&RoleMap; 2],
+) -> Result<Found, Failed> {
+    let height = f64::from(crowd.character(members[1].0)?.height_m());
+    crowd.update(0.0)?;
+    let at = |crowd: &mut Crowd| -> Result<_, Failed> {
+        let mut one =
+            |n: usize| -> Result<_, Failed> { Ok(places(&crowd.model_from_joints(members[n].1)?, roles[n])) };
+        Ok([one(0)?, one(1)?])
+    };
+    let rest = at(crowd)?;
+    let clips = crowd.clips(members[0].0)?;
+    let (_, motion) = clips.iter().find(|(id, _)| *id == clip).ok_or("the clip is gone")?;
+    let mut found = Found { knees: f64::MAX, ..Found::default() };
+    for moment in 0..MOMENTS {
+        let part = moment as f32 / MOMENTS as f32;
+        for (_, member) in members {
+            let secs = motion.start_secs() + part * motion.duration_secs();
+            crowd.play(member, clip, Play::held_at_secs(secs))?;
+        }
+        crowd.update(0.0)?;
+        let now = at(crowd)?;
+        for side in [Side::Left, Side::Right] {
+            let limbs = [
+                (Role::UpperArm(side), Role::LowerArm(side)),
+                (Role::LowerArm(side), Role::Hand(side)),
+                (Role::UpperLeg(side), Role::LowerLeg(side)),
+                (Role::LowerLeg(side), Role::Foot(side)),
+            ];
+            for (a, b) in limbs {
+                found.limb_degrees = found.limb_degrees.max(angle_degrees([&now[0], &now[1]], a, b));
             }
-            println!(
-                "{from} on {onto} [{}->{}]: limb {:.2} deg ({}), foot joint below rest {:.2}% of {height:.2} (lowest foot vs rest {:.3}), vertex {:.2}%, hips {:.3}..{:.3} rest {:.3}, source hips {:.3}..{:.3}",
-                sr.naming(),
-                tr.naming(),
-                worst[0].0,
-                worst[0].1,
-                100.0 * lowest,
-                foot.0,
-                -100.0 * low_vertex / height,
-                hips.0,
-                hips.1,
-                restj(Role::Hips)[1],
-                hips_s.0,
-                hips_s.1
-            );
+            for role in [Role::Foot(side), Role::Toes(side)].into_iter().filter(|r| now[1].contains_key(r)) {
+                found.sinks = found.sinks.max((rest[1][&role][1] - now[1][&role][1]) / height);
+            }
+            let [hip, knee, ankle] =
+                [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)].map(|role| now[1][&role]);
+            let along = (hip[1] - knee[1]) / (hip[1] - ankle[1]);
+            found.knees = found.knees.min((knee[2] - (hip[2] + along * (ankle[2] - hip[2]))) / height);
+        }
+        for n in 0..2 {
+            found.hips[n] += now[n][&Role::Hips][1] / rest[n][&Role::Hips][1] / f64::from(MOMENTS);
         }
     }
+    Ok(found)
 }
 
-fn vertex_y(part: &populace::core::Part, vertex: usize, palette: &[Affine]) -> f64 {
-    let inf = &part.mesh.influences;
-    let n = inf.per_vertex;
-    let (mut y, mut total) = (0.0, 0.0);
-    for k in 0..n {
-        let w = f64::from(inf.weights[vertex * n + k]);
-        if w > 0.0 {
-            let m = palette[inf.entries[vertex * n + k] as usize];
-            y += w * f64::from(m.transform_point(part.mesh.positions[vertex])[1]);
-            total += w;
-        }
+/// The mage shares the knight's rig: its members get the same bits as if clips knew nothing of roles.
+fn by_name(folder: &Path) -> Result<(), Failed> {
+    let (knight, mage) = (load(folder, "kaykit_knight")?, load(folder, "kaykit_mage")?);
+    let walk = |body: &Character| body.clips.iter().find(|c| c.name() == "Walking_A").cloned();
+    let (own, lent) = (walk(&mage).ok_or("no walk")?, walk(&knight).ok_or("no walk")?);
+    if !lent.is_made_for(&mage.skeleton) {
+        return Err("the knight's walk is not bound by name".into());
     }
-    if total > 0.0 { y / total } else { 0.0 }
-}
-
-fn glam_unit(v: [f32; 3]) -> [f32; 3] {
-    let l = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    v.map(|c| c / l)
+    let (mut crowd, [(id, member), _]) = crowd_of([&mage, &knight])?;
+    let mut pose = |clip| -> Result<_, Failed> {
+        let clip = crowd.add_clip(id, clip)?;
+        crowd.play(member, clip, Play::held_at_secs(0.4))?;
+        crowd.update(0.0)?;
+        Ok(crowd.model_from_joints(member)?)
+    };
+    let (a, b) = (pose(&own)?, pose(&lent)?);
+    let far = a.iter().zip(&b).any(|(a, b)| {
+        a.rows.iter().flatten().zip(b.rows.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-3)
+    });
+    if far { Err("the same walk looks different".into()) } else { Ok(()) }
 }
