@@ -39,9 +39,52 @@ fn trials(folder: &Path) -> Vec<Trial> {
             }));
         }
     }
-    let folder = folder.join("characters");
-    trials.push(Trial::test("clips of one rig keep their binding by name", move || by_name(&folder)));
+    let others: [(&str, fn(&Path) -> Result<(), Failed>); 3] = [
+        ("clips of one rig keep their binding by name", by_name),
+        ("clips of no humanoid are refused with what was looked for", refused),
+        ("pose finds clips of another file", pose),
+    ];
+    for (name, check) in others {
+        let folder = folder.join("characters");
+        trials.push(Trial::test(name, move || check(&folder)));
+    }
     trials
+}
+
+/// A knight cannot walk as a fox does.
+fn refused(folder: &Path) -> Result<(), Failed> {
+    let (knight, fox) = (load(folder, "kaykit_knight")?, load(folder, "../animals/fox")?);
+    let (mut crowd, [(id, member), _]) = crowd_of([&knight, &fox])?;
+    let walk = fox.clips.iter().find(|c| c.name() == "Walk").ok_or("no walk")?;
+    let clip = crowd.add_clip(id, walk)?;
+    let refused = crowd.play(member, clip, Play::looping());
+    let text = refused.err().ok_or("a knight walks like a fox")?.to_string();
+    let says =
+        text.contains("\"Walk\" cannot move this skeleton") && text.contains("which this skeleton has");
+    if says { Ok(()) } else { Err(text.into()) }
+}
+
+/// The program's own way, on the native device and, where there is one, on OpenCL: the same numbers.
+fn pose(folder: &Path) -> Result<(), Failed> {
+    let devices: &[&str] = if cfg!(skip_opencl) { &["native"] } else { &["native", "opencl"] };
+    let mut documents = Vec::new();
+    for device in devices {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_populace"));
+        command.arg("pose").arg(folder.join("quaternius_robot.glb"));
+        command.arg("--clips").arg(folder.join("kaykit_knight.glb"));
+        command.args(["--clip", "Walking_A", "--time", "0.3", "--json", "--device", device]);
+        let output = command.output().map_err(|e| e.to_string())?;
+        if !output.status.success() {
+            return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
+        }
+        let document: serde_json::Value =
+            serde_json::from_slice(&output.stdout).map_err(|e| e.to_string())?;
+        documents.push(document["joints"].clone());
+    }
+    if documents.iter().any(|joints| *joints != documents[0]) {
+        return Err("devices differ".into());
+    }
+    Ok(())
 }
 
 fn load(folder: &Path, name: &str) -> Result<Character, Failed> {

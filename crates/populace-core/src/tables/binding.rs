@@ -58,7 +58,7 @@ impl Tables {
             let own = Later::of(turn, &body_row);
             let flags = own.arms.iter().zip(&later.turns).map(|(arms, turned)| {
                 let still = if *arms { 0 } else { REST_TRANSLATION };
-                still | u32::from(*turned) * BLOCK_TURNED
+                still | (u32::from(*turned) * BLOCK_TURNED)
             });
             let bound = BoundClip { clip, range_first, body: NONE, next, ..BoundClip::default() };
             next = self.add_bound(bound, &map, flags.collect())?;
@@ -68,7 +68,7 @@ impl Tables {
         let first_joints = (0..body_row.padded_count as usize).step_by(JOINT_BLOCK as usize);
         let flags = first_joints.zip(later.turns.iter().zip(&later.arms)).map(|(first, (turned, arms))| {
             let moved = u32::from(*arms) * REST_TRANSLATION;
-            (self.rest_flags(&body_row, range_first, first) & !moved) | u32::from(*turned) * BLOCK_TURNED
+            (self.rest_flags(&body_row, range_first, first) & !moved) | (u32::from(*turned) * BLOCK_TURNED)
         });
         let flags = flags.collect();
         let bound = BoundClip { clip, range_first, body: body.0, next, ..BoundClip::default() };

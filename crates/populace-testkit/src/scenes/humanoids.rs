@@ -13,6 +13,9 @@ use crate::{Rng, single};
 /// A joint to be: its name, that of its parent, its place in model space at rest, and its role.
 type Planned = (String, Option<String>, DVec3, Option<Role>);
 
+/// Plans a joint: its name, its parent's, its place in parts of the height, and its role.
+type AddJoint<'a> = dyn FnMut(&str, Option<&str>, [f64; 3], Option<Role>) + 'a;
+
 /// How a body differs from others.
 #[derive(Clone, Copy)]
 struct Build {
@@ -187,13 +190,7 @@ fn plan(build: &Build, index: usize) -> Vec<Planned> {
     planned
 }
 
-fn limbs(
-    build: &Build,
-    side: Side,
-    x: f64,
-    top: &str,
-    add: &mut dyn FnMut(&str, Option<&str>, [f64; 3], Option<Role>),
-) {
+fn limbs(build: &Build, side: Side, x: f64, top: &str, add: &mut AddJoint<'_>) {
     let name = |part: &str| format!("{part} {side:?}");
     let (sin, cos) = build.arms_rad.sin_cos();
     let arm = |along: f64| [x * (0.1 + along * cos), 0.8 - along * sin, 0.0];
