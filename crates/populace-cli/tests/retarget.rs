@@ -1,5 +1,7 @@
 //! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names.
 
+#![expect(clippy::print_stdout, reason = "what was measured is for those who run tests with --nocapture")]
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -16,6 +18,8 @@ const LIMB_DEGREES: f64 = 5.0;
 const SINKS: f64 = 0.01;
 /// The hips' mean height over that at rest, between bodies.
 const HIPS: f64 = 0.05;
+
+type Check = fn(&Path) -> Result<(), Failed>;
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
@@ -39,7 +43,7 @@ fn trials(folder: &Path) -> Vec<Trial> {
             }));
         }
     }
-    let others: [(&str, fn(&Path) -> Result<(), Failed>); 3] = [
+    let others: [(&str, Check); 3] = [
         ("clips of one rig keep their binding by name", by_name),
         ("clips of no humanoid are refused with what was looked for", refused),
         ("pose finds clips of another file", pose),
