@@ -1,9 +1,9 @@
 //! The characters of a crowd: from files, or the built-in people.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use populace::core::{Binding, Character, Clip};
+use populace::core::{Binding, Character, Clip, RoleMap};
 use populace::{CharacterId, ClipId, Crowd};
 
 use crate::failure::Failure;
@@ -27,15 +27,19 @@ pub(crate) struct Role {
 }
 
 /// Loads the inputs into the crowd: files, or built-in people as `@people` or one by name as `@child`. Files without
-/// meshes lend their clips to all characters.
+/// meshes lend their clips to all characters, and so do the lenders.
 pub(crate) fn load(
     crowd: &mut Crowd,
     inputs: &[String],
+    lenders: &[PathBuf],
     clip: Option<&str>,
     height_m: Option<f32>,
 ) -> Result<Vec<Role>, Failure> {
     let mut drawn = Vec::new();
     let mut lent = Vec::new();
+    for file in lenders {
+        lent.extend(from_file(file)?.clips.iter().cloned());
+    }
     for input in inputs {
         match input.strip_prefix('@') {
             Some(name) => drawn.extend(built_in(name)?),
@@ -96,11 +100,13 @@ pub(crate) fn role(
 ) -> Result<Role, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
     for lent in lent {
-        if Binding::new(lent, &character.skeleton).bound_joint_count() > 0 {
+        let (clip_roles, own) = (RoleMap::detect(lent.skeleton()), RoleMap::detect(&character.skeleton));
+        let binding = Binding::fitting(lent, clip_roles.as_ref(), &character.skeleton, own.as_ref());
+        if binding.is_ok_and(|binding| binding.bound_joint_count() > 0) {
             crowd.add_clip(id, lent)?;
         } else if clip == Some(lent.name()) {
             let what = format!(
-                "the clip \"{}\" moves no joint of \"{}\": no name fits",
+                "the clip \"{}\" moves no joint of \"{}\": no name fits, and no humanoid roles",
                 lent.name(),
                 character.name
             );

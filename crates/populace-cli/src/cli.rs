@@ -103,6 +103,10 @@ pub(crate) struct RenderArgs {
     /// Height of every character in metres [default: its own; sensible ones where characters are mixed]
     #[arg(long, value_name = "METRES", value_parser = height)]
     pub(crate) height: Option<f32>,
+    /// A file that lends its clips and is not drawn, whatever else it holds; can be repeated. They are retargeted where
+    /// skeletons differ
+    #[arg(long, value_name = "FILE")]
+    pub(crate) clips: Vec<PathBuf>,
     /// Clip that all members play [default: a walk or an idle, whichever are found by name, else any]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
@@ -155,6 +159,9 @@ pub(crate) struct PoseArgs {
     /// Clip to play, by name or by index [default: none, the rest pose]
     #[arg(long, value_name = "CLIP")]
     pub(crate) clip: Option<String>,
+    /// Also find clips of this file, after the file's own; they are retargeted where the skeletons differ
+    #[arg(long, value_name = "FILE")]
+    pub(crate) clips: Option<PathBuf>,
     /// Time on the clip's own axis in seconds, not wrapped
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(crate) time: f32,

@@ -1,15 +1,16 @@
 //! Clips: motions as rows of poses, and their binding to skeletons.
 
+mod binding;
 mod curves;
 mod gap;
 mod ground;
 mod rows;
 mod storage;
 
-use std::collections::HashMap;
-
-use crate::layout::{JOINT_BLOCK, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, RowBlock};
-use crate::{ClipSource, Error, JointIndex, Property, Skeleton, Trs};
+use crate::layout::{JOINT_BLOCK, RowBlock};
+use crate::{ClipSource, Error, JointIndex, Property, Skeleton};
+pub use binding::Binding;
+pub(crate) use binding::Turn;
 use rows::Rows;
 pub(crate) use storage::Range;
 
@@ -27,7 +28,7 @@ pub(crate) use storage::Range;
 #[derive(Clone, Debug)]
 pub struct Clip {
     source: ClipSource,
-    columns: HashMap<String, u32>,
+    skeleton: Skeleton,
     rows: Rows,
     ground_speed: Option<f32>,
 }
@@ -64,8 +65,7 @@ impl Clip {
         let curves = curves::Curves::new(&source, skeleton)?;
         let rows = Rows::new(&curves, skeleton);
         let ground_speed = ground::ground_speed(&rows, skeleton);
-        let columns = skeleton.joints().map(|j| (skeleton.name(j).to_owned(), j.0)).collect();
-        Ok(Self { source, columns, rows, ground_speed })
+        Ok(Self { source, skeleton: skeleton.clone(), rows, ground_speed })
     }
 
     /// The clip's name; may be empty.
@@ -78,6 +78,12 @@ impl Clip {
     #[must_use]
     pub fn source(&self) -> &ClipSource {
         &self.source
+    }
+
+    /// The clip's own skeleton: that of the file it comes from.
+    #[must_use]
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
     }
 
     /// Time of the first key on the clip's own axis, in seconds.
@@ -118,7 +124,7 @@ impl Clip {
     /// If `skeleton` is not the one that the clip was made with.
     #[must_use]
     pub fn measured_error_m(&self, skeleton: &Skeleton, points: usize) -> f32 {
-        assert_eq!(self.columns.len(), skeleton.joint_count(), "not the clip's own skeleton");
+        assert_eq!(self.skeleton.joint_count(), skeleton.joint_count(), "not the clip's own skeleton");
         let curves = curves::Curves::new(&self.source, skeleton).expect("checked by `new`");
         self.rows.measured_error_m(&curves, skeleton, points)
     }
@@ -128,8 +134,8 @@ impl Clip {
     /// [`ClipStats::error_bound_m`].
     #[must_use]
     pub fn storage_error(&self, joint: &str, property: Property) -> f32 {
-        let column = self.columns.get(joint);
-        column.map_or(0.0, |&column| self.rows.storage.worst[column as usize][property as usize])
+        let column = self.skeleton.find(joint);
+        column.map_or(0.0, |column| self.rows.storage.worst[column.index()][property as usize])
     }
 
     /// All rows, one after the other.
@@ -165,79 +171,6 @@ impl Clip {
     }
 }
 
-/// A clip bound to a skeleton by joint names: which column each joint follows, and what its stored components mean.
-///
-/// Joints and properties that the clip does not drive keep the rest of the skeleton bound to, whatever the clip's own
-/// skeleton says there.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Binding {
-    joint_map: Vec<u32>,
-    ranges: Vec<[Range; 3]>,
-    bound_joint_count: usize,
-}
-
-impl Binding {
-    /// Binds by name.
-    #[must_use]
-    pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
-        let mut binding = Self { joint_map: Vec::new(), ranges: Vec::new(), bound_joint_count: 0 };
-        for joint in skeleton.joints() {
-            let column = clip.columns.get(skeleton.name(joint)).copied();
-            let column = column.filter(|&column| clip.rows.drives(column));
-            binding.bound_joint_count += usize::from(column.is_some());
-            let (map, ranges) = clip.rows.bind(column, skeleton.rest(joint));
-            binding.joint_map.push(map);
-            binding.ranges.push(ranges);
-        }
-        binding
-    }
-
-    /// For each joint, in level order, the clip's column and `MAP_` flags of what its rows drive.
-    #[must_use]
-    pub fn joint_map(&self) -> &[u32] {
-        &self.joint_map
-    }
-
-    /// For each joint and [`Property`] what its stored components mean.
-    pub(crate) fn ranges(&self) -> &[[Range; 3]] {
-        &self.ranges
-    }
-
-    /// Joints that the clip drives, moving or not.
-    #[must_use]
-    pub fn bound_joint_count(&self) -> usize {
-        self.bound_joint_count
-    }
-}
-
-impl Rows {
-    /// Whether any track drives a column.
-    fn drives(&self, column: u32) -> bool {
-        self.driven[column as usize].iter().any(|driven| *driven)
-    }
-
-    /// The joint map and ranges of a joint at rest `rest` that follows `column`.
-    fn bind(&self, column: Option<u32>, rest: &Trs) -> (u32, [Range; 3]) {
-        let mut map = column.unwrap_or(0);
-        let ranges = [Property::Translation, Property::Rotation, Property::Scale].map(|property| {
-            let driven = column.filter(|&column| self.driven[column as usize][property as usize]);
-            let range = driven.map_or_else(
-                || Range::still(property.of(rest)),
-                |column| self.storage.ranges[column as usize][property as usize],
-            );
-            if range.step > 0.0 {
-                map |= match property {
-                    Property::Rotation => MAP_ROTATION,
-                    Property::Translation => MAP_TRANSLATION,
-                    Property::Scale => MAP_SCALE,
-                };
-            }
-            range
-        });
-        (map, ranges)
-    }
-}
-
 const BLOCK: usize = JOINT_BLOCK as usize;
 
 /// Parents as [`crate::f64math`] takes them.
@@ -248,7 +181,7 @@ fn parents(skeleton: &Skeleton) -> Vec<Option<JointIndex>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Interpolation, JointSource, Track};
+    use crate::{Interpolation, JointSource, Track, Trs};
 
     #[test]
     fn wild_splines_get_rows_in_proportion_and_say_so() {

@@ -78,6 +78,22 @@ pub enum Error {
         /// What is wrong and what the rule is.
         what: String,
     },
+    /// A humanoid role that a joint cannot have.
+    #[error("the role {role}: {what}")]
+    BadRole {
+        /// The role, as VRM names it.
+        role: String,
+        /// What is wrong and what the rule is.
+        what: String,
+    },
+    /// A clip that cannot move a skeleton.
+    #[error("the clip \"{clip}\" cannot move this skeleton: {what}")]
+    CannotBind {
+        /// The clip's name.
+        clip: String,
+        /// What was looked for.
+        what: String,
+    },
     /// A mask that does not fit its skeleton.
     #[error(
         "a mask has {weights} weights for a skeleton of {joints} joints; one per joint is needed, each from 0 to 1"

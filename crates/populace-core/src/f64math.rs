@@ -44,6 +44,15 @@ pub(crate) fn rest_models(skeleton: &crate::Skeleton) -> Vec<DAffine3> {
     model_from_joints(&parents, skeleton.joints().map(|joint| affine(skeleton.rest(joint))))
 }
 
+/// Rotations in model space of each joint, parents first, from local ones; scales above do not count.
+pub(crate) fn turns(parents: &[Option<JointIndex>], locals: impl Iterator<Item = DQuat>) -> Vec<DQuat> {
+    let mut turns: Vec<DQuat> = Vec::with_capacity(parents.len());
+    for (parent, local) in parents.iter().zip(locals) {
+        turns.push(parent.map_or(local, |p| turns[p.index()] * local));
+    }
+    turns
+}
+
 /// The largest side of the box around the joints at rest; 1 where they coincide.
 pub(crate) fn rest_extent(parents: &[Option<JointIndex>], rest: &[Trs]) -> f32 {
     let models = model_from_joints(parents, rest.iter().map(affine));

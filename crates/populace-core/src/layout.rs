@@ -110,7 +110,9 @@ device_consts! {
     pub const ROW_FLOATS: u32 = 1 << 31;
     /// Flag in a [`BoundBlock`]: each joint follows the column of its own lane, all in one block.
     pub const BLOCK_STRAIGHT: u32 = 4;
-    /// Flag in a [`BoundBlock`]: all translations stand at the body's rest.
+    /// Flag in a [`BoundBlock`]: what was sampled goes on through the [`BoundClip::next`] clip.
+    pub const BLOCK_TURNED: u32 = 8;
+    /// Flag in a [`BoundBlock`]: all translations stand at the body's rest; of a turn, it adds nothing to them.
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales stand at the body's rest.
     pub const REST_SCALE: u32 = 2;
@@ -284,8 +286,11 @@ device_struct! {
         pub range_first: u32,
         /// Into `bound_blocks`: one for each block of 16 joints of the body.
         pub block_first: u32,
-        /// The body it is bound to.
+        /// The body it is bound to; [`NONE`] for a turn, which no slot may name.
         pub body: u32,
+        /// Into `bound_clips`: the turn that what was sampled goes through next, or [`NONE`]. A turn is a bound clip whose
+        /// ranges are those of [`TURN_PLANES`]; blocks that have no [`BLOCK_TURNED`] do not look at it.
+        pub next: u32,
     }
 }
 
@@ -306,7 +311,7 @@ device_struct! {
         pub scale_first: u32,
         /// Columns in each of their planes.
         pub scale_lanes: u32,
-        /// [`BLOCK_STRAIGHT`], [`REST_TRANSLATION`] and [`REST_SCALE`].
+        /// [`BLOCK_STRAIGHT`], [`BLOCK_TURNED`], [`REST_TRANSLATION`] and [`REST_SCALE`].
         pub flags: u32,
         /// Into `sources`.
         pub source_first: u32,
@@ -568,6 +573,12 @@ pub const POSE_PLANES: usize = 10;
 /// their step, of scale x y z and their step. A component is `offset + step * n` for the `n` that a row holds; a step of 0
 /// leaves the clip's constant, or the body's rest where the clip does not drive the joint.
 pub const RANGE_PLANES: usize = 13;
+/// Planes of a turn, laid out alike: offsets of a rotation x y z w, the step of x y z, that of w (their signs differ where the
+/// rotation is undone), offsets of an arm x y z and their step, and a rotation x y z w that comes after. The pose that goes
+/// through a turn has the arm, turned by its rotation so far, added to its translation; then its rotation is multiplied from
+/// the right by the turn's two. All of it leaves joints as they are where the rotations are those that change nothing and
+/// the arm is 0.
+pub const TURN_PLANES: usize = 14;
 
 /// How Rust lays a shared struct out, for comparison with a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

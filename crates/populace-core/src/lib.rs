@@ -31,10 +31,12 @@ mod control;
 mod error;
 mod f64math;
 mod hand_over;
+mod humanoid;
 pub mod layout;
 pub mod math;
 mod names;
 mod playback;
+mod retarget;
 mod skeleton;
 mod tables;
 mod track;
@@ -54,6 +56,7 @@ pub use hand_over::{
     EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteWay,
     SharedPage, TargetMark,
 };
+pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
 pub use math::{Affine, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use playback::{LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs};

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::{Affine, Error, Trs, f64math};
 
@@ -32,9 +33,15 @@ pub struct JointSource {
 ///
 /// A parent's index is below its children's, and the joints of each depth form one contiguous range, a *level*
 /// (Lister & Day 2012, section 3: "level-order flattened"). Several roots are fine. The order of the source, which
-/// vertex joint indices and files use, is kept as a map.
+/// vertex joint indices and files use, is kept as a map. Copies share the joints: every clip keeps the skeleton that
+/// it was made for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
+    parts: Arc<Parts>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Parts {
     names: Vec<String>,
     by_name: HashMap<String, JointIndex>,
     parents: Vec<Option<JointIndex>>,
@@ -70,7 +77,7 @@ impl Skeleton {
         let by_name = names.iter().cloned().zip(order.iter().map(|&s| joint_from_source[s])).collect();
         let size_m = f64math::rest_extent(&parents, &rest);
         let reach_m = vec![0.0; joints.len()];
-        Ok(Self {
+        let parts = Parts {
             names,
             by_name,
             parents,
@@ -80,14 +87,15 @@ impl Skeleton {
             joint_from_source,
             size_m,
             reach_m,
-        })
+        };
+        Ok(Self { parts: Arc::new(parts) })
     }
 
     /// Says how far from each joint, in level order, the vertices that it moves lie at rest, in metres: clips are then
     /// stored so that those vertices too stay within the error bound. Missing and bad values count as 0.
     #[must_use]
     pub fn with_reach(mut self, reach_m: &[f32]) -> Self {
-        for (reach, given) in self.reach_m.iter_mut().zip(reach_m) {
+        for (reach, given) in Arc::make_mut(&mut self.parts).reach_m.iter_mut().zip(reach_m) {
             *reach = if given.is_finite() { given.max(0.0) } else { 0.0 };
         }
         self
@@ -96,38 +104,49 @@ impl Skeleton {
     /// How many joints there are; at least one.
     #[must_use]
     pub fn joint_count(&self) -> usize {
-        self.names.len()
+        self.parts.names.len()
     }
 
     /// All joint indices, parents first.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = JointIndex> + use<> {
         #[expect(clippy::cast_possible_truncation, reason = "`new` refuses more joints than fit in 32 bits")]
-        let count = self.names.len() as u32;
+        let count = self.parts.names.len() as u32;
         (0..count).map(JointIndex)
     }
 
     /// The name of a joint.
     #[must_use]
     pub fn name(&self, joint: JointIndex) -> &str {
-        &self.names[joint.index()]
+        &self.parts.names[joint.index()]
     }
 
     /// The joint of a name.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<JointIndex> {
-        self.by_name.get(name).copied()
+        self.parts.by_name.get(name).copied()
     }
 
     /// The parent, `None` for a root.
     #[must_use]
     pub fn parent(&self, joint: JointIndex) -> Option<JointIndex> {
-        self.parents[joint.index()]
+        self.parts.parents[joint.index()]
+    }
+
+    /// Whether a joint hangs on another, over however many between.
+    #[must_use]
+    pub fn is_below(&self, joint: JointIndex, above: JointIndex) -> bool {
+        self.ancestors(joint).any(|ancestor| ancestor == above)
+    }
+
+    /// The joints that a joint hangs on, its parent first.
+    pub fn ancestors(&self, joint: JointIndex) -> impl Iterator<Item = JointIndex> + '_ {
+        std::iter::successors(self.parent(joint), |&joint| self.parent(joint))
     }
 
     /// The local transform when nothing plays.
     #[must_use]
     pub fn rest(&self, joint: JointIndex) -> &Trs {
-        &self.rest[joint.index()]
+        &self.parts.rest[joint.index()]
     }
 
     /// The model transform of a joint when nothing plays.
@@ -140,13 +159,13 @@ impl Skeleton {
     /// The range of joint indices of each depth, roots first.
     #[must_use]
     pub fn levels(&self) -> &[Range<usize>] {
-        &self.levels
+        &self.parts.levels
     }
 
     /// Where in the source list a joint stood.
     #[must_use]
     pub fn source_from_joint(&self, joint: JointIndex) -> usize {
-        self.source_from_joint[joint.index()]
+        self.parts.source_from_joint[joint.index()]
     }
 
     /// Where a joint of the source list stands now.
@@ -156,20 +175,20 @@ impl Skeleton {
     /// If `source` is not below the joint count.
     #[must_use]
     pub fn joint_from_source(&self, source: usize) -> JointIndex {
-        self.joint_from_source[source]
+        self.parts.joint_from_source[source]
     }
 
     /// How far from each joint the vertices that it moves lie at rest, in metres; 0 where that is not known.
     #[must_use]
     pub fn reach_m(&self) -> &[f32] {
-        &self.reach_m
+        &self.parts.reach_m
     }
 
     /// The largest side of the box around the joints at rest, in metres; 1 where all joints coincide. Error bounds
     /// are in proportion to it.
     #[must_use]
     pub fn size_m(&self) -> f32 {
-        self.size_m
+        self.parts.size_m
     }
 }
 

@@ -30,6 +30,7 @@ mod reading;
 mod rows;
 mod split;
 mod transform;
+mod turns;
 mod write_back;
 
 use std::sync::PoisonError;

@@ -4,13 +4,14 @@
 //! arithmetic is the same for all.
 
 use populace_core::layout::{
-    BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
-    MAP_TRANSLATION, NONE, REST_SCALE, REST_TRANSLATION, ROW_FLOATS, RowBlock, SlotSample,
+    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION,
+    MAP_SCALE, MAP_TRANSLATION, NONE, REST_SCALE, REST_TRANSLATION, ROW_FLOATS, RowBlock, SlotSample,
 };
 use populace_core::math::{Real, quat};
 use populace_core::{Property, Tables};
 
 use crate::lanes::{LANES, Lanes};
+use crate::turns::turn;
 
 /// Translation, rotation and scale of one joint, or of sixteen.
 #[derive(Clone, Copy)]
@@ -268,7 +269,7 @@ pub(crate) fn load_quat<R: Width>(planes: &[f32], padded: usize) -> [R; 4] {
 
 /// A component between two rows: `offset + step * n`.
 #[inline(always)]
-fn component<R: Width>(
+pub(crate) fn component<R: Width>(
     columns: &R::Columns<'_>,
     property: Property,
     at: &SlotSample,
@@ -283,7 +284,7 @@ fn component<R: Width>(
 
 /// Translations or scales between two rows; `range` starts with planes of offsets, and a plane of steps follows.
 #[inline(always)]
-fn sample_vector<R: Width>(
+pub(crate) fn sample_vector<R: Width>(
     columns: &R::Columns<'_>,
     property: Property,
     at: &SlotSample,
@@ -348,13 +349,17 @@ pub(crate) fn sample_joint<R: Width>(
             component(&columns, Property::Rotation, at, 3, step, r[3]),
         ];
     }
-    let at_rest = bound_block(tables, bound, joint).flags & (REST_TRANSLATION | REST_SCALE);
+    let flags = bound_block(tables, bound, joint).flags;
+    let at_rest = flags & (REST_TRANSLATION | REST_SCALE);
     let (mut t, mut s) = (rest.t, rest.s);
     if at_rest & REST_TRANSLATION == 0 {
         t = sample_vector::<R>(&columns, Property::Translation, at, &range[5 * padded..], padded);
     }
     if at_rest & REST_SCALE == 0 {
         s = sample_vector::<R>(&columns, Property::Scale, at, &range[9 * padded..], padded);
+    }
+    if flags & BLOCK_TURNED != 0 {
+        (t, r) = turn::<R>(tables, bound, body, joint, at, (t, r));
     }
     let unit = quat::dot(r, r).inverse_sqrt() * quat::side(r, rest.r);
     Sample { local: Local { r, t, s }, unit, at_rest }

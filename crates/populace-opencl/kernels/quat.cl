@@ -97,3 +97,16 @@ INLINE Quat quat_mul(Quat a, Quat b)
                      a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
     return q;
 }
+
+/* A vector turned by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v). */
+INLINE Vec3 vec3_cross(Quat q, Vec3 a)
+{
+    const Vec3 v = { q.y * a.z - q.z * a.y, q.z * a.x - q.x * a.z, q.x * a.y - q.y * a.x };
+    return v;
+}
+
+INLINE Vec3 quat_rotate(Quat q, Vec3 v)
+{
+    const Vec3 across = vec3_cross(q, v), once = vec3_add(across, across), twice = vec3_cross(q, once);
+    return vec3_add(vec3_add(v, vec3_scale(once, q.w)), twice);
+}

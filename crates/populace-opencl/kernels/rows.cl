@@ -283,6 +283,9 @@ INLINE Trs normalized(Sample sample)
     return sample.trs;
 }
 
+/* What a retargeted clip's poses go through; see turns.cl. */
+APART Trs turn(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs);
+
 /* Local transforms between two rows. */
 INLINE Sample sample_joint(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Trs rest)
 {
@@ -293,10 +296,11 @@ INLINE Sample sample_joint(Clips of, BoundClip bound, Body body, uint joint, Slo
     Trs *trs = &sample.trs;
     if (columns.block.rotation_first != NONE)
         trs->r = quat_add(quat_scale(rotation_steps(of, columns, at), LOAD(range + 4 * padded)), trs->r);
-    sample.unit = inverse_sqrt(quat_dot(trs->r, trs->r)) * quat_side(trs->r, rest.r);
     if (!(sample.at_rest & REST_TRANSLATION))
         trs->t = sample_vector(of, columns, TRANSLATION, at, range + 5 * padded, range + 8 * padded, padded);
     if (!(sample.at_rest & REST_SCALE))
         trs->s = sample_vector(of, columns, SCALE, at, range + 9 * padded, range + 12 * padded, padded);
+    if (columns.flags & BLOCK_TURNED) *trs = turn(of, bound, body, joint, at, *trs);
+    sample.unit = inverse_sqrt(quat_dot(trs->r, trs->r)) * quat_side(trs->r, rest.r);
     return sample;
 }

@@ -34,6 +34,7 @@ impl Form {
             include_str!("../kernels/quat.cl"),
             include_str!("../kernels/slot.cl"),
             include_str!("../kernels/rows.cl"),
+            include_str!("../kernels/turns.cl"),
             include_str!("../kernels/playback.cl"),
             include_str!("../kernels/joint.cl"),
             include_str!("../kernels/affine.cl"),

@@ -147,7 +147,15 @@ impl<'a> TestCrowd<'a> {
         let source = &scene.clips[clip].clip;
         let index = *self.clips.entry(clip).or_insert_with(|| tables.add_clip(source).expect("a clip fits"));
         *self.bound_clips.entry((clip, body)).or_insert_with(|| {
-            let binding = Binding::new(source, &scene.bodies[body].skeleton);
+            let skeleton = &scene.bodies[body].skeleton;
+            let binding = match scene.retargets.contains_key(&(clip, body)) {
+                false => Binding::new(source, skeleton),
+                true => {
+                    let (from, onto) = (&scene.bodies[scene.clips[clip].body], &scene.bodies[body]);
+                    let binding = Binding::retarget(source, &from.role_map(), skeleton, &onto.role_map());
+                    binding.expect("both are humanoid")
+                }
+            };
             tables.add_bound_clip(index, body_index, &binding).expect("a bound clip fits")
         })
     }

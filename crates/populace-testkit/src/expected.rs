@@ -1,7 +1,9 @@
 //! What the oracle says of a crowd's members.
 
 use crate::oracle::{OracleLayer, OraclePose, OracleSlot, Timing, Weighting, evaluate};
-use crate::tolerance::{AffineBound, LocalBound, SampleBound, WEIGHT_ERROR, model_bounds, palette_bounds};
+use crate::tolerance::{
+    AffineBound, LocalBound, SampleBound, UNIT, WEIGHT_ERROR, model_bounds, palette_bounds,
+};
 use crate::{LayerPlan, MemberPlan, Play, TestCrowd};
 
 /// What the oracle says of a member, and how far a backend may be off.
@@ -25,6 +27,7 @@ impl<'a> TestCrowd<'a> {
                 time_secs: play.timing.time_secs(tick, clip),
                 weight: play.weighting.weight(tick),
                 layer: play.layer as usize,
+                retarget: scene.retargets.get(&(play.clip, plan.body)),
             }
         };
         plan.plays.iter().map(slot).collect()
@@ -50,6 +53,47 @@ impl<'a> TestCrowd<'a> {
         Some(self.expected_within(member, tick, bound))
     }
 
+    /// Widened by what retargeted clips add up for a joint: what each rotation of the source on the way is off by, and a
+    /// product's rounding, 8 units for each of up to four products; places are off by that as far as they hang on it.
+    fn with_retargets(
+        &self,
+        own: SampleBound,
+        plan: &MemberPlan,
+        of_one: SampleBound,
+        joint: usize,
+    ) -> SampleBound {
+        let mut widest = own;
+        for play in &plan.plays {
+            let Some(retarget) = self.scene.retargets.get(&(play.clip, plan.body)) else {
+                continue;
+            };
+            let (joints, reach) = retarget.depends_on(joint);
+            let clip = &self.scene.clips[play.clip].clip;
+            let mut bound = SampleBound { translation: 0.0, rotation: 4.0 * 8.0 * UNIT, ..of_one };
+            let mut moved = 0.0;
+            for source in joints {
+                let name = &retarget.source_joints()[source].name;
+                let one = of_one.with_storage(name, std::iter::once(clip));
+                bound.rotation += one.rotation + 8.0 * UNIT;
+                moved += one.translation;
+            }
+            if reach > 0.0 {
+                // A quaternion that is off by some part turns by at most twice as much.
+                bound.translation_size = bound.translation_size.max(reach);
+                bound.translation = 2.0 * bound.rotation * reach + retarget.scale() * moved;
+                bound.translation *= 1.0 / self.least_scale(plan.body);
+            }
+            widest = widest.or(bound);
+        }
+        widest
+    }
+
+    /// Translations count in units of what is above; the smallest scale of any joint bounds how long they are.
+    fn least_scale(&self, body: usize) -> f64 {
+        let scales = self.scene.bodies[body].joints.iter().flat_map(|joint| joint.rest.scale);
+        scales.map(f64::from).fold(1.0, f64::min)
+    }
+
     /// What a member must look like where each slot's sample is within `bound`.
     pub(crate) fn expected_within(&self, member: usize, tick: u64, bound: SampleBound) -> Expected {
         let plan = self.plan(member);
@@ -66,7 +110,7 @@ impl<'a> TestCrowd<'a> {
         let joints = &self.scene.bodies[plan.body].joints;
         let local = |j: usize| {
             let clips = plan.plays.iter().map(|play| &self.scene.clips[play.clip].clip);
-            let bound = bound.with_storage(&joints[j].name, clips);
+            let bound = self.with_retargets(bound.with_storage(&joints[j].name, clips), plan, bound, j);
             LocalBound::after_pose(&bound, &body.rest(j), &pose.gains[j], slots.len())
         };
         let locals: Vec<_> = (0..joints.len()).map(local).collect();

@@ -5,6 +5,7 @@ mod controls;
 mod hand_over;
 mod playback;
 mod readback;
+mod roles;
 mod room;
 mod spaces;
 mod waiting;
@@ -15,8 +16,8 @@ use std::sync::Arc;
 
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
-    Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, Frame, GlContext, Schedule, TICKS_PER_SEC,
-    Tables, nearest_names,
+    Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, Frame, GlContext, RoleMap, Schedule,
+    TICKS_PER_SEC, Tables, nearest_names,
 };
 
 use crate::device::{Engine, Opened};
@@ -47,7 +48,8 @@ impl CharacterId {
     }
 }
 
-/// A clip of a crowd. Any member can play it; it drives the joints whose names it knows.
+/// A clip of a crowd. Any member can play it: it drives the joints whose names it knows, and moves other bodies by their
+/// humanoid roles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClipId {
     crowd: u32,
@@ -113,6 +115,8 @@ impl Default for Clock {
 struct CharacterState {
     character: Arc<Character>,
     body: BodyIndex,
+    /// Found by name, or given.
+    roles: Option<RoleMap>,
     /// The clips that came with the character or were added to it, by name.
     clips: Vec<ClipId>,
 }
@@ -136,6 +140,8 @@ pub struct Crowd {
     clips: AnimationSet,
     characters: Vec<CharacterState>,
     bound_clips: HashMap<(BodyIndex, ClipIndex), u32>,
+    /// Of the skeletons that clips were made for, where given.
+    clip_roles: HashMap<ClipIndex, RoleMap>,
     members: Vec<MemberState>,
     /// Of members that more than clips move, by place.
     controls: HashMap<u32, MemberControls>,
@@ -232,7 +238,8 @@ impl Crowd {
         let body = self.tables.add_body(&character.skeleton, &character.palette)?;
         let id = CharacterId { crowd: self.number, index: u32_from(self.characters.len()) };
         let clips = character.clips.clone();
-        self.characters.push(CharacterState { character, body, clips: Vec::new() });
+        let roles = RoleMap::detect(&character.skeleton);
+        self.characters.push(CharacterState { character, body, roles, clips: Vec::new() });
         for clip in &clips {
             self.add_clip(id, clip)?;
         }

@@ -8,6 +8,7 @@ use populace::core::{
     Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource, PaletteEntry,
     Property, Skeleton, Track,
 };
+use populace::core::{Role, RoleMap, Side};
 use populace::{Affine, Crowd, Device, Error, LayerMode, LayerSettings, Mask, Member, Placement, Play, Trs};
 
 fn track(joint: &str, height: f32) -> Track {
@@ -34,6 +35,57 @@ fn lift() -> Character {
     let name = "lift".into();
     Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
         .unwrap()
+}
+
+/// A body of hips and legs whose joints are called as nowhere else, with a clip that lifts the hips by its height.
+fn legs(word: &str, height: f32) -> (Character, RoleMap) {
+    let at = |y: f32| Trs { translation: [0.0, y * height, 0.0], ..Trs::IDENTITY };
+    let joint = |name: &str, parent, rest| JointSource { name: format!("{word} {name}"), parent, rest };
+    let mut joints = vec![joint("middle", None, at(1.0))];
+    for (side, hip) in [("one", 1), ("other", 4)] {
+        joints.push(joint(&format!("{side} a"), Some(0), at(0.0)));
+        joints.push(joint(&format!("{side} b"), Some(hip), at(-0.5)));
+        joints.push(joint(&format!("{side} c"), Some(hip + 1), at(-0.4)));
+    }
+    let skeleton = Skeleton::new(&joints).unwrap();
+    let (left, right) = (Side::Left, Side::Right);
+    let roles = [
+        (Role::Hips, "middle"),
+        (Role::UpperLeg(left), "one a"),
+        (Role::LowerLeg(left), "one b"),
+        (Role::Foot(left), "one c"),
+        (Role::UpperLeg(right), "other a"),
+        (Role::LowerLeg(right), "other b"),
+        (Role::Foot(right), "other c"),
+    ];
+    let names: Vec<_> = roles.iter().map(|(role, name)| (*role, format!("{word} {name}"))).collect();
+    let names: Vec<_> = names.iter().map(|(role, name)| (*role, name.as_str())).collect();
+    let map = RoleMap::from_names(&skeleton, &names).unwrap();
+    let mut lift = track(&joints[0].name, 0.0);
+    lift.values = vec![0.0, height, 0.0, 0.0, 2.0 * height, 0.0];
+    let clip =
+        Arc::new(Clip::new(ClipSource { name: "jump".into(), tracks: vec![lift] }, &skeleton).unwrap());
+    let (parts, materials, images, skins, palette) = (vec![], vec![], vec![], vec![], vec![]);
+    let (name, clips) = (word.into(), vec![clip]);
+    let source = CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
+    (Character::new(source).unwrap(), map)
+}
+
+fn clips_play_by_roles_that_a_user_gives(device: Device) {
+    let mut crowd = Crowd::builder().device(device).capacity(2).build().unwrap();
+    let ((tall, tall_roles), (short, short_roles)) = (legs("tall", 2.0), legs("short", 0.5));
+    let (tall, short) = (crowd.add_character(tall).unwrap(), crowd.add_character(short).unwrap());
+    let jump = crowd.clip(tall, "jump").unwrap();
+    let member = crowd.spawn(short, Placement::at([0.0; 3])).unwrap();
+    let refused = crowd.play(member, jump, Play::held_at_secs(0.5)).unwrap_err().to_string();
+    assert!(refused.contains("\"tall middle\"") && refused.contains("RoleMap::from_names"), "{refused}");
+    crowd.set_roles(short, short_roles).unwrap();
+    assert!(crowd.play(member, jump, Play::held_at_secs(0.5)).is_err(), "the clip's skeleton has none yet");
+    crowd.set_clip_roles(jump, tall_roles).unwrap();
+    crowd.play(member, jump, Play::held_at_secs(0.5)).unwrap();
+    crowd.update(0.0).unwrap();
+    // Half way up: one and a half times its own height of 0.5 m, not that of the other.
+    assert_near(height(&mut crowd, member, 0), 0.75);
 }
 
 fn height(crowd: &mut Crowd, member: Member, joint: usize) -> f32 {
@@ -206,6 +258,7 @@ macro_rules! on_devices {
 }
 on_devices!(
     play_crossfade_and_stop,
+    clips_play_by_roles_that_a_user_gives,
     blends_and_layers,
     members_come_and_go,
     twenty_clips_in_a_third_of_a_second,

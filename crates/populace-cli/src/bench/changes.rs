@@ -25,6 +25,7 @@ impl Playing {
     pub(super) fn at<'a>(&self, tick: u64, character: &'a Character) -> OracleSlot<'a> {
         let clip = &character.clips[self.clip];
         OracleSlot {
+            retarget: None,
             clip: clip.source(),
             time_secs: self.timing.time_secs(tick, clip),
             weight: self.weighting.weight(tick),

@@ -2,7 +2,7 @@
 
 mod rows;
 
-use populace::core::{Character, Clip, Skeleton};
+use populace::core::{Character, Clip, RoleMap, Skeleton};
 use populace_assets::Imported;
 use serde_json::{Value, json};
 
@@ -52,11 +52,21 @@ fn describe(imported: &Imported, file: &str) -> Value {
         "depth": skeleton.levels().len(),
         "palette_entries": character.palette.len(),
         "skins": skins,
+        "roles": describe_roles(skeleton),
         "parts": describe_parts(character),
         "materials": describe_materials(character),
         "images": character.images.iter().map(|i| json!({"width": i.width, "height": i.height})).collect::<Vec<_>>(),
         "clips": clips,
         "notes": notes,
+    })
+}
+
+/// The naming by which humanoid roles were found, and the joint of each; null where the body is not humanoid.
+fn describe_roles(skeleton: &Skeleton) -> Value {
+    RoleMap::detect(skeleton).map_or(Value::Null, |roles| {
+        let joints: serde_json::Map<_, _> =
+            roles.iter().map(|(role, joint)| (role.to_string(), skeleton.name(joint).into())).collect();
+        json!({"naming": roles.naming(), "joints": joints})
     })
 }
 
@@ -118,6 +128,10 @@ fn as_text(d: &Value) -> String {
     );
     for s in list("skins") {
         text += &format!("  skin {} on node {}: {} joints\n", s["skin"], s["node"], s["joints"]);
+    }
+    if let Some(roles) = d["roles"]["joints"].as_object() {
+        let naming = d["roles"]["naming"].as_str().unwrap_or_default();
+        text += &format!("  humanoid: {} roles by names as of {naming}\n", roles.len());
     }
     for p in list("parts") {
         text += &format!(

@@ -33,6 +33,11 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let slots = named.as_ref().map_or(args.slot.as_slice(), std::slice::from_ref);
     let mut crowd = args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)).build()?;
     let id = crowd.add_character(Arc::clone(&character))?;
+    if let Some(file) = &args.clips {
+        for clip in &populace_assets::load(file)?.character.clips {
+            crowd.add_clip(id, clip)?;
+        }
+    }
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
     let find = |crowd: &Crowd, name: &str| find_clip(crowd, id, name);
     let (mixed, layers) = mix::apply(&mut crowd, (id, member), (slots, &args.layer), find)?;

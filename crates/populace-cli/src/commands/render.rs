@@ -15,7 +15,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let renderer = Renderer::headless(args.size.0);
     let builder = args.device.crowd().capacity(args.members as usize).slots_per_member(1);
     let mut crowd = drawn_with(builder, &renderer).build()?;
-    let roles = cast::load(&mut crowd, &args.inputs, args.clip.as_deref(), args.height)?;
+    let roles = cast::load(&mut crowd, &args.inputs, &args.clips, args.clip.as_deref(), args.height)?;
     check_hidden(&roles, &args.hide)?;
     let plan = Plan { members: args.members, seed: args.seed, hide: &args.hide, away_percent: 0 };
     let mut staging = Staging::new(&mut crowd, &roles, &plan)?;

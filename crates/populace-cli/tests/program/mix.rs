@@ -57,6 +57,7 @@ impl Mix<'_> {
             found.unwrap_or_else(|| panic!("no clip {name}")).source()
         };
         let slot = |(name, secs, weight, layer): &Slot| OracleSlot {
+            retarget: None,
             clip: clip(name),
             time_secs: f64::from(*secs),
             weight: f64::from(*weight),

@@ -2,11 +2,40 @@
 
 use super::{BodyIndex, Tables, padded, u32_from};
 use crate::Error;
-use crate::clip::Binding;
+use crate::clip::{Binding, Turn};
 use crate::layout::{
-    BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
-    MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE, REST_TRANSLATION, RowBlock, Source,
+    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION,
+    MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE, REST_TRANSLATION, RowBlock, Source,
+    TURN_PLANES,
 };
+
+/// Of each block of a body, whether any of its joints has something in a turn or a later one.
+struct Later {
+    turns: Vec<bool>,
+    arms: Vec<bool>,
+}
+
+impl Later {
+    fn none(body: &Body) -> Self {
+        let blocks = vec![false; (body.padded_count / JOINT_BLOCK) as usize];
+        Self { turns: blocks.clone(), arms: blocks }
+    }
+
+    fn of(turns: &[Turn], body: &Body) -> Self {
+        let mut some = Self::none(body);
+        for (joint, turn) in turns.iter().enumerate() {
+            let block = joint / JOINT_BLOCK as usize;
+            some.turns[block] |= *turn != Turn::NONE;
+            some.arms[block] |= turn.has_arm();
+        }
+        some
+    }
+
+    fn or(&self, other: &Self) -> Self {
+        let either = |a: &[bool], b: &[bool]| a.iter().zip(b).map(|(a, b)| a | b).collect();
+        Self { turns: either(&self.turns, &other.turns), arms: either(&self.arms, &other.arms) }
+    }
+}
 
 impl Tables {
     /// Binds a clip to a body and returns the index that slots name.
@@ -21,14 +50,56 @@ impl Tables {
             return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
         }
         let body_row = self.all.bodies.as_slice()[body.0 as usize];
-        let map_first = self.all.joint_maps.extend(binding.joint_map().iter().copied())?;
+        // From the last turn on, so that each knows the next.
+        let (mut next, mut later) = (NONE, Later::none(&body_row));
+        for turn in binding.turns().iter().rev() {
+            let map: Vec<u32> = turn.iter().map(|turn| turn.map).collect();
+            let range_first = self.add_turn(turn)?;
+            let own = Later::of(turn, &body_row);
+            let flags = own.arms.iter().zip(&later.turns).map(|(arms, turned)| {
+                let still = if *arms { 0 } else { REST_TRANSLATION };
+                still | (u32::from(*turned) * BLOCK_TURNED)
+            });
+            let bound = BoundClip { clip, range_first, body: NONE, next, ..BoundClip::default() };
+            next = self.add_bound(bound, &map, flags.collect())?;
+            later = later.or(&own);
+        }
         let range_first = self.add_ranges(binding)?;
+        let first_joints = (0..body_row.padded_count as usize).step_by(JOINT_BLOCK as usize);
+        let flags = first_joints.zip(later.turns.iter().zip(&later.arms)).map(|(first, (turned, arms))| {
+            let moved = u32::from(*arms) * REST_TRANSLATION;
+            (self.rest_flags(&body_row, range_first, first) & !moved) | (u32::from(*turned) * BLOCK_TURNED)
+        });
+        let flags = flags.collect();
+        let bound = BoundClip { clip, range_first, body: body.0, next, ..BoundClip::default() };
+        self.add_bound(bound, binding.joint_map(), flags)
+    }
+
+    /// Adds a bound clip, or a turn of one, with its joint map and blocks; `flags` are those of each block.
+    fn add_bound(&mut self, bound: BoundClip, map: &[u32], flags: Vec<u32>) -> Result<u32, Error> {
+        let map_first = self.all.joint_maps.extend(map.iter().copied())?;
         let block_first = u32_from(self.all.bound_blocks.len());
-        for joints in (0..body_row.padded_count).step_by(JOINT_BLOCK as usize) {
-            let block = self.bind_block(clip, &body_row, binding, range_first, joints as usize)?;
+        for (block, flags) in flags.into_iter().enumerate() {
+            let first = (block * JOINT_BLOCK as usize).min(map.len());
+            let last = map.len().min(first + JOINT_BLOCK as usize);
+            let block = self.bind_block(bound.clip, &map[first..last], flags)?;
             self.all.bound_blocks.extend([block])?;
         }
-        self.all.bound_clips.extend([BoundClip { clip, map_first, range_first, block_first, body: body.0 }])
+        self.all.bound_clips.extend([BoundClip { map_first, block_first, ..bound }])
+    }
+
+    fn add_turn(&mut self, turns: &[Turn]) -> Result<u32, Error> {
+        let padded = padded(turns.len());
+        let mut planes = vec![0.0; TURN_PLANES * padded];
+        for joint in 0..padded {
+            let Turn { rotation, step_w, arm, after, .. } = turns.get(joint).copied().unwrap_or(Turn::NONE);
+            let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) = (rotation.offset, arm.offset, after);
+            let values = [qx, qy, qz, qw, rotation.step, step_w, tx, ty, tz, arm.step, ax, ay, az, aw];
+            for (plane, value) in values.into_iter().enumerate() {
+                planes[plane * padded + joint] = value;
+            }
+        }
+        self.all.poses.extend(planes)
     }
 
     fn add_ranges(&mut self, binding: &Binding) -> Result<u32, Error> {
@@ -45,18 +116,10 @@ impl Tables {
         self.all.poses.extend(planes)
     }
 
-    /// Where the 16 joints from `first` on find their columns.
-    fn bind_block(
-        &mut self,
-        clip: u32,
-        body: &Body,
-        binding: &Binding,
-        range_first: u32,
-        first: usize,
-    ) -> Result<BoundBlock, Error> {
+    /// Where 16 joints of these maps find their columns.
+    fn bind_block(&mut self, clip: u32, maps: &[u32], flags: u32) -> Result<BoundBlock, Error> {
         const BLOCK: usize = JOINT_BLOCK as usize;
         let moves = MAP_ROTATION | MAP_TRANSLATION | MAP_SCALE;
-        let maps = &binding.joint_map()[first..binding.joint_map().len().min(first + BLOCK)];
         let mut sources: Vec<(u32, [u32; BLOCK])> = Vec::new();
         for (lane, map) in maps.iter().enumerate().filter(|(_, map)| **map & moves != 0) {
             let column = map & MAP_COLUMN;
@@ -88,7 +151,7 @@ impl Tables {
             translation_lanes: rows.translation_lanes,
             scale_first: rows.scale_first,
             scale_lanes: rows.scale_lanes,
-            flags: straight | self.rest_flags(body, range_first, first),
+            flags: straight | flags,
             source_first,
             source_count: u32_from(sources.len()),
         })

@@ -22,7 +22,8 @@ macro_rules! with_tables {
             levels: u32,
             /// Palette entries of all bodies.
             entries: Entry,
-            /// Rest poses, `POSE_PLANES` planes each, and the ranges of bound clips, `RANGE_PLANES` planes each.
+            /// Rest poses, `POSE_PLANES` planes each, the ranges of bound clips, `RANGE_PLANES` planes each, and of their
+            /// turns, `TURN_PLANES` planes each.
             poses: f32,
             /// Clips.
             clips: ClipRows,

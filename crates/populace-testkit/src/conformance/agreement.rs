@@ -2,13 +2,13 @@
 
 use populace_core::{Backend, Stage, ticks_from_secs};
 
-use super::plans;
 use super::stages::{two_of_each, write_locals};
+use super::{plans, retarget};
 use crate::compare::Judge;
 use crate::expected::Expected;
 use crate::scenes::Scene;
 use crate::tolerance::{LOCAL_CAP, SampleBound};
-use crate::{MemberReading, Rng, TestCrowd};
+use crate::{MemberPlan, MemberReading, Rng, TestCrowd};
 
 /// Given the same local transforms, Transform and Write-back give the same bits: both only add and multiply. Pose
 /// agrees within what rounding allows each of the two.
@@ -29,13 +29,18 @@ pub fn check_agreement(a: &mut dyn Backend, b: &mut dyn Backend) {
 /// If the backends differ.
 pub fn check_same_frames(a: &mut dyn Backend, b: &mut dyn Backend) {
     let scene = Scene::new();
-    let mut judge = Judge::new("same frames");
     let clips: Vec<usize> = (0..scene.clips.len()).collect();
-    let plans = plans::members(83, &scene, &clips, 60, 8);
+    same_frames(a, b, &scene, &plans::members(83, &scene, &clips, 60, 8));
+    let humanoids = Scene::of_humanoids();
+    same_frames(a, b, &humanoids, &retarget::plans(&mut Rng::new(84), &humanoids));
+}
+
+fn same_frames(a: &mut dyn Backend, b: &mut dyn Backend, scene: &Scene, plans: &[MemberPlan]) {
+    let mut judge = Judge::new("same frames");
     let frame = |backend: &mut dyn Backend| {
-        let mut crowd = plans::crowd(&scene, 8, plans.clone());
+        let mut crowd = plans::crowd(scene, 8, plans.iter().cloned());
         crowd.run(backend, ticks_from_secs(7.1));
-        (0..60).map(|member| crowd.read_palette(backend, member)).collect::<Vec<_>>()
+        (0..plans.len()).map(|member| crowd.read_palette(backend, member)).collect::<Vec<_>>()
     };
     for (member, (one, other)) in frame(a).iter().zip(&frame(b)).enumerate() {
         judge.same_matrices(&format!("member {member} palette entry"), other, one);

@@ -9,6 +9,7 @@ mod clock;
 mod layers;
 mod mixed;
 mod plans;
+mod retarget;
 mod running;
 mod sampling;
 mod stages;
@@ -18,6 +19,7 @@ pub use blend::{check_blends, check_slot_order, check_small_totals, check_zero_w
 pub use clock::{check_clock, check_weights};
 pub use layers::{check_additive_layers, check_far_turns, check_override_layers};
 pub use mixed::{check_churn, check_mixed_dispatch};
+pub use retarget::check_retarget;
 pub use running::{check_growth, check_long_run};
 pub use sampling::{check_sampling_at_keys, check_sampling_between_keys, check_sampling_within_clip_bounds};
 pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
@@ -54,6 +56,7 @@ macro_rules! fused_conformance {
             one check_override_layers override_layers_hold override_layers_can_fail palette;
             one check_additive_layers additive_layers_hold additive_layers_can_fail rotation;
             one check_far_turns far_turns_hold far_turns_can_fail coarse_rotation;
+            one check_retarget retarget_holds retarget_can_fail coarse_rotation;
             one check_pages pages_hold pages_can_fail palette_bit;
             one check_growth growth_holds growth_can_fail palette;
             one check_long_run long_run_holds long_run_can_fail rotation;

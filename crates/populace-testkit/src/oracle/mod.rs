@@ -5,6 +5,7 @@
 
 mod evaluate;
 mod pose;
+mod retarget;
 mod sample;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ use populace_core::{Character, ClipSource, JointSource, LayerMode, PaletteEntry,
 
 pub use evaluate::{Timing, Weighting};
 pub use pose::Gain;
+pub use retarget::OracleRetarget;
 pub use sample::{slerp, track_value};
 pub use transform::model_from_joints;
 pub use write_back::palettes;
@@ -98,6 +100,8 @@ pub struct OracleSlot<'a> {
     pub weight: f64,
     /// The layer that the slot is mixed in.
     pub layer: usize,
+    /// How the clip moves a body that it was not made for; else it moves the joints whose names it knows.
+    pub retarget: Option<&'a OracleRetarget>,
 }
 
 /// A layer at one instant.

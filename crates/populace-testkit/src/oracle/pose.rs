@@ -33,6 +33,39 @@ struct Sample {
     reference: Local,
 }
 
+/// What a slot's clip does to the body: to the joints whose names it knows, or to all at once.
+enum Clip<'a> {
+    Named(TracksByJoint<'a>),
+    Retargeted { value: Vec<Local>, reference: Vec<Local> },
+}
+
+impl<'a> Clip<'a> {
+    fn new(slot: &OracleSlot<'a>) -> Self {
+        let tracks = TracksByJoint::new(slot.clip);
+        match slot.retarget {
+            None => Self::Named(tracks),
+            Some(retarget) => Self::Retargeted {
+                value: retarget.locals(slot.clip, slot.time_secs),
+                reference: retarget.locals(slot.clip, tracks.first_time()),
+            },
+        }
+    }
+
+    fn value(&self, joint: usize, name: &str, rest: &Local, time_secs: f64) -> Local {
+        match self {
+            Self::Named(tracks) => tracks.local(name, rest, time_secs),
+            Self::Retargeted { value, .. } => value[joint],
+        }
+    }
+
+    fn reference(&self, joint: usize, name: &str, rest: &Local) -> Local {
+        match self {
+            Self::Named(tracks) => tracks.reference(name, rest),
+            Self::Retargeted { reference, .. } => reference[joint],
+        }
+    }
+}
+
 type Posed = (Local, Gain);
 
 pub(super) fn pose(
@@ -40,7 +73,7 @@ pub(super) fn pose(
     slots: &[OracleSlot<'_>],
     layers: &[OracleLayer],
 ) -> (Vec<Local>, Vec<Gain>) {
-    let clips: Vec<_> = slots.iter().map(|s| TracksByJoint::new(s.clip)).collect();
+    let clips: Vec<_> = slots.iter().map(Clip::new).collect();
     let plain = [OracleLayer::default()];
     let layers = if layers.is_empty() { &plain } else { layers };
     let one_joint = |joint: usize| {
@@ -53,8 +86,8 @@ pub(super) fn pose(
                 .filter(|(slot, _)| slot.layer == index && slot.weight > 0.0)
                 .map(|(slot, clip)| Sample {
                     weight: slot.weight,
-                    value: clip.local(name, &rest, slot.time_secs),
-                    reference: clip.reference(name, &rest),
+                    value: clip.value(joint, name, &rest, slot.time_secs),
+                    reference: clip.reference(joint, name, &rest),
                 })
                 .collect();
             let strength = layer.weight * layer.mask.as_ref().map_or(1.0, |mask| mask[joint]);

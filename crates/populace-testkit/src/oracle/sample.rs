@@ -106,6 +106,11 @@ impl<'a> TracksByJoint<'a> {
         Self { tracks, first_time }
     }
 
+    /// The earliest key time.
+    pub(super) fn first_time(&self) -> f64 {
+        self.first_time
+    }
+
     /// The local transform of a joint at a time: what tracks drive, else rest.
     pub(super) fn local(&self, joint: &str, rest: &Local, time_secs: f64) -> Local {
         let mut local = *rest;

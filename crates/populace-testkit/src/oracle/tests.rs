@@ -43,7 +43,7 @@ fn still(x: f32, turn: DQuat) -> ClipSource {
 }
 
 fn slot(clip: &ClipSource, weight: f64, layer: usize) -> OracleSlot<'_> {
-    OracleSlot { clip, time_secs: 0.0, weight, layer }
+    OracleSlot { clip, time_secs: 0.0, weight, layer, retarget: None }
 }
 
 #[track_caller]

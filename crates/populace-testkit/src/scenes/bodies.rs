@@ -20,7 +20,7 @@ pub(super) fn all() -> Vec<SceneBody> {
         .into()
 }
 
-fn body(rng: &mut Rng, joints: Vec<JointSource>, drawn: bool) -> SceneBody {
+pub(super) fn body(rng: &mut Rng, joints: Vec<JointSource>, drawn: bool) -> SceneBody {
     let skeleton = Skeleton::new(&joints).expect("generated skeletons are sound");
     let mut palette = Vec::new();
     for joint in skeleton.joints().filter(|_| drawn) {
@@ -37,7 +37,7 @@ fn body(rng: &mut Rng, joints: Vec<JointSource>, drawn: bool) -> SceneBody {
         (skeleton.source_from_joint(e.joint), wide)
     };
     let oracle = OracleBody { joints: joints.clone(), palette: palette.iter().map(entry).collect() };
-    SceneBody { joints, skeleton, palette, oracle }
+    SceneBody { joints, skeleton, palette, oracle, roles: Vec::new() }
 }
 
 /// A random tree in shuffled order. Joints of one number have one name and nearly one rest rotation on all bodies, so

@@ -2,11 +2,14 @@
 
 mod bodies;
 mod clips;
+mod humanoids;
 mod motion;
 
-use populace_core::{Clip, ClipSource, JointSource, PaletteEntry, Skeleton};
+use std::collections::HashMap;
 
-use crate::oracle::OracleBody;
+use populace_core::{Clip, ClipSource, JointSource, PaletteEntry, Role, Skeleton};
+
+use crate::oracle::{OracleBody, OracleRetarget};
 use crate::tolerance::SampleBound;
 
 /// A skeleton with its palette entries.
@@ -20,6 +23,8 @@ pub struct SceneBody {
     pub palette: Vec<PaletteEntry>,
     /// The same for the oracle.
     pub oracle: OracleBody,
+    /// Humanoid roles and their joints in the order of the source; none for most.
+    pub roles: Vec<(Role, usize)>,
 }
 
 /// A clip and the body it was made for.
@@ -72,6 +77,8 @@ pub struct Scene {
     pub bodies: Vec<SceneBody>,
     /// Clips.
     pub clips: Vec<SceneClip>,
+    /// By clip and body: those that are bound by roles. All others are bound by name.
+    pub retargets: HashMap<(usize, usize), OracleRetarget>,
 }
 
 impl Scene {
@@ -80,7 +87,7 @@ impl Scene {
     pub fn new() -> Self {
         let bodies = bodies::all();
         let clips = clips::all(&bodies);
-        Self { bodies, clips }
+        Self { bodies, clips, retargets: HashMap::new() }
     }
 
     /// Clips that are held to a tight bound at every time, not only at keys.

@@ -106,6 +106,7 @@ impl CrowdBuilder {
             clips: AnimationSet::default(),
             characters: Vec::new(),
             bound_clips: HashMap::new(),
+            clip_roles: HashMap::new(),
             members: Vec::new(),
             controls: HashMap::new(),
             watches: Watches::default(),

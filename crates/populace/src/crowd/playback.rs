@@ -3,7 +3,7 @@
 use populace_core::layout::{Layer, NONE, SLOT_HELD, SLOT_ONCE, Slot};
 use populace_core::{Binding, ClipIndex, LayerSettings, Mask, TICKS_PER_SEC, ticks_from_secs};
 
-use super::room::{Role, Started, faded_out};
+use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
 use super::{CharacterId, ClipId, Crowd, MaskId, Member, PlayId, u32_from};
 use crate::error::finite;
@@ -267,7 +267,7 @@ impl Crowd {
             self.fade_out(place, layer, 0.0, tick)?;
         }
         let role = |slot: &Slot, _| {
-            if alone && slot.layer() as usize == layer { Role::Leaves } else { Role::Apart }
+            if alone && slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
         if let Some(due) = self.make_room(place, 1, secs, tick, role)? {
             self.waiting.push(place, due, start.at_its_time());
@@ -311,7 +311,8 @@ impl Crowd {
         }
         let known =
             self.clips.get(clip.index).ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
-        let binding = Binding::new(known, &state.character.skeleton);
+        let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
+        let binding = Binding::fitting(known, self.roles_of(known).as_ref(), skeleton, roles)?;
         let bound = self.tables.add_bound_clip(clip.index.0, state.body, &binding)?;
         self.bound_clips.insert(key, bound);
         Ok(bound)

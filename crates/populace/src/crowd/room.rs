@@ -16,7 +16,7 @@ const NEGLIGIBLE: f32 = 1e-3;
 
 /// What a start means for a slot that is there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Role {
+pub(crate) enum Plan {
     /// It will fade out.
     Leaves,
     /// It will go on with another weight.
@@ -84,7 +84,7 @@ impl Crowd {
         needed: usize,
         secs: f32,
         tick: u64,
-        role: impl Fn(&Slot, Started) -> Role,
+        plan: impl Fn(&Slot, Started) -> Plan,
     ) -> Result<Option<u64>, Error> {
         let shares = self.slot_shares(place, tick);
         let count = self.slots(place).len();
@@ -92,8 +92,8 @@ impl Crowd {
         if missing == 0 {
             return Ok(None);
         }
-        let roles = self.roles(place, role);
-        let (mut victims, others) = self.by_strength(place, &shares, &roles);
+        let plans = self.plans(place, plan);
+        let (mut victims, others) = self.by_strength(place, &shares, &plans);
         let smoothly = victims.len() >= missing;
         victims.extend(others);
         victims.truncate(missing);
@@ -105,19 +105,19 @@ impl Crowd {
             return Ok(None);
         }
         let share: f32 = victims.iter().filter_map(|i| shares[*i]).sum();
-        self.hasten(place, &victims, &roles, share * secs, tick).map(Some)
+        self.hasten(place, &victims, &plans, share * secs, tick).map(Some)
     }
 
     /// How many slots are free or can be made so without a cut.
-    pub(super) fn room_for(&self, place: u32, tick: u64, role: impl Fn(&Slot, Started) -> Role) -> usize {
+    pub(super) fn room_for(&self, place: u32, tick: u64, plan: impl Fn(&Slot, Started) -> Plan) -> usize {
         let shares = self.slot_shares(place, tick);
         let free = (0..self.slots(place).len()).filter(|index| shares[*index].is_none()).count();
-        free + self.by_strength(place, &shares, &self.roles(place, role)).0.len()
+        free + self.by_strength(place, &shares, &self.plans(place, plan)).0.len()
     }
 
-    fn roles(&self, place: u32, role: impl Fn(&Slot, Started) -> Role) -> Vec<Role> {
+    fn plans(&self, place: u32, plan: impl Fn(&Slot, Started) -> Plan) -> Vec<Plan> {
         let slots = self.slots(place).iter().enumerate();
-        slots.map(|(index, slot)| role(slot, self.started(place, index))).collect()
+        slots.map(|(index, slot)| plan(slot, self.started(place, index))).collect()
     }
 
     /// The slots that can give way: those on their way out first, of these the weakest first. Apart from them those that
@@ -126,12 +126,12 @@ impl Crowd {
         &self,
         place: u32,
         shares: &[Option<f32>; MAX_SLOTS],
-        roles: &[Role],
+        plans: &[Plan],
     ) -> (Vec<usize>, Vec<usize>) {
         let slots = self.slots(place);
-        let leaves = |i: usize| roles[i] == Role::Leaves || slots[i].end_weight <= 0.0;
+        let leaves = |i: usize| plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0;
         let mut order: Vec<_> =
-            (0..slots.len()).filter(|i| shares[*i].is_some() && roles[*i] != Role::Stays).collect();
+            (0..slots.len()).filter(|i| shares[*i].is_some() && plans[*i] != Plan::Stays).collect();
         let share = |i: usize| shares[i].unwrap_or(0.0);
         order.sort_by(|&a, &b| leaves(b).cmp(&leaves(a)).then(share(a).total_cmp(&share(b))));
         let mut base = 0.0;
@@ -149,7 +149,7 @@ impl Crowd {
         &mut self,
         place: u32,
         victims: &[usize],
-        roles: &[Role],
+        plans: &[Plan],
         secs: f32,
         tick: u64,
     ) -> Result<u64, Error> {
@@ -171,9 +171,9 @@ impl Crowd {
         }
         for (layer, left) in (0..).zip(left_behind) {
             let of_layer = |i: &usize| {
-                roles[*i] != Role::Apart && !victims.contains(i) && self.slots(place)[*i].layer() == layer
+                plans[*i] != Plan::Apart && !victims.contains(i) && self.slots(place)[*i].layer() == layer
             };
-            let mut still: Vec<_> = (0..roles.len()).filter(of_layer).collect();
+            let mut still: Vec<_> = (0..plans.len()).filter(of_layer).collect();
             let weight = |i: &usize| self.slots(place)[*i].weight_at(tick);
             still.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
             for (rank, index) in still.into_iter().enumerate() {

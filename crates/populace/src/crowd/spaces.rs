@@ -3,7 +3,7 @@
 use populace_core::layout::Slot;
 use populace_core::{TICKS_PER_SEC, ticks_from_secs};
 
-use super::room::{Role, Started, faded_out};
+use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
 use super::{Crowd, Member, u32_from};
 use crate::blend_space::{MOST, SpacePoint, Weights, bad};
@@ -156,11 +156,11 @@ impl Crowd {
         if secs <= 0.0 {
             self.fade_out(place, layer, 0.0, tick)?;
         }
-        let role = |slot: &Slot, _| if slot.layer() as usize == layer { Role::Leaves } else { Role::Apart };
+        let plan = |slot: &Slot, _| if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart };
         let all = self.spaces[index as usize].space.weights_at(at);
-        let weights = strongest(all, |_| false, self.room_for(place, tick, role));
+        let weights = strongest(all, |_| false, self.room_for(place, tick, plan));
         let needed = weights.iter().filter(|(_, weight)| *weight > 0.0).count();
-        if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
+        if let Some(due) = self.make_room(place, needed, secs, tick, plan)? {
             self.waiting.push(place, due, start.at_its_time());
             return Ok(());
         }
@@ -214,24 +214,24 @@ impl Crowd {
         let fading_in = steered.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
         let secs = over_secs.max(crate::blend_space::single(fading_in));
         let layer = steered.play.layer;
-        let role = |slot: &Slot, started: Started| {
+        let plan = |slot: &Slot, started: Started| {
             let own = started.serial == steered.serial && slot.layer() as usize == layer;
             match started.sample.filter(|_| own) {
-                Some(sample) if weight_of(&all, sample) > 0.0 => Role::Stays,
-                Some(_) => Role::Leaves,
-                None if slot.layer() as usize == layer && slot.end_weight <= 0.0 => Role::Leaves,
-                None => Role::Apart,
+                Some(sample) if weight_of(&all, sample) > 0.0 => Plan::Stays,
+                Some(_) => Plan::Leaves,
+                None if slot.layer() as usize == layer && slot.end_weight <= 0.0 => Plan::Leaves,
+                None => Plan::Apart,
             }
         };
         let is_there = |sample| self.sample_slot(place, steered.serial, sample, tick).is_some();
         let weights =
-            if secs > 0.0 { strongest(all, is_there, self.room_for(place, tick, role)) } else { all };
+            if secs > 0.0 { strongest(all, is_there, self.room_for(place, tick, plan)) } else { all };
         let missing = weights.iter().filter(|(sample, weight)| *weight > 0.0 && !is_there(*sample));
         let needed = missing.count();
         if secs <= 0.0 {
             self.steer_slots(place, &steered, &weights, 0.0, tick)?;
         }
-        if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
+        if let Some(due) = self.make_room(place, needed, secs, tick, plan)? {
             self.waiting.push(place, due, *start);
             self.steered.insert(place, Steered { at: None, ..steered });
             return Ok(());

@@ -1,0 +1,241 @@
+//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names.
+
+#![expect(clippy::print_stdout, reason = "what was measured is for those who run tests with --nocapture")]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use populace::core::{Affine, Character, JointIndex, Role, RoleMap, Side};
+use populace::{CharacterId, ClipId, Crowd, Device, Member, Placement, Play};
+
+const WALKS: [(&str, &str); 3] =
+    [("kaykit_knight", "Walking_A"), ("m2m_human_base", "Walk_Loop"), ("quaternius_robot", "Robot_Walking")];
+/// Of limbs, between the body that the walk was made for and the other.
+const LIMB_DEGREES: f64 = 5.0;
+/// How far ankles and toes may sink below where they rest, in parts of the body's height.
+const SINKS: f64 = 0.01;
+/// The hips' mean height over that at rest, between bodies.
+const HIPS: f64 = 0.05;
+
+type Check = fn(&Path) -> Result<(), Failed>;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let trials = match std::env::var_os("POPULACE_TEST_DATA") {
+        Some(folder) => trials(Path::new(&folder)),
+        None => {
+            let name = "retarget (POPULACE_TEST_DATA does not name a folder of test data)";
+            vec![Trial::test(name, || Ok(())).with_ignored_flag(true)]
+        }
+    };
+    libtest_mimic::run(&arguments, trials).exit_code()
+}
+
+fn trials(folder: &Path) -> Vec<Trial> {
+    let mut trials = Vec::new();
+    for (from, clip) in WALKS {
+        for (onto, _) in WALKS.into_iter().filter(|(onto, _)| *onto != from) {
+            let folder = folder.join("characters");
+            trials.push(Trial::test(format!("{clip} of {from} on {onto}"), move || {
+                walk(&folder, (from, clip), onto)
+            }));
+        }
+    }
+    let others: [(&str, Check); 3] = [
+        ("clips of one rig keep their binding by name", by_name),
+        ("clips of no humanoid are refused with what was looked for", refused),
+        ("pose finds clips of another file", pose),
+    ];
+    for (name, check) in others {
+        let folder = folder.join("characters");
+        trials.push(Trial::test(name, move || check(&folder)));
+    }
+    trials
+}
+
+/// A knight cannot walk as a fox does.
+fn refused(folder: &Path) -> Result<(), Failed> {
+    let (knight, fox) = (load(folder, "kaykit_knight")?, load(folder, "../animals/fox")?);
+    let (mut crowd, [(id, member), _]) = crowd_of([&knight, &fox])?;
+    let walk = fox.clips.iter().find(|c| c.name() == "Walk").ok_or("no walk")?;
+    let clip = crowd.add_clip(id, walk)?;
+    let refused = crowd.play(member, clip, Play::looping());
+    let text = refused.err().ok_or("a knight walks like a fox")?.to_string();
+    let says =
+        text.contains("\"Walk\" cannot move this skeleton") && text.contains("which this skeleton has");
+    if says { Ok(()) } else { Err(text.into()) }
+}
+
+/// The program's own way, on the native device and, where there is one, on OpenCL: the same numbers.
+fn pose(folder: &Path) -> Result<(), Failed> {
+    let devices: &[&str] = if cfg!(skip_opencl) { &["native"] } else { &["native", "opencl"] };
+    let mut documents = Vec::new();
+    for device in devices {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_populace"));
+        command.arg("pose").arg(folder.join("quaternius_robot.glb"));
+        command.arg("--clips").arg(folder.join("kaykit_knight.glb"));
+        command.args(["--clip", "Walking_A", "--time", "0.3", "--json", "--device", device]);
+        let output = command.output().map_err(|e| e.to_string())?;
+        if !output.status.success() {
+            return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
+        }
+        let document: serde_json::Value =
+            serde_json::from_slice(&output.stdout).map_err(|e| e.to_string())?;
+        documents.push(document["joints"].clone());
+    }
+    if documents.iter().any(|joints| *joints != documents[0]) {
+        return Err("devices differ".into());
+    }
+    Ok(())
+}
+
+fn load(folder: &Path, name: &str) -> Result<Character, Failed> {
+    let file: PathBuf = folder.join(format!("{name}.glb"));
+    Ok(populace_assets::load(&file).map_err(|e| e.to_string())?.character)
+}
+
+/// A crowd with a member of each body.
+fn crowd_of(bodies: [&Character; 2]) -> Result<(Crowd, [(CharacterId, Member); 2]), Failed> {
+    let mut crowd = Crowd::builder().device(Device::native()).capacity(2).slots_per_member(1).build()?;
+    let mut add = |body: &Character| -> Result<_, Failed> {
+        let id = crowd.add_character(body.clone())?;
+        Ok((id, crowd.spawn(id, Placement::at([0.0; 3]))?))
+    };
+    let members = [add(bodies[0])?, add(bodies[1])?];
+    Ok((crowd, members))
+}
+
+/// Places of a body's joints by role.
+fn places(models: &[Affine], roles: &RoleMap) -> BTreeMap<Role, [f64; 3]> {
+    let place = |joint: JointIndex| models[joint.index()].rows.map(|row| f64::from(row[3]));
+    roles.iter().map(|(role, joint)| (role, place(joint))).collect()
+}
+
+/// Between the directions of the limb of a role on two bodies.
+fn angle_degrees(bodies: [&BTreeMap<Role, [f64; 3]>; 2], from: Role, to: Role) -> f64 {
+    let [a, b] = bodies.map(|places| {
+        let v: [f64; 3] = std::array::from_fn(|axis| places[&to][axis] - places[&from][axis]);
+        let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        v.map(|c| c / length)
+    });
+    a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>().clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+/// What a walk was found to do.
+#[derive(Default)]
+struct Found {
+    limb_degrees: f64,
+    /// In parts of the height.
+    sinks: f64,
+    hips: [f64; 2],
+    /// How far knees lead in front of the line from hip to ankle, at least, in parts of the height.
+    knees: f64,
+}
+
+const MOMENTS: u32 = 48;
+
+fn walk(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Failed> {
+    let (source, target) = (load(folder, from)?, load(folder, onto)?);
+    let (mut crowd, members) = crowd_of([&source, &target])?;
+    let clip = crowd.clip(members[0].0, clip)?;
+    let roles = [source, target].map(|body| RoleMap::detect(&body.skeleton).ok_or("no roles"));
+    let [Ok(from_roles), Ok(onto_roles)] = roles else {
+        return Err("a body without roles".into());
+    };
+    let found = look(&mut crowd, members, clip, [&from_roles, &onto_roles])?;
+    println!(
+        "limbs {:.2} degrees, sinks {:.2} %, hips at {:.3} of rest where the source's are at {:.3}, knees {:.3}",
+        found.limb_degrees,
+        100.0 * found.sinks,
+        found.hips[1],
+        found.hips[0],
+        found.knees
+    );
+    let checks = [
+        (found.limb_degrees <= LIMB_DEGREES, format!("a limb is {:.2} degrees off", found.limb_degrees)),
+        (found.sinks <= SINKS, format!("a foot sinks by {:.2} % of the height", 100.0 * found.sinks)),
+        (
+            (found.hips[0] - found.hips[1]).abs() <= HIPS,
+            format!("hips stand at {:?} of their rest", found.hips),
+        ),
+        (found.knees > -0.005, format!("a knee bends backwards by {:.3} of the height", -found.knees)),
+    ];
+    match checks.into_iter().find(|(holds, _)| !holds) {
+        Some((_, what)) => Err(what.into()),
+        None => Ok(()),
+    }
+}
+
+fn look(
+    crowd: &mut Crowd,
+    members: [(CharacterId, Member); 2],
+    clip: ClipId,
+    roles: [&RoleMap; 2],
+) -> Result<Found, Failed> {
+    let height = f64::from(crowd.character(members[1].0)?.height_m());
+    crowd.update(0.0)?;
+    let at = |crowd: &mut Crowd| -> Result<_, Failed> {
+        let mut one =
+            |n: usize| -> Result<_, Failed> { Ok(places(&crowd.model_from_joints(members[n].1)?, roles[n])) };
+        Ok([one(0)?, one(1)?])
+    };
+    let rest = at(crowd)?;
+    let clips = crowd.clips(members[0].0)?;
+    let (_, motion) = clips.iter().find(|(id, _)| *id == clip).ok_or("the clip is gone")?;
+    let mut found = Found { knees: f64::MAX, ..Found::default() };
+    for moment in 0..MOMENTS {
+        let part = moment as f32 / MOMENTS as f32;
+        for (_, member) in members {
+            let secs = motion.start_secs() + part * motion.duration_secs();
+            crowd.play(member, clip, Play::held_at_secs(secs))?;
+        }
+        crowd.update(0.0)?;
+        let now = at(crowd)?;
+        for side in [Side::Left, Side::Right] {
+            let limbs = [
+                (Role::UpperArm(side), Role::LowerArm(side)),
+                (Role::LowerArm(side), Role::Hand(side)),
+                (Role::UpperLeg(side), Role::LowerLeg(side)),
+                (Role::LowerLeg(side), Role::Foot(side)),
+            ];
+            for (a, b) in limbs {
+                found.limb_degrees = found.limb_degrees.max(angle_degrees([&now[0], &now[1]], a, b));
+            }
+            for role in [Role::Foot(side), Role::Toes(side)].into_iter().filter(|r| now[1].contains_key(r)) {
+                found.sinks = found.sinks.max((rest[1][&role][1] - now[1][&role][1]) / height);
+            }
+            let [hip, knee, ankle] =
+                [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)].map(|role| now[1][&role]);
+            let along = (hip[1] - knee[1]) / (hip[1] - ankle[1]);
+            found.knees = found.knees.min((knee[2] - (hip[2] + along * (ankle[2] - hip[2]))) / height);
+        }
+        for n in 0..2 {
+            found.hips[n] += now[n][&Role::Hips][1] / rest[n][&Role::Hips][1] / f64::from(MOMENTS);
+        }
+    }
+    Ok(found)
+}
+
+/// The mage shares the knight's rig: its members get the same bits as if clips knew nothing of roles.
+fn by_name(folder: &Path) -> Result<(), Failed> {
+    let (knight, mage) = (load(folder, "kaykit_knight")?, load(folder, "kaykit_mage")?);
+    let walk = |body: &Character| body.clips.iter().find(|c| c.name() == "Walking_A").cloned();
+    let (own, lent) = (walk(&mage).ok_or("no walk")?, walk(&knight).ok_or("no walk")?);
+    if !lent.is_made_for(&mage.skeleton) {
+        return Err("the knight's walk is not bound by name".into());
+    }
+    let (mut crowd, [(id, member), _]) = crowd_of([&mage, &knight])?;
+    let mut pose = |clip| -> Result<_, Failed> {
+        let clip = crowd.add_clip(id, clip)?;
+        crowd.play(member, clip, Play::held_at_secs(0.4))?;
+        crowd.update(0.0)?;
+        Ok(crowd.model_from_joints(member)?)
+    };
+    let (a, b) = (pose(&own)?, pose(&lent)?);
+    let far = a.iter().zip(&b).any(|(a, b)| {
+        a.rows.iter().flatten().zip(b.rows.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-3)
+    });
+    if far { Err("the same walk looks different".into()) } else { Ok(()) }
+}

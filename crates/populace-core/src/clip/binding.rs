@@ -1,0 +1,296 @@
+//! Clips bound to skeletons: by joint names, or by humanoid roles.
+
+use glam::DAffine3;
+
+use super::rows::Rows;
+use super::{Clip, Range};
+use crate::humanoid::RoleMap;
+use crate::layout::{MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION};
+use crate::retarget::{Chain, ColumnMotion, Common, Figure, Value};
+use crate::{Error, JointIndex, Property, Skeleton, Trs, f64math};
+
+/// Rests of joints of one name that turn no further from each other than this, in radians, and are no further apart than
+/// this part of the bodies' size, are the same.
+const SAME_TURN_RAD: f64 = 0.01;
+const SAME_PLACE: f64 = 0.002;
+/// Poses by which feet are kept above the ground.
+const GROUND_POSES: usize = 128;
+
+/// A clip bound to a skeleton: which column each joint follows, and what its stored components mean.
+///
+/// Joints and properties that the clip does not drive keep the rest of the skeleton bound to, whatever the clip's own
+/// skeleton says there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Binding {
+    joint_map: Vec<u32>,
+    ranges: Vec<[Range; 3]>,
+    turns: Vec<Vec<Turn>>,
+    bound_joint_count: usize,
+}
+
+/// What a joint's pose goes through where a clip is retargeted; see [`TURN_PLANES`](crate::layout::TURN_PLANES).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turn {
+    /// The clip's column and `MAP_` flags of what its rows drive.
+    pub(crate) map: u32,
+    pub(crate) rotation: Range,
+    /// The step of the rotation's w.
+    pub(crate) step_w: f32,
+    pub(crate) arm: Range,
+    pub(crate) after: [f32; 4],
+}
+
+impl Turn {
+    /// Changes nothing.
+    pub(crate) const NONE: Self = Self {
+        map: 0,
+        rotation: Range { offset: [0.0, 0.0, 0.0, 1.0], step: 0.0 },
+        step_w: 0.0,
+        arm: Range { offset: [0.0; 4], step: 0.0 },
+        after: [0.0, 0.0, 0.0, 1.0],
+    };
+
+    /// Whether it adds to the translation.
+    pub(crate) fn has_arm(&self) -> bool {
+        self.arm != Self::NONE.arm
+    }
+}
+
+impl Binding {
+    /// Binds by name.
+    #[must_use]
+    pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
+        let mut binding =
+            Self { joint_map: Vec::new(), ranges: Vec::new(), turns: Vec::new(), bound_joint_count: 0 };
+        for joint in skeleton.joints() {
+            let column = clip.skeleton.find(skeleton.name(joint)).map(|joint| joint.0);
+            let column = column.filter(|&column| clip.rows.drives(column));
+            binding.bound_joint_count += usize::from(column.is_some());
+            let (map, ranges) = clip.rows.bind(column, skeleton.rest(joint));
+            binding.joint_map.push(map);
+            binding.ranges.push(ranges);
+        }
+        binding
+    }
+
+    /// Binds in the way that suits: by name where the skeleton is that of the clip ([`Clip::is_made_for`]); by humanoid roles
+    /// where both have them; else by name, whatever the rests.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::CannotBind`] where the clip drives something, but nothing of this skeleton.
+    pub fn fitting(
+        clip: &Clip,
+        clip_roles: Option<&RoleMap>,
+        skeleton: &Skeleton,
+        roles: Option<&RoleMap>,
+    ) -> Result<Self, Error> {
+        let by_name = Self::new(clip, skeleton);
+        if clip.is_made_for(skeleton) {
+            return Ok(by_name);
+        }
+        if let (Some(clip_roles), Some(roles)) = (clip_roles, roles)
+            && let Ok(binding) = Self::retarget(clip, clip_roles, skeleton, roles)
+        {
+            return Ok(binding);
+        }
+        let driven = clip.skeleton.joints().find(|joint| clip.rows.drives(joint.0));
+        match driven.filter(|_| by_name.bound_joint_count == 0) {
+            None => Ok(by_name),
+            Some(first) => {
+                let first = clip.skeleton.name(first);
+                let has = |roles: Option<&RoleMap>| if roles.is_some() { "has" } else { "has not" };
+                let what = format!(
+                    "none of its joints has the name of one that the clip drives, such as \"{first}\", and humanoid roles, \
+                     which this skeleton {} and the clip's own {}, are needed on both; RoleMap::from_names gives them",
+                    has(roles),
+                    has(clip_roles)
+                );
+                Err(Error::CannotBind { clip: clip.name().to_owned(), what })
+            }
+        }
+    }
+
+    /// Binds by humanoid roles: the skeleton's limbs point where those of the clip's own skeleton do, and the body keeps its
+    /// own proportions. Both skeletons face +Z with +Y up.
+    ///
+    /// The skeleton is first brought to a common pose, its own rest with arms and legs turned to where the clip's own
+    /// skeleton has them at rest; heads, feet, backs and the shape of hands stay. Then each joint with a role turns away from that pose as
+    /// its partner turns away from rest, whatever joints lie between on either side; other joints keep their local rest.
+    /// Translations move the root and the hips alone, scaled by how high the hips stand above the feet on either body, and
+    /// hips stand so high in the common pose that feet do on the ground. Feet and fingers that do not hang on their limbs
+    /// follow these.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::CannotBind`] where a map is not that of its skeleton, or the clip moves no joint that both have.
+    pub fn retarget(
+        clip: &Clip,
+        clip_roles: &RoleMap,
+        skeleton: &Skeleton,
+        roles: &RoleMap,
+    ) -> Result<Self, Error> {
+        let refused = |what: String| Err(Error::CannotBind { clip: clip.name().to_owned(), what });
+        for (map, own) in [(clip_roles, &clip.skeleton), (roles, skeleton)] {
+            if map.joint_count() != own.joint_count() {
+                let (wanted, has) = (map.joint_count(), own.joint_count());
+                return refused(format!("its roles are those of {wanted} joints, but there are {has}"));
+            }
+        }
+        let mut common = Common::new(Figure::new(&clip.skeleton, clip_roles), Figure::new(skeleton, roles));
+        let driven =
+            |joint: JointIndex| common.partner(joint).is_some_and(|source| clip.rows.drives(source.0));
+        let bound_joint_count = skeleton.joints().filter(|joint| driven(*joint)).count();
+        if bound_joint_count == 0 {
+            return refused("it drives no joint with a humanoid role that both bodies have".into());
+        }
+        common.keep_above_ground(clip.rows.some_poses(&clip.skeleton));
+        let mut binding =
+            Self { joint_map: Vec::new(), ranges: Vec::new(), turns: Vec::new(), bound_joint_count };
+        let motion = |joint: JointIndex| clip.rows.motion(joint);
+        for joint in skeleton.joints() {
+            binding.push(clip, skeleton.rest(joint), common.chain(joint, &motion));
+        }
+        Ok(binding)
+    }
+
+    /// Adds a joint that goes through a chain, or stays at rest.
+    fn push(&mut self, clip: &Clip, rest: &Trs, chain: Option<Chain>) {
+        let joint = self.joint_map.len();
+        let (mut at_rest, mut links) = (*rest, Vec::new());
+        if let Some(chain) = chain {
+            at_rest.rotation = f64math::to_f32(chain.before.normalize().to_array());
+            at_rest.translation =
+                chain.base.map_or(rest.translation, |base| f64math::to_f32(base.to_array()));
+            links = chain.links;
+        }
+        let (map, ranges) = clip.rows.bind(None, &at_rest);
+        self.joint_map.push(map);
+        self.ranges.push(ranges);
+        for turn in &mut self.turns {
+            turn.push(Turn::NONE);
+        }
+        for (at, link) in links.iter().enumerate() {
+            if self.turns.len() <= at {
+                self.turns.push(vec![Turn::NONE; joint + 1]);
+            }
+            let mut turn = Turn { map: link.column.0, ..Turn::NONE };
+            turn.after = f64math::to_f32(link.after.normalize().to_array());
+            let [translation, rotation, _] = clip.rows.storage.ranges[link.column.index()];
+            if link.turns {
+                let [x, y, z, w] = rotation.offset;
+                let sign = if link.undone { -1.0 } else { 1.0 };
+                let offset = [sign * x, sign * y, sign * z, w];
+                turn.rotation = Range { offset, step: sign * rotation.step };
+                turn.step_w = rotation.step;
+                turn.map |= MAP_ROTATION;
+            }
+            let mut arm = link.arm;
+            if link.arm_scale != 0.0 {
+                let [x, y, z, _] = translation.offset;
+                arm += link.arm_scale * f64math::vec3([x, y, z]);
+                [turn.arm.step] = f64math::to_f32([link.arm_scale * f64::from(translation.step)]);
+                turn.map |= MAP_TRANSLATION;
+            }
+            let [x, y, z] = f64math::to_f32(arm.to_array());
+            turn.arm.offset = [x, y, z, 0.0];
+            self.turns[at][joint] = turn;
+        }
+    }
+
+    /// For each joint, in level order, the clip's column and `MAP_` flags of what its rows drive.
+    #[must_use]
+    pub fn joint_map(&self) -> &[u32] {
+        &self.joint_map
+    }
+
+    /// For each joint and [`Property`] what its stored components mean.
+    pub(crate) fn ranges(&self) -> &[[Range; 3]] {
+        &self.ranges
+    }
+
+    /// What poses go through one after the other, of all joints each; empty where the clip is bound by name.
+    pub(crate) fn turns(&self) -> &[Vec<Turn>] {
+        &self.turns
+    }
+
+    /// Joints that the clip drives, moving or not.
+    #[must_use]
+    pub fn bound_joint_count(&self) -> usize {
+        self.bound_joint_count
+    }
+}
+
+impl Clip {
+    /// Whether a skeleton has the names of what the clip drives, most of them at least, and the same rest there: as a file has
+    /// that shares a skeleton with the clip's own.
+    #[must_use]
+    pub fn is_made_for(&self, skeleton: &Skeleton) -> bool {
+        let (size, own_size) = (f64::from(skeleton.size_m()), f64::from(self.skeleton.size_m()));
+        let (mut driven, mut found) = (0, 0);
+        for own in self.skeleton.joints().filter(|own| self.rows.drives(own.0)) {
+            driven += 1;
+            let Some(joint) = skeleton.find(self.skeleton.name(own)) else {
+                continue;
+            };
+            found += 1;
+            let (a, b) = (skeleton.rest(joint), self.skeleton.rest(own));
+            let apart = f64math::vec3(a.translation).distance(f64math::vec3(b.translation));
+            let turned = f64math::quat(a.rotation).angle_between(f64math::quat(b.rotation));
+            if turned > SAME_TURN_RAD || apart > SAME_PLACE * size.max(own_size) {
+                return false;
+            }
+        }
+        found > 0 && 2 * found >= driven
+    }
+}
+
+impl Rows {
+    /// Whether any track drives a column.
+    fn drives(&self, column: u32) -> bool {
+        self.driven[column as usize].iter().any(|driven| *driven)
+    }
+
+    /// Local transforms of all joints at some hundred rows, or all of fewer.
+    fn some_poses<'a>(&'a self, skeleton: &'a Skeleton) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
+        let every = self.times.len().div_ceil(GROUND_POSES).max(1);
+        let pose = move |row| skeleton.joints().map(|joint| self.local(joint, row, 0.0).affine()).collect();
+        (0..self.times.len()).step_by(every).map(pose)
+    }
+
+    /// What moves a column.
+    fn motion(&self, column: JointIndex) -> ColumnMotion {
+        let [translation, rotation, _] = self.storage.ranges[column.index()];
+        let [x, y, z, _] = translation.offset;
+        let still = f64math::vec3([x, y, z]);
+        ColumnMotion {
+            rotation: if rotation.step > 0.0 {
+                Value::Moving
+            } else {
+                Value::Still(f64math::quat(rotation.offset).normalize())
+            },
+            translation: if translation.step > 0.0 { Value::Moving } else { Value::Still(still) },
+        }
+    }
+
+    /// The joint map and ranges of a joint at rest `rest` that follows `column`.
+    fn bind(&self, column: Option<u32>, rest: &Trs) -> (u32, [Range; 3]) {
+        let mut map = column.unwrap_or(0);
+        let ranges = [Property::Translation, Property::Rotation, Property::Scale].map(|property| {
+            let driven = column.filter(|&column| self.driven[column as usize][property as usize]);
+            let range = driven.map_or_else(
+                || Range::still(property.of(rest)),
+                |column| self.storage.ranges[column as usize][property as usize],
+            );
+            if range.step > 0.0 {
+                map |= match property {
+                    Property::Rotation => MAP_ROTATION,
+                    Property::Translation => MAP_TRANSLATION,
+                    Property::Scale => MAP_SCALE,
+                };
+            }
+            range
+        });
+        (map, ranges)
+    }
+}

@@ -1,0 +1,80 @@
+//! Finding roles by the names of joints.
+
+use super::names::Name;
+use super::schemes::{ALL, Scheme};
+use super::{NEEDED, Role, RoleMap, Side, all_roles};
+use crate::{JointIndex, Skeleton};
+
+impl RoleMap {
+    /// Finds roles by the names of joints: of the namings known, the one by which most roles are found. `None` where no
+    /// naming finds hips, legs with feet, arms and something of a back, each hanging where it should.
+    #[must_use]
+    pub fn detect(skeleton: &Skeleton) -> Option<Self> {
+        let mut best: Option<Self> = None;
+        for scheme in &ALL {
+            let found = by_scheme(skeleton, scheme);
+            if let Some(map) =
+                found.filter(|map| best.as_ref().is_none_or(|b| b.joints.len() < map.joints.len()))
+            {
+                best = Some(map);
+            }
+        }
+        best
+    }
+}
+
+/// The best map that a naming gives: some have several names that could be the hips'.
+fn by_scheme(skeleton: &Skeleton, scheme: &Scheme) -> Option<RoleMap> {
+    let names: Vec<Name> = skeleton.joints().map(|j| Name::of(skeleton.name(j), scheme.drop)).collect();
+    let maps =
+        candidates(&names, scheme, Role::Hips).into_iter().map(|hips| below(skeleton, scheme, &names, hips));
+    let mut maps: Vec<RoleMap> = maps.filter(is_humanoid).collect();
+    maps.sort_by_key(|map| std::cmp::Reverse(map.joints.len()));
+    maps.into_iter().next()
+}
+
+fn is_humanoid(map: &RoleMap) -> bool {
+    let sides = [Side::Left, Side::Right];
+    let arms = sides.into_iter().flat_map(|side| [Role::UpperArm(side), Role::LowerArm(side)]);
+    let back = [Role::Spine, Role::Chest, Role::UpperChest, Role::Head];
+    NEEDED.into_iter().chain(arms).all(|role| map.joint(role).is_some())
+        && back.into_iter().any(|role| map.joint(role).is_some())
+}
+
+/// The joints whose names could be a role's, the likeliest first.
+fn candidates(names: &[Name], scheme: &Scheme, role: Role) -> Vec<JointIndex> {
+    matching(names, &scheme.names_of(role), role)
+}
+
+fn matching(names: &[Name], wanted: &[String], role: Role) -> Vec<JointIndex> {
+    let named = |key: &String| {
+        let joints = (0u32..).zip(names);
+        joints
+            .filter(|(_, n)| n.key == *key && n.side == role.side())
+            .map(|(j, _)| JointIndex(j))
+            .collect::<Vec<_>>()
+    };
+    wanted.iter().flat_map(named).collect()
+}
+
+/// All roles that hang on these hips as they should.
+fn below(skeleton: &Skeleton, scheme: &Scheme, names: &[Name], hips: JointIndex) -> RoleMap {
+    let mut map = RoleMap::empty(skeleton, scheme.name);
+    map.joints.insert(Role::Hips, hips);
+    for role in all_roles().filter(|role| *role != Role::Hips) {
+        let free = |j: &JointIndex| map.joints.values().all(|taken| taken != j);
+        let fits = |j: &JointIndex| free(j) && map.check(skeleton, role, *j).is_ok();
+        if let Some(joint) = candidates(names, scheme, role).into_iter().find(fits) {
+            map.joints.insert(role, joint);
+        }
+    }
+    for (role, also) in scheme.also {
+        for role in [Side::Left, Side::Right].map(|side| role.on(side)) {
+            let wanted: Vec<String> = also.iter().map(|&name| name.to_owned()).collect();
+            let joints = matching(names, &wanted, role).into_iter();
+            let others = joints.filter(|j| map.joints.values().all(|taken| taken != j)).map(|j| (role, j));
+            map.followers.extend(others.collect::<Vec<_>>());
+        }
+    }
+    map
+}

@@ -1,0 +1,100 @@
+//! Names of joints taken apart: the side, and what is left.
+
+use super::Side;
+
+/// A joint's name without what tells nothing: lower case, without separators, prefixes and the side.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Name {
+    pub(super) side: Option<Side>,
+    pub(super) key: String,
+}
+
+impl Name {
+    /// `drop` are words in front that a naming puts before all its joints.
+    pub(super) fn of(joint: &str, drop: &[&str]) -> Self {
+        // "mixamorig:Hips", "Armature|Hips".
+        let bare = joint.rsplit([':', '|']).next().unwrap_or(joint);
+        let mut words = words(bare);
+        let dropped = words.iter().take_while(|word| drop.contains(&word.as_str())).count();
+        if dropped < words.len() {
+            words.drain(..dropped);
+        }
+        let mut side = None;
+        if let Some(at) = words.iter().position(|word| side_of(word).is_some())
+            && words.len() > 1
+        {
+            side = side_of(&words.remove(at));
+        } else if let Some((first, rest)) =
+            words.first().and_then(|word| Some((word, written_together(word)?)))
+        {
+            side = side_of(&first[..first.len() - rest.len()]);
+            words[0] = rest;
+        }
+        Self { side, key: words.concat() }
+    }
+}
+
+/// The rest of a word that starts with its side, as in "leftupperarm".
+fn written_together(word: &str) -> Option<String> {
+    let rest = word.strip_prefix("left").or_else(|| word.strip_prefix("right"))?;
+    (!rest.is_empty()).then(|| rest.to_owned())
+}
+
+fn side_of(word: &str) -> Option<Side> {
+    match word {
+        "l" | "left" => Some(Side::Left),
+        "r" | "right" => Some(Side::Right),
+        _ => None,
+    }
+}
+
+/// Lower-case words: parted by anything but letters and digits, and before capitals that a small letter or digit stands
+/// before or after, as in "upperLeg" and "LHipJoint".
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let letters: Vec<char> = name.chars().collect();
+    for (at, &letter) in letters.iter().enumerate() {
+        let before = at.checked_sub(1).map(|at| letters[at]);
+        let after = letters.get(at + 1);
+        let capital = letter.is_uppercase()
+            && before.is_some_and(|b| !b.is_uppercase() || after.is_some_and(|a| a.is_lowercase()));
+        let parts = !letter.is_alphanumeric();
+        if (parts || capital) && words.last().is_some_and(|word| !word.is_empty()) {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut().filter(|_| !parts) {
+            word.extend(letter.to_lowercase());
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_and_prefixes_are_taken_off() {
+        let left = |joint: &str, drop: &[&str], key: &str| {
+            assert_eq!(Name::of(joint, drop), Name { side: Some(Side::Left), key: key.into() }, "{joint}");
+        };
+        left("mixamorig:LeftUpLeg", &[], "upleg");
+        left("DEF-upper_arm.L", &["def"], "upperarm");
+        left("thigh_l", &[], "thigh");
+        left("J_Bip_L_UpperArm", &["j", "bip"], "upperarm");
+        left("LHipJoint", &[], "hipjoint");
+        left("leftupperarm", &[], "upperarm");
+        left("LeftHandThumb1", &[], "handthumb1");
+        let middle = |joint: &str, key: &str| {
+            assert_eq!(Name::of(joint, &["def"]), Name { side: None, key: key.into() }, "{joint}");
+        };
+        middle("DEF-spine.001", "spine001");
+        middle("spine_01", "spine01");
+        middle("upperChest", "upperchest");
+        middle("L", "l");
+        middle("", "");
+        middle("def", "def");
+        middle("IK-foot", "ikfoot");
+    }
+}

@@ -1,0 +1,45 @@
+//! What a retargeted clip's poses go through; the twin of `kernels/turns.cl`. See
+//! [`TURN_PLANES`](populace_core::layout::TURN_PLANES).
+
+use populace_core::layout::{BLOCK_TURNED, Body, BoundClip, NONE, REST_TRANSLATION, SlotSample};
+use populace_core::math::quat;
+use populace_core::{Property, Tables};
+
+use crate::rows::{Columns, Width, bound_block, component, load_quat, sample_vector};
+
+/// A translation and a rotation, not of length 1, through all turns of a clip. Apart: most clips have none, and it must not
+/// take the registers of what most do.
+#[inline(never)]
+pub(crate) fn turn<R: Width>(
+    tables: &Tables,
+    bound: &BoundClip,
+    body: &Body,
+    joint: usize,
+    at: &SlotSample,
+    (mut t, mut r): ([R; 3], [R; 4]),
+) -> ([R; 3], [R; 4]) {
+    let padded = body.padded_count as usize;
+    let mut clip = bound;
+    while bound_block(tables, clip, joint).flags & BLOCK_TURNED != 0 {
+        clip = &tables.bound_clips().as_slice()[clip.next as usize];
+        let columns = R::columns(tables, clip, joint);
+        let planes = &tables.poses().as_slice()[clip.range_first as usize + joint..];
+        if bound_block(tables, clip, joint).flags & REST_TRANSLATION == 0 {
+            let arm = sample_vector::<R>(&columns, Property::Translation, at, &planes[6 * padded..], padded);
+            let [x, y, z] = quat::rotate(quat::scale(r, quat::dot(r, r).inverse_sqrt()), arm);
+            t = [t[0] + x, t[1] + y, t[2] + z];
+        }
+        let mut q = load_quat::<R>(planes, padded);
+        if columns.planes(Property::Rotation).first != NONE {
+            let (step, step_w) = (R::load(&planes[4 * padded..]), R::load(&planes[5 * padded..]));
+            q = [
+                component(&columns, Property::Rotation, at, 0, step, q[0]),
+                component(&columns, Property::Rotation, at, 1, step, q[1]),
+                component(&columns, Property::Rotation, at, 2, step, q[2]),
+                component(&columns, Property::Rotation, at, 3, step_w, q[3]),
+            ];
+        }
+        r = quat::mul(quat::mul(r, q), load_quat::<R>(&planes[10 * padded..], padded));
+    }
+    (t, r)
+}

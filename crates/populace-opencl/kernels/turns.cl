@@ -1,0 +1,27 @@
+/* turns.cl - what a retargeted clip's poses go through; see TURN_PLANES in populace-core layout.rs. Twin of populace-native
+ * turns.rs. */
+
+/* A translation and a rotation, not of length 1, through all turns of a clip. Apart: most clips have none. */
+APART Trs turn(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs)
+{
+    const uint padded = body.padded_count;
+    while (bound_block(of, bound, joint).flags & BLOCK_TURNED) {
+        bound = of.bound_clips[bound.next];
+        const Columns columns = columns_of(of, bound, joint);
+        __global const float *planes = of.poses + bound.range_first + joint;
+        if (!(columns.flags & REST_TRANSLATION)) {
+            const Vec3 arm = sample_vector(of, columns, TRANSLATION, at, planes + 6 * padded, planes + 9 * padded, padded);
+            const Quat unit = quat_scale(trs.r, inverse_sqrt(quat_dot(trs.r, trs.r)));
+            trs.t = vec3_add(trs.t, quat_rotate(unit, arm));
+        }
+        Quat q = load_quat(planes, padded);
+        if (columns.block.rotation_first != NONE) {
+            const Quat n = rotation_steps(of, columns, at);
+            const Real step = LOAD(planes + 4 * padded), step_w = LOAD(planes + 5 * padded);
+            const Quat scaled = { n.x * step, n.y * step, n.z * step, n.w * step_w };
+            q = quat_add(scaled, q);
+        }
+        trs.r = quat_mul(quat_mul(trs.r, q), load_quat(planes + 10 * padded, padded));
+    }
+    return trs;
+}

@@ -1,0 +1,222 @@
+//! Humanoid bodies that have little in common but their shape, and a clip for each.
+
+use std::collections::HashMap;
+
+use glam::{DQuat, DVec3};
+use populace_core::{ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side, Trs};
+
+use super::motion::{even_times, swing, uneven_times, wave};
+use super::{Scene, SceneClip, bodies};
+use crate::oracle::OracleRetarget;
+use crate::{Rng, single};
+
+/// A joint to be: its name, that of its parent, its place in model space at rest, and its role.
+type Planned = (String, Option<String>, DVec3, Option<Role>);
+
+/// Plans a joint: its name, its parent's, its place in parts of the height, and its role.
+type AddJoint<'a> = dyn FnMut(&str, Option<&str>, [f64; 3], Option<Role>) + 'a;
+
+/// How a body differs from others.
+#[derive(Clone, Copy)]
+struct Build {
+    height_m: f64,
+    /// Of the legs' length, the thighs' part.
+    thigh: f64,
+    /// Below the horizontal.
+    arms_rad: f64,
+    /// Joints of the back.
+    back: usize,
+    neck: bool,
+    collarbones: bool,
+    /// The hips hang on a joint that carries the body.
+    root: bool,
+    /// Feet hang on the root, not on the legs.
+    loose_feet: bool,
+    /// Joints without roles between those of limbs.
+    extra: bool,
+    /// Of a joint above all others.
+    scale: f64,
+}
+
+const PLAIN: Build = Build {
+    height_m: 1.8,
+    thigh: 0.5,
+    arms_rad: 0.0,
+    back: 3,
+    neck: true,
+    collarbones: true,
+    root: true,
+    loose_feet: false,
+    extra: false,
+    scale: 1.0,
+};
+
+const BUILDS: [Build; 4] = [
+    PLAIN,
+    Build {
+        height_m: 1.1,
+        thigh: 0.56,
+        arms_rad: 0.8,
+        back: 1,
+        neck: false,
+        collarbones: false,
+        root: false,
+        ..PLAIN
+    },
+    Build { height_m: 3.0, thigh: 0.45, arms_rad: 0.3, back: 2, loose_feet: true, extra: true, ..PLAIN },
+    Build { height_m: 1.6, arms_rad: 0.5, back: 2, extra: true, scale: 0.01, ..PLAIN },
+];
+
+impl Scene {
+    /// Four humanoid bodies, each with a clip that moves all its joints, to be retargeted to the others: backs of one to
+    /// three joints, with and without neck, collarbones and root, feet that hang on the root, joints between those of
+    /// limbs, arms at various angles, joints turned any way at rest, in any order.
+    ///
+    /// # Panics
+    ///
+    /// Never: the bodies are sound.
+    #[must_use]
+    pub fn of_humanoids() -> Self {
+        let mut rng = Rng::new(5);
+        let (mut all, mut clips) = (Vec::new(), Vec::new());
+        for (index, build) in BUILDS.iter().enumerate() {
+            let (joints, roles) = joints(&mut rng, build, index);
+            let body = bodies::body(&mut rng, joints, true).with_roles(roles);
+            let times = if index % 2 == 0 {
+                even_times(0.0, 40, 30.0)
+            } else {
+                uneven_times(&mut rng, 0.1, 40, 0.02, 0.04)
+            };
+            let mut tracks = Vec::new();
+            for joint in &body.joints {
+                tracks.push(swing(&mut rng, joint, Interpolation::Linear, &times));
+                if rng.chance(0.5) || joint.name.ends_with("hips") || joint.name.ends_with("root") {
+                    tracks.push(wave(&mut rng, joint, Property::Translation, Interpolation::Linear, &times));
+                }
+            }
+            clips.push(SceneClip::new(ClipSource { name: format!("of {index}"), tracks }, &body, index));
+            all.push(body);
+        }
+        let mut retargets = HashMap::new();
+        for (clip, made) in clips.iter().enumerate() {
+            for (body, onto) in all.iter().enumerate().filter(|(body, _)| *body != made.body) {
+                let (from, source) = (&all[made.body], made.clip.source());
+                let of = |body: &super::SceneBody| (body.oracle.clone(), body.roles.clone());
+                let ((a, a_roles), (b, b_roles)) = (of(from), of(onto));
+                let retarget = OracleRetarget::new(source, &made.exact_times, (&a, &a_roles), (&b, &b_roles));
+                retargets.insert((clip, body), retarget);
+            }
+        }
+        Self { bodies: all, clips, retargets }
+    }
+}
+
+impl super::SceneBody {
+    fn with_roles(self, roles: Vec<(Role, usize)>) -> Self {
+        Self { roles, ..self }
+    }
+
+    /// The body's roles, as users give them.
+    ///
+    /// # Panics
+    ///
+    /// If the body is not humanoid.
+    #[must_use]
+    pub fn role_map(&self) -> RoleMap {
+        let names: Vec<_> =
+            self.roles.iter().map(|&(role, j)| (role, self.joints[j].name.as_str())).collect();
+        RoleMap::from_names(&self.skeleton, &names).expect("a humanoid body")
+    }
+}
+
+/// The joints of a build in shuffled order, and their roles.
+fn joints(rng: &mut Rng, build: &Build, index: usize) -> (Vec<JointSource>, Vec<(Role, usize)>) {
+    let planned = plan(build, index);
+    let turns: Vec<DQuat> = planned.iter().map(|_| rng.rotation()).collect();
+    let find = |name: &String| planned.iter().position(|(own, ..)| own == name).expect("parents are planned");
+    let mut place: Vec<usize> = (0..planned.len()).collect();
+    rng.shuffle(&mut place);
+    let mut joints: Vec<Option<JointSource>> = vec![None; planned.len()];
+    let mut roles = Vec::new();
+    for (n, (name, parent, at, role)) in planned.iter().enumerate() {
+        let parent = parent.as_ref().map(find);
+        let (above, from) = parent.map_or((DQuat::IDENTITY, DVec3::ZERO), |p| (turns[p], planned[p].2));
+        let is_top = parent.is_none();
+        let length = if is_top { 1.0 } else { 1.0 / build.scale };
+        let translation = above.inverse() * (*at - from) * length;
+        let rest = Trs {
+            translation: translation.to_array().map(single),
+            rotation: (above.inverse() * turns[n]).to_array().map(single),
+            scale: if is_top { [single(build.scale); 3] } else { [1.0; 3] },
+        };
+        joints[place[n]] = Some(JointSource { name: name.clone(), parent: parent.map(|p| place[p]), rest });
+        roles.extend(role.map(|role| (role, place[n])));
+    }
+    (joints.into_iter().flatten().collect(), roles)
+}
+
+fn plan(build: &Build, index: usize) -> Vec<Planned> {
+    let h = build.height_m;
+    let mut planned: Vec<Planned> = Vec::new();
+    let mut add = |name: &str, parent: Option<&str>, at: [f64; 3], role: Option<Role>| {
+        let named = |name: &str| format!("{index} {name}");
+        planned.push((named(name), parent.map(named), DVec3::from_array(at) * h, role));
+    };
+    let carrier = if build.root { Some("root") } else { None };
+    if build.root {
+        add("root", None, [0.0, 0.0, 0.0], None);
+    }
+    add("hips", carrier, [0.0, 0.52, 0.0], Some(Role::Hips));
+    let mut top = "hips".to_owned();
+    let backs: &[Role] = match build.back {
+        1 => &[Role::Chest],
+        2 => &[Role::Spine, Role::Chest],
+        _ => &[Role::Spine, Role::Chest, Role::UpperChest],
+    };
+    for (n, role) in backs.iter().enumerate() {
+        let name = format!("back {n}");
+        add(&name, Some(&top), [0.0, 0.57 + 0.08 * n as f64, -0.01 * n as f64], Some(*role));
+        top = name;
+    }
+    let mut head = top.clone();
+    if build.neck {
+        add("neck", Some(&top), [0.0, 0.82, 0.0], Some(Role::Neck));
+        head = "neck".into();
+    }
+    add("head", Some(&head), [0.0, 0.87, 0.01], Some(Role::Head));
+    for (side, x) in [(Side::Left, 1.0), (Side::Right, -1.0)] {
+        limbs(build, side, x, &top, &mut add);
+    }
+    planned
+}
+
+fn limbs(build: &Build, side: Side, x: f64, top: &str, add: &mut AddJoint<'_>) {
+    let name = |part: &str| format!("{part} {side:?}");
+    let (sin, cos) = build.arms_rad.sin_cos();
+    let arm = |along: f64| [x * (0.1 + along * cos), 0.8 - along * sin, 0.0];
+    let mut parent = top.to_owned();
+    if build.collarbones {
+        add(&name("collarbone"), Some(&parent), [x * 0.02, 0.79, 0.02], Some(Role::Shoulder(side)));
+        parent = name("collarbone");
+    }
+    add(&name("upper arm"), Some(&parent), arm(0.0), Some(Role::UpperArm(side)));
+    parent = name("upper arm");
+    if build.extra {
+        add(&name("twist"), Some(&parent), arm(0.1), None);
+        parent = name("twist");
+    }
+    add(&name("lower arm"), Some(&parent), arm(0.17), Some(Role::LowerArm(side)));
+    add(&name("hand"), Some(&name("lower arm")), arm(0.32), Some(Role::Hand(side)));
+    let knee = 0.04 + 0.46 * (1.0 - build.thigh);
+    add(&name("upper leg"), Some("hips"), [x * 0.06, 0.5, 0.0], Some(Role::UpperLeg(side)));
+    parent = name("upper leg");
+    if build.extra {
+        add(&name("thigh"), Some(&parent), [x * 0.06, 0.4, 0.01], None);
+        parent = name("thigh");
+    }
+    add(&name("lower leg"), Some(&parent), [x * 0.06, knee, 0.02], Some(Role::LowerLeg(side)));
+    let shin = name("lower leg");
+    let holds = if build.loose_feet { "root" } else { shin.as_str() };
+    add(&name("foot"), Some(holds), [x * 0.06, 0.04, -0.02], Some(Role::Foot(side)));
+    add(&name("toes"), Some(&name("foot")), [x * 0.07, 0.01, 0.07], Some(Role::Toes(side)));
+}

@@ -1,0 +1,73 @@
+//! Humanoid roles of characters, by which clips of one body play on others.
+
+use populace_core::{Clip, RoleMap};
+
+use super::{CharacterId, ClipId, Crowd};
+use crate::Error;
+
+impl Crowd {
+    /// The humanoid roles of a character's joints: found by their names, or given; `None` where neither is the case.
+    ///
+    /// # Errors
+    ///
+    /// A character of another crowd.
+    pub fn roles(&self, character: CharacterId) -> Result<Option<&RoleMap>, Error> {
+        Ok(self.character_state(character)?.roles.as_ref())
+    }
+
+    /// Says which joints of a character have which humanoid roles, in place of those found by name. Its clips then play on
+    /// other bodies by these, and theirs on it. What members already play stays bound as it was.
+    ///
+    /// # Errors
+    ///
+    /// A character of another crowd, or a map of another skeleton.
+    pub fn set_roles(&mut self, character: CharacterId, roles: RoleMap) -> Result<(), Error> {
+        let state = self.character_state_mut(character)?;
+        let (body, joints) = (state.body, state.character.skeleton.joint_count());
+        if roles.joint_count() != joints {
+            return Err(other_skeleton(&state.character.name, &roles, joints));
+        }
+        let skeleton = state.character.skeleton.clone();
+        state.roles = Some(roles);
+        let clips = &self.clips;
+        let stays = |clip| clips.get(clip).is_none_or(|clip| *clip.skeleton() != skeleton);
+        self.bound_clips.retain(|(bound, clip), _| *bound != body && stays(*clip));
+        Ok(())
+    }
+
+    /// The same for the skeleton that a clip was made for, which need not be that of any character.
+    ///
+    /// # Errors
+    ///
+    /// A clip of another crowd, or a map of another skeleton.
+    pub fn set_clip_roles(&mut self, clip: ClipId, roles: RoleMap) -> Result<(), Error> {
+        self.check_crowd("clip", clip.crowd, clip.index.0)?;
+        let known = self.clips.get(clip.index);
+        let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+        let joints = known.skeleton().joint_count();
+        if roles.joint_count() != joints {
+            return Err(other_skeleton(known.name(), &roles, joints));
+        }
+        self.clip_roles.insert(clip.index, roles);
+        self.bound_clips.retain(|(_, bound), _| *bound != clip.index);
+        Ok(())
+    }
+
+    /// The roles of the skeleton that a clip was made for: given for it, else those of the character whose skeleton it is,
+    /// else found by name.
+    pub(super) fn roles_of(&self, clip: &std::sync::Arc<Clip>) -> Option<RoleMap> {
+        if let Some(given) = self.clips.find(clip).and_then(|index| self.clip_roles.get(&index)) {
+            return Some(given.clone());
+        }
+        let own = self.characters.iter().find(|state| state.character.skeleton == *clip.skeleton());
+        own.map_or_else(|| RoleMap::detect(clip.skeleton()), |state| state.roles.clone())
+    }
+}
+
+fn other_skeleton(name: &str, roles: &RoleMap, joints: usize) -> Error {
+    let what = format!(
+        "the roles are those of a skeleton of {} joints, and that of \"{name}\" has {joints}",
+        roles.joint_count()
+    );
+    populace_core::Error::BadRole { role: "hips".into(), what }.into()
+}
