@@ -298,6 +298,25 @@ impl Crowd {
         Ok(())
     }
 
+    /// Where a member stands.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`].
+    pub fn placement(&self, member: Member) -> Result<Placement, Error> {
+        self.check(member)?;
+        Ok(self.members[member.place as usize].placement)
+    }
+
+    /// The character that a member is one of.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`].
+    pub fn character_of(&self, member: Member) -> Result<CharacterId, Error> {
+        self.check(member)
+    }
+
     /// Moves the clock on and evaluates every member.
     ///
     /// # Errors
