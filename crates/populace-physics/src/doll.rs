@@ -11,14 +11,13 @@ use populace::core::Trs;
 use rapier3d::prelude::{ImpulseJointHandle, RigidBody, RigidBodyHandle};
 
 use crate::math::{Pose, Rotation, Vector, turn_between, twist_and_swing};
-use crate::snapshot::Snapshot;
+use crate::snapshot::{FASTEST_M_PER_SEC, Snapshot};
 use crate::world::{Driven, World};
 use crate::{Limits, RagdollPlan};
 
 pub(crate) use build::Recipe;
 
-/// Nothing that a clip or a placement does is as fast as this; what is, is a jump, and no speed.
-const FASTEST_M_PER_SEC: f32 = 30.0;
+/// As [`FASTEST_M_PER_SEC`], for turns.
 const FASTEST_RAD_PER_SEC: f32 = 40.0;
 
 /// A joint that a limp body carries.

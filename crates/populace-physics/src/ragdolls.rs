@@ -53,8 +53,10 @@ struct Waiting {
 
 /// The ragdolls of a crowd, in a world of their own with a floor and boxes to fall on.
 ///
-/// Call [`step`](Self::step) once a frame, after members were placed and before [`Crowd::update`]. A member keeps its
-/// handle, its place in the buffers and its clips throughout: being limp is a set of overrides.
+/// A frame is [`step`](Self::step), then placing those members that move by themselves, then [`Crowd::update`]. The
+/// placement of one that is limp as a whole is best left alone: its body lies in the world, and follows a placement only a
+/// frame later. A member keeps its handle, its place in the buffers and its clips throughout: being limp is a set of
+/// overrides.
 pub struct Ragdolls {
     world: World,
     waiting: Vec<Waiting>,
@@ -270,6 +272,7 @@ impl Ragdolls {
                 self.waiting.push(waiting);
                 continue;
             };
+            let before = before.without_jump(&now, between_secs);
             if let Some(old) = self.dolls.iter().position(|d| d.member == waiting.member) {
                 let old = self.dolls.remove(old);
                 old.release(crowd)?;

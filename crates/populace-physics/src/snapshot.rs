@@ -6,6 +6,9 @@ use populace::{Affine, Crowd, Member, Placement};
 use crate::Error;
 use crate::math::{Pose, Rotation, Vector, heading, local, origin, point, rotation_of};
 
+/// Nothing that a clip or a placement does is as fast as this; what is, is a jump, and no speed.
+pub(crate) const FASTEST_M_PER_SEC: f32 = 30.0;
+
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
     pub(crate) model_from_joints: Vec<Affine>,
@@ -31,6 +34,16 @@ impl Snapshot {
             turns.push(turn.normalize());
         }
         Ok(Self { model_from_joints, turns, place })
+    }
+
+    /// This one as if it had stood where the next one does, if from the one to the other the member was moved faster than
+    /// anything goes: that was a jump, and gives no speed.
+    pub(crate) fn without_jump(mut self, next: &Self, dt_secs: f32) -> Self {
+        let [from, to] = [&self, next].map(|s| Vector::from_array(s.place.position()));
+        if from.distance(to) > FASTEST_M_PER_SEC * dt_secs {
+            self.place = next.place;
+        }
+        self
     }
 
     /// A joint's rotation in the world.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use rapier3d::na::Unit;
 use rapier3d::prelude::{
     ActiveHooks, Collider, ColliderBuilder, ColliderHandle, Group, InteractionGroups, InteractionTestMode,
     PairFilterContext, PhysicsHooks, PhysicsWorld, QueryFilter, Ray, RigidBodyBuilder, RigidBodyHandle, SolverFlags,
@@ -61,9 +62,9 @@ impl World {
         let mut physics = PhysicsWorld::new();
         physics.gravity = gravity;
         let parameters = &mut physics.integration_parameters;
-        parameters.num_solver_iterations = 8; // limbs are chains of light bodies on heavy ones
-        parameters.normalized_max_corrective_velocity = 1.5; // what starts inside the ground leaves it gently
-        let ground = ColliderBuilder::halfspace(Vector::Y).friction(FRICTION).build();
+        parameters.num_solver_iterations = 12; // limbs are chains of light bodies on heavy ones
+        parameters.normalized_max_corrective_velocity = 10.0; // what starts inside the ground leaves it gently
+        let ground = ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)).friction(FRICTION).build();
         let ground = physics.insert_collider(ground, None);
         Self { physics, overlaps: Overlaps::default(), ground }
     }

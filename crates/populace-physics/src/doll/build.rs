@@ -8,10 +8,10 @@ use rapier3d::prelude::{
     ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, RigidBodyBuilder, RigidBodyHandle,
 };
 
-use super::{Carried, Doll, FASTEST_M_PER_SEC, FASTEST_RAD_PER_SEC, Held};
+use super::{Carried, Doll, FASTEST_RAD_PER_SEC, Held};
 use crate::math::{Pose, Rotation, Vector, heading, local, rotation_of, trs, turn_between, twist_and_swing};
 use crate::plan::Hold;
-use crate::snapshot::Snapshot;
+use crate::snapshot::{FASTEST_M_PER_SEC, Snapshot};
 use crate::world::{World, mark};
 use crate::{Limits, RagdollPlan};
 
@@ -145,6 +145,10 @@ fn hold(recipe: &Recipe, world: &mut World, bodies: &[RigidBodyHandle], index: u
     let parent_frame = Pose::from_parts(upper.inverse_transform_point(now.translation), parent_from_frame);
     let body_frame = Pose::from_rotation(plan.head_from_frame);
     let joint = world.physics.insert_impulse_joint(bodies[index], bodies[parent], joint(limits, body_frame, parent_frame));
+    if let Limits::Cone { twist_rad, .. } = limits {
+        let second = GenericJointBuilder::new(JointAxesMask::empty()).local_frame1(parent_frame).local_frame2(body_frame).contacts_enabled(false).limits(JointAxis::AngX, twist_rad).build();
+        world.physics.insert_impulse_joint(bodies[parent], bodies[index], second);
+    }
     Some(Held { joint, limits, parent_from_frame, body_from_frame: plan.head_from_frame })
 }
 

@@ -23,10 +23,25 @@ pub(super) enum Word {
     Wrist,
 }
 
+/// The words of a name, lower case: they end at whatever is no letter, and before a capital.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut after_small = false;
+    for c in name.chars() {
+        if !c.is_alphabetic() || after_small && c.is_uppercase() {
+            words.push(String::new());
+        }
+        after_small = c.is_lowercase();
+        if let Some(word) = words.last_mut().filter(|_| c.is_alphabetic()) {
+            word.extend(c.to_lowercase());
+        }
+    }
+    words
+}
+
 pub(super) fn is_prop(name: &str) -> bool {
-    let lower = name.to_lowercase();
-    let mut words = lower.split(|c: char| !c.is_alphabetic());
-    name.contains("IK") || lower.contains("slot") || words.any(|word| word == "ik" || PROPS.contains(&word))
+    let is_prop = |word: String| word == "ik" || word.ends_with("slot") || PROPS.contains(&word.as_str());
+    name.contains("IK") || words(name).into_iter().any(is_prop)
 }
 
 pub(super) fn is_helper(name: &str) -> bool {
