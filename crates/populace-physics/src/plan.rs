@@ -53,6 +53,9 @@ pub struct PlannedBody {
     pub(crate) length_m: f32,
     pub(crate) radius_m: f32,
     pub(crate) mass_kg: f32,
+    /// The least radius of gyration: no body is as easily turned as a thin capsule would be, since limits could not hold
+    /// what turns that lightly.
+    pub(crate) gyration_m: f32,
     /// `None` for the first body, which nothing holds.
     pub(crate) hold: Option<Hold>,
 }
@@ -115,7 +118,7 @@ impl RagdollPlan {
         let (chosen, body_of) = select::select(&rest);
         let is_trunk = shape::trunk(&rest, &chosen);
         let capsules = shape::capsules(&rest, &chosen, &body_of, &is_trunk);
-        let masses = shape::masses(&rest, &capsules, &is_trunk);
+        let masses = shape::masses(&rest, &chosen, &capsules, &is_trunk);
         let anatomy = Anatomy::new(&rest, &chosen, &capsules, &is_trunk);
         let planned = |index: usize| {
             let (body, capsule) = (&chosen[index], &capsules[index]);
@@ -128,6 +131,7 @@ impl RagdollPlan {
                 length_m: capsule.from.distance(capsule.to),
                 radius_m: capsule.radius,
                 mass_kg: masses[index],
+                gyration_m: rest.size * if is_trunk[index] { 0.08 } else { 0.03 },
                 hold: body.parent.map(|_| anatomy.hold(index)),
             }
         };
@@ -151,6 +155,12 @@ impl RagdollPlan {
     #[must_use]
     pub fn body_of(&self, joint: JointIndex) -> Option<usize> {
         self.body_of.get(joint.index()).copied().flatten()
+    }
+
+    /// The mass of all bodies in kg, for a member of scale 1.
+    #[must_use]
+    pub fn mass_kg(&self) -> f32 {
+        self.bodies.iter().map(PlannedBody::mass_kg).sum()
     }
 
     /// Joints of the skeleton that this was planned from.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use populace::core::{JointIndex, Skeleton};
 use populace::{Affine, Member};
 use rapier3d::prelude::{
-    ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, RigidBodyBuilder, RigidBodyHandle,
+    ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, RigidBodyBuilder, RigidBodyHandle,
 };
 
 use super::{Carried, Doll, FASTEST_RAD_PER_SEC, Held};
@@ -18,6 +18,8 @@ use crate::{Limits, RagdollPlan};
 /// Flesh takes speed away, about this part of it each second.
 const LINEAR_DAMPING_PER_SEC: f32 = 0.05;
 const ANGULAR_DAMPING_PER_SEC: f32 = 1.0;
+/// A body's least moment of inertia, as a part of its greatest.
+const LEAST_INERTIA: f32 = 0.3;
 /// Bodies whose axes are nearer than this many times their radii at the start pass through each other from then on.
 const NEAR: f32 = 1.05;
 /// What is beyond its limits when it goes limp may stay so, and this little more, in radians.
@@ -87,9 +89,9 @@ fn add_body(recipe: &Recipe, world: &mut World, index: usize, capsule: &Capsule)
     let from = now.inverse_transform_point(capsule.from);
     let to = now.inverse_transform_point(capsule.to);
     let scale = recipe.now.place.scale();
-    let mass = (body.mass_kg * scale * scale * scale).max(1e-6);
+    let mass_kg = (body.mass_kg * scale * scale * scale).max(1e-6);
     let shape = ColliderBuilder::capsule_from_endpoints(from, to, capsule.radius)
-        .mass(mass)
+        .mass_properties(mass_properties(from, to, capsule.radius, mass_kg, body.gyration_m * scale))
         .user_data(mark(recipe.id, index));
     if !recipe.limp[index] {
         return world.add_body(RigidBodyBuilder::kinematic_position_based().pose(now), shape);
@@ -104,6 +106,17 @@ fn add_body(recipe: &Recipe, world: &mut World, index: usize, capsule: &Capsule)
         .linear_damping(LINEAR_DAMPING_PER_SEC)
         .angular_damping(ANGULAR_DAMPING_PER_SEC);
     world.add_body(dynamic, shape)
+}
+
+/// Those of the capsule, with what it lacks to its least moment of inertia.
+fn mass_properties(from: Vector, to: Vector, radius: f32, mass_kg: f32, gyration: f32) -> MassProperties {
+    let mut properties = MassProperties::from_capsule(1.0, from, to, radius);
+    properties.set_mass(mass_kg, true);
+    let inertia = properties.principal_inertia();
+    let least = (LEAST_INERTIA * inertia.max_element()).max(mass_kg * gyration * gyration);
+    let frame = properties.principal_inertia_local_frame;
+    let eased = inertia.max(Vector::splat(least));
+    MassProperties::with_principal_inertia_frame(properties.local_com, mass_kg, eased, frame)
 }
 
 /// Pairs of bodies that touch each other now.

@@ -29,17 +29,19 @@ impl Capsule {
 pub(super) fn trunk(rest: &Rest, bodies: &[Chosen]) -> Vec<bool> {
     let mut forks = vec![false; bodies.len()];
     let mut hanging = vec![0; bodies.len()];
+    let mut below = vec![0; bodies.len()];
     for index in (0..bodies.len()).rev() {
         forks[index] |= hanging[index] >= 2;
         if let Some(parent) = bodies[index].parent {
             hanging[parent] += 1;
+            below[parent] += below[index] + 1;
             forks[parent] |= forks[index];
         }
     }
-    let bone = |index: usize| rest.bone(bodies[index].head);
+    let extent = |index: usize| rest.extent[bodies[index].head];
     let is_twin = |a: usize, b: usize| {
-        let same_length = (bone(a) - bone(b)).abs() < 0.2 * bone(a).max(bone(b));
-        a != b && bodies[a].parent == bodies[b].parent && hanging[a] == hanging[b] && same_length
+        let same_extent = (extent(a) - extent(b)).abs() < 0.2 * extent(a).max(extent(b));
+        a != b && bodies[a].parent == bodies[b].parent && below[a] == below[b] && same_extent
     };
     let mut is_trunk = vec![true; bodies.len()];
     for index in 1..bodies.len() {
@@ -93,14 +95,20 @@ fn leaf(rest: &Rest, index: usize, bodies: &[Chosen], body_of: &[Option<usize>])
     Capsule { from, to, radius }
 }
 
-/// Masses in kg, shared out by volume. A trunk's body that is short weighs something all the same: what is light
-/// between heavy parts would tremble.
-pub(super) fn masses(rest: &Rest, capsules: &[Capsule], is_trunk: &[bool]) -> Vec<f32> {
+/// Masses in kg, shared out by volume. What is light between heavy parts would tremble, so short bodies of the trunk weigh
+/// something all the same, and none weighs less than one that hangs on it.
+pub(super) fn masses(rest: &Rest, bodies: &[Chosen], capsules: &[Capsule], is_trunk: &[bool]) -> Vec<f32> {
     let tall = HEIGHT_FROM_SIZE * rest.size / PERSON_M;
     let total = PERSON_KG * tall * tall * tall;
     let volume: f32 = capsules.iter().map(Capsule::volume).sum();
     let least = |is_trunk: bool| if is_trunk { 0.06 } else { 0.008 };
-    let shares = || capsules.iter().zip(is_trunk).map(|(c, &trunk)| (c.volume() / volume).max(least(trunk)));
-    let sum: f32 = shares().sum();
-    shares().map(|share| total * share / sum).collect()
+    let parts = capsules.iter().zip(is_trunk);
+    let mut shares: Vec<f32> = parts.map(|(c, &trunk)| (c.volume() / volume).max(least(trunk))).collect();
+    for index in (1..bodies.len()).rev() {
+        if let Some(parent) = bodies[index].parent {
+            shares[parent] = shares[parent].max(shares[index]);
+        }
+    }
+    let sum: f32 = shares.iter().sum();
+    shares.iter().map(|share| total * share / sum).collect()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use populace::core::{Affine, Character, Skeleton};
 use populace::{CharacterId, Crowd, Device, JointIndex, Member, Placement, Play};
-use populace_physics::{RagdollPlan, Ragdolls};
+use populace_physics::{Bend, Limits, RagdollPlan, Ragdolls};
 
 pub(crate) const DT: f32 = 1.0 / 60.0;
 pub(crate) const GRAVITY: [f32; 3] = [0.0, -9.81, 0.0];
@@ -84,4 +84,17 @@ pub(crate) fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 
 pub(crate) fn length(a: [f32; 3]) -> f32 {
     a.iter().map(|v| v * v).sum::<f32>().powf(0.5)
+}
+
+/// By how much a bend is beyond its limits, in radians; negative within them.
+pub(crate) fn beyond_limits(bend: &Bend) -> f32 {
+    match bend.limits {
+        Limits::Hinge { min_rad, max_rad } => {
+            (bend.twist_rad - max_rad).max(min_rad - bend.twist_rad).max(bend.swing_rad)
+        }
+        Limits::Cone { swing_rad, twist_rad: [least, most] } => {
+            (bend.swing_rad - swing_rad).max(bend.twist_rad - most).max(least - bend.twist_rad)
+        }
+        _ => unreachable!(),
+    }
 }
