@@ -52,11 +52,16 @@ pub enum StageBuffer {
     ModelRow2,
     /// The matrix palettes: three elements for each palette entry.
     Palette,
+    /// What is kept of members with controls from frame to frame,
+    /// [`STATES_PER_CONTROL`](crate::layout::STATES_PER_CONTROL) for each control.
+    States,
+    /// What others look at: three rows of `world_from_joint` for each.
+    Watched,
 }
 
 impl StageBuffer {
     /// All buffers.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Samples,
         Self::Translations,
         Self::Rotations,
@@ -65,6 +70,8 @@ impl StageBuffer {
         Self::ModelRow1,
         Self::ModelRow2,
         Self::Palette,
+        Self::States,
+        Self::Watched,
     ];
 }
 
@@ -120,6 +127,8 @@ impl std::str::FromStr for Schedule {
 pub struct Frame {
     /// The crowd's clock.
     pub tick: u64,
+    /// Ticks since the frame before.
+    pub elapsed_ticks: u32,
     /// The first place of the members to evaluate.
     pub place_first: u32,
     /// The end of those places.
@@ -130,7 +139,20 @@ impl Frame {
     /// A frame of all members.
     #[must_use]
     pub const fn of_all(tick: u64) -> Self {
-        Self { tick, place_first: 0, place_end: u32::MAX }
+        Self { tick, elapsed_ticks: 0, place_first: 0, place_end: u32::MAX }
+    }
+
+    /// With the time since the frame before, which what moves on from frame to frame needs.
+    #[must_use]
+    pub const fn after_ticks(mut self, elapsed_ticks: u32) -> Self {
+        self.elapsed_ticks = elapsed_ticks;
+        self
+    }
+
+    /// Seconds since the frame before.
+    #[must_use]
+    pub fn elapsed_secs(self) -> f32 {
+        self.elapsed_ticks as f32 * crate::playback::TICK_SECS
     }
 
     /// Whether the member at a place is one of the frame's.

@@ -87,6 +87,12 @@ pub enum Error {
         /// Joints of the skeleton.
         joints: usize,
     },
+    /// A constraint or override that no device could solve.
+    #[error("{what}")]
+    BadConstraint {
+        /// What is wrong and what the rule is.
+        what: String,
+    },
     /// An index that points at nothing a device could follow.
     #[error("there is no {what} {value} for this member")]
     BadPlayback {

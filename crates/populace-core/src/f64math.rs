@@ -38,6 +38,12 @@ pub(crate) fn model_from_joints(
     models
 }
 
+/// `model_from_joint` of each joint at rest.
+pub(crate) fn rest_models(skeleton: &crate::Skeleton) -> Vec<DAffine3> {
+    let parents: Vec<_> = skeleton.joints().map(|joint| skeleton.parent(joint)).collect();
+    model_from_joints(&parents, skeleton.joints().map(|joint| affine(skeleton.rest(joint))))
+}
+
 /// The largest side of the box around the joints at rest; 1 where they coincide.
 pub(crate) fn rest_extent(parents: &[Option<JointIndex>], rest: &[Trs]) -> f32 {
     let models = model_from_joints(parents, rest.iter().map(affine));

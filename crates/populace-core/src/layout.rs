@@ -114,6 +114,41 @@ device_consts! {
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales stand at the body's rest.
     pub const REST_SCALE: u32 = 2;
+    /// [`Step::kind`]: the joint is turned by a turn that an earlier step wrote.
+    pub const STEP_TURN: u32 = 0;
+    /// [`Step::kind`]: a chain looks at its targets.
+    pub const STEP_GAZE: u32 = 1;
+    /// [`Step::kind`]: a limb of two bones reaches for its targets.
+    pub const STEP_REACH: u32 = 2;
+    /// [`Step::kind`]: a chain of any length reaches for its targets.
+    pub const STEP_CHAIN: u32 = 3;
+    /// [`Step::kind`]: finds where feet go and sinks the pelvis so that they get there. Constraints of a member's feet
+    /// follow each other, and each has two turns from the step's on.
+    pub const STEP_PELVIS: u32 = 4;
+    /// [`Step::kind`]: a leg goes where the pelvis found.
+    pub const STEP_FOOT: u32 = 5;
+    /// [`Step::kind`]: an override in model space.
+    pub const STEP_OVERRIDE: u32 = 6;
+    /// [`Step::kind`]: others look at this joint.
+    pub const STEP_WATCH: u32 = 7;
+    /// [`Target::kind`]: a point in the member's model space.
+    pub const TARGET_MODEL: u32 = 0;
+    /// [`Target::kind`]: a point in the world.
+    pub const TARGET_WORLD: u32 = 1;
+    /// [`Target::kind`]: a direction in the world.
+    pub const TARGET_DIRECTION: u32 = 2;
+    /// [`Target::kind`]: a joint of another member, where it was in the frame before.
+    pub const TARGET_WATCHED: u32 = 3;
+    /// Turns that a member's steps can hand down.
+    pub const TURNS_MOST: u32 = 48;
+    /// Links of one chain.
+    pub const LINKS_MOST: u32 = 24;
+    /// Feet of a member.
+    pub const FEET_MOST: u32 = 4;
+    /// Elements of a member's state.
+    pub const STATES_PER_CONTROL: u32 = 8;
+    /// Elements of what is watched of a joint: three rows of its matrix in the world.
+    pub const WATCHED_ELEMENTS: u32 = 3;
     /// The bits of a joint map that name the clip's column.
     pub const MAP_COLUMN: u32 = (1 << 29) - 1;
 }
@@ -358,6 +393,157 @@ device_struct! {
         pub palette_first: u32,
         /// Layers in use, 1 to [`LAYERS_PER_MEMBER`].
         pub layer_count: u32,
+        /// Into `controls`, or [`NONE`] where nothing but clips moves the member.
+        pub control: u32,
+    }
+}
+
+device_struct! {
+    /// What beside clips moves a member, and where it stands.
+    pub struct Control {
+        /// Where in the world its model space lies: position in metres, and scale.
+        pub place: Float4,
+        /// Sine and cosine of its heading about +Y: 0 faces +Z, a quarter turn +X.
+        pub facing: Float4,
+        /// Into `steps`.
+        pub step_first: u32,
+        /// Steps, by joint.
+        pub step_count: u32,
+        /// Into `overrides`: those in local space.
+        pub local_first: u32,
+        /// How many those are.
+        pub local_count: u32,
+        /// Changes with whose control this is, so that nobody takes over another's state.
+        pub epoch: u32,
+        /// Into `joint_scales`: a factor for the length of each joint's translation, padded, or [`NONE`].
+        pub scale_first: u32,
+        /// Zero.
+        pub unused0: u32,
+        /// Zero.
+        pub unused1: u32,
+    }
+}
+
+device_struct! {
+    /// Something to be done on the way down a hierarchy, once a joint's model transform is known.
+    pub struct Step {
+        /// The joint.
+        pub joint: u32,
+        /// A `STEP_` kind.
+        pub kind: u32,
+        /// Into `constraints`, `overrides` or `watched`, by kind.
+        pub index: u32,
+        /// The first of the member's turns that it writes, or the one that it takes.
+        pub turn: u32,
+    }
+}
+
+device_struct! {
+    /// A transform that the host gives a joint.
+    pub struct Override {
+        /// `x y z`, and the weight from 0 to 1.
+        pub translation_and_weight: Float4,
+        /// Unit quaternion.
+        pub rotation: Float4,
+        /// `x y z 0`.
+        pub scale: Float4,
+        /// The joint.
+        pub joint: u32,
+        /// Zero.
+        pub unused0: u32,
+        /// Zero.
+        pub unused1: u32,
+        /// Zero.
+        pub unused2: u32,
+    }
+}
+
+device_struct! {
+    /// A constraint on a chain of joints.
+    pub struct Constraint {
+        /// Gaze: where the last joint faces, in its own space. Limbs: where the middle joint bends to, in the first
+        /// joint's space.
+        pub axis: Float4,
+        /// Gaze: the front of the first joint's parent, in that one's space. Limbs: the pole, a direction in model space,
+        /// and 1 where there is one.
+        pub front: Float4,
+        /// Gaze: up for the first joint's parent, in that one's space. Feet: rest height in metres, the height up to which
+        /// a foot is planted, the one from which it follows the clip alone, and how far it may be held back.
+        pub up: Float4,
+        /// Gaze: the most to turn to either side, up, down, in radians. Limbs: the part of the length in which the chain
+        /// straightens, then the constraint's weight.
+        pub limits: Float4,
+        /// Into `links`: the chain, every joint from the first to the last.
+        pub link_first: u32,
+        /// Joints of the chain.
+        pub link_count: u32,
+        /// Limbs: the link that bends.
+        pub middle: u32,
+        /// Feet: the link where the leg begins; those before it lead from the pelvis.
+        pub upper: u32,
+        /// Into `targets`.
+        pub target_first: u32,
+        /// Targets; of the first foot, the member's feet.
+        pub target_count: u32,
+        /// Limbs: 1 where the last joint keeps the rotation that it has without the constraint.
+        pub keeps_end: u32,
+        /// Zero.
+        pub unused: u32,
+    }
+}
+
+device_struct! {
+    /// A joint of a chain.
+    pub struct Link {
+        /// The joint.
+        pub joint: u32,
+        /// Its part of a turn that the chain shares.
+        pub share: f32,
+    }
+}
+
+device_struct! {
+    /// Something to look at or to reach, with a weight in closed form as that of a slot, eased at both ends.
+    pub struct Target {
+        /// A point in metres, or a direction.
+        pub point: Float4,
+        /// The clock when the weight began to move.
+        pub weight_tick: u64,
+        /// Weight at `weight_tick`.
+        pub start_weight: f32,
+        /// Weight per second.
+        pub weight_rate: f32,
+        /// Where the weight stops.
+        pub end_weight: f32,
+        /// A `TARGET_` kind.
+        pub kind: u32,
+        /// [`TARGET_WATCHED`]: into `watched`; `point` is then added, in world space.
+        pub watched: u32,
+        /// Zero.
+        pub unused: u32,
+    }
+}
+
+device_struct! {
+    /// The ground that feet stand on, in world space: `height = offset + slope_x * x + slope_z * z`, and on a grid of
+    /// samples within it what these hold besides.
+    pub struct Ground {
+        /// Metres at the origin.
+        pub offset: f32,
+        /// Metres per metre along +X.
+        pub slope_x: f32,
+        /// Metres per metre along +Z.
+        pub slope_z: f32,
+        /// Where the grid begins.
+        pub grid_x: f32,
+        /// Where the grid begins.
+        pub grid_z: f32,
+        /// Samples per metre; 0 where there is no grid.
+        pub per_metre: f32,
+        /// Samples along +X, which vary fastest.
+        pub count_x: u32,
+        /// Samples along +Z.
+        pub count_z: u32,
     }
 }
 
@@ -412,6 +598,13 @@ pub fn device_structs() -> Vec<StructLayout> {
         of::<Layer>(),
         of::<Member>(),
         of::<SlotSample>(),
+        of::<Control>(),
+        of::<Step>(),
+        of::<Override>(),
+        of::<Constraint>(),
+        of::<Link>(),
+        of::<Target>(),
+        of::<Ground>(),
     ]
 }
 
@@ -432,6 +625,13 @@ pub fn opencl_prelude() -> String {
         Layer::OPENCL_C,
         Member::OPENCL_C,
         SlotSample::OPENCL_C,
+        Control::OPENCL_C,
+        Step::OPENCL_C,
+        Override::OPENCL_C,
+        Constraint::OPENCL_C,
+        Link::OPENCL_C,
+        Target::OPENCL_C,
+        Ground::OPENCL_C,
     ] {
         text += declaration;
     }
@@ -446,7 +646,8 @@ mod tests {
     fn the_opencl_text_declares_what_rust_declares() {
         assert_eq!(
             Member::OPENCL_C,
-            "typedef struct { uint body; uint joint_first; uint palette_first; uint layer_count; } Member;\n"
+            "typedef struct { uint body; uint joint_first; uint palette_first; uint layer_count; uint control; } \
+             Member;\n"
         );
         assert!(opencl_prelude().contains("#define JOINT_BLOCK 16u\n"));
     }

@@ -27,6 +27,7 @@ mod animation_set;
 pub mod backend;
 mod character;
 mod clip;
+mod control;
 mod error;
 mod f64math;
 mod hand_over;
@@ -44,6 +45,9 @@ pub use character::{
     SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use clip::{Binding, Clip, ClipStats};
+pub use control::{
+    Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Place, Space,
+};
 pub use error::Error;
 pub use hand_over::{
     EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteWay,
@@ -52,5 +56,5 @@ pub use hand_over::{
 pub use math::{Affine, Trs};
 pub use playback::{LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs};
 pub use skeleton::{JointIndex, JointSource, Skeleton};
-pub use tables::{BodyIndex, Table, Tables};
+pub use tables::{BodyIndex, Ground, Table, Tables};
 pub use track::{ClipSource, Interpolation, Property, Track};

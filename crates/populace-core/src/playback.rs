@@ -30,6 +30,14 @@ pub fn ticks_from_secs(secs: f64) -> u64 {
     ticks
 }
 
+/// A weight that runs from `start` by `rate` per second to `end`; the twin of `ramp` in `kernels/slot.cl`.
+#[inline]
+pub(crate) fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
+    let weight = start + rate * (elapsed_ticks as f32 * TICK_SECS);
+    let rising = rate >= 0.0;
+    if (rising && weight > end) || (!rising && weight < end) { end } else { weight }
+}
+
 impl Slot {
     /// A slot that loops over a clip.
     ///
@@ -123,14 +131,7 @@ impl Slot {
         if tick < self.start_tick {
             return 0.0;
         }
-        let elapsed_secs = tick.saturating_sub(self.weight_tick) as f32 * TICK_SECS;
-        let weight = self.start_weight + self.weight_rate * elapsed_secs;
-        let rising = self.weight_rate >= 0.0;
-        if (rising && weight > self.end_weight) || (!rising && weight < self.end_weight) {
-            self.end_weight
-        } else {
-            weight
-        }
+        ramp(tick.saturating_sub(self.weight_tick), self.start_weight, self.weight_rate, self.end_weight)
     }
 
     /// The time on the clip's own axis at a time of the clock that is not before the start, of a clip whose axis begins

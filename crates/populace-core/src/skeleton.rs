@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::{Error, Trs, f64math};
+use crate::{Affine, Error, Trs, f64math};
 
 /// Index of a joint in a [`Skeleton`]'s level order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -128,6 +128,13 @@ impl Skeleton {
     #[must_use]
     pub fn rest(&self, joint: JointIndex) -> &Trs {
         &self.rest[joint.index()]
+    }
+
+    /// The model transform of a joint when nothing plays.
+    #[must_use]
+    pub fn rest_model(&self, joint: JointIndex) -> Affine {
+        let local = Affine::from_trs(self.rest(joint));
+        self.parent(joint).map_or(local, |parent| self.rest_model(parent).mul(&local))
     }
 
     /// The range of joint indices of each depth, roots first.

@@ -1,6 +1,7 @@
 //! The tables that devices evaluate: templates shared by all members, and the members themselves.
 
 mod binding;
+mod controls;
 mod members;
 mod pages;
 mod set;
@@ -15,10 +16,12 @@ use crate::layout::{
     PALETTE_BLOCK, POSE_PLANES,
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, StageBuffer, Trs};
+use controls::ControlSpaces;
 use pages::PageLists;
 use set::{BlockTableSet, TableSet};
 use space::Space;
 
+pub use controls::Ground;
 pub use table::Table;
 
 #[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
@@ -45,6 +48,7 @@ pub struct Tables {
     free_members: BinaryHeap<Reverse<u32>>,
     joint_space: Space,
     palette_space: Space,
+    control_spaces: ControlSpaces,
 }
 
 impl Tables {
@@ -63,6 +67,7 @@ impl Tables {
         all.members.expect(members);
         all.slots.expect(members.saturating_mul(slots_per_member));
         all.layers.expect(members.saturating_mul(LAYERS_PER_MEMBER as usize));
+        all.ground.grow(1, crate::layout::Ground::default());
         Self {
             slots_per_member,
             all,
@@ -72,6 +77,7 @@ impl Tables {
             free_members: BinaryHeap::new(),
             joint_space: Space::new(usize::MAX),
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
+            control_spaces: ControlSpaces::new(),
         }
     }
 
@@ -129,12 +135,12 @@ impl Tables {
         self.all.bodies.as_slice().iter().map(|body| body.padded_count as usize).max().unwrap_or(0)
     }
 
-    /// Whose element `first` of a buffer is, and which of that member's own elements; `None` for palettes, and for
-    /// elements that are nobody's.
+    /// Whose element `first` of a buffer is, and which of that member's own elements; `None` for palettes, what is
+    /// kept or watched, and for elements that are nobody's.
     #[must_use]
     pub fn place_of(&self, buffer: StageBuffer, first: usize) -> Option<(u32, usize)> {
         let place = match buffer {
-            StageBuffer::Palette => return None,
+            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched => return None,
             StageBuffer::Samples => u32::try_from(first / self.slots_per_member).ok()?,
             _ => *self.joint_blocks().as_slice().get(first / JOINT_BLOCK as usize)?,
         };
@@ -239,6 +245,16 @@ impl Tables {
         }
         let padding = std::iter::repeat_n(0.0, padded - mask.weights().len());
         self.all.masks.extend(mask.weights().iter().copied().chain(padding))
+    }
+
+    /// Adds a factor for the length of each joint of a body, in level order, and returns where they stand.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] past 32-bit offsets.
+    pub fn add_joint_scales(&mut self, factors: &[f32]) -> Result<u32, Error> {
+        let padding = std::iter::repeat_n(1.0, padded(factors.len()) - factors.len());
+        self.all.joint_scales.extend(factors.iter().copied().chain(padding))
     }
 
     /// Forgets which elements changed; called once every device took them over.

@@ -8,9 +8,8 @@
 )]
 
 use populace_core::layout::Float4;
-use populace_core::{Affine, Tables};
 
-use crate::fused;
+use crate::fused::{self, Desk, Evaluation};
 
 /// The widest registers that the processor and this crate both know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,26 +24,14 @@ pub(crate) enum Dispatch {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn write_palette_avx2(
-    tables: &Tables,
-    place: u32,
-    tick: u64,
-    models: &mut Vec<Affine>,
-    palette: &mut [Float4],
-) {
-    fused::write_palette(tables, place, tick, models, palette);
+fn write_palette_avx2(member: Evaluation, desk: &mut Desk, palette: &mut [Float4]) {
+    fused::write_palette(member, desk, palette);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn write_palette_avx512(
-    tables: &Tables,
-    place: u32,
-    tick: u64,
-    models: &mut Vec<Affine>,
-    palette: &mut [Float4],
-) {
-    fused::write_palette(tables, place, tick, models, palette);
+fn write_palette_avx512(member: Evaluation, desk: &mut Desk, palette: &mut [Float4]) {
+    fused::write_palette(member, desk, palette);
 }
 
 impl Dispatch {
@@ -78,22 +65,15 @@ impl Dispatch {
     }
 
     /// See [`fused::write_palette`].
-    pub(crate) fn write_palette(
-        self,
-        tables: &Tables,
-        place: u32,
-        tick: u64,
-        models: &mut Vec<Affine>,
-        palette: &mut [Float4],
-    ) {
+    pub(crate) fn write_palette(self, member: Evaluation, desk: &mut Desk, palette: &mut [Float4]) {
         match self {
-            Self::Baseline => fused::write_palette(tables, place, tick, models, palette),
+            Self::Baseline => fused::write_palette(member, desk, palette),
             // SAFETY: `detect` makes this value only where the processor has AVX2.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => unsafe { write_palette_avx2(tables, place, tick, models, palette) },
+            Self::Avx2 => unsafe { write_palette_avx2(member, desk, palette) },
             // SAFETY: `detect` makes this value only where the processor has these parts of AVX-512.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => unsafe { write_palette_avx512(tables, place, tick, models, palette) },
+            Self::Avx512 => unsafe { write_palette_avx512(member, desk, palette) },
         }
     }
 }

@@ -2,12 +2,13 @@
 //! parents first down the hierarchy and out to the palette; the twin of `kernels/fused_wide.cl`. Nothing between clip and
 //! palette leaves the core's caches.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use populace_core::layout::{Body, Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_core::layout::{Body, Float4, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_core::math::components;
 use populace_core::{Affine, Frame, MAX_SLOTS, Tables};
 
+use crate::controls::{self, Before, Clock, Left, Models, Steering, control_of};
 use crate::dispatch::Dispatch;
 use crate::evaluate::evaluate;
 use crate::joint::{Playing, Posing};
@@ -20,20 +21,50 @@ use crate::split;
 /// Elements of a palette block.
 const BLOCK: usize = PALETTE_BLOCK as usize * 3;
 
-/// What one thread works in: `model_from_joint` of the member that it is at.
-pub(crate) type Scratch = Mutex<Vec<Affine>>;
+/// What one thread works in.
+pub(crate) type Scratch = Mutex<Desk>;
 
-/// Writes the palettes of the frame's members. There is a scratch for each thread.
-pub(crate) fn run(tables: &Tables, frame: Frame, dispatch: Dispatch, scratch: &[Scratch], pages: &mut Pages) {
+/// What lies before a thread.
+#[derive(Default)]
+pub(crate) struct Desk {
+    /// `model_from_joint` of the member that it is at.
+    pub(crate) models: Vec<Affine>,
+    /// What the members of the frame leave behind.
+    pub(crate) left: Left,
+}
+
+/// The calling thread's own; there is one for each.
+pub(crate) fn scratch_of(scratch: &[Scratch]) -> MutexGuard<'_, Desk> {
+    let own = &scratch[rayon::current_thread_index().unwrap_or(0) % scratch.len()];
+    own.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A member at a time.
+#[derive(Clone, Copy)]
+pub(crate) struct Evaluation<'a> {
+    pub(crate) tables: &'a Tables,
+    pub(crate) place: u32,
+    pub(crate) clock: Clock,
+    pub(crate) before: Before<'a>,
+}
+
+/// Writes the palettes of the frame's members.
+pub(crate) fn run(
+    tables: &Tables,
+    frame: Frame,
+    before: Before,
+    dispatch: Dispatch,
+    scratch: &[Scratch],
+    pages: &mut Pages,
+) {
     let all = tables.palette_blocks().as_slice();
     for (page, palettes) in pages.begin_frame().enumerate() {
         let first = page * (PAGE_ENTRIES / PALETTE_BLOCK) as usize;
         let blocks = &all[first..first + palettes.len() / BLOCK];
         split::for_each_member::<BLOCK, 1>(blocks, [palettes], &|place, _, [palette]| {
             if frame.evaluates(place) {
-                let own = &scratch[rayon::current_thread_index().unwrap_or(0) % scratch.len()];
-                let mut models = own.lock().unwrap_or_else(PoisonError::into_inner);
-                dispatch.write_palette(tables, place, frame.tick, &mut models, palette);
+                let member = Evaluation { tables, place, clock: Clock::of(frame), before };
+                dispatch.write_palette(member, &mut scratch_of(scratch), palette);
             }
         });
     }
@@ -41,40 +72,54 @@ pub(crate) fn run(tables: &Tables, frame: Frame, dispatch: Dispatch, scratch: &[
 
 /// One member's palette.
 #[inline(always)]
-pub(crate) fn write_palette(
-    tables: &Tables,
-    place: u32,
-    tick: u64,
-    models: &mut Vec<Affine>,
-    palette: &mut [Float4],
-) {
-    let body = body_of(tables, place);
-    member_matrices(tables, place, tick, models, |_, _| {});
+pub(crate) fn write_palette(member: Evaluation, desk: &mut Desk, palette: &mut [Float4]) {
+    let tables = member.tables;
+    let body = body_of(tables, member.place);
+    member_matrices(member, desk, |_, _| {});
     let first = body.entry_first as usize;
     let entries = &tables.entries().as_slice()[first..first + body.entry_count as usize];
     for (entry, matrix) in entries.iter().zip(palette.as_chunks_mut::<3>().0) {
         let joint_from_bind = Affine { rows: [entry.row0.0, entry.row1.0, entry.row2.0] };
-        *matrix = models[entry.joint as usize].mul(&joint_from_bind).rows.map(Float4);
+        *matrix = desk.models[entry.joint as usize].mul(&joint_from_bind).rows.map(Float4);
+    }
+}
+
+/// Matrices of which each is local until it is set.
+struct InPlace<'a>(&'a mut [Affine]);
+
+impl Models for InPlace<'_> {
+    #[inline(always)]
+    fn model(&self, joint: usize) -> Affine {
+        self.0[joint]
+    }
+
+    #[inline(always)]
+    fn local(&self, joint: usize) -> Affine {
+        self.0[joint]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, joint: usize, model: Affine) {
+        self.0[joint] = model;
     }
 }
 
 /// A member's `model_from_joint`, and its local transforms to `keep`, by first joint.
 #[inline(always)]
 pub(crate) fn member_matrices(
-    tables: &Tables,
-    place: u32,
-    tick: u64,
-    models: &mut Vec<Affine>,
+    member: Evaluation,
+    desk: &mut Desk,
     mut keep: impl FnMut(usize, &Local<Lanes>),
 ) {
-    let body = body_of(tables, place);
-    models.resize(body.padded_count as usize, Affine::IDENTITY);
+    let Evaluation { tables, place, clock, before } = member;
+    let (body, control) = (body_of(tables, place), control_of(tables, place));
+    desk.models.resize(body.padded_count as usize, Affine::IDENTITY);
     let mut playing = [Playing::default(); MAX_SLOTS];
-    let count = play(tables, place, tick, &mut playing);
+    let count = play(tables, place, clock.tick, &mut playing);
     let (playing, layers) = (&playing[..count], member_layers(tables, place));
-    for (block, matrices) in models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+    for (block, matrices) in desk.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joint = block * LANES;
-        let local = Posing { tables, playing, layers, body, joint }.pose::<Lanes>();
+        let local = Posing { tables, playing, layers, body, control, joint }.pose::<Lanes>();
         keep(joint, &local);
         let m = components(local.t, local.r, local.s);
         for (lane, matrix) in matrices.iter_mut().enumerate() {
@@ -84,10 +129,10 @@ pub(crate) fn member_matrices(
     }
     let first = body.joint_first as usize;
     let parents = &tables.parents().as_slice()[first..first + body.joint_count as usize];
-    for (joint, &parent) in parents.iter().enumerate() {
-        if parent != NONE {
-            models[joint] = models[parent as usize].mul(&models[joint]);
-        }
+    let mut models = InPlace(&mut desk.models);
+    match Steering::new(tables, place, clock, before, &mut desk.left) {
+        Some(mut steering) => steering.descend(&mut models, parents),
+        None => controls::descend(&mut models, parents),
     }
 }
 

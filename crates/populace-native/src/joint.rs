@@ -1,7 +1,7 @@
 //! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin of `kernels/joint.cl`.
 
 use populace_core::Tables;
-use populace_core::layout::{Body, Layer, REST_SCALE, REST_TRANSLATION, SlotSample};
+use populace_core::layout::{Body, Control, Layer, NONE, REST_SCALE, REST_TRANSLATION, SlotSample};
 use populace_core::math::{Real, quat};
 
 use crate::rows::{Local, Width, load_quat, load_vec3, sample_joint};
@@ -91,6 +91,7 @@ pub(crate) struct Posing<'a> {
     /// The member's.
     pub(crate) layers: &'a [Layer],
     pub(crate) body: &'a Body,
+    pub(crate) control: Option<&'a Control>,
     pub(crate) joint: usize,
 }
 
@@ -139,7 +140,40 @@ impl Posing<'_> {
         let sum = self.sum_layer::<R>(0, false, &rest);
         // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
         let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
-        if self.layers.len() > 1 { self.lay_over(&rest, pose) } else { pose }
+        let pose = if self.layers.len() > 1 { self.lay_over(&rest, pose) } else { pose };
+        match self.control {
+            Some(control) => self.adjust(control, pose),
+            None => pose,
+        }
+    }
+
+    /// What the member's proportions and its overrides in local space make of a pose.
+    #[inline(never)]
+    fn adjust<R: Width>(&self, control: &Control, mut pose: Local<R>) -> Local<R> {
+        let Self { tables, joint, .. } = *self;
+        if control.scale_first != NONE {
+            let factor = R::load(&tables.joint_scales().as_slice()[control.scale_first as usize + joint..]);
+            pose.t = each3(|i| pose.t[i] * factor);
+        }
+        let first = control.local_first as usize;
+        for given in &tables.overrides().as_slice()[first..first + control.local_count as usize] {
+            let lane = (given.joint as usize).wrapping_sub(joint);
+            if lane >= R::COUNT {
+                continue;
+            }
+            let ([x, y, z, weight], [sx, sy, sz, _]) = (given.translation_and_weight.0, given.scale.0);
+            let (t, s) = ([x, y, z].map(R::splat), [sx, sy, sz].map(R::splat));
+            let r = given.rotation.0.map(R::splat);
+            let (whole, k, only) = (weight >= 1.0, R::splat(weight), R::only(lane));
+            let turned = quat::mix(pose.r, quat::hemisphere(r, pose.r), k);
+            let r = if whole { r } else { quat::normalize_or(turned, r) };
+            pose = Local {
+                t: each3(|i| R::choose(only, if whole { t[i] } else { pose.t[i].mix(t[i], k) }, pose.t[i])),
+                r: quat::choose::<R>(only, r, pose.r),
+                s: each3(|i| R::choose(only, if whole { s[i] } else { pose.s[i].mix(s[i], k) }, pose.s[i])),
+            };
+        }
+        pose
     }
 
     /// What the layers above 0 make of what lies beneath. Apart: it is seldom, and must not take the registers of what

@@ -17,6 +17,7 @@
 //! # Ok::<(), populace_core::BackendError>(())
 //! ```
 
+mod controls;
 mod dispatch;
 mod evaluate;
 mod floor;
@@ -31,6 +32,7 @@ mod split;
 mod transform;
 mod write_back;
 
+use std::sync::PoisonError;
 use std::time::Instant;
 
 use populace_core::layout::{Float4, PAGE_ENTRIES, SlotSample};
@@ -39,7 +41,9 @@ use populace_core::{
     Stage, StageBuffer, Tables, TargetMark,
 };
 
+use crate::controls::{Clock, Keeping};
 use crate::dispatch::Dispatch;
+use crate::fused::Scratch;
 use crate::pages::Pages;
 use crate::reading::Reading;
 
@@ -49,10 +53,11 @@ pub struct NativeBackend {
     schedule: Schedule,
     dispatch: Dispatch,
     /// One for each thread.
-    scratch: Vec<fused::Scratch>,
+    scratch: Vec<Scratch>,
     /// What a fused schedule was last asked to read.
     reading: Option<Reading>,
-    last_tick: u64,
+    last: Frame,
+    keeping: Keeping,
     frame_ms: Option<f64>,
     samples: Vec<SlotSample>,
     joints: JointBuffer,
@@ -92,14 +97,15 @@ impl NativeBackend {
             .thread_name(|index| format!("populace-{index}"))
             .build()
             .map_err(|error| failed("start its threads", error))?;
-        let scratch = (0..pool.current_num_threads()).map(|_| fused::Scratch::default()).collect();
+        let scratch = (0..pool.current_num_threads()).map(|_| Scratch::default()).collect();
         Ok(Self {
             pool,
             schedule,
             dispatch: Dispatch::detect(),
             scratch,
             reading: None,
-            last_tick: 0,
+            last: Frame::of_all(0),
+            keeping: Keeping::default(),
             frame_ms: None,
             samples: Vec::new(),
             joints: JointBuffer::default(),
@@ -117,6 +123,22 @@ impl NativeBackend {
 
     fn is_staged(&self) -> bool {
         self.schedule == Schedule::Staged
+    }
+
+    /// Forgets what the members of the last frame left.
+    fn forget_left(&mut self) {
+        for desk in &mut self.scratch {
+            let left = &mut desk.get_mut().unwrap_or_else(PoisonError::into_inner).left;
+            left.states.clear();
+            left.watched.clear();
+        }
+    }
+
+    /// Exchanges what is kept with what the members of the last frame left, there and back.
+    fn exchange_left(&mut self) {
+        for desk in &mut self.scratch {
+            self.keeping.exchange(&mut desk.get_mut().unwrap_or_else(PoisonError::into_inner).left);
+        }
     }
 
     fn grow_stage_buffers(&mut self, tables: &Tables) -> Result<(), BackendError> {
@@ -138,6 +160,8 @@ impl NativeBackend {
             StageBuffer::ModelRow0 => &mut self.models.0[0],
             StageBuffer::ModelRow1 => &mut self.models.0[1],
             StageBuffer::ModelRow2 => &mut self.models.0[2],
+            StageBuffer::States => &mut self.keeping.states,
+            StageBuffer::Watched => &mut self.keeping.watched,
             StageBuffer::Palette => {
                 let page = self.pages.get_mut(first / PAGE_ELEMENTS).unwrap_or(&mut []);
                 return page.get_mut(first % PAGE_ELEMENTS..).unwrap_or(&mut []);
@@ -145,6 +169,11 @@ impl NativeBackend {
         };
         all.get_mut(first..).unwrap_or(&mut [])
     }
+}
+
+/// Whether every schedule keeps a buffer.
+fn is_kept(buffer: StageBuffer) -> bool {
+    matches!(buffer, StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched)
 }
 
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
@@ -178,6 +207,8 @@ impl Backend for NativeBackend {
         if self.is_staged() {
             self.grow_stage_buffers(tables)?;
         }
+        grow(&mut self.keeping.states, tables.state_elements(), "what is kept of members")?;
+        grow(&mut self.keeping.watched, tables.watched_elements(), "what is watched of members")?;
         self.pages.update(tables)
     }
 
@@ -187,13 +218,19 @@ impl Backend for NativeBackend {
             return Err(failed(&operation, "a fused schedule has no stages; run the staged one"));
         }
         let start = Instant::now();
-        let Self { pool, samples, joints, models, pages, .. } = self;
+        if stage == Stage::Transform {
+            self.forget_left();
+        }
+        let Self { pool, samples, joints, models, pages, scratch, keeping, .. } = self;
         pool.install(|| match stage {
             Stage::Evaluate => evaluate::run(tables, frame.tick, samples),
             Stage::Pose => pose::run(tables, frame, samples, joints),
-            Stage::Transform => transform::run(tables, frame, joints, models),
+            Stage::Transform => transform::run(tables, frame, keeping.before(), joints, scratch, models),
             Stage::WriteBack => write_back::run(tables, frame, models, pages),
         });
+        if stage == Stage::Transform {
+            self.exchange_left();
+        }
         self.times_ms[stage as usize] = start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
@@ -203,9 +240,11 @@ impl Backend for NativeBackend {
         if self.is_staged() {
             Stage::ALL.into_iter().try_for_each(|stage| self.run_stage(tables, frame, stage))?;
         } else {
-            (self.last_tick, self.reading) = (frame.tick, None);
-            let Self { pool, dispatch, scratch, pages, .. } = self;
-            pool.install(|| fused::run(tables, frame, *dispatch, scratch, pages));
+            (self.last, self.reading) = (frame, None);
+            self.forget_left();
+            let Self { pool, dispatch, scratch, pages, keeping, .. } = self;
+            pool.install(|| fused::run(tables, frame, keeping.before(), *dispatch, scratch, pages));
+            self.exchange_left();
         }
         self.frame_ms = Some(start.elapsed().as_secs_f64() * 1e3);
         Ok(())
@@ -218,8 +257,13 @@ impl Backend for NativeBackend {
         mut first: usize,
         mut into: &mut [Float4],
     ) -> Result<(), BackendError> {
-        if !self.is_staged() && buffer != StageBuffer::Palette {
-            return reading::read(&mut self.reading, tables, self.last_tick, buffer, first, into);
+        if !self.is_staged() && !is_kept(buffer) {
+            // The member is evaluated from what it was evaluated from.
+            self.exchange_left();
+            let of = (Clock::of(self.last), self.keeping.before());
+            let result = reading::read(&mut self.reading, tables, of, buffer, first, into);
+            self.exchange_left();
+            return result;
         }
         while !into.is_empty() {
             let from = self.elements(buffer, first);
@@ -240,7 +284,7 @@ impl Backend for NativeBackend {
         mut first: usize,
         mut from: &[Float4],
     ) -> Result<(), BackendError> {
-        if !self.is_staged() && buffer != StageBuffer::Palette {
+        if !self.is_staged() && !is_kept(buffer) {
             return Err(failed(&format!("write {buffer:?}"), "a fused schedule keeps palettes only"));
         }
         while !from.is_empty() {
@@ -278,6 +322,8 @@ impl Backend for NativeBackend {
 
     fn memory_bytes(&self) -> usize {
         let elements = self.samples.len()
+            + self.keeping.states.len()
+            + self.keeping.watched.len()
             + self.joints.translations.len() * 3
             + self.models.0[0].len() * 3
             + self.pages.capacity();

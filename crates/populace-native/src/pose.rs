@@ -3,6 +3,7 @@
 use populace_core::layout::{Float4, JOINT_BLOCK, SlotSample};
 use populace_core::{Frame, MAX_SLOTS, Tables};
 
+use crate::controls::control_of;
 use crate::joint::{Playing, Posing};
 use crate::{JointBuffer, split};
 
@@ -21,8 +22,9 @@ pub(crate) fn run(tables: &Tables, frame: Frame, samples: &[SlotSample], joints:
             *playing = Playing { at: *at, bound_clip: slot.bound_clip, layer: slot.layer() };
         }
         let (playing, layers) = (&playing[..slots.len()], member_layers(tables, place));
+        let control = control_of(tables, place);
         for joint in 0..body.joint_count as usize {
-            let local = Posing { tables, playing, layers, body, joint }.pose::<f32>();
+            let local = Posing { tables, playing, layers, body, control, joint }.pose::<f32>();
             translations[joint] = Float4::from_xyz(local.t);
             rotations[joint] = Float4(local.r);
             scales[joint] = Float4::from_xyz(local.s);

@@ -3,7 +3,9 @@
 use populace_core::layout::{Float4, SlotSample};
 use populace_core::{Affine, BackendError, StageBuffer, Tables};
 
+use crate::controls::{Before, Clock};
 use crate::evaluate::evaluate;
+use crate::fused::{Desk, Evaluation};
 use crate::{failed, fused};
 
 /// Of one member, evaluated once more.
@@ -15,12 +17,13 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    fn new(tables: &Tables, place: u32, tick: u64) -> Self {
+    fn new(member: Evaluation) -> Self {
+        let Evaluation { tables, place, clock, .. } = member;
         let slots = &tables.slots().as_slice()[tables.slot_range(place)];
-        let samples = slots.iter().map(|slot| evaluate(tables, slot, tick)).collect();
+        let samples = slots.iter().map(|slot| evaluate(tables, slot, clock.tick)).collect();
         let joint_count = fused::body_of(tables, place).joint_count as usize;
-        let (mut models, mut locals) = (Vec::new(), vec![[Float4::default(); 3]; joint_count]);
-        fused::member_matrices(tables, place, tick, &mut models, |first, local| {
+        let (mut desk, mut locals) = (Desk::default(), vec![[Float4::default(); 3]; joint_count]);
+        fused::member_matrices(member, &mut desk, |first, local| {
             for (lane, joint) in locals.iter_mut().skip(first).take(crate::lanes::LANES).enumerate() {
                 *joint = [
                     Float4::from_xyz(local.t.map(|v| v.0[lane])),
@@ -29,6 +32,7 @@ impl Reading {
                 ];
             }
         });
+        let mut models = desk.models;
         models.truncate(joint_count);
         Self { place, samples, locals, models }
     }
@@ -45,16 +49,16 @@ impl Reading {
             StageBuffer::ModelRow0 => row(0),
             StageBuffer::ModelRow1 => row(1),
             StageBuffer::ModelRow2 => row(2),
-            StageBuffer::Palette => None,
+            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched => None,
         }
     }
 }
 
-/// Reads elements of one member as of a tick; `last` keeps the member for the next time.
+/// Reads elements of one member as of a frame; `last` keeps the member for the next time.
 pub(crate) fn read(
     last: &mut Option<Reading>,
     tables: &Tables,
-    tick: u64,
+    (clock, before): (Clock, Before),
     buffer: StageBuffer,
     first: usize,
     into: &mut [Float4],
@@ -64,7 +68,7 @@ pub(crate) fn read(
     let (place, at) = tables.place_of(buffer, first).ok_or_else(past_the_end)?;
     let reading = match last.take() {
         Some(reading) if reading.place == place => reading,
-        _ => Reading::new(tables, place, tick),
+        _ => Reading::new(Evaluation { tables, place, clock, before }),
     };
     for (offset, element) in into.iter_mut().enumerate() {
         *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;

@@ -25,8 +25,14 @@ pub(crate) trait Width: Real {
     /// Where their columns stand in a clip's rows.
     type Columns<'a>: Columns<Self>;
 
+    /// Joints computed at once.
+    const COUNT: usize;
+
     /// From a table of floats, at the first joint's place.
     fn load(from: &[f32]) -> Self;
+
+    /// Chooses one of them.
+    fn only(lane: usize) -> Self::Choice;
 
     fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> Self::Columns<'a>;
 }
@@ -115,6 +121,13 @@ pub(crate) struct JointColumn<'a> {
 impl Width for f32 {
     type Columns<'a> = JointColumn<'a>;
 
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn only(_lane: usize) -> bool {
+        true
+    }
+
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
         from[0]
@@ -160,6 +173,13 @@ pub(crate) struct BlockColumns<'a> {
 
 impl Width for Lanes {
     type Columns<'a> = BlockColumns<'a>;
+
+    const COUNT: usize = LANES;
+
+    #[inline(always)]
+    fn only(lane: usize) -> [bool; LANES] {
+        std::array::from_fn(|other| other == lane)
+    }
 
     #[inline(always)]
     fn load(from: &[f32]) -> Self {

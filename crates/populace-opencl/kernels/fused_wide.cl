@@ -2,8 +2,9 @@
  * transforms, transposed into one matrix each, then parents first down the hierarchy and out to the palette. Nothing
  * between clip and palette leaves the core's caches.
  * NDRange  (runs of members of one page), groups of one
- * Reads    the page's members; slots, layers, rows and all that they point at
+ * Reads    the page's members; slots, layers, rows, controls and all that they point at
  * Writes   palette: every entry of the members in [place_first, place_end) exactly once; matrices of its own run as scratch;
+ *          states of those members, and what of them is watched
  * Oracle   populace-testkit; twin of populace-native fused.rs */
 
 /* Two rows of a matrix in memory, where matrices stand 48 bytes apart. */
@@ -38,13 +39,36 @@ INLINE uint play_all(__global const Slot *slots, uint slot_count, ulong tick, Cl
     return count;
 }
 
+INLINE void descend_to(uint joint, __global const uint *parent, __global float16 *models)
+{
+    if (parent[joint] != NONE) models[joint] = affine_mul(models[parent[joint]], models[joint]);
+}
+
+/* Down the hierarchy of a member that more than clips moves, with its steps on the way. */
+APART void steer_down(Controls of, uint control, uint joint_count, __global const uint *parent, __global float16 *models)
+{
+    float4 turns[TURNS_MOST];
+    const Steering s = steering_of(of, control, turns);
+    const Hierarchy joints = { models };
+    uint next = 0;
+    for (uint i = 0; i < s.control.step_count; i++) {
+        const Step step = of.steps[s.control.step_first + i];
+        for (; next <= step.joint; next++) descend_to(next, parent, models);
+        const bool has_parent = parent[step.joint] != NONE;
+        const float16 own = models[step.joint], above = has_parent ? models[parent[step.joint]] : own;
+        models[step.joint] = take_step(s, joints, step, own, above, has_parent);
+    }
+    for (; next < joint_count; next++) descend_to(next, parent, models);
+}
+
 /* A member's model_from_joint, one float16 each, and where `planes` is not 0 its local transforms there: ten planes as in
  * stored poses. */
-INLINE void member_matrices(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body,
-                            __global const uint *parent, __global float16 *restrict models, __global float *planes)
+INLINE void member_matrices(Clips of, Locals locals, Controls controls, uint control, Playback playback,
+                            __global const Layer *layers, uint layer_count, Body body, __global const uint *parent,
+                            __global float16 *restrict models, __global float *planes)
 {
     for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
-        const Trs trs = pose_joint(of, playback, layers, layer_count, body, joint);
+        const Trs trs = pose_joint(of, locals, control, playback, layers, layer_count, body, joint);
         if (planes) store_trs(trs, planes + joint, body.padded_count);
         float16 m[16];
         components_of(trs, m);
@@ -53,8 +77,11 @@ INLINE void member_matrices(Clips of, Playback playback, __global const Layer *l
 #pragma unroll
         for (int i = 0; i < 16; i++) models[joint + i] = m[i];
     }
-    for (uint joint = 0; joint < body.joint_count; joint++)
-        if (parent[joint] != NONE) models[joint] = affine_mul(models[parent[joint]], models[joint]);
+    if (control != NONE) {
+        steer_down(controls, control, body.joint_count, parent, models);
+        return;
+    }
+    for (uint joint = 0; joint < body.joint_count; joint++) descend_to(joint, parent, models);
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
@@ -65,11 +92,14 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
                 __global const float *row_times, __global const uint *buckets, __global const float *poses,
                 __global const float *masks, __global const Source *sources,
                 __global const uint *source_lanes, ulong tick, uint slots_per_member,
+                __global const float *joint_scales, CONTROL_PARAMETERS,
                 __global const uint *page_members, __global const Entry *entries, uint place_first, uint place_end,
                 uint page_first, __global float4 *restrict palette, uint member_count, uint run, uint padded_most,
                 __global float4 *restrict matrices)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
+    const Locals locals = { controls, overrides, joint_scales };
+    const Controls steering = CONTROLS;
     __global float16 *restrict models = (__global float16 *)matrices + get_global_id(0) * padded_most;
     const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
     for (uint index = begin; index < end; index++) {
@@ -80,8 +110,8 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
         Playing playing[SLOTS_MOST];
         const uint count = play_all(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
         const Playback playback = { playing, count };
-        member_matrices(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body,
-                        parents + body.joint_first, models, 0);
+        member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
+                        member.layer_count, body, parents + body.joint_first, models, 0);
         __global const Entry *entry = entries + body.entry_first;
         __global float *to = (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first));
         for (uint e = 0; e < body.entry_count; e++, entry++, to += 12) {
@@ -100,10 +130,12 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
                        __global const RowBlock *row_blocks, __global const uint *rows,
                        __global const float *row_times, __global const uint *buckets, __global const float *poses,
                        __global const float *masks, __global const Source *sources, __global const uint *source_lanes, ulong tick,
-                       uint slots_per_member, uint owner, __global SlotSample *samples, __global float *planes,
+                       uint slots_per_member, __global const float *joint_scales, CONTROL_PARAMETERS, uint owner, __global SlotSample *samples, __global float *planes,
                        __global float4 *matrices)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
+    const Locals locals = { controls, overrides, joint_scales };
+    const Controls steering = CONTROLS;
     const Member member = members[owner];
     const Body body = bodies[member.body];
     __global const Slot *mine = slots + owner * slots_per_member;
@@ -112,6 +144,6 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     Playing playing[SLOTS_MOST];
     const uint count = play_all(mine, slots_per_member, tick, of, row_times, buckets, playing);
     const Playback playback = { playing, count };
-    member_matrices(of, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body,
-                    parents + body.joint_first, (__global float16 *)matrices, planes);
+    member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
+                    member.layer_count, body, parents + body.joint_first, (__global float16 *)matrices, planes);
 }

@@ -99,16 +99,45 @@ APART Trs lay_over(Clips of, Playback playback, __global const Layer *layers, ui
     return trs;
 }
 
+/* What beside clips a member's local transforms come from. */
+typedef struct {
+    __global const Control *controls;
+    __global const Override *overrides;
+    __global const float *joint_scales;
+} Locals;
+
+/* What a member's proportions and its overrides in local space make of a pose. */
+APART Trs adjust(Locals of, Control control, uint joint, Trs trs)
+{
+    if (control.scale_first != NONE) trs.t = vec3_scale(trs.t, LOAD(of.joint_scales + control.scale_first + joint));
+    for (uint i = 0; i < control.local_count; i++) {
+        const Override given = of.overrides[control.local_first + i];
+        const uint lane = given.joint - joint;
+        if (lane >= LANES) continue;
+        const float4 t4 = given.translation_and_weight, r4 = given.rotation, s4 = given.scale;
+        const Trs there = { { t4.x, t4.y, t4.z }, { r4.x, r4.y, r4.z, r4.w }, { s4.x, s4.y, s4.z } };
+        const Choice only = ONLY(lane);
+        const bool whole = t4.w >= 1.0f;
+        const Quat mixed = quat_mix(trs.r, quat_hemisphere(there.r, trs.r), t4.w);
+        trs.r = quat_choose(only, whole ? there.r : quat_normalize_or(mixed, there.r), trs.r);
+        trs.t = vec3_choose(only, whole ? there.t : vec3_mix(trs.t, there.t, t4.w), trs.t);
+        trs.s = vec3_choose(only, whole ? there.s : vec3_mix(trs.s, there.s, t4.w), trs.s);
+    }
+    return trs;
+}
+
 /* The local transforms of one joint, or of sixteen from `joint` on. `layers` are the member's. */
-INLINE Trs pose_joint(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint)
+INLINE Trs pose_joint(Clips of, Locals locals, uint control, Playback playback, __global const Layer *layers,
+                      uint layer_count, Body body, uint joint)
 {
     const uint padded = body.padded_count;
     __global const float *planes = of.poses + body.rest_first + joint;
     const Trs rest = { load_vec3(planes + 4 * padded, padded), load_quat(planes, padded), load_vec3(planes + 7 * padded, padded) };
     const Sum sum = sum_layer(of, playback, 0, false, body, joint, rest);
     /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
-    const Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
-    return layer_count > 1 ? lay_over(of, playback, layers, layer_count, body, joint, rest, trs) : trs;
+    Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
+    if (layer_count > 1) trs = lay_over(of, playback, layers, layer_count, body, joint, rest, trs);
+    return control == NONE ? trs : adjust(locals, locals.controls[control], joint, trs);
 }
 
 /* The matrix of translation times rotation times scale, row by row (glTF 2.0, section 3.5.3). */

@@ -8,6 +8,7 @@
 
 #if LANES == 1
 #define APART INLINE
+#define APART_STEP INLINE
 typedef float Real;
 typedef uint Words;
 typedef int Choice;
@@ -15,10 +16,12 @@ typedef int Choice;
 #define AS_REAL as_float
 #define AS_INTS as_int
 #define AS_WORDS as_uint
+#define ONLY(lane) 1
 #define LOAD(pointer) (*(pointer))
 #define STORE(value, pointer) (*(pointer) = (value))
 #else
 #define APART __attribute__((noinline))
+#define APART_STEP static __attribute__((noinline))
 typedef float16 Real;
 typedef uint16 Words;
 typedef int16 Choice;
@@ -26,6 +29,7 @@ typedef int16 Choice;
 #define AS_REAL as_float16
 #define AS_INTS as_int16
 #define AS_WORDS as_uint16
+#define ONLY(lane) ((int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) == (int16)((int)(lane)))
 #define LOAD(pointer) vload16(0, pointer)
 #define STORE(value, pointer) vstore16(value, 0, pointer)
 

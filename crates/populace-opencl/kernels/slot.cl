@@ -1,13 +1,19 @@
 /* slot.cl - each slot's rows and weight from the clock. Slots are closed-form and never written. Twin of populace-native
  * evaluate.rs and populace-core playback.rs. */
 
+/* A weight that runs from `start` by `rate` per second to `end`. */
+INLINE float ramp(ulong elapsed_ticks, float start, float rate, float end)
+{
+    const float weight = start + rate * ((float)elapsed_ticks * TICK_SECS);
+    const bool rising = rate >= 0.0f;
+    return (rising && weight > end) || (!rising && weight < end) ? end : weight;
+}
+
 INLINE float slot_weight(Slot slot, ulong tick)
 {
     if (tick < slot.start_tick) return 0.0f;
-    const float elapsed_secs = (float)(tick > slot.weight_tick ? tick - slot.weight_tick : 0) * TICK_SECS;
-    const float weight = slot.start_weight + slot.weight_rate * elapsed_secs;
-    const bool rising = slot.weight_rate >= 0.0f;
-    return (rising && weight > slot.end_weight) || (!rising && weight < slot.end_weight) ? slot.end_weight : weight;
+    const ulong elapsed = tick > slot.weight_tick ? tick - slot.weight_tick : 0;
+    return ramp(elapsed, slot.start_weight, slot.weight_rate, slot.end_weight);
 }
 
 INLINE uint slot_mode(Slot slot) { return slot.layer_and_mode & ((1u << SLOT_MODE_BITS) - 1u); }

@@ -14,6 +14,7 @@ use populace_core::{
 
 use crate::fused::Fused;
 use crate::gl_sharing::NOT_OFFERED;
+use crate::keeping::Keeping;
 use crate::launch::Launch;
 use crate::pages::Pages;
 use crate::program::Form;
@@ -29,6 +30,7 @@ pub struct OpenClBackend {
     plan: Plan,
     tables: DeviceTables,
     uploader: Uploader,
+    keeping: Keeping,
     pages: Pages,
     floors: Floors,
     // Declared last: a context of OpenGL's that it was made for must outlive everything above.
@@ -46,6 +48,7 @@ pub(crate) struct On<'a> {
     pub(crate) queue: &'a CommandQueue,
     pub(crate) host: &'a Tables,
     pub(crate) tables: &'a DeviceTables,
+    pub(crate) keeping: &'a Keeping,
     pub(crate) pages: &'a Pages,
 }
 
@@ -88,6 +91,7 @@ impl OpenClBackend {
             plan,
             tables: DeviceTables::new(device)?,
             uploader: Uploader::new(device, group)?,
+            keeping: Keeping::new(device)?,
             pages: Pages::default(),
             floors: Floors {
                 kernels: [floor("floor_float4", 1)?, floor("floor_matrix", 3)?, floor("floor_run", 48)?],
@@ -103,7 +107,7 @@ impl OpenClBackend {
             Plan::Staged(staged) => staged.blocks.hold(tables) && staged.buffers.hold(tables),
             Plan::Fused(fused) => fused.holds(tables),
         };
-        beside && self.tables.hold(tables) && self.pages.hold(tables)
+        beside && self.tables.hold(tables) && self.keeping.hold(tables) && self.pages.hold(tables)
     }
 
     fn check_updated(&self, tables: &Tables, operation: &str) -> Result<(), BackendError> {
@@ -125,8 +129,8 @@ impl OpenClBackend {
         operation: &str,
         work: impl FnOnce(&mut Plan, &On) -> Result<(), ClError>,
     ) -> Result<(), BackendError> {
-        let Self { queue, plan, pages, .. } = self;
-        let on = On { queue, host: tables, tables: &self.tables, pages };
+        let Self { queue, plan, pages, keeping, .. } = self;
+        let on = On { queue, host: tables, tables: &self.tables, keeping, pages };
         // Some drivers start nothing before they are told to, and nothing here waits.
         let result = work(plan, &on).and_then(|()| queue.flush());
         result.map_err(|e| self.device.failed(operation, &e))
@@ -184,6 +188,7 @@ impl Backend for OpenClBackend {
             Plan::Staged(staged) => staged.buffers.update(&self.device, tables)?,
             Plan::Fused(fused) => fused.update(&self.device, tables)?,
         }
+        self.keeping.update(&self.device, &self.queue, tables)?;
         self.pages.update(&self.device, tables)
     }
 
@@ -201,6 +206,9 @@ impl Backend for OpenClBackend {
         if stage == Stage::WriteBack {
             self.pages.begin_frame().map_err(|e| self.device.failed(operation, &e))?;
         }
+        if stage == Stage::Transform {
+            self.keeping.begin_frame(&self.queue).map_err(|e| self.device.failed(operation, &e))?;
+        }
         self.enqueue(tables, operation, |plan, on| match plan {
             Plan::Staged(staged) => staged.run(on, frame, stage),
             Plan::Fused(_) => Ok(()),
@@ -213,7 +221,8 @@ impl Backend for OpenClBackend {
         }
         const OPERATION: &str = "run a frame";
         self.check_updated(tables, OPERATION)?;
-        self.pages.begin_frame().map_err(|e| self.device.failed(OPERATION, &e))?;
+        let begun = self.pages.begin_frame().and_then(|()| self.keeping.begin_frame(&self.queue));
+        begun.map_err(|e| self.device.failed(OPERATION, &e))?;
         self.enqueue(tables, OPERATION, |plan, on| match plan {
             Plan::Staged(_) => Ok(()),
             Plan::Fused(fused) => fused.run(on, frame),
@@ -231,12 +240,17 @@ impl Backend for OpenClBackend {
         first: usize,
         into: &mut [Float4],
     ) -> Result<(), BackendError> {
-        let Self { queue, plan, pages, device, .. } = self;
+        let Self { queue, plan, pages, keeping, device, .. } = self;
+        if let Some(kept) = keeping.buffer(buffer) {
+            let result = kept.read(queue, first, into);
+            return result
+                .map_err(|e| device.failed(&format!("read {buffer:?} from element {first} on"), &e));
+        }
         let result = match plan {
             _ if buffer == StageBuffer::Palette => pages.read(queue, first, into),
             Plan::Staged(staged) => staged.buffers.read(queue, buffer, first, into),
             Plan::Fused(fused) => {
-                let on = On { queue, host: tables, tables: &self.tables, pages };
+                let on = On { queue, host: tables, tables: &self.tables, keeping, pages };
                 return fused.read(&on, device, buffer, first, into);
             }
         };
@@ -245,6 +259,9 @@ impl Backend for OpenClBackend {
 
     fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
         let operation = format!("write {buffer:?} from element {first} on");
+        if let Some(kept) = self.keeping.buffer(buffer) {
+            return kept.write(&self.queue, first, from).map_err(|e| self.device.failed(&operation, &e));
+        }
         let result = match &mut self.plan {
             _ if buffer == StageBuffer::Palette => self.pages.write(&self.queue, first, from),
             Plan::Staged(staged) => staged.buffers.write(&self.queue, buffer, first, from),
@@ -288,7 +305,8 @@ impl Backend for OpenClBackend {
             Plan::Staged(staged) => staged.blocks.bytes() + staged.buffers.bytes(),
             Plan::Fused(fused) => fused.bytes(),
         };
-        self.tables.bytes() + self.uploader.bytes() + self.pages.bytes() + beside
+        let kept = self.uploader.bytes() + self.keeping.bytes() + self.pages.bytes();
+        self.tables.bytes() + kept + beside
     }
 }
 

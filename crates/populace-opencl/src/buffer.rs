@@ -15,8 +15,8 @@ use opencl3::memory::{Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL
 use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use populace_core::BackendError;
 use populace_core::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, DeviceStruct, Entry, Float4, Layer, Member, RowBlock, Slot,
-    SlotSample, Source,
+    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, DeviceStruct, Entry, Float4, Ground, Layer,
+    Link, Member, Override, RowBlock, Slot, SlotSample, Source, Step, Target,
 };
 
 use crate::OpenClDevice;
@@ -35,6 +35,8 @@ elements! {
     Body => Body::NAME, Entry => Entry::NAME, ClipRows => ClipRows::NAME, BoundClip => BoundClip::NAME,
     RowBlock => RowBlock::NAME, BoundBlock => BoundBlock::NAME, Source => Source::NAME,
     Slot => Slot::NAME, Layer => Layer::NAME, Member => Member::NAME, SlotSample => SlotSample::NAME,
+    Control => Control::NAME, Step => Step::NAME, Override => Override::NAME, Constraint => Constraint::NAME,
+    Link => Link::NAME, Target => Target::NAME, Ground => Ground::NAME,
 }
 
 /// `CL_INVALID_VALUE`.

@@ -29,7 +29,7 @@ pub(crate) struct Fused {
     /// The members of each page.
     pub(crate) lists: DevicePages,
     events: Vec<Event>,
-    last_tick: u64,
+    last: Frame,
     reading: Option<Reading>,
 }
 
@@ -51,7 +51,7 @@ impl Fused {
 
     fn of(whole: Kernel, joints: Kernel, spread: Spread) -> Self {
         let (lists, events) = (DevicePages::new(), Vec::new());
-        Self { whole, joints, spread, lists, events, last_tick: 0, reading: None }
+        Self { whole, joints, spread, lists, events, last: Frame::of_all(0), reading: None }
     }
 
     /// Makes room for the matrices of the largest body.
@@ -81,7 +81,7 @@ impl Fused {
     /// Enqueues a frame.
     pub(crate) fn run(&mut self, on: &On, frame: Frame) -> Result<(), ClError> {
         self.events.clear();
-        (self.last_tick, self.reading) = (frame.tick, None);
+        (self.last, self.reading) = (frame, None);
         for (page, palette) in on.pages.iter().enumerate() {
             let count = on.host.page_members(page).as_slice().len();
             if count > 0 {
@@ -99,7 +99,7 @@ impl Fused {
         count: usize,
     ) -> Result<Event, ClError> {
         let launch = self
-            .launch(on, &self.whole, frame.tick)
+            .launch(on, &self.whole, frame)
             .buffer("page_members", &self.lists.lists[page].buffer)
             .buffer("entries", &on.tables.entries.buffer)
             .uint("place_first", frame.place_first)
@@ -110,8 +110,8 @@ impl Fused {
         launch.run(on.queue, global, local)
     }
 
-    /// What all kernels read, up to the slots.
-    fn launch<'a>(&self, on: &On, kernel: &'a Kernel, tick: u64) -> Launch<'a> {
+    /// What all kernels read.
+    fn launch<'a>(&self, on: &On, kernel: &'a Kernel, frame: Frame) -> Launch<'a> {
         let tables = on.tables;
         let launch = Launch::of(kernel)
             .buffer("members", &tables.members.buffer)
@@ -128,8 +128,13 @@ impl Fused {
             .buffer("buckets", &tables.buckets.buffer)
             .buffer("poses", &tables.poses.buffer)
             .buffer("masks", &tables.masks.buffer);
-        let launch = self.spread.tables(launch, tables).ulong("tick", tick);
-        launch.uint("slots_per_member", narrow(on.host.slots_per_member()))
+        let launch = self
+            .spread
+            .tables(launch, tables)
+            .ulong("tick", frame.tick)
+            .uint("slots_per_member", narrow(on.host.slots_per_member()))
+            .buffer("joint_scales", &tables.joint_scales.buffer);
+        on.keeping.parameters(launch, tables, frame)
     }
 
     /// Reads elements of one member's joints or samples as of the last frame.
@@ -161,7 +166,7 @@ impl Fused {
 
     fn run_joints(&self, on: &On, place: u32, sheet: &Sheet) -> Result<Event, ClError> {
         let launch = self
-            .launch(on, &self.joints, self.last_tick)
+            .launch(on, &self.joints, self.last)
             .uint("owner", place)
             .buffer("samples", &sheet.samples)
             .buffer("planes", &sheet.planes)

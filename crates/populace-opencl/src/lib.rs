@@ -24,6 +24,7 @@ mod buffer;
 mod device;
 mod fused;
 mod gl_sharing;
+mod keeping;
 mod launch;
 mod pages;
 mod program;

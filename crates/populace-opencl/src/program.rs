@@ -37,6 +37,14 @@ impl Form {
             include_str!("../kernels/playback.cl"),
             include_str!("../kernels/joint.cl"),
             include_str!("../kernels/affine.cl"),
+            include_str!("../kernels/turn.cl"),
+            include_str!("../kernels/hierarchy.cl"),
+            include_str!("../kernels/targets.cl"),
+            include_str!("../kernels/gaze.cl"),
+            include_str!("../kernels/limb.cl"),
+            include_str!("../kernels/chain.cl"),
+            include_str!("../kernels/feet.cl"),
+            include_str!("../kernels/steps.cl"),
         ];
         let kernels: &[&str] = match self {
             Self::Common => {

@@ -2,7 +2,7 @@
 
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use populace_core::layout::{Float4, SlotSample};
+use populace_core::layout::{Float4, SlotSample, TURNS_MOST};
 use populace_core::{BackendError, StageBuffer, Tables};
 
 use crate::OpenClDevice;
@@ -16,6 +16,8 @@ pub(crate) struct StageBuffers {
     pub(crate) scales: Buffer<Float4>,
     /// Rows of `model_from_joint`.
     pub(crate) models: [Buffer<Float4>; 3],
+    /// What steps of members hand down from level to level.
+    pub(crate) turns: Buffer<Float4>,
 }
 
 impl StageBuffers {
@@ -27,6 +29,7 @@ impl StageBuffers {
             rotations: empty()?,
             scales: empty()?,
             models: [empty()?, empty()?, empty()?],
+            turns: empty()?,
         })
     }
 
@@ -40,6 +43,7 @@ impl StageBuffers {
         for rows in &mut self.models {
             grow(device, rows, joints, "model transforms")?;
         }
+        grow(device, &mut self.turns, turn_count(tables), "turns of members")?;
         Ok(())
     }
 
@@ -47,13 +51,14 @@ impl StageBuffers {
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         let joints = [&self.translations, &self.rotations, &self.scales].into_iter().chain(&self.models);
         tables.member_places() * tables.slots_per_member() <= self.samples.len()
+            && turn_count(tables) <= self.turns.len()
             && joints.into_iter().all(|buffer| tables.joint_places() <= buffer.len())
     }
 
     pub(crate) fn bytes(&self) -> usize {
         let joints = [&self.translations, &self.rotations, &self.scales];
         let all = joints.into_iter().chain(&self.models);
-        self.samples.bytes() + all.map(Buffer::bytes).sum::<usize>()
+        self.samples.bytes() + self.turns.bytes() + all.map(Buffer::bytes).sum::<usize>()
     }
 
     /// The buffer of a kind, but for samples, and for palettes, which lie elsewhere.
@@ -65,7 +70,7 @@ impl StageBuffers {
             StageBuffer::ModelRow0 => Some(&mut self.models[0]),
             StageBuffer::ModelRow1 => Some(&mut self.models[1]),
             StageBuffer::ModelRow2 => Some(&mut self.models[2]),
-            StageBuffer::Samples | StageBuffer::Palette => None,
+            StageBuffer::Samples | StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched => None,
         }
     }
 
@@ -94,6 +99,10 @@ impl StageBuffers {
             None => self.samples.write(queue, first, bytemuck::cast_slice(from)),
         }
     }
+}
+
+fn turn_count(tables: &Tables) -> usize {
+    tables.controls().as_slice().len() * TURNS_MOST as usize
 }
 
 fn grow<T: Element>(

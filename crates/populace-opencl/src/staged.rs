@@ -107,6 +107,9 @@ impl Staged {
             .uint("place_count", narrow(count))
             .uint("member_first", frame.place_first)
             .uint("member_end", frame.place_end)
+            .buffer("controls", &on.tables.controls.buffer)
+            .buffer("overrides", &on.tables.overrides.buffer)
+            .buffer("joint_scales", &on.tables.joint_scales.buffer)
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
@@ -116,14 +119,14 @@ impl Staged {
     fn transform_level(
         &self,
         on: &On,
-        level: usize,
-        width: usize,
+        frame: Frame,
+        (level, width): (usize, usize),
         members: Range<usize>,
     ) -> Result<Event, ClError> {
         // Groups hold the whole width of a level where they can, and as many members as then fit.
         let wide = width.min(self.shape.group);
         let local = [wide, (self.shape.group / wide).max(1)];
-        Launch::of(&self.transform)
+        let launch = Launch::of(&self.transform)
             .buffer("members", &on.tables.members.buffer)
             .buffer("bodies", &on.tables.bodies.buffer)
             .buffer("parents", &on.tables.parents.buffer)
@@ -134,6 +137,10 @@ impl Staged {
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
+            .ulong("tick", frame.tick);
+        on.keeping
+            .parameters(launch, on.tables, frame)
+            .buffer("turns", &self.buffers.turns)
             .buffer("row0", &self.buffers.models[0])
             .buffer("row1", &self.buffers.models[1])
             .buffer("row2", &self.buffers.models[2])
@@ -182,7 +189,7 @@ impl Staged {
                 for first in (frame.place_first as usize..end).step_by(self.shape.members) {
                     let members = first..first.saturating_add(self.shape.members).min(end);
                     for (level, &width) in widths.iter().enumerate() {
-                        events.push(self.transform_level(on, level, width, members.clone())?);
+                        events.push(self.transform_level(on, frame, (level, width), members.clone())?);
                     }
                 }
                 Ok(events)

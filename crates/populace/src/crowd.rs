@@ -1,6 +1,7 @@
 //! The crowd: members of characters, playing clips on a device.
 
 mod builder;
+mod controls;
 mod hand_over;
 mod playback;
 mod readback;
@@ -19,6 +20,7 @@ use crate::error::nearest_names;
 use crate::{Devices, Error, Placement, Split};
 
 pub use builder::CrowdBuilder;
+use controls::{MemberControls, Watches};
 
 /// A character of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -107,6 +109,11 @@ pub struct Crowd {
     characters: Vec<CharacterState>,
     bound_clips: HashMap<(BodyIndex, ClipIndex), u32>,
     members: Vec<MemberState>,
+    /// Of members that more than clips move, by place.
+    controls: HashMap<u32, MemberControls>,
+    watches: Watches,
+    /// Where devices have the lengths of joints, by those.
+    proportions: HashMap<Vec<u32>, u32>,
     member_count: usize,
     capacity: usize,
     clock: Clock,
@@ -272,6 +279,7 @@ impl Crowd {
     /// [`Error::StaleMember`].
     pub fn despawn(&mut self, member: Member) -> Result<(), Error> {
         self.check(member)?;
+        self.forget_controls(member);
         self.tables.remove_member(member.place);
         let state = &mut self.members[member.place as usize];
         state.character = None;
@@ -295,7 +303,17 @@ impl Crowd {
         self.check(member)?;
         placement.check()?;
         self.members[member.place as usize].placement = placement;
-        Ok(())
+        self.stand(member)
+    }
+
+    /// Where a member stands.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`].
+    pub fn placement(&self, member: Member) -> Result<Placement, Error> {
+        self.check(member)?;
+        Ok(self.members[member.place as usize].placement)
     }
 
     /// Where a member stands.
@@ -338,7 +356,8 @@ impl Crowd {
         let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
         self.opened.backend_mut().update(&self.tables)?;
         self.tables.mark_clean();
-        self.opened.backend_mut().run(&self.tables, Frame::of_all(clock.tick))?;
+        let frame = Frame::of_all(clock.tick).after_ticks(u32::try_from(whole).unwrap_or(u32::MAX));
+        self.opened.backend_mut().run(&self.tables, frame)?;
         self.clock = clock;
         Ok(())
     }

@@ -33,6 +33,7 @@
 //! The main decision: the host keeps the truth in plain tables and devices take over what changed, so a crowd can
 //! move to another device, and everything a device computes can be computed by every other.
 
+mod control;
 mod crowd;
 mod device;
 mod error;
@@ -40,8 +41,12 @@ mod play;
 mod split;
 
 pub use populace_core as core;
-pub use populace_core::{Affine, BackendError, LayerMode, LayerSettings, Mask, Schedule, Trs};
+pub use populace_core::{
+    Affine, BackendError, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex, JointOverride, LayerMode,
+    LayerSettings, Mask, Schedule, Space, Trs,
+};
 
+pub use control::{Reach, Target, Weight};
 pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member};
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::{Error, nearest_names};

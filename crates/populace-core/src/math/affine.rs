@@ -67,6 +67,32 @@ impl Affine {
         self.rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
     }
 
+    /// Where the origin goes.
+    #[inline]
+    #[must_use]
+    pub fn origin(&self) -> [f32; 3] {
+        self.rows.map(|r| r[3])
+    }
+
+    /// The image of a direction, with its length changed as by the transform.
+    #[inline]
+    #[must_use]
+    pub fn transform_vector(&self, v: [f32; 3]) -> [f32; 3] {
+        self.rows.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2])
+    }
+
+    /// Turned by a unit quaternion about its own origin, which stays where it is.
+    #[inline]
+    #[must_use]
+    pub fn turned(&self, turn: [f32; 4]) -> Self {
+        let [a, b, c, _, e, f, g, _, i, j, k, _] = components([0.0; 3], turn, [1.0; 3]);
+        let mut rows = Self { rows: [[a, b, c, 0.0], [e, f, g, 0.0], [i, j, k, 0.0]] }.mul(self).rows;
+        for (row, place) in rows.iter_mut().zip(self.origin()) {
+            row[3] = place;
+        }
+        Self { rows }
+    }
+
     /// The sixteen elements of the 4x4 matrix, column-major, as OpenGL and glTF write them.
     #[must_use]
     pub fn to_cols_array(&self) -> [f32; 16] {

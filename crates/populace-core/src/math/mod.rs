@@ -4,8 +4,10 @@
 //! that devices agree bit for bit wherever `+ - *` and copies decide, and within the rounding of `/` elsewhere.
 
 pub mod affine;
+pub mod angle;
 pub mod quat;
 mod real;
+pub mod vec3;
 
 pub use affine::{Affine, components};
 pub use real::{INVERSE_SQRT_BITS, Real};

@@ -22,7 +22,8 @@ const EMPTY_SLOT: Slot = Slot {
     weight_rate: 0.0,
     end_weight: 0.0,
 };
-const FREE_PLACE: Member = Member { body: NONE, joint_first: 0, palette_first: 0, layer_count: 0 };
+const FREE_PLACE: Member =
+    Member { body: NONE, joint_first: 0, palette_first: 0, layer_count: 0, control: NONE };
 const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask_and_mode: LAYER_MASK };
 
 impl Tables {
@@ -54,6 +55,7 @@ impl Tables {
                 joint_first: u32_from(joint_block.0 * JOINT_BLOCK as usize),
                 palette_first: u32_from(palette_block.0 * PALETTE_BLOCK as usize),
                 layer_count: 1,
+                control: NONE,
             },
         );
         if entry_count > 0 {
@@ -95,6 +97,7 @@ impl Tables {
     ///
     /// If the place is not taken.
     pub fn remove_member(&mut self, place: u32) {
+        self.remove_control(place);
         let member = self.all.members.as_slice()[place as usize];
         let Body { padded_count, entry_count, .. } = self.all.bodies.as_slice()[member.body as usize];
         let joints = ((member.joint_first / JOINT_BLOCK) as usize, (padded_count / JOINT_BLOCK) as usize);
@@ -175,7 +178,7 @@ impl Tables {
         Ok(())
     }
 
-    fn taken(&self, place: u32) -> Result<Member, Error> {
+    pub(super) fn taken(&self, place: u32) -> Result<Member, Error> {
         let member = self.all.members.as_slice().get(place as usize).filter(|m| m.body != NONE);
         member.copied().ok_or(Error::BadPlayback { what: "member", value: place })
     }

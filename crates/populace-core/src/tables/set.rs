@@ -1,7 +1,10 @@
 //! The tables, listed once: host and devices make theirs from the same list.
 
 use super::{Table, Tables};
-use crate::layout::{Body, BoundBlock, BoundClip, ClipRows, Entry, Layer, Member, RowBlock, Slot, Source};
+use crate::layout::{
+    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, Entry, Ground, Layer, Link, Member, Override,
+    RowBlock, Slot, Source, Step, Target,
+};
 
 /// Calls a macro with every table that all schedules read: its documentation, its name, and the type of its elements
 /// (types of [`layout`](crate::layout), which must be in scope where it is called). What follows the macro's name is
@@ -49,6 +52,24 @@ macro_rules! with_tables {
             slots: Slot,
             /// `members x LAYERS_PER_MEMBER`, layers fastest.
             layers: Layer,
+            /// What beside clips moves members, for those that have any.
+            controls: Control,
+            /// Steps of all controls.
+            steps: Step,
+            /// Transforms that the host gives joints.
+            overrides: Override,
+            /// Constraints of all controls.
+            constraints: Constraint,
+            /// Chains of all constraints.
+            links: Link,
+            /// Targets of all constraints.
+            targets: Target,
+            /// Factors for the lengths of joints, padded to whole blocks of `JOINT_BLOCK`.
+            joint_scales: f32,
+            /// The ground: one element.
+            ground: Ground,
+            /// Heights of the ground's grid.
+            heights: f32,
         }
     };
 }

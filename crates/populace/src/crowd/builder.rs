@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use populace_core::{AnimationSet, GlContext, Schedule, Tables};
 
+use super::controls::Watches;
 use super::{Clock, Crowd};
 use crate::{Device, Devices, Error, Split};
 
@@ -105,6 +106,9 @@ impl CrowdBuilder {
             characters: Vec::new(),
             bound_clips: HashMap::new(),
             members: Vec::new(),
+            controls: HashMap::new(),
+            watches: Watches::default(),
+            proportions: HashMap::new(),
             member_count: 0,
             capacity: self.capacity,
             clock: Clock::default(),

@@ -1,0 +1,329 @@
+//! From constraints in words to what devices read: which step follows which joint, and where each finds its data.
+
+use crate::control::{
+    Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
+};
+use crate::layout::{
+    self, FEET_MOST, Float4, Link, NONE, Override, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_OVERRIDE,
+    STEP_PELVIS, STEP_REACH, STEP_TURN, STEP_WATCH, Step, TURNS_MOST, Target,
+};
+use crate::tables::u32_from;
+use crate::{Error, JointIndex, Skeleton, f64math};
+
+/// Part of a leg's length in which it straightens. Little, for straight legs are what clips of standing people have.
+const FOOT_SOFT: f32 = 0.005;
+/// Heights in parts of a leg's length: up to the first a foot is planted, from the second on it follows the clip alone.
+const PLANTED: f32 = 0.03;
+const LIFTED: f32 = 0.14;
+/// How far a foot may be held back, in parts of its leg's length.
+const HELD_BACK: f32 = 0.5;
+
+/// All that one control has devices do. Indices count from the program's own first element until it is moved.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Program {
+    pub(super) steps: Vec<Step>,
+    /// Those in local space first, then those in model space.
+    pub(super) overrides: Vec<Override>,
+    pub(super) local_count: usize,
+    pub(super) constraints: Vec<layout::Constraint>,
+    pub(super) links: Vec<Link>,
+    pub(super) targets: Vec<Target>,
+    pub(super) scale_first: u32,
+    turns: usize,
+}
+
+fn bad<T>(what: impl Into<String>) -> Result<T, Error> {
+    Err(Error::BadConstraint { what: what.into() })
+}
+
+fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
+    if values.iter().all(|v| v.is_finite()) {
+        Ok(())
+    } else {
+        bad(format!("{what} has a number that is not finite"))
+    }
+}
+
+fn float4([x, y, z]: [f32; 3], w: f32) -> Float4 {
+    Float4([x, y, z, w])
+}
+
+impl Program {
+    pub(super) fn compile(skeleton: &Skeleton, controls: &Controls) -> Result<Self, Error> {
+        let mut program = Self { scale_first: controls.proportions.unwrap_or(NONE), ..Self::default() };
+        for constraint in &controls.constraints {
+            match constraint {
+                Constraint::Gaze(gaze) => program.gaze(skeleton, gaze)?,
+                Constraint::Limb(limb) => program.limb(skeleton, limb)?,
+                Constraint::Chain(chain) => program.chain(skeleton, chain)?,
+                Constraint::Feet(feet) => program.feet(skeleton, feet)?,
+            }
+        }
+        program.overrides(skeleton, &controls.overrides)?;
+        for &(joint, watched) in &controls.watches {
+            path(skeleton, joint, joint)?;
+            program.step(joint, STEP_WATCH, watched, 0);
+        }
+        if program.turns > TURNS_MOST as usize {
+            let what = format!(
+                "a member's constraints would turn {} joints one after the other; {TURNS_MOST} at most can be",
+                program.turns
+            );
+            return bad(what);
+        }
+        // Stable: constraints of one joint stay in order, then overrides, then what is watched.
+        program.steps.sort_by_key(|step| (step.joint, rank(step.kind)));
+        Ok(program)
+    }
+
+    fn step(&mut self, joint: JointIndex, kind: u32, index: u32, turn: usize) {
+        self.steps.push(Step { joint: joint.0, kind, index, turn: u32_from(turn) });
+    }
+
+    /// Takes turns for the steps to come.
+    fn take_turns(&mut self, count: usize) -> usize {
+        self.turns += count;
+        self.turns - count
+    }
+
+    fn add(&mut self, row: layout::Constraint, links: &[Link], targets: &[Target]) -> Result<u32, Error> {
+        for target in targets {
+            finite("a target", &target.point.0)?;
+            finite("the weight of a target", &[target.start_weight, target.weight_rate, target.end_weight])?;
+        }
+        let (link_first, target_first) = (u32_from(self.links.len()), u32_from(self.targets.len()));
+        self.links.extend(links);
+        self.targets.extend(targets);
+        let target_count = if targets.is_empty() { row.target_count } else { u32_from(targets.len()) };
+        let link_count = u32_from(links.len());
+        self.constraints.push(layout::Constraint {
+            link_first,
+            link_count,
+            target_first,
+            target_count,
+            ..row
+        });
+        Ok(u32_from(self.constraints.len() - 1))
+    }
+
+    fn gaze(&mut self, skeleton: &Skeleton, gaze: &Gaze) -> Result<(), Error> {
+        let (Some(&(first, _)), Some(&(last, _))) = (gaze.chain.first(), gaze.chain.last()) else {
+            return bad("a gaze needs at least one joint");
+        };
+        let sum: f32 = gaze.chain.iter().map(|(_, share)| share).sum();
+        let good = gaze.chain.iter().all(|(_, share)| *share >= 0.0) && sum.is_finite() && sum > 0.0;
+        let limits = gaze.limits;
+        let half = std::f32::consts::PI;
+        let in_range = (0.0..half).contains(&limits.yaw_rad)
+            && [limits.up_rad, limits.down_rad].iter().all(|v| (0.0..half / 2.0).contains(v));
+        if !good || !in_range {
+            return bad(
+                "a gaze shares its turn in parts that are not negative, and turns less than half about to \
+                        either side, and less than a quarter up and down",
+            );
+        }
+        finite("where a gaze faces", &gaze.facing)?;
+        let joints = path(skeleton, first, last)?;
+        let share_of = |joint: &JointIndex| {
+            let parts = gaze.chain.iter().filter(|(j, _)| j == joint);
+            parts.map(|(_, share)| share / sum).sum::<f32>()
+        };
+        let links: Vec<Link> =
+            joints.iter().map(|joint| Link { joint: joint.0, share: share_of(joint) }).collect();
+        let parent = skeleton.parent(first);
+        let row = layout::Constraint {
+            axis: float4(in_joint(skeleton, Some(last), gaze.facing), 0.0),
+            front: float4(in_joint(skeleton, parent, [0.0, 0.0, 1.0]), 0.0),
+            up: float4(in_joint(skeleton, parent, [0.0, 1.0, 0.0]), 0.0),
+            limits: Float4([limits.yaw_rad, limits.up_rad, limits.down_rad, 0.0]),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &gaze.targets)?;
+        let turn = self.take_turns(joints.len() - 1);
+        self.step(first, STEP_GAZE, index, turn);
+        for (at, link) in links.iter().enumerate().skip(1).filter(|(_, link)| link.share > 0.0) {
+            self.step(JointIndex(link.joint), STEP_TURN, index, turn + at - 1);
+        }
+        Ok(())
+    }
+
+    fn limb(&mut self, skeleton: &Skeleton, limb: &Limb) -> Result<(), Error> {
+        let (links, middle) = limb_links(skeleton, limb.first, [limb.first, limb.middle, limb.end])?;
+        if !(limb.soft > 0.0 && limb.soft <= 0.5) {
+            return bad(format!(
+                "a limb straightens in a part {} of its length; above 0 and up to 0.5 is needed",
+                limb.soft
+            ));
+        }
+        finite("where a limb bends to", &limb.bend)?;
+        let pole = limb.pole.unwrap_or([0.0; 3]);
+        finite("a pole", &pole)?;
+        let row = layout::Constraint {
+            axis: float4(in_joint(skeleton, Some(limb.first), limb.bend), 0.0),
+            front: float4(pole, f32::from(u8::from(limb.pole.is_some()))),
+            limits: Float4([limb.soft, 1.0, 0.0, 0.0]),
+            middle,
+            keeps_end: u32::from(limb.keeps_end),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &limb.targets)?;
+        let turn = self.take_turns(2);
+        self.step(limb.first, STEP_REACH, index, turn);
+        self.step(limb.middle, STEP_TURN, index, turn);
+        self.step(limb.end, STEP_TURN, index, turn + 1);
+        Ok(())
+    }
+
+    fn chain(&mut self, skeleton: &Skeleton, chain: &Chain) -> Result<(), Error> {
+        let joints = path(skeleton, chain.first, chain.end)?;
+        if joints.len() < 2 {
+            return bad("a chain needs at least two joints");
+        }
+        if !(chain.soft > 0.0 && chain.soft <= 0.5) {
+            return bad(format!(
+                "a chain straightens in a part {} of its length; above 0 and up to 0.5 is needed",
+                chain.soft
+            ));
+        }
+        let links: Vec<Link> = joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect();
+        let row = layout::Constraint {
+            limits: Float4([chain.soft, 1.0, 0.0, 0.0]),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &chain.targets)?;
+        let turn = self.take_turns(joints.len() - 1);
+        self.step(chain.first, STEP_CHAIN, index, turn);
+        for (at, joint) in joints.iter().enumerate().skip(1) {
+            self.step(*joint, STEP_TURN, index, turn + at - 1);
+        }
+        Ok(())
+    }
+
+    fn feet(&mut self, skeleton: &Skeleton, feet: &Feet) -> Result<(), Error> {
+        if feet.feet.is_empty() || feet.feet.len() > FEET_MOST as usize {
+            return bad(format!("{} feet are given; 1 to {FEET_MOST} can be", feet.feet.len()));
+        }
+        if !(0.0..=1.0).contains(&feet.weight) {
+            return bad(format!("feet weigh {}; from 0 to 1 is needed", feet.weight));
+        }
+        if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
+            return bad("a member's feet are given twice");
+        }
+        let turn = self.take_turns(2 * feet.feet.len());
+        let first = u32_from(self.constraints.len());
+        for (nth, foot) in feet.feet.iter().enumerate() {
+            let (row, links) = foot_row(skeleton, feet, foot)?;
+            let row = layout::Constraint { target_count: u32_from(feet.feet.len()), ..row };
+            let index = self.add(row, &links, &[])?;
+            let turn = turn + 2 * nth;
+            self.step(foot.hip, STEP_FOOT, index, turn);
+            self.step(foot.knee, STEP_TURN, index, turn);
+            self.step(foot.ankle, STEP_TURN, index, turn + 1);
+        }
+        self.step(feet.pelvis, STEP_PELVIS, first, turn);
+        Ok(())
+    }
+
+    fn overrides(&mut self, skeleton: &Skeleton, overrides: &[JointOverride]) -> Result<(), Error> {
+        let of = |space: Space| overrides.iter().filter(move |o| o.space == space);
+        for given in of(Space::Local).chain(of(Space::Model)) {
+            path(skeleton, given.joint, given.joint)?;
+            let name = skeleton.name(given.joint);
+            let length: f32 = given.transform.rotation.iter().map(|v| v * v).sum();
+            if !given.transform.is_finite()
+                || !(0.9..1.1).contains(&length)
+                || !(0.0..=1.0).contains(&given.weight)
+            {
+                return bad(format!(
+                    "the override of joint \"{name}\" needs finite numbers, a rotation of length 1, and a weight from 0 to 1"
+                ));
+            }
+            let [x, y, z] = given.transform.translation;
+            self.overrides.push(Override {
+                translation_and_weight: Float4([x, y, z, given.weight]),
+                rotation: Float4(f64math::normalized(given.transform.rotation)),
+                scale: Float4::from_xyz(given.transform.scale),
+                joint: given.joint.0,
+                ..Override::default()
+            });
+            if given.space == Space::Model {
+                self.step(given.joint, STEP_OVERRIDE, u32_from(self.overrides.len() - 1), 0);
+            } else {
+                self.local_count += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes indices count from where the tables hold the program.
+    pub(super) fn move_to(&mut self, overrides: usize, constraints: usize, links: usize, targets: usize) {
+        for step in &mut self.steps {
+            step.index += match step.kind {
+                STEP_OVERRIDE => u32_from(overrides),
+                STEP_WATCH => 0,
+                _ => u32_from(constraints),
+            };
+        }
+        for constraint in &mut self.constraints {
+            constraint.link_first += u32_from(links);
+            constraint.target_first += u32_from(targets);
+        }
+    }
+}
+
+/// Among the steps of one joint.
+fn rank(kind: u32) -> u32 {
+    match kind {
+        STEP_PELVIS => 0,
+        STEP_OVERRIDE => 2,
+        STEP_WATCH => 3,
+        _ => 1,
+    }
+}
+
+/// The chain from `from` to the end of a limb of `first`, `middle` and `end`, and which link the middle is.
+fn limb_links(
+    skeleton: &Skeleton,
+    from: JointIndex,
+    [first, middle, end]: [JointIndex; 3],
+) -> Result<(Vec<Link>, u32), Error> {
+    let joints = path(skeleton, from, end)?;
+    let at = |joint: JointIndex| joints.iter().position(|j| *j == joint);
+    let (Some(upper), Some(bends)) = (at(first), at(middle)) else {
+        let (middle, end) = (skeleton.name(middle), skeleton.name(end));
+        return bad(format!(
+            "joint \"{middle}\" does not stand between the limb's first joint and \"{end}\""
+        ));
+    };
+    if !(upper < bends && bends + 1 < joints.len()) {
+        return bad(format!(
+            "a limb needs three joints, the one below the other; it ends at \"{}\"",
+            skeleton.name(end)
+        ));
+    }
+    Ok((joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect(), u32_from(bends)))
+}
+
+/// A foot's constraint and its chain, which begins at the pelvis.
+fn foot_row(skeleton: &Skeleton, feet: &Feet, foot: &Foot) -> Result<(layout::Constraint, Vec<Link>), Error> {
+    let legs = [foot.hip, foot.knee, foot.ankle];
+    let (links, middle) = limb_links(skeleton, feet.pelvis, legs)?;
+    let upper = links.iter().position(|link| link.joint == foot.hip.0).unwrap_or(0);
+    if upper == 0 {
+        return bad(format!("the leg of \"{}\" begins at the pelvis itself", skeleton.name(foot.ankle)));
+    }
+    let models = f64math::rest_models(skeleton);
+    let place = |joint: JointIndex| models[joint.index()].translation;
+    let [hip, knee, ankle] = legs.map(place);
+    let [length, rest_height] = f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y]);
+    let row = layout::Constraint {
+        axis: float4(in_joint(skeleton, Some(foot.hip), [0.0, 0.0, 1.0]), 0.0),
+        up: Float4([rest_height, PLANTED * length, LIFTED * length, HELD_BACK * length]),
+        limits: Float4([FOOT_SOFT, feet.weight, 0.0, 0.0]),
+        middle,
+        upper: u32_from(upper),
+        keeps_end: 1,
+        ..layout::Constraint::default()
+    };
+    Ok((row, links))
+}

@@ -1,0 +1,48 @@
+/* chain.cl - chains of any length, by FABRIK (Aristidou & Lasenby 2011). Twin of populace-native controls/chain.rs. */
+
+/* Passes along the chain and back. Always as many, so that what comes out moves smoothly with the target. */
+#define PASSES 16
+
+/* Draws a point to so far from another. */
+INLINE float4 drawn_to(float4 to, float4 from, float length)
+{
+    return add_scaled(to, unit_or(from - to, vec(0.0f, 1.0f, 0.0f)), length);
+}
+
+APART_STEP float16 chain(Steering s, Hierarchy joints, Step step, float16 own)
+{
+    const Constraint constraint = s.of.constraints[step.index];
+    const uint last = constraint.link_count - 1;
+    float4 places[LINKS_MOST], points[LINKS_MOST];
+    float lengths[LINKS_MOST], total = 0.0f, weight;
+    walk(s, joints, constraint, 0, own, places);
+    for (uint at = 0; at < last; at++) {
+        lengths[at] = vec_length(places[at + 1] - places[at]);
+        total += lengths[at];
+    }
+    const float4 target = goal_of(s, constraint, places[0], &weight), to = target - places[0];
+    const float distance = vec_length(to);
+    for (uint at = 0; at <= last; at++) points[at] = places[at];
+    if (weight > 0.0f && total > 1e-6f && distance > 1e-6f) {
+        const float far = soft_distance(distance, total, 0.0f, constraint.limits.x);
+        const float4 goal = add_scaled(places[0], to, far / distance);
+        for (uint pass = 0; pass < PASSES; pass++) {
+            points[last] = goal;
+            for (uint at = last; at-- > 0;) points[at] = drawn_to(points[at + 1], points[at], lengths[at]);
+            points[0] = places[0];
+            for (uint at = 0; at < last; at++) points[at + 1] = drawn_to(points[at], points[at + 1], lengths[at]);
+        }
+    }
+    float4 turned_by = IDENTITY_TURN;
+    float16 result = own;
+    for (uint at = 0; at < last; at++) {
+        const float4 was = unit_or(turned(turned_by, places[at + 1] - places[at]), vec(0.0f, 0.0f, 0.0f));
+        const float4 is = unit_or(points[at + 1] - points[at], was);
+        const float4 turn = part_of(turn_between(was, is, any_across(is)), weight);
+        if (at == 0) result = affine_turned(own, turn);
+        else s.turns[step.turn + at - 1] = turn;
+        turned_by = turn_mul(turn, turned_by);
+    }
+    s.turns[step.turn + last - 1] = IDENTITY_TURN;
+    return result;
+}

@@ -1,0 +1,52 @@
+/* hierarchy.cl - where each schedule keeps a member's local transforms until the way down the hierarchy comes to them, and
+ * the turns that steps hand down. */
+
+#if defined(GROUP)
+
+/* Matrices in local memory: three arrays of rows, each `stride` long; local until the level above is done. */
+typedef struct { __local float4 *rows; uint stride; } Hierarchy;
+
+#define TURNS __local
+
+INLINE float16 model_of(Hierarchy models, uint joint)
+{
+    __local const float4 *row = models.rows + joint;
+    return (float16)(row[0], row[models.stride], row[2 * models.stride], (float4)(0.0f));
+}
+
+INLINE void keep_model(Hierarchy models, uint joint, float4 row0, float4 row1, float4 row2)
+{
+    __local float4 *row = models.rows + joint;
+    row[0] = row0;
+    row[models.stride] = row1;
+    row[2 * models.stride] = row2;
+}
+
+INLINE float16 local_of(Hierarchy models, uint joint) { return model_of(models, joint); }
+
+#elif LANES > 1
+
+/* One matrix each, local until the parent is done. */
+typedef struct { __global const float16 *models; } Hierarchy;
+
+#define TURNS __private
+
+INLINE float16 local_of(Hierarchy joints, uint joint) { return joints.models[joint]; }
+
+#else
+
+/* The joint buffer, from the member's first joint on. */
+typedef struct { __global const float4 *translations, *rotations, *scales; } Hierarchy;
+
+#define TURNS __global
+
+INLINE float16 local_of(Hierarchy joints, uint joint)
+{
+    const float4 t = joints.translations[joint], r = joints.rotations[joint], s = joints.scales[joint];
+    const Trs trs = { { t.x, t.y, t.z }, { r.x, r.y, r.z, r.w }, { s.x, s.y, s.z } };
+    float m[12];
+    components_of(trs, m);
+    return (float16)(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], (float4)(0.0f));
+}
+
+#endif

@@ -1,0 +1,88 @@
+/* steps.cl - what beside clips moves a member on the way down its hierarchy: constraints, overrides, and what others watch.
+ * Constraints turn joints in model space, each about its own place, once the joint's parent has its final transform. One is
+ * solved at the first joint of its chain, from the chain's local transforms, and hands turns down to the others. Twin of
+ * populace-native controls.rs. */
+
+/* A column of a transform: where an axis points. */
+INLINE float4 column_of(float16 m, uint column)
+{
+    return column == 0 ? vec(m.s0, m.s4, m.s8) : column == 1 ? vec(m.s1, m.s5, m.s9) : vec(m.s2, m.s6, m.sa);
+}
+
+/* An affine transform between two: the place in a straight line, the axes by the short turn from the one's to the other's,
+ * and their lengths in proportion. */
+APART_STEP float16 part_of_the_way(float16 from, float16 to, float k)
+{
+    const float4 from_x = unit_or(column_of(from, 0), vec(1.0f, 0.0f, 0.0f)), to_x = unit_or(column_of(to, 0), vec(1.0f, 0.0f, 0.0f));
+    const float4 from_y = unit_or(across(column_of(from, 1), from_x), any_across(from_x));
+    const float4 to_y = unit_or(across(column_of(to, 1), to_x), any_across(to_x));
+    const float4 first = turn_between(from_x, to_x, from_y);
+    const float4 second = turn_between(turned(first, from_y), to_y, to_x);
+    float16 m = affine_turned(from, part_of(turn_mul(second, first), k));
+    float factors[3];
+    for (uint c = 0; c < 3; c++) {
+        const float old = vec_length(column_of(from, c)), new = vec_length(column_of(to, c));
+        factors[c] = old > 1e-10f ? 1.0f + (new / old - 1.0f) * k : 1.0f;
+    }
+    m *= (float16)((float4)(factors[0], factors[1], factors[2], 1.0f), (float4)(factors[0], factors[1], factors[2], 1.0f),
+                   (float4)(factors[0], factors[1], factors[2], 1.0f), (float4)(1.0f));
+    m.s3 = from.s3 + (to.s3 - from.s3) * k;
+    m.s7 = from.s7 + (to.s7 - from.s7) * k;
+    m.sb = from.sb + (to.sb - from.sb) * k;
+    return m;
+}
+
+INLINE float16 override_model(Override given, float16 own)
+{
+    const float4 q = given.rotation, t = given.translation_and_weight, s = given.scale;
+    const float x = q.x, y = q.y, z = q.z, w = q.w;
+    const float16 to = (float16)((1.0f - 2.0f * (y * y + z * z)) * s.x, (2.0f * (x * y - w * z)) * s.y, (2.0f * (x * z + w * y)) * s.z, t.x,
+                                 (2.0f * (x * y + w * z)) * s.x, (1.0f - 2.0f * (x * x + z * z)) * s.y, (2.0f * (y * z - w * x)) * s.z, t.y,
+                                 (2.0f * (x * z - w * y)) * s.x, (2.0f * (y * z + w * x)) * s.y, (1.0f - 2.0f * (x * x + y * y)) * s.z, t.z,
+                                 (float4)(0.0f));
+    return t.w >= 1.0f ? to : part_of_the_way(own, to, t.w);
+}
+
+/* Writes where a joint is in the world, for others to see. */
+INLINE void watch(Steering s, uint watched, float16 own)
+{
+    const float4 place = s.control.place;
+    const float sine = s.control.facing.x * place.w, cosine = s.control.facing.y * place.w;
+    const float16 world_from_model = (float16)(cosine, 0.0f, sine, place.x, 0.0f, place.w, 0.0f, place.y,
+                                               -sine, 0.0f, cosine, place.z, (float4)(0.0f));
+    const float16 world = affine_mul(world_from_model, own);
+    __global float4 *rows = s.of.watched + watched * WATCHED_ELEMENTS;
+    rows[0] = world.s0123;
+    rows[1] = world.s4567;
+    rows[2] = world.s89ab;
+}
+
+/* What a step makes of a joint's model transform. */
+APART_STEP float16 take_step(Steering s, Hierarchy joints, Step step, float16 own, float16 parent, bool has_parent)
+{
+    switch (step.kind) {
+    case STEP_TURN: return affine_turned(own, s.turns[step.turn]);
+    case STEP_GAZE: return gaze(s, joints, step, own, parent, has_parent);
+    case STEP_REACH: return reach(s, joints, step, own);
+    case STEP_CHAIN: return chain(s, joints, step, own);
+    case STEP_PELVIS: return pelvis(s, joints, step, own);
+    case STEP_FOOT: return foot(s, joints, step, own);
+    case STEP_OVERRIDE: return override_model(s.of.overrides[step.index], own);
+    case STEP_WATCH: watch(s, step.index, own); return own;
+    default: return own;
+    }
+}
+
+#if LANES == 1
+
+/* What a member's steps make of one joint's model transform, where joints of a level are taken side by side. */
+INLINE float16 steer(Steering s, Hierarchy joints, uint joint, float16 own, float16 parent, bool has_parent)
+{
+    for (uint i = 0; i < s.control.step_count; i++) {
+        const Step step = s.of.steps[s.control.step_first + i];
+        if (step.joint == joint) own = take_step(s, joints, step, own, parent, has_parent);
+    }
+    return own;
+}
+
+#endif

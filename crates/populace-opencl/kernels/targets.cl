@@ -1,0 +1,111 @@
+/* targets.cl - what the steps of a member read, and what its constraints aim at. Twin of populace-native
+ * controls/targets.rs. */
+
+/* All controls, and the clock. */
+typedef struct {
+    __global const Control *controls;
+    __global const Step *steps;
+    __global const Override *overrides;
+    __global const Constraint *constraints;
+    __global const Link *links;
+    __global const Target *targets;
+    __global const Ground *ground;
+    __global const float *heights;
+    __global const float4 *states_before, *watched_before; /* as the frame before left them */
+    __global float4 *states, *watched;
+    ulong tick;
+    float elapsed_secs;
+} Controls;
+
+/* All of it as arguments of a kernel, and from them. */
+#define CONTROL_PARAMETERS __global const Control *controls, __global const Step *steps, __global const Override *overrides, \
+    __global const Constraint *constraints, __global const Link *links, __global const Target *targets, \
+    __global const Ground *ground, __global const float *heights, __global const float4 *states_before, \
+    __global const float4 *watched_before, __global float4 *states, __global float4 *watched, uint elapsed_ticks
+#define CONTROLS { controls, steps, overrides, constraints, links, targets, ground, heights, states_before, watched_before, \
+    states, watched, tick, (float)elapsed_ticks * TICK_SECS }
+
+/* A member's own, and the turns that its steps hand down. */
+typedef struct { Controls of; Control control; uint index; TURNS float4 *turns; } Steering;
+
+INLINE Steering steering_of(Controls of, uint control, TURNS float4 *turns)
+{
+    const Steering steering = { of, of.controls[control], control, turns };
+    return steering;
+}
+
+/* A direction of the world in model space. */
+INLINE float4 direction_to_model(Control control, float4 d)
+{
+    const float sine = control.facing.x, cosine = control.facing.y;
+    return vec(cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z);
+}
+
+INLINE float4 to_model(Control control, float4 point)
+{
+    const float4 d = vec(point.x - control.place.x, point.y - control.place.y, point.z - control.place.z);
+    return direction_to_model(control, d) * (1.0f / control.place.w);
+}
+
+INLINE float4 to_world(Control control, float4 p)
+{
+    const float4 place = control.place;
+    const float sine = control.facing.x, cosine = control.facing.y;
+    return vec((cosine * p.x + sine * p.z) * place.w + place.x, p.y * place.w + place.y, (cosine * p.z - sine * p.x) * place.w + place.z);
+}
+
+/* The weight of a target now, eased where its ramp begins and ends. */
+INLINE float target_weight(Target target, ulong tick)
+{
+    const ulong elapsed = tick > target.weight_tick ? tick - target.weight_tick : 0;
+    const float w = ramp(elapsed, target.start_weight, target.weight_rate, target.end_weight);
+    return w * w * (3.0f - 2.0f * w);
+}
+
+/* Where a target is in model space, seen from a point there; nothing before it was ever seen. */
+INLINE float4 sight(Steering s, Target target, float4 from, float *weight)
+{
+    *weight = target_weight(target, s.of.tick);
+    const float4 point = vec(target.point.x, target.point.y, target.point.z);
+    if (target.kind == TARGET_WORLD) return to_model(s.control, point);
+    if (target.kind == TARGET_DIRECTION) return add_scaled(from, direction_to_model(s.control, point), 1000.0f);
+    if (target.kind == TARGET_WATCHED) {
+        __global const float4 *rows = s.of.watched_before + target.watched * WATCHED_ELEMENTS;
+        const float4 a = rows[0];
+        const float4 place = vec(a.w + point.x, rows[1].w + point.y, rows[2].w + point.z);
+        if (a.x * a.x + a.y * a.y + a.z * a.z > 0.0f) return to_model(s.control, place);
+        *weight = 0.0f;
+        return from;
+    }
+    return point;
+}
+
+/* The mean of all targets, weighted, and how much it weighs, at most 1. */
+INLINE float4 goal_of(Steering s, Constraint constraint, float4 from, float *weight)
+{
+    float4 sum = vec(0.0f, 0.0f, 0.0f);
+    float total = 0.0f;
+    for (uint t = 0; t < constraint.target_count; t++) {
+        float own;
+        const float4 place = sight(s, s.of.targets[constraint.target_first + t], from, &own);
+        if (own <= 0.0f) continue;
+        sum = add_scaled(sum, place, own);
+        total += own;
+    }
+    *weight = total < 1.0f ? total : 1.0f;
+    if (total > 0.0f) return sum * (1.0f / total);
+    *weight = 0.0f;
+    return from;
+}
+
+/* Where the joints of a chain are from link `start` on, as the clips have them, and the last one's model transform; `from`
+ * is the model transform of the joint at `start`. */
+INLINE float16 walk(Steering s, Hierarchy joints, Constraint constraint, uint start, float16 from, float4 *places)
+{
+    places[start] = origin_of(from);
+    for (uint at = start + 1; at < constraint.link_count; at++) {
+        from = affine_mul(from, local_of(joints, s.of.links[constraint.link_first + at].joint));
+        places[at] = origin_of(from);
+    }
+    return from;
+}

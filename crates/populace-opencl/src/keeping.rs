@@ -1,0 +1,108 @@
+//! What is kept from frame to frame: states of members with controls, and what is watched of joints.
+
+use opencl3::command_queue::CommandQueue;
+use opencl3::error_codes::ClError;
+use populace_core::layout::Float4;
+use populace_core::{BackendError, Frame, StageBuffer, Tables};
+
+use crate::OpenClDevice;
+use crate::buffer::Buffer;
+use crate::launch::Launch;
+use crate::tables::DeviceTables;
+
+/// Two of each: what the last frame was evaluated from, and what it left.
+pub(crate) struct Keeping {
+    states: [Buffer<Float4>; 2],
+    watched: [Buffer<Float4>; 2],
+    /// Which of the two the last frame left.
+    now: usize,
+}
+
+impl Keeping {
+    pub(crate) fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
+        let empty = || Buffer::new(device, 0, "an empty buffer");
+        Ok(Self { states: [empty()?, empty()?], watched: [empty()?, empty()?], now: 0 })
+    }
+
+    /// Makes room for what the tables hold, and keeps what is there.
+    pub(crate) fn update(
+        &mut self,
+        device: &OpenClDevice,
+        queue: &CommandQueue,
+        tables: &Tables,
+    ) -> Result<(), BackendError> {
+        grow(device, queue, &mut self.states, tables.state_elements(), "what is kept of members")?;
+        grow(device, queue, &mut self.watched, tables.watched_elements(), "what is watched of members")
+    }
+
+    /// Whether there is room for what the tables hold, as there is after an update.
+    pub(crate) fn hold(&self, tables: &Tables) -> bool {
+        tables.state_elements() <= self.states[0].len() && tables.watched_elements() <= self.watched[0].len()
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.states.iter().chain(&self.watched).map(Buffer::bytes).sum()
+    }
+
+    /// Begins a frame: what the last one left is what this one is evaluated from, and stays where this one writes nothing.
+    pub(crate) fn begin_frame(&mut self, queue: &CommandQueue) -> Result<(), ClError> {
+        for [first, second] in [&mut self.states, &mut self.watched] {
+            if self.now == 0 { second.copy_from(queue, first) } else { first.copy_from(queue, second) }?;
+        }
+        self.now = 1 - self.now;
+        Ok(())
+    }
+
+    /// Sets what the steps of members read and write.
+    pub(crate) fn parameters<'a>(
+        &self,
+        launch: Launch<'a>,
+        tables: &DeviceTables,
+        frame: Frame,
+    ) -> Launch<'a> {
+        let before = 1 - self.now;
+        launch
+            .buffer("controls", &tables.controls.buffer)
+            .buffer("steps", &tables.steps.buffer)
+            .buffer("overrides", &tables.overrides.buffer)
+            .buffer("constraints", &tables.constraints.buffer)
+            .buffer("links", &tables.links.buffer)
+            .buffer("targets", &tables.targets.buffer)
+            .buffer("ground", &tables.ground.buffer)
+            .buffer("heights", &tables.heights.buffer)
+            .buffer("states_before", &self.states[before])
+            .buffer("watched_before", &self.watched[before])
+            .buffer("states", &self.states[self.now])
+            .buffer("watched", &self.watched[self.now])
+            .uint("elapsed_ticks", frame.elapsed_ticks)
+    }
+
+    /// The buffer of a kind as the last frame left it; `None` for those that are not kept here.
+    pub(crate) fn buffer(&mut self, buffer: StageBuffer) -> Option<&mut Buffer<Float4>> {
+        match buffer {
+            StageBuffer::States => Some(&mut self.states[self.now]),
+            StageBuffer::Watched => Some(&mut self.watched[self.now]),
+            _ => None,
+        }
+    }
+}
+
+fn grow(
+    device: &OpenClDevice,
+    queue: &CommandQueue,
+    both: &mut [Buffer<Float4>; 2],
+    count: usize,
+    what: &str,
+) -> Result<(), BackendError> {
+    if count <= both[0].len() {
+        return Ok(());
+    }
+    let room = count.next_power_of_two();
+    for buffer in both {
+        let mut larger = Buffer::new(device, room, what)?;
+        let filled = larger.write(queue, 0, &vec![Float4::default(); room]);
+        filled.and_then(|()| larger.copy_from(queue, buffer)).map_err(|e| device.failed("make room", &e))?;
+        *buffer = larger;
+    }
+    Ok(())
+}

@@ -1,0 +1,445 @@
+//! What beside clips moves members: overrides, look-at, reaching, feet on the ground.
+
+use std::collections::HashMap;
+
+use populace_core::layout::{self, LAYERS_PER_MEMBER};
+use populace_core::{
+    Chain, Constraint, Controls, Feet, Gaze, Ground, JointIndex, JointOverride, Limb, Place, Skeleton, Space,
+};
+
+use super::{Crowd, Member};
+use crate::{Error, Reach, Target, Weight};
+
+/// Targets that one constraint can change over between; when there are more, the weakest gives way.
+const TARGETS: usize = LAYERS_PER_MEMBER as usize;
+/// Part of a limb's length in which it straightens.
+const SOFT: f32 = 0.03;
+/// A rest pose bends a limb where its middle joint is off the straight line by more than this part of its length.
+const BENT: f32 = 0.01;
+
+/// What is watched of members, by place and joint, with how many look at it.
+#[derive(Debug, Default)]
+pub(crate) struct Watches(HashMap<(Member, JointIndex), (u32, usize)>);
+
+/// A member's controls, and what its targets watch.
+#[derive(Debug, Default)]
+pub(crate) struct MemberControls {
+    pub(super) controls: Controls,
+    watching: Vec<(Member, JointIndex)>,
+}
+
+impl Crowd {
+    /// Gives joints of a member transforms, in place of those given before to the same joints in the same space. What hangs
+    /// on them follows; all else goes on playing. They hold until they are released.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], a joint that is not there, a transform that is not finite or whose rotation is not of length
+    /// 1, or a weight that is not from 0 to 1; all is then as it was.
+    pub fn override_joints(&mut self, member: Member, overrides: &[JointOverride]) -> Result<(), Error> {
+        self.change_controls(member, |controls| {
+            for given in overrides {
+                let same = |o: &&mut JointOverride| o.joint == given.joint && o.space == given.space;
+                match controls.overrides.iter_mut().find(same) {
+                    Some(old) => *old = *given,
+                    None => controls.overrides.push(*given),
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// Lets joints of a member go on as if no transform had been given to them in that space.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`].
+    pub fn release_joints(
+        &mut self,
+        member: Member,
+        space: Space,
+        joints: &[JointIndex],
+    ) -> Result<(), Error> {
+        self.change_controls(member, |controls| {
+            controls.overrides.retain(|o| o.space != space || !joints.contains(&o.joint));
+            Ok(())
+        })
+    }
+
+    /// Lets all joints of a member go on as if no transform had been given to any.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`].
+    pub fn release_all(&mut self, member: Member) -> Result<(), Error> {
+        self.change_controls(member, |controls| {
+            controls.overrides.clear();
+            Ok(())
+        })
+    }
+
+    /// Lets a member look at something with a chain of joints, from now on and in place of what it looked at before with the
+    /// chain's last joint: the gaze eases over.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], a chain that is none, or a target or weight that is out of its range.
+    pub fn look_with(
+        &mut self,
+        member: Member,
+        gaze: &Gaze,
+        target: impl Into<Target>,
+        weight: Weight,
+    ) -> Result<(), Error> {
+        let last = gaze.chain.last().map(|(joint, _)| *joint);
+        let new = Constraint::Gaze(gaze.clone());
+        let same = |constraint: &Constraint| matches!(constraint, Constraint::Gaze(old) if old.chain.last().map(|(joint, _)| *joint) == last);
+        self.aim(member, target.into(), weight, &new, same)
+    }
+
+    /// Lets a limb of a member reach for something, from now on and in place of what it reached for before.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], a limb that is none, or a target, pole or weight that is out of its range.
+    pub fn reach(
+        &mut self,
+        member: Member,
+        reach: Reach,
+        target: impl Into<Target>,
+        weight: Weight,
+    ) -> Result<(), Error> {
+        let character = self.check(member)?;
+        let limb = limb_of(&self.character_state(character)?.character.skeleton, &reach)?;
+        let same =
+            |constraint: &Constraint| matches!(constraint, Constraint::Limb(old) if old.end == reach.end);
+        self.aim(member, target.into(), weight, &Constraint::Limb(limb), same)
+    }
+
+    /// Lets a chain of any length reach for something with its last joint, from now on and in place of what it reached for
+    /// before.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], a chain that is none, or a target or weight that is out of its range.
+    pub fn reach_with_chain(
+        &mut self,
+        member: Member,
+        first: JointIndex,
+        end: JointIndex,
+        target: impl Into<Target>,
+        weight: Weight,
+    ) -> Result<(), Error> {
+        let chain = Chain { first, end, soft: SOFT, targets: Vec::new() };
+        let same = |constraint: &Constraint| matches!(constraint, Constraint::Chain(old) if old.end == end);
+        self.aim(member, target.into(), weight, &Constraint::Chain(chain), same)
+    }
+
+    /// Lets a member's feet keep to the ground, or no longer where the weight is 0.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], legs that are none, or a weight that is not from 0 to 1.
+    pub fn plant_with(&mut self, member: Member, feet: &Feet) -> Result<(), Error> {
+        let feet = feet.clone();
+        self.change_controls(member, |controls| {
+            controls.constraints.retain(|constraint| !matches!(constraint, Constraint::Feet(_)));
+            if feet.weight > 0.0 {
+                controls.constraints.push(Constraint::Feet(feet));
+            }
+            Ok(())
+        })
+    }
+
+    /// Sets the ground that feet keep to; it is level at height 0 unless set.
+    ///
+    /// # Errors
+    ///
+    /// More data than devices can address.
+    pub fn set_ground(&mut self, ground: &Ground) -> Result<(), Error> {
+        Ok(self.tables.set_ground(ground)?)
+    }
+
+    /// Sets the lengths of a member's joints as factors, one for each joint in level order: each is that of the joint's
+    /// distance from its parent. All 1 is the character's own build.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or factors that are not one for each joint, finite and above 0.
+    pub fn set_proportions(&mut self, member: Member, factors: &[f32]) -> Result<(), Error> {
+        let character = self.check(member)?;
+        let joints = self.character_state(character)?.character.skeleton.joint_count();
+        let good = factors.len() == joints && factors.iter().all(|f| *f > 0.0 && f.is_finite());
+        if !good {
+            let rule = "one for each joint, finite and above zero";
+            return Err(Error::BadValue {
+                what: "the factors of proportions",
+                value: factors.len() as f32,
+                rule,
+            });
+        }
+        let first = match self.proportions.get(&factors.iter().map(|f| f.to_bits()).collect::<Vec<_>>()) {
+            Some(&first) => first,
+            None => {
+                let first = self.tables.add_joint_scales(factors)?;
+                self.proportions.insert(factors.iter().map(|f| f.to_bits()).collect(), first);
+                first
+            }
+        };
+        self.change_controls(member, |controls| {
+            controls.proportions = Some(first);
+            Ok(())
+        })
+    }
+
+    /// Lets constraints of a member ease out and then end: those that `which` names.
+    fn ease_out(
+        &mut self,
+        member: Member,
+        secs: f32,
+        which: impl Fn(&Constraint) -> bool,
+    ) -> Result<(), Error> {
+        crate::play::check_secs("the time to come to a weight", secs)?;
+        let tick = self.clock.tick;
+        self.change_controls(member, |controls| {
+            for constraint in controls.constraints.iter_mut().filter(|c| which(c)) {
+                for target in targets_of(constraint) {
+                    fade(target, tick, secs);
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// Lets a member look where its clips look again.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or a time that is out of its range.
+    pub fn look_ahead(&mut self, member: Member, over_secs: f32) -> Result<(), Error> {
+        self.ease_out(member, over_secs, |constraint| matches!(constraint, Constraint::Gaze(_)))
+    }
+
+    /// Lets a limb or chain go back to where its clips have it, by its last joint.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or a time that is out of its range.
+    pub fn let_go(&mut self, member: Member, end: JointIndex, over_secs: f32) -> Result<(), Error> {
+        self.ease_out(member, over_secs, |constraint| match constraint {
+            Constraint::Limb(limb) => limb.end == end,
+            Constraint::Chain(chain) => chain.end == end,
+            Constraint::Gaze(_) | Constraint::Feet(_) => false,
+        })
+    }
+
+    /// Adds a target to a constraint: `new`, or what there is already of its kind.
+    fn aim(
+        &mut self,
+        member: Member,
+        target: Target,
+        weight: Weight,
+        new: &Constraint,
+        same: impl Fn(&Constraint) -> bool,
+    ) -> Result<(), Error> {
+        target.check()?;
+        weight.check()?;
+        self.check(member)?;
+        let watched = match target {
+            Target::Joint { member: other, joint } => self.watch_for(member, other, joint)?,
+            _ => 0,
+        };
+        let tick = self.clock.tick;
+        let target = target.device_target(watched);
+        self.change_controls(member, |controls| {
+            let at = controls.constraints.iter().position(&same);
+            let mut targets =
+                at.map_or_else(Vec::new, |at| targets_of(&mut controls.constraints[at]).to_vec());
+            change_over(&mut targets, target, tick, weight);
+            let mut constraint = new.clone();
+            set_targets(&mut constraint, targets);
+            match at {
+                Some(at) => controls.constraints[at] = constraint,
+                None => controls.constraints.push(constraint),
+            }
+            Ok(())
+        })
+    }
+
+    /// Lets a member's joint be written for others to see, and returns where.
+    fn watch_for(&mut self, watcher: Member, other: Member, joint: JointIndex) -> Result<u32, Error> {
+        let key = (other, joint);
+        let watching = self.controls.get(&watcher.place).is_some_and(|state| state.watching.contains(&key));
+        if let Some((watched, _)) = self.watches.0.get(&key).filter(|_| watching) {
+            return Ok(*watched);
+        }
+        let watched = self.watch_joint(other, joint)?;
+        self.controls.entry(watcher.place).or_default().watching.push(key);
+        Ok(watched)
+    }
+
+    pub(super) fn watch_joint(&mut self, other: Member, joint: JointIndex) -> Result<u32, Error> {
+        self.check(other)?;
+        if let Some((watched, count)) = self.watches.0.get_mut(&(other, joint)) {
+            *count += 1;
+            return Ok(*watched);
+        }
+        let watched = self.tables.add_watched();
+        let changed = self.change_controls(other, |controls| {
+            controls.watches.push((joint, watched));
+            Ok(())
+        });
+        if let Err(error) = changed {
+            self.tables.remove_watched(watched);
+            return Err(error);
+        }
+        self.watches.0.insert((other, joint), (watched, 1));
+        Ok(watched)
+    }
+
+    pub(super) fn unwatch_joint(&mut self, other: Member, joint: JointIndex) {
+        let Some((watched, count)) = self.watches.0.get_mut(&(other, joint)) else { return };
+        *count -= 1;
+        if *count > 0 {
+            return;
+        }
+        let watched = *watched;
+        self.watches.0.remove(&(other, joint));
+        self.tables.remove_watched(watched);
+        // Where the other has left there is nothing more to do.
+        let _left = self.change_controls(other, |controls| {
+            controls.watches.retain(|(_, place)| *place != watched);
+            Ok(())
+        });
+    }
+
+    /// Changes a member's controls, or leaves all as it was.
+    pub(super) fn change_controls(
+        &mut self,
+        member: Member,
+        change: impl FnOnce(&mut Controls) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let character = self.check(member)?;
+        let skeleton = &self.characters[character.index()].character.skeleton;
+        let state = self.controls.entry(member.place).or_default();
+        let mut controls = state.controls.clone();
+        change(&mut controls)?;
+        forget_faded(&mut controls, self.clock.tick);
+        self.tables.set_controls(member.place, skeleton, &controls)?;
+        state.controls = controls;
+        self.stand(member)
+    }
+
+    /// Tells devices where a member stands, if they have to know.
+    pub(super) fn stand(&mut self, member: Member) -> Result<(), Error> {
+        let placement = self.members[member.place as usize].placement;
+        let [cos_row, _, _] = crate::Placement { scale: 1.0, ..placement }.world_from_model().rows;
+        let place =
+            Place { position: placement.position, sin_cos: [cos_row[2], cos_row[0]], scale: placement.scale };
+        Ok(self.tables.set_place(member.place, &place)?)
+    }
+
+    /// Forgets the controls of a member that leaves.
+    pub(super) fn forget_controls(&mut self, member: Member) {
+        if let Some(state) = self.controls.remove(&member.place) {
+            for (other, joint) in state.watching {
+                self.unwatch_joint(other, joint);
+            }
+        }
+    }
+}
+
+/// Lets one target take over from all others.
+fn change_over(targets: &mut Vec<layout::Target>, target: layout::Target, tick: u64, weight: Weight) {
+    targets.retain(|target| !faded(target, tick));
+    let mut from = 0.0;
+    for old in targets.iter_mut() {
+        if old.kind == target.kind && old.point == target.point && old.watched == target.watched {
+            from = old.ramp_at(tick);
+        } else {
+            fade(old, tick, weight.secs);
+        }
+    }
+    targets.retain(|old| {
+        !(old.kind == target.kind && old.point == target.point && old.watched == target.watched)
+    });
+    if targets.len() == TARGETS {
+        let weakest =
+            (0..TARGETS).min_by(|a, b| targets[*a].ramp_at(tick).total_cmp(&targets[*b].ramp_at(tick)));
+        targets.remove(weakest.unwrap_or(0));
+    }
+    targets.push(target.with_ramp(tick, from, weight.value, weight.secs));
+}
+
+fn fade(target: &mut layout::Target, tick: u64, secs: f32) {
+    *target = target.with_ramp(tick, target.ramp_at(tick), 0.0, secs);
+}
+
+/// Whether a target's weight has come down to 0 and stays there.
+fn faded(target: &layout::Target, tick: u64) -> bool {
+    target.end_weight <= 0.0 && target.ramp_at(tick) <= 0.0
+}
+
+/// Lets go of constraints whose targets have all faded out.
+fn forget_faded(controls: &mut Controls, tick: u64) {
+    controls.constraints.retain_mut(|constraint| {
+        let stays = matches!(constraint, Constraint::Feet(_));
+        stays || targets_of(constraint).iter().any(|target| !faded(target, tick))
+    });
+}
+
+fn targets_of(constraint: &mut Constraint) -> &mut [layout::Target] {
+    match constraint {
+        Constraint::Gaze(gaze) => &mut gaze.targets,
+        Constraint::Limb(limb) => &mut limb.targets,
+        Constraint::Chain(chain) => &mut chain.targets,
+        Constraint::Feet(_) => &mut [],
+    }
+}
+
+fn set_targets(constraint: &mut Constraint, targets: Vec<layout::Target>) {
+    match constraint {
+        Constraint::Gaze(gaze) => gaze.targets = targets,
+        Constraint::Limb(limb) => limb.targets = targets,
+        Constraint::Chain(chain) => chain.targets = targets,
+        Constraint::Feet(_) => {}
+    }
+}
+
+fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
+    let bad = || {
+        let what = format!(
+            "joint {} does not end a chain of two bones: it needs a parent, and that one a parent",
+            reach.end.0
+        );
+        Error::from(populace_core::Error::BadConstraint { what })
+    };
+    let there = |joint: JointIndex| if joint.index() < skeleton.joint_count() { Some(joint) } else { None };
+    let end = there(reach.end).ok_or_else(bad)?;
+    let [first, middle] = match reach.limb {
+        Some(limb) => limb,
+        None => {
+            let middle = skeleton.parent(end).ok_or_else(bad)?;
+            [skeleton.parent(middle).ok_or_else(bad)?, middle]
+        }
+    };
+    for joint in [first, middle] {
+        there(joint).ok_or_else(bad)?;
+    }
+    let bend = reach.bend.unwrap_or_else(|| usual_bend(skeleton, [first, middle, end]));
+    let Reach { pole, keeps_end, .. } = *reach;
+    Ok(Limb { first, middle, end, bend, pole, keeps_end, soft: SOFT, targets: Vec::new() })
+}
+
+/// Where a limb bends to: as at rest, else knees to the front and elbows to the back.
+fn usual_bend(skeleton: &Skeleton, joints: [JointIndex; 3]) -> [f32; 3] {
+    use populace_core::math::vec3;
+    let [first, middle, end] = joints.map(|joint| skeleton.rest_model(joint).origin());
+    let (whole, upper) = (vec3::sub(end, first), vec3::sub(middle, first));
+    let along = vec3::unit_or(whole, [0.0, -1.0, 0.0]);
+    let out = vec3::across(upper, along);
+    if vec3::length(out) > BENT * vec3::length(whole) {
+        return vec3::unit_or(out, [0.0, 0.0, 1.0]);
+    }
+    if along[0].abs() > along[1].abs() { [0.0, 0.0, -1.0] } else { [0.0, 0.0, 1.0] }
+}

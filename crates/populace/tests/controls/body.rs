@@ -1,0 +1,198 @@
+//! A body of 1.8 m, with joints turned and scaled as files have them, and the crowds that it stands in.
+
+use std::sync::Arc;
+
+use populace::core::math::{quat, vec3};
+use populace::core::{
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
+    Skeleton, Track,
+};
+use populace::{Affine, Crowd, Device, JointIndex, Member, Placement, Schedule, Trs};
+
+/// Joints: name, parent, and place in model space.
+const JOINTS: &[(&str, Option<usize>, [f32; 3])] = &[
+    ("root", None, [0.0, 0.0, 0.0]),
+    ("hips", Some(0), [0.0, 0.98, 0.0]),
+    ("spine", Some(1), [0.0, 1.10, -0.01]),
+    ("chest", Some(2), [0.0, 1.28, -0.02]),
+    ("neck", Some(3), [0.0, 1.50, -0.01]),
+    ("head", Some(4), [0.0, 1.60, 0.02]),
+    ("leftEye", Some(5), [0.03, 1.68, 0.10]),
+    ("rightEye", Some(5), [-0.03, 1.68, 0.10]),
+    ("leftShoulder", Some(3), [0.04, 1.44, 0.0]),
+    ("leftUpperArm", Some(8), [0.18, 1.45, 0.0]),
+    ("leftTwist", Some(9), [0.32, 1.45, -0.004]),
+    ("leftLowerArm", Some(10), [0.47, 1.45, -0.01]),
+    ("leftHand", Some(11), [0.73, 1.45, 0.0]),
+    ("leftUpperLeg", Some(1), [0.10, 0.93, 0.0]),
+    ("leftLowerLeg", Some(13), [0.11, 0.51, 0.015]),
+    ("leftFoot", Some(14), [0.11, 0.08, -0.02]),
+    ("rightUpperLeg", Some(1), [-0.10, 0.93, 0.0]),
+    ("rightLowerLeg", Some(16), [-0.11, 0.51, 0.015]),
+    ("rightFoot", Some(17), [-0.11, 0.08, -0.02]),
+];
+
+/// A turn of its own for each joint's axes, so that no test passes by them standing upright.
+fn axes(joint: usize) -> [f32; 4] {
+    let x = joint as f32;
+    let v = [(x * 1.7).sin(), (x * 2.3).cos(), (x * 0.9).sin(), 0.4 + (x * 1.1).cos()];
+    let length = quat::dot(v, v).sqrt();
+    if joint == 0 { quat::identity() } else { v.map(|c| c / length) }
+}
+
+pub(crate) fn skeleton() -> Skeleton {
+    let joints: Vec<_> = JOINTS
+        .iter()
+        .enumerate()
+        .map(|(index, &(name, parent, place))| {
+            let (back, from) = match parent {
+                Some(parent) => (quat::conjugate(axes(parent)), JOINTS[parent].2),
+                None => (quat::identity(), [0.0; 3]),
+            };
+            let rest = Trs {
+                translation: vec3::turned(back, vec3::sub(place, from)),
+                rotation: quat::mul(back, axes(index)),
+                scale: [1.0; 3],
+            };
+            JointSource { name: name.into(), parent, rest }
+        })
+        .collect();
+    Skeleton::new(&joints).expect("joints that are right")
+}
+
+/// The joint of a name.
+pub(crate) fn joint(name: &str) -> JointIndex {
+    skeleton().find(name).expect("a joint of that name")
+}
+
+/// A clip that turns some joints to and fro about an axis of model space: name, axis, radians, part of a cycle.
+pub(crate) fn swing(name: &str, secs: f32, turns: &[(&str, [f32; 3], f32, f32)]) -> ClipSource {
+    const KEYS: usize = 33;
+    let skeleton = skeleton();
+    let track = |&(name, axis, most, begin): &(&str, [f32; 3], f32, f32)| {
+        let joint = skeleton.find(name).expect("a joint of that name");
+        let rest = skeleton.rest(joint).rotation;
+        let parent = skeleton.parent(joint).map_or(quat::identity(), |p| axes(skeleton.source_from_joint(p)));
+        let axis = vec3::turned(quat::conjugate(parent), axis);
+        let times = (0..KEYS).map(|key| key as f32 / (KEYS - 1) as f32 * secs);
+        let value = |key: usize| {
+            let part = key as f32 / (KEYS - 1) as f32 + begin;
+            let half = 0.5 * most * (part * std::f32::consts::TAU).sin();
+            let [x, y, z] = axis.map(|c| c * half.sin());
+            quat::mul([x, y, z, half.cos()], rest)
+        };
+        Track {
+            joint: name.into(),
+            property: Property::Rotation,
+            interpolation: Interpolation::Linear,
+            times: times.collect(),
+            values: (0..KEYS).flat_map(value).collect(),
+        }
+    };
+    ClipSource { name: name.into(), tracks: turns.iter().map(track).collect() }
+}
+
+/// The body with its clips.
+pub(crate) fn character() -> Character {
+    let skeleton = skeleton();
+    let side = [0.0, 0.0, 1.0];
+    let across = [1.0, 0.0, 0.0];
+    let up = [0.0, 1.0, 0.0];
+    let sources = [
+        // Arms hang, head and back sway: what constraints work on.
+        swing(
+            "sway",
+            2.0,
+            &[
+                ("leftUpperArm", side, -1.2, 0.25),
+                ("leftLowerArm", up, 0.5, 0.2),
+                ("spine", up, 0.2, 0.0),
+                ("chest", side, 0.1, 0.3),
+                ("head", across, 0.3, 0.1),
+                ("leftUpperLeg", across, 0.3, 0.0),
+                ("leftLowerLeg", across, 0.3, 0.25),
+            ],
+        ),
+        swing(
+            "walk",
+            1.0,
+            &[
+                ("leftUpperLeg", across, 0.45, 0.0),
+                ("rightUpperLeg", across, 0.45, 0.5),
+                ("leftLowerLeg", across, 0.5, 0.2),
+                ("rightLowerLeg", across, 0.5, 0.7),
+            ],
+        ),
+    ];
+    let clips = sources.map(|source| Arc::new(Clip::new(source, &skeleton).expect("a good clip"))).to_vec();
+    let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
+    let palette = skeleton.joints().map(entry).collect();
+    let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
+    let name = "body".into();
+    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
+        .expect("a good character")
+}
+
+/// A crowd of that body on one device.
+pub(crate) struct Stage {
+    pub(crate) crowd: Crowd,
+    pub(crate) body: populace::CharacterId,
+}
+
+impl Stage {
+    pub(crate) fn member(&mut self, placement: Placement) -> Member {
+        self.crowd.spawn(self.body, placement).expect("room")
+    }
+
+    pub(crate) fn models(&mut self, member: Member) -> Vec<Affine> {
+        self.crowd.model_from_joints(member).expect("joints that can be read")
+    }
+
+    pub(crate) fn place(&mut self, member: Member, name: &str) -> [f32; 3] {
+        self.models(member)[joint(name).index()].origin()
+    }
+
+    pub(crate) fn update(&mut self, secs: f32) {
+        self.crowd.update(secs).expect("a frame");
+    }
+
+    pub(crate) fn clip(&self, name: &str) -> populace::ClipId {
+        self.crowd.clip(self.body, name).expect("a clip of that name")
+    }
+}
+
+/// Runs a check on every device and schedule.
+pub(crate) fn everywhere(check: impl Fn(&mut Stage)) {
+    for schedule in [Schedule::Staged, Schedule::Fused] {
+        check(&mut stage(Device::native(), schedule));
+    }
+    #[cfg(all(feature = "opencl", not(skip_opencl)))]
+    for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
+        check(&mut stage(Device::opencl(0), schedule));
+    }
+}
+
+pub(crate) fn stage(device: Device, schedule: Schedule) -> Stage {
+    let mut crowd = Crowd::builder().device(device).schedule(schedule).capacity(64).build().expect("a crowd");
+    let body = crowd.add_character(character()).expect("room");
+    Stage { crowd, body }
+}
+
+pub(crate) fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    vec3::length(vec3::sub(a, b))
+}
+
+/// The angle in degrees between two transforms' axes.
+pub(crate) fn turn_deg(a: &Affine, b: &Affine) -> f32 {
+    let column = |m: &Affine, c: usize| vec3::unit_or([m.rows[0][c], m.rows[1][c], m.rows[2][c]], [0.0; 3]);
+    let trace: f32 = (0..3).map(|c| vec3::dot(column(a, c), column(b, c))).sum();
+    // For small angles the arc's cosine is too coarse: the length of the difference tells it.
+    let apart: f32 = (0..3)
+        .map(|c| vec3::dot(vec3::sub(column(a, c), column(b, c)), vec3::sub(column(a, c), column(b, c))))
+        .sum();
+    if trace > 2.9 {
+        (apart / 2.0).sqrt().to_degrees()
+    } else {
+        ((trace - 1.0) / 2.0).clamp(-1.0, 1.0).acos().to_degrees()
+    }
+}
