@@ -316,16 +316,6 @@ impl Crowd {
         Ok(self.members[member.place as usize].placement)
     }
 
-    /// Where a member stands.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`].
-    pub fn placement(&self, member: Member) -> Result<Placement, Error> {
-        self.check(member)?;
-        Ok(self.members[member.place as usize].placement)
-    }
-
     /// The character that a member is one of.
     ///
     /// # Errors
