@@ -3,6 +3,7 @@
 mod baked;
 mod chart;
 mod check;
+mod constraints;
 mod document;
 mod memory;
 mod rigs;

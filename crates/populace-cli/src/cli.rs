@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Device, Devices, Schedule, Split};
 
-use crate::bench::Way;
+use crate::bench::{Load, Way};
 
 /// Animates and draws crowds in which every member has the full character pipeline.
 #[derive(Debug, Parser)]
@@ -202,6 +202,10 @@ pub(crate) struct BenchArgs {
     /// [default: staged, fused and baked]
     #[arg(long, value_name = "staged|fused|fused-wide|fused-grouped|baked")]
     pub(crate) schedule: Vec<Way>,
+    /// Load to measure beside the plain one: constraints lets every member look at something and keep both feet to the
+    /// ground; full adds two layers, one through a mask and one additive, with a slot in each. A list, or repeated
+    #[arg(long, value_name = "plain|constraints|full", value_delimiter = ',')]
+    pub(crate) load: Vec<Load>,
     /// Also measure with clips from other skeletons: their joints have the same names, another order, and more between
     #[arg(long)]
     pub(crate) retarget: bool,
@@ -212,7 +216,7 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) chart: Option<PathBuf>,
     /// Measure nothing, and show what an earlier run gave with --json
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["members", "joints", "slots", "frames", "device", "split", "schedule", "retarget", "changing", "seed"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["members", "joints", "slots", "frames", "device", "split", "schedule", "load", "retarget", "changing", "seed"])]
     pub(crate) from: Option<PathBuf>,
     /// Seed of everything random
     #[arg(long, value_name = "N", default_value_t = 0)]

@@ -8,7 +8,8 @@ use populace::core::{Affine, Character};
 use populace::{Crowd, Error};
 use populace_testkit::oracle::{OracleBody, OracleSlot, Timing, Weighting, evaluate};
 
-use super::scene::{FADE_SECS, PlayedSlot, Scene};
+use super::constraints;
+use super::scene::{FADE_SECS, Load, PlayedSlot, Scene};
 use super::timing::FRAME_TICKS;
 use crate::placement::Random;
 
@@ -22,6 +23,7 @@ struct Playing {
     clip: usize,
     timing: Timing,
     weighting: Weighting,
+    layer: usize,
 }
 
 /// What a bench computed.
@@ -49,10 +51,18 @@ impl Found<'_> {
             let kind = scene.kind(member);
             let character = &scene.characters[kind];
             let slots: Vec<_> = playing.iter().map(|slot| slot.at(tick, character)).collect();
-            let wanted = evaluate(&bodies[kind], &slots, &[]);
+            let full = scene.load == Load::Full;
+            let layers = if full { constraints::oracle_layers(character)? } else { Vec::new() };
+            let wanted = evaluate(&bodies[kind], &slots, &layers);
             let probe = PROBE_M * f64::from(character.skeleton.size_m()) / 1.8;
             let found = palette(member)?;
             assert_eq!(found.len(), wanted.palette.len(), "a palette of member {member}");
+            if scene.load.is_constrained() {
+                let models = models_of(character, &found);
+                let target = scene.target(member);
+                worst = worst.max(constraints::worst_error_m(character, &models, &wanted, target, probe));
+                continue;
+            }
             for ((found, wanted), entry) in found.iter().zip(&wanted.palette).zip(&character.palette) {
                 worst = worst.max(distance(found, wanted, &entry.joint_from_bind, probe));
             }
@@ -81,7 +91,7 @@ impl Found<'_> {
 impl Playing {
     fn from_the_start(slot: PlayedSlot) -> Self {
         let timing = Timing::Loop { start_tick: 0, phase: f64::from(slot.phase), speed: 1.0 };
-        Self { clip: slot.clip, timing, weighting: Weighting::Constant(slot.weight) }
+        Self { clip: slot.clip, timing, weighting: Weighting::Constant(slot.weight), layer: slot.layer }
     }
 
     fn at<'a>(&self, tick: u64, character: &'a Character) -> OracleSlot<'a> {
@@ -90,7 +100,7 @@ impl Playing {
             clip: clip.source(),
             time_secs: self.timing.time_secs(tick, clip),
             weight: self.weighting.weight(tick),
-            layer: 0,
+            layer: self.layer,
         }
     }
 
@@ -112,7 +122,7 @@ fn change_over(slots: &mut [Playing], clip: usize, tick: u64) {
     if let Some(slot) = weakest {
         let timing = Timing::Loop { start_tick: tick, phase: 0.0, speed: 1.0 };
         let weighting = Weighting::Ramp { tick, from: 0.0, to: 1.0, secs: FADE_SECS };
-        *slot = Playing { clip, timing, weighting };
+        *slot = Playing { clip, timing, weighting, layer: 0 };
     }
 }
 
@@ -136,6 +146,16 @@ pub(crate) fn on_page_borders(crowd: &Crowd) -> Vec<usize> {
     let pages: Vec<u32> = crowd.instances().map(|i| i.palette_first / PAGE_ENTRIES).collect();
     let borders = (1..pages.len()).filter(|at| pages[at - 1] != pages[*at]);
     borders.flat_map(|at| [at - 1, at]).collect()
+}
+
+/// `model_from_joint` of joints in the order of the source, from a palette that has an entry for each.
+fn models_of(character: &Character, palette: &[Affine]) -> Vec<DAffine3> {
+    let mut models = vec![DAffine3::IDENTITY; character.skeleton.joint_count()];
+    for (entry, matrix) in character.palette.iter().zip(palette) {
+        let source = character.skeleton.source_from_joint(entry.joint);
+        models[source] = wide(matrix) * wide(&entry.joint_from_bind).inverse();
+    }
+    models
 }
 
 fn distance(found: &Affine, wanted: &[f64; 12], joint_from_bind: &Affine, probe: f64) -> f64 {
@@ -167,7 +187,7 @@ mod tests {
     use crate::bench::Setup;
 
     use super::*;
-    use crate::bench::scene::{Load, Staging};
+    use crate::bench::scene::Staging;
     use crate::cli::{Cli, Command};
 
     const FRAMES: u32 = 45;
@@ -198,7 +218,8 @@ mod tests {
 
     #[test]
     fn crowds_are_right_under_every_load() {
-        let loads = [Load::Plain, Load::Retargeted, Load::Changing { percent: 9.0 }];
+        let changing = Load::Changing { percent: 9.0 };
+        let loads = [Load::Plain, Load::Retargeted, changing, Load::Constraints, Load::Full];
         for (load, slots) in loads.into_iter().flat_map(|load| ["1", "2", "4"].map(|slots| (load, slots))) {
             let scene = scene(load, slots);
             let error = error_m(&scene, &mut after_frames(&scene), |member| member);
@@ -211,6 +232,13 @@ mod tests {
         let plain = scene(Load::Plain, "2");
         let error = error_m(&plain, &mut after_frames(&plain), |member| (member + 1) % 12);
         assert!(error > 10.0 * allowed_m(&plain), "{error} m");
+        // Members that look and stand as another one should are found out as well.
+        let full = scene(Load::Full, "2");
+        let error = error_m(&full, &mut after_frames(&full), |member| (member + 1) % 12);
+        assert!(error > 10.0 * allowed_m(&full), "{error} m");
+        let free = scene(Load::Constraints, "2");
+        let error = error_m(&free, &mut after_frames(&plain), |member| member);
+        assert!(error > 10.0 * allowed_m(&plain), "{error} m where nothing is constrained");
         let changing = scene(Load::Changing { percent: 9.0 }, "2");
         let error = error_m(&changing, &mut after_frames(&plain), |member| member);
         assert!(error > 10.0 * allowed_m(&plain), "{error} m");

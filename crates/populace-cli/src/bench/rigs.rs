@@ -51,12 +51,40 @@ pub(crate) fn character(
     })?)
 }
 
+/// What all skeletons begin with, as far as their joints go: parents and bones of a trunk with a head, and of two legs.
+const CORE: [(usize, [f32; 3]); 11] = [
+    (0, [0.0, 0.0, 0.0]), // the pelvis, which is the root
+    (0, [0.0, 0.12, -0.01]),
+    (1, [0.0, 0.18, -0.01]),
+    (2, [0.0, 0.22, 0.01]),
+    (HEAD - 1, [0.0, 0.10, 0.03]),
+    (0, [0.1, -0.05, 0.0]),
+    (5, [0.01, -0.40, 0.02]),
+    (6, [0.0, -0.38, -0.03]),
+    (0, [-0.1, -0.05, 0.0]),
+    (8, [-0.01, -0.40, 0.02]),
+    (9, [0.0, -0.38, -0.03]),
+];
+/// Joints of the core: the trunk from its first joint above the pelvis, and each leg's hip, knee and ankle.
+pub(crate) const TRUNK: [usize; 4] = [1, 2, 3, HEAD];
+const HEAD: usize = 4;
+pub(crate) const LEGS: [[usize; 3]; 2] = [[5, 6, 7], [8, 9, 10]];
+/// Height of the root in all clips.
+const PELVIS_M: f32 = 0.9;
+
 fn joints(joint_count: usize, random: &mut Random) -> Vec<JointSource> {
     let mut joints: Vec<JointSource> = Vec::with_capacity(joint_count);
     let mut depths: Vec<usize> = Vec::with_capacity(joint_count);
-    for index in 0..joint_count {
-        let parent = (index > 0).then(|| index - 1 - random.below(index.min(6)));
-        let parent = parent.map(|p| if depths[p] + 1 < MAX_DEPTH { p } else { p / 2 });
+    for (index, &(parent, bone)) in CORE.iter().enumerate().take(joint_count) {
+        let parent = (index > 0).then_some(parent);
+        depths.push(parent.map_or(0, |p| depths[p] + 1));
+        let bone = if index == 0 { [0.0, PELVIS_M, 0.0] } else { bone };
+        let rest = Trs { translation: bone, ..Trs::IDENTITY };
+        joints.push(JointSource { name: format!("joint {index}"), parent, rest });
+    }
+    for index in joints.len()..joint_count {
+        let parent = index - 1 - random.below(index.min(6));
+        let parent = Some(if depths[parent] + 1 < MAX_DEPTH { parent } else { parent / 2 });
         depths.push(parent.map_or(0, |p| depths[p] + 1));
         let bone = [random.signed() * 0.1, 0.15 * random.unit(), random.signed() * 0.1];
         joints.push(JointSource {
@@ -131,7 +159,7 @@ fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
         let wave = |key: usize| f64::from(angle(key) + shift).sin();
         add(Property::Rotation, (0..key_count).flat_map(|k| turn(axis, swing * narrow(wave(k)))).collect());
         if skeleton.parent(joint).is_none() {
-            let sway = |k: usize| [narrow(wave(k)) * 0.1, 0.9, narrow(f64::from(angle(k)).cos()) * 0.1];
+            let sway = |k: usize| [narrow(wave(k)) * 0.1, PELVIS_M, narrow(f64::from(angle(k)).cos()) * 0.1];
             add(Property::Translation, (0..key_count).flat_map(sway).collect());
         }
         if joint.index() % 8 == 3 {

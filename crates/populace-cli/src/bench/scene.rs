@@ -7,7 +7,7 @@ use std::sync::Arc;
 use populace::core::Character;
 use populace::{ClipId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split};
 
-use super::rigs;
+use super::{constraints, rigs};
 use crate::cli::BenchArgs;
 use crate::placement::Random;
 
@@ -27,6 +27,10 @@ pub(crate) enum Load {
     Changing {
         percent: f32,
     },
+    /// Every member looks at something of its own, and keeps both feet to the ground.
+    Constraints,
+    /// The same, with two layers above the first: one through a mask and one additive, a slot in each.
+    Full,
 }
 
 impl fmt::Display for Load {
@@ -35,7 +39,31 @@ impl fmt::Display for Load {
             Self::Plain => f.write_str("plain"),
             Self::Retargeted => f.write_str("retargeted"),
             Self::Changing { percent } => write!(f, "changing {percent} %"),
+            Self::Constraints => f.write_str("constraints"),
+            Self::Full => f.write_str("full"),
         }
+    }
+}
+
+impl Load {
+    /// Whether constraints move members.
+    pub(crate) fn is_constrained(self) -> bool {
+        matches!(self, Self::Constraints | Self::Full)
+    }
+
+    /// Slots above layer 0.
+    pub(crate) fn upper_slots(self) -> usize {
+        if self == Self::Full { 2 } else { 0 }
+    }
+}
+
+impl std::str::FromStr for Load {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let known = [Self::Plain, Self::Constraints, Self::Full];
+        let load = known.into_iter().find(|load| load.to_string() == name);
+        load.ok_or_else(|| "write plain, constraints or full".into())
     }
 }
 
@@ -55,6 +83,7 @@ pub(crate) struct PlayedSlot {
     pub(crate) clip: usize,
     pub(crate) phase: f32,
     pub(crate) weight: f32,
+    pub(crate) layer: usize,
 }
 
 /// A crowd on a device.
@@ -94,7 +123,8 @@ impl Scene {
             .into_iter()
             .map(|count| rigs::character(count, clips_each, retargeted, &mut random).map(Arc::new));
         let characters = characters.collect::<Result<_, _>>()?;
-        Ok(Self { load, characters, member_count: 0, slot_count: args.slots as usize, seed: args.seed })
+        let slot_count = args.slots as usize + load.upper_slots();
+        Ok(Self { load, characters, member_count: 0, slot_count, seed: args.seed })
     }
 
     /// The same with so many members.
@@ -123,11 +153,19 @@ impl Scene {
     pub(crate) fn played(&self, member: usize) -> impl Iterator<Item = PlayedSlot> + use<> {
         let clips = self.characters[self.kind(member)].clips.len();
         let mut random = Random::one_of(self.seed, member);
-        (0..self.slot_count).map(move |_| PlayedSlot {
+        let lower = self.slot_count - self.load.upper_slots();
+        (0..self.slot_count).map(move |slot| PlayedSlot {
             clip: random.below(clips),
             phase: random.unit(),
             weight: 0.1 + 0.9 * random.unit(),
+            layer: (slot + 1).saturating_sub(lower),
         })
+    }
+
+    /// What a member looks at, in its model space.
+    pub(crate) fn target(&self, member: usize) -> [f32; 3] {
+        let mut random = Random::one_of(!self.seed, member);
+        [2.0 * random.signed(), 1.2 + random.signed(), 3.0 + random.signed()]
     }
 
     /// Members that change over to another clip before a frame, and to which; each member in its turn.
@@ -135,7 +173,7 @@ impl Scene {
         let members = self.member_count;
         let count = match self.load {
             Load::Changing { percent } => share(members, percent),
-            Load::Plain | Load::Retargeted => 0,
+            _ => 0,
         };
         (0..count).map(move |index| {
             let member = (index * members / count + frame as usize) % members;
@@ -160,13 +198,28 @@ impl Scene {
             clips.push(crowd.clips(id)?.into_iter().map(|(clip, _)| clip).collect());
             ids.push(id);
         }
+        let mut masks = Vec::new();
+        for (id, character) in ids.iter().zip(&self.characters).filter(|_| self.load == Load::Full) {
+            masks.push(crowd.add_mask(*id, &constraints::mask(&character.skeleton)?)?);
+        }
         let mut members = Vec::with_capacity(self.member_count);
         for index in 0..self.member_count {
             let kind = self.kind(index);
             let member = crowd.spawn(ids[kind], Placement::at([0.0; 3]))?;
             for slot in self.played(index) {
-                let play = Play::looping().phase(slot.phase).weight(slot.weight);
+                let play = Play::looping().phase(slot.phase).weight(slot.weight).on_layer(slot.layer);
                 crowd.blend(member, clips[kind][slot.clip], play)?;
+            }
+            if self.load == Load::Full {
+                constraints::set_layers(&mut crowd, member, masks[kind])?;
+            }
+            if self.load.is_constrained() {
+                constraints::constrain(
+                    &mut crowd,
+                    member,
+                    &self.characters[kind].skeleton,
+                    self.target(index),
+                )?;
             }
             members.push(member);
         }

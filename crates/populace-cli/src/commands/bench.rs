@@ -74,7 +74,10 @@ fn check(run: &Run) -> Result<(), Failure> {
 fn loads(args: &BenchArgs) -> Vec<Load> {
     let retargeted = args.retarget.then_some(Load::Retargeted);
     let changing = args.changing.map(|percent| Load::Changing { percent });
-    [Some(Load::Plain), retargeted, changing].into_iter().flatten().collect()
+    let mut loads: Vec<Load> = [Some(Load::Plain), retargeted, changing].into_iter().flatten().collect();
+    loads.extend(args.load.iter().copied().filter(|load| *load != Load::Plain));
+    loads.dedup();
+    loads
 }
 
 /// Everything to measure; the loads of one schedule stand side by side.

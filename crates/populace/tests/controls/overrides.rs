@@ -1,0 +1,127 @@
+//! Transforms that the host gives.
+
+use populace::core::math::{quat, vec3};
+use populace::{Affine, Error, JointOverride, Placement, Play, Space, Trs};
+
+use crate::body::{distance, everywhere, joint, skeleton, turn_deg};
+
+fn given(name: &str, space: Space, weight: f32) -> JointOverride {
+    let rotation = quat::normalize_or([0.2, -0.4, 0.1, 0.8], quat::identity());
+    let transform = Trs { translation: [0.1, 1.2, 0.3], rotation, scale: [1.0, 1.1, 0.9] };
+    JointOverride { joint: joint(name), space, transform, weight }
+}
+
+fn hangs_on(mut at: populace::JointIndex, above: populace::JointIndex) -> bool {
+    let skeleton = skeleton();
+    loop {
+        if at == above {
+            return true;
+        }
+        match skeleton.parent(at) {
+            Some(parent) => at = parent,
+            None => return false,
+        }
+    }
+}
+
+#[test]
+fn a_joint_goes_where_the_host_has_it_and_what_hangs_on_it_follows() {
+    everywhere(|stage| {
+        for space in [Space::Local, Space::Model] {
+            let [member, twin] = [(); 2].map(|()| stage.member(Placement::at([0.0; 3])));
+            let clip = stage.clip("sway");
+            for member in [member, twin] {
+                stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
+            }
+            let o = given("chest", space, 1.0);
+            stage.crowd.override_joints(member, &[o]).expect("an override");
+            stage.update(0.4);
+            let (with, without) = (stage.models(member), stage.models(twin));
+            let at = joint("chest");
+            let wanted = Affine::from_trs(&o.transform);
+            let wanted =
+                if space == Space::Local { with[joint("spine").index()].mul(&wanted) } else { wanted };
+            let apart = with[at.index()].rows.as_flattened().iter().zip(wanted.rows.as_flattened());
+            assert!(apart.clone().all(|(a, b)| (a - b).abs() < 1e-6), "{space:?}: {apart:?}");
+            for other in skeleton().joints() {
+                let same = with[other.index()] == without[other.index()];
+                assert_eq!(same, !hangs_on(other, at), "{space:?} joint {other:?}");
+                if hangs_on(other, at) {
+                    // As it stands to the overridden joint, so it did before.
+                    let to = |models: &[Affine]| {
+                        distance(models[other.index()].origin(), models[at.index()].origin())
+                    };
+                    assert!(other == at || to(&with) > 0.0 && to(&without) > 0.0);
+                }
+            }
+            // Released, it is as if nothing had been.
+            stage.crowd.release_joints(member, space, &[at]).expect("a member");
+            stage.update(0.1);
+            assert_eq!(stage.models(member), stage.models(twin), "{space:?}");
+            stage.crowd.despawn(member).expect("a member");
+            stage.crowd.despawn(twin).expect("a member");
+        }
+    });
+}
+
+#[test]
+fn weights_lead_from_the_clip_to_the_override() {
+    everywhere(|stage| {
+        for space in [Space::Local, Space::Model] {
+            let member = stage.member(Placement::at([0.0; 3]));
+            stage.update(0.0);
+            let at = joint("leftUpperArm").index();
+            let (from, mut last) = (stage.models(member)[at], None::<Affine>);
+            stage.crowd.override_joints(member, &[given("leftUpperArm", space, 1.0)]).expect("an override");
+            stage.update(0.0);
+            let to = stage.models(member)[at];
+            for step in 0..=16_u8 {
+                let o = given("leftUpperArm", space, f32::from(step) / 16.0);
+                stage.crowd.override_joints(member, &[o]).expect("an override");
+                stage.update(0.0);
+                let now = stage.models(member)[at];
+                if step == 0 {
+                    assert!(distance(now.origin(), from.origin()) < 1e-6 && turn_deg(&now, &from) < 1e-3);
+                }
+                let part = distance(from.origin(), now.origin()) / distance(from.origin(), to.origin());
+                assert!((part - o.weight).abs() < 1e-3, "{space:?}: {part} of the way at {}", o.weight);
+                if let Some(last) = last {
+                    let turned = turn_deg(&last, &now);
+                    assert!((0.5..20.0).contains(&turned), "{space:?}: {turned} degrees in a sixteenth");
+                }
+                let sizes = [0, 1, 2].map(|c| vec3::length([now.rows[0][c], now.rows[1][c], now.rows[2][c]]));
+                assert!(sizes.iter().all(|s| (0.89..1.11).contains(s)), "{space:?}: {sizes:?} long axes");
+                last = Some(now);
+            }
+            assert_eq!(last, Some(to), "{space:?}");
+            stage.crowd.despawn(member).expect("a member");
+        }
+    });
+}
+
+#[test]
+fn bad_values_are_refused_and_change_nothing() {
+    everywhere(|stage| {
+        let member = stage.member(Placement::at([0.0; 3]));
+        let good = given("head", Space::Model, 1.0);
+        stage.crowd.override_joints(member, &[good]).expect("an override");
+        stage.update(0.0);
+        let before = stage.models(member);
+        let mut nan = good;
+        nan.transform.translation[1] = f32::NAN;
+        let mut long = good;
+        long.transform.rotation = [1.0, 2.0, 3.0, 4.0];
+        let mut absent = good;
+        absent.joint = populace::JointIndex(99);
+        let heavy = JointOverride { weight: 1.5, ..good };
+        for bad in [nan, long, absent, heavy] {
+            let error = stage.crowd.override_joints(member, &[good, bad]).expect_err("it is bad");
+            assert!(matches!(error, Error::Data(_)), "{error}");
+        }
+        stage.update(0.0);
+        assert_eq!(stage.models(member), before);
+        stage.crowd.release_all(member).expect("a member");
+        stage.crowd.despawn(member).expect("a member");
+        assert!(stage.crowd.override_joints(member, &[good]).is_err(), "the member has left");
+    });
+}
