@@ -41,10 +41,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     crowd.update(0.0)?;
 
     let (member, plan) = &people[LIMP_ARM_OF];
-    ragdolls.go_limp_from(&crowd, *member, plan, joint(&crowd, *member, &["LeftUpperArm", "l_upper_arm"])?)?;
+    ragdolls.go_limp_from(
+        &crowd,
+        *member,
+        plan,
+        joint(&crowd, *member, &["LeftUpperArm", "l_upper_arm"])?,
+    )?;
     for frame in 0..(seconds / DT_SECS) as usize {
         let now_secs = frame as f32 * DT_SECS;
-        for (number, at_secs, [x, y, z]) in PUSHES.into_iter().filter(|push| frame == (push.1 / DT_SECS) as usize) {
+        for (number, at_secs, [x, y, z]) in
+            PUSHES.into_iter().filter(|push| frame == (push.1 / DT_SECS) as usize)
+        {
             let (member, plan) = &people[number];
             ragdolls.go_limp(&crowd, *member, plan)?;
             let impulse_ns = [x, y, z].map(|speed| speed * plan.mass_kg());

@@ -98,7 +98,9 @@ impl Doll {
         let mut driven = Vec::new();
         let times = dt_secs / self.last_dt_secs;
         for (index, body) in self.plan.bodies().iter().enumerate().filter(|(i, _)| !self.limp[*i]) {
-            let Some(from) = world.physics.bodies.get(self.bodies[index]).map(|b| *b.position()) else { continue };
+            let Some(from) = world.physics.bodies.get(self.bodies[index]).map(|b| *b.position()) else {
+                continue;
+            };
             let to = ahead(&self.last.pose(body.head), &now.pose(body.head), times, dt_secs);
             driven.push(Driven { body: self.bodies[index], from, to });
         }

@@ -8,7 +8,9 @@ pub enum Error {
     #[error(transparent)]
     Crowd(#[from] populace::Error),
     /// A plan made for another skeleton.
-    #[error("the plan is for a skeleton of {plan} joints, and the member has {member}; plan from the member's own")]
+    #[error(
+        "the plan is for a skeleton of {plan} joints, and the member has {member}; plan from the member's own"
+    )]
     WrongPlan {
         /// Joints of the skeleton that the plan was made from.
         plan: usize,

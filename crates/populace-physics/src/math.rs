@@ -2,8 +2,8 @@
 
 use populace::core::JointIndex;
 use populace::{Affine, Placement, Trs};
-pub(crate) use rapier3d::math::{Pose, Rotation, Vector};
 use rapier3d::math::Mat3;
+pub(crate) use rapier3d::math::{Pose, Rotation, Vector};
 
 /// Rapier's matrix of the first three columns.
 fn linear(affine: &Affine) -> Mat3 {

@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use rapier3d::na::Unit;
 use rapier3d::prelude::{
     ActiveHooks, Collider, ColliderBuilder, ColliderHandle, Group, InteractionGroups, InteractionTestMode,
-    PairFilterContext, PhysicsHooks, PhysicsWorld, QueryFilter, Ray, RigidBodyBuilder, RigidBodyHandle, SolverFlags,
+    PairFilterContext, PhysicsHooks, PhysicsWorld, QueryFilter, Ray, RigidBodyBuilder, RigidBodyHandle,
+    SolverFlags,
 };
 
 use crate::math::{Pose, Rotation, Vector};
@@ -78,7 +79,8 @@ impl World {
     pub(crate) fn add_box(&mut self, centre: Vector, half_sides: Vector, yaw_rad: f32) {
         let pose = Pose::from_parts(centre, Rotation::from_rotation_y(yaw_rad));
         let [x, y, z] = half_sides.to_array();
-        self.physics.insert_collider(ColliderBuilder::cuboid(x, y, z).position(pose).friction(FRICTION), None);
+        self.physics
+            .insert_collider(ColliderBuilder::cuboid(x, y, z).position(pose).friction(FRICTION), None);
     }
 
     pub(crate) fn add_body(&mut self, body: RigidBodyBuilder, shape: ColliderBuilder) -> RigidBodyHandle {

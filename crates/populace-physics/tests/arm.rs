@@ -1,5 +1,11 @@
 //! A part of a member goes limp, and the rest goes on.
 
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "tests tell figures, and end where they cannot go on"
+)]
+
 mod common;
 
 use common::{DT, Stage, length, minus};
@@ -63,7 +69,9 @@ fn the_arm_of_one_who_walks_along_goes_along() {
             before = Some((hand, [0.0, 0.0, 1.4 * DT]));
         }
     }
-    println!("the hand strays {furthest} m along the way, and its speed changes by {worst} m/s a frame at most");
+    println!(
+        "the hand strays {furthest} m along the way, and its speed changes by {worst} m/s a frame at most"
+    );
     assert!(furthest < 0.5 && worst < 2.5);
 }
 

@@ -1,5 +1,11 @@
 //! Real people and animals fall: one test for each character below the folder that `POPULACE_TEST_DATA` names.
 
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "tests tell figures, and end where they cannot go on"
+)]
+
 mod common;
 
 use std::path::{Path, PathBuf};
@@ -79,7 +85,8 @@ fn fall(path: &PathBuf, scale: f32, bodies: Option<usize>) -> Result<(), Failed>
 
 fn check_plan(plan: &RagdollPlan, bodies: Option<usize>) -> Result<(), Failed> {
     let hinges = plan.bodies().iter().filter(|b| matches!(b.limits(), Some(Limits::Hinge { .. }))).count();
-    let sane = plan.bodies().iter().all(|b| b.radius_m() > 0.0 && b.mass_kg() > 0.0 && b.length_m().is_finite());
+    let sane =
+        plan.bodies().iter().all(|b| b.radius_m() > 0.0 && b.mass_kg() > 0.0 && b.length_m().is_finite());
     if !sane || hinges < 2 || bodies.is_some_and(|count| count != plan.bodies().len()) {
         return Err(format!("{hinges} hinges, {:#?}", plan.bodies()).into());
     }

@@ -1,5 +1,11 @@
 //! Back to the clips: no jump on the way, and exactly the clips at the end.
 
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "tests tell figures, and end where they cannot go on"
+)]
+
 mod common;
 
 use common::{DT, Stage, length, minus};
@@ -9,7 +15,8 @@ use populace_physics::{Error, State};
 fn getting_up_ends_at_the_clip_to_the_bit_and_keeps_handle_and_buffers() {
     let mut stage = Stage::walking_man();
     let mut twin = Stage::walking_man();
-    let place = |stage: &Stage| stage.crowd.instances().map(|i| (i.member, i.palette_first)).collect::<Vec<_>>();
+    let place =
+        |stage: &Stage| stage.crowd.instances().map(|i| (i.member, i.palette_first)).collect::<Vec<_>>();
     let at_first = place(&stage);
     stage.go_limp();
     for _ in 0..180 {
@@ -58,7 +65,9 @@ fn getting_up_starts_where_the_body_lies_without_a_jump() {
         let up = before[hips.index()];
         let aside = length(minus([up[0], 0.0, up[2]], [lying[0][0], 0.0, lying[0][2]]));
         let away = length(minus(lying[0], from));
-        println!("fell {away} m off; joints start at {first:?} m/s and reach {fastest} m/s; hips rise {aside} m aside");
+        println!(
+            "fell {away} m off; joints start at {first:?} m/s and reach {fastest} m/s; hips rise {aside} m aside"
+        );
         assert!(away > 0.3 && aside < 0.15 && fastest < 6.0);
         assert!(first.unwrap() < 0.2);
         assert!(before.iter().map(|p| p[1]).fold(f32::MIN, f32::max) > 1.4, "he stands");
@@ -79,7 +88,8 @@ fn who_falls_again_while_getting_up_falls_without_a_jump() {
     for _ in 0..180 {
         stage.frame();
         let now = stage.places();
-        fastest = fastest.max(now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b)) / DT).fold(0.0, f32::max));
+        fastest =
+            fastest.max(now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b)) / DT).fold(0.0, f32::max));
         before = now;
     }
     println!("fastest joint at {fastest} m/s");

@@ -1,5 +1,11 @@
 //! Members that go limp as a whole: speed, pushes, limits, rest.
 
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "tests tell figures, and end where they cannot go on"
+)]
+
 mod common;
 
 use common::{DT, GRAVITY, Stage, beyond_limits, length, minus};
@@ -49,7 +55,9 @@ fn largest_jumps(frames_before: usize, limp: bool) -> [f32; 2] {
 fn the_first_steps_have_no_speed_jump() {
     for frames_before in [3, 10, 17, 24, 31] {
         let [walking, limp] = [false, true].map(|limp| largest_jumps(frames_before, limp));
-        println!("after {frames_before} frames: feet, rest change by {limp:.2?} m/s a frame, {walking:.2?} while walking");
+        println!(
+            "after {frames_before} frames: feet, rest change by {limp:.2?} m/s a frame, {walking:.2?} while walking"
+        );
         let falling = 9.81 * DT;
         assert!(limp[1] < walking[1].max(falling) + 0.1 && limp[0] < walking[0] + 1.0, "{limp:?} m/s");
     }
@@ -104,9 +112,13 @@ fn a_fallen_member_comes_to_rest_on_the_ground() {
     let lowest = now.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
     let highest = now.iter().map(|p| p[1]).fold(f32::MIN, f32::max);
     let moved = now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
-    let low = stage.skeleton().joints().min_by(|a, b| now[a.index()][1].total_cmp(&now[b.index()][1])).unwrap();
+    let low =
+        stage.skeleton().joints().min_by(|a, b| now[a.index()][1].total_cmp(&now[b.index()][1])).unwrap();
     println!("{} is lowest", stage.skeleton().name(low));
-    println!("joints lie from {lowest} to {highest} m; in half a second they move {moved} m; {:?}", stage.ragdolls.state(stage.member));
+    println!(
+        "joints lie from {lowest} to {highest} m; in half a second they move {moved} m; {:?}",
+        stage.ragdolls.state(stage.member)
+    );
     assert!(lowest > -0.06 && highest < 0.7 && moved < 0.02);
 }
 

@@ -1,11 +1,19 @@
 //! Bad input gets errors, or is harmless.
 
+#![expect(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "tests tell figures, and end where they cannot go on"
+)]
+
 mod common;
 
 use std::sync::Arc;
 
 use common::{DT, Stage};
-use populace::core::{Affine, Character, CharacterSource, JointIndex, JointSource, PaletteEntry, Skeleton, Trs};
+use populace::core::{
+    Affine, Character, CharacterSource, JointIndex, JointSource, PaletteEntry, Skeleton, Trs,
+};
 use populace::{Crowd, Device, Placement};
 use populace_physics::{Error, RagdollPlan, Ragdolls, State};
 
@@ -20,14 +28,26 @@ fn chain(steps: &[[f32; 3]]) -> Character {
     let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
     let (name, nothing) = ("chain".into(), || vec![]);
     let (materials, images, skins, clips) = (vec![], vec![], vec![], vec![]);
-    Character::new(CharacterSource { name, skeleton, palette, parts: nothing(), materials, images, skins, clips }).unwrap()
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts: nothing(),
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .unwrap()
 }
 
 #[test]
 fn odd_skeletons_fall_and_stay_finite() {
     let still = [0.0; 3];
     let bone = [0.0, 0.4, 0.0];
-    for steps in [vec![still], vec![bone], vec![still; 5], vec![bone, still, bone, still, bone], vec![[1e-6; 3]; 3]] {
+    for steps in
+        [vec![still], vec![bone], vec![still; 5], vec![bone, still, bone, still, bone], vec![[1e-6; 3]; 3]]
+    {
         let mut stage = Stage::new(chain(&steps), None, Placement::at([0.0, 1.0, 0.0]));
         stage.go_limp();
         let first = stage.plan.bodies()[0].joint();
@@ -45,7 +65,8 @@ fn odd_skeletons_fall_and_stay_finite() {
 
 #[test]
 fn numbers_that_would_poison_are_refused() {
-    let bad = |result: Result<(), Error>| assert!(matches!(result, Err(Error::BadValue { .. })), "{result:?}");
+    let bad =
+        |result: Result<(), Error>| assert!(matches!(result, Err(Error::BadValue { .. })), "{result:?}");
     assert!(matches!(Ragdolls::new([0.0, f32::NAN, 0.0]).err(), Some(Error::BadValue { .. })));
     let mut stage = Stage::walking_man();
     let hips = stage.joint("Pelvis");

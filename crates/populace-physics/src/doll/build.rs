@@ -5,7 +5,8 @@ use std::sync::Arc;
 use populace::core::{JointIndex, Skeleton};
 use populace::{Affine, Member};
 use rapier3d::prelude::{
-    ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties, RigidBodyBuilder, RigidBodyHandle,
+    ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties,
+    RigidBodyBuilder, RigidBodyHandle,
 };
 
 use super::{Carried, Doll, FASTEST_RAD_PER_SEC, Held};
@@ -78,7 +79,8 @@ fn capsule(recipe: &Recipe, world: &World, body: usize) -> Capsule {
     let scale = recipe.now.place.scale();
     let radius = body.radius_m * scale;
     let low = if from.y < to.y { from } else { to };
-    let clear = world.floor_under(low + Vector::Y * radius, 2.0 * radius).map_or(radius, |floor| low.y - floor);
+    let clear =
+        world.floor_under(low + Vector::Y * radius, 2.0 * radius).map_or(radius, |floor| low.y - floor);
     Capsule { from, to, radius: radius.min(clear).max(0.4 * radius).max(1e-4) }
 }
 
@@ -157,9 +159,18 @@ fn hold(recipe: &Recipe, world: &mut World, bodies: &[RigidBodyHandle], index: u
     let (parent_from_frame, limits) = fitted(recipe, plan, &upper, &now);
     let parent_frame = Pose::from_parts(upper.inverse_transform_point(now.translation), parent_from_frame);
     let body_frame = Pose::from_rotation(plan.head_from_frame);
-    let joint = world.physics.insert_impulse_joint(bodies[index], bodies[parent], joint(limits, body_frame, parent_frame));
+    let joint = world.physics.insert_impulse_joint(
+        bodies[index],
+        bodies[parent],
+        joint(limits, body_frame, parent_frame),
+    );
     if let Limits::Cone { twist_rad, .. } = limits {
-        let second = GenericJointBuilder::new(JointAxesMask::empty()).local_frame1(parent_frame).local_frame2(body_frame).contacts_enabled(false).limits(JointAxis::AngX, twist_rad).build();
+        let second = GenericJointBuilder::new(JointAxesMask::empty())
+            .local_frame1(parent_frame)
+            .local_frame2(body_frame)
+            .contacts_enabled(false)
+            .limits(JointAxis::AngX, twist_rad)
+            .build();
         world.physics.insert_impulse_joint(bodies[parent], bodies[index], second);
     }
     Some(Held { joint, limits, parent_from_frame, body_from_frame: plan.head_from_frame })

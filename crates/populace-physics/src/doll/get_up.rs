@@ -19,7 +19,8 @@ impl Doll {
         let upright = Rotation::from_rotation_arc((world_from_rest * Vector::Y).normalize(), Vector::Y);
         let front = upright * (world_from_rest * Vector::Z);
         let yaw_rad = front.x.atan2(front.z);
-        let aside = Rotation::from_rotation_y(yaw_rad) * (rest_place * Vector::new(1.0, 0.0, 1.0)) * place.scale();
+        let aside =
+            Rotation::from_rotation_y(yaw_rad) * (rest_place * Vector::new(1.0, 0.0, 1.0)) * place.scale();
         let [_, height, _] = place.position();
         let above = hips.translation + Vector::Y * 0.1 * place.scale();
         let floor = world.floor_under(above, FLOOR_WITHIN_M * place.scale()).unwrap_or(height);

@@ -149,7 +149,8 @@ impl<'a> Anatomy<'a> {
         let side = (away - self.front * away.dot(self.front)) * Vector::new(1.0, 0.0, 1.0);
         let side = side.normalize_or(Vector::ZERO);
         let degrees = |d: f32| d.to_radians();
-        let cone = |centre: Vector, swing: f32, twist: f32| self.cone(body, centre, degrees(swing), degrees(twist));
+        let cone =
+            |centre: Vector, swing: f32, twist: f32| self.cone(body, centre, degrees(swing), degrees(twist));
         if self.is_trunk[body] {
             return cone(bone, 25.0, 25.0);
         }
