@@ -20,6 +20,9 @@ pub(crate) use build::Recipe;
 /// As [`FASTEST_M_PER_SEC`], for turns.
 const FASTEST_RAD_PER_SEC: f32 = 40.0;
 
+/// For how long one who gets up still holds out against constraints, such as planted feet.
+const GRIP_SECS: f32 = 0.3;
+
 /// A joint that a limp body carries.
 struct Carried {
     joint: usize,
@@ -54,10 +57,19 @@ pub(crate) struct Fade {
 impl Fade {
     /// What is left of the ragdoll's weight: eased at both ends, 0 once it is over.
     pub(crate) fn weight(&self) -> f32 {
-        if self.elapsed_secs >= self.over_secs {
+        self.left(self.over_secs)
+    }
+
+    /// What is left of its hold against constraints.
+    fn grip(&self) -> f32 {
+        self.left(self.over_secs.min(GRIP_SECS))
+    }
+
+    fn left(&self, over_secs: f32) -> f32 {
+        if self.elapsed_secs >= over_secs {
             return 0.0;
         }
-        let t = self.elapsed_secs / self.over_secs;
+        let t = self.elapsed_secs / over_secs;
         1.0 - t * t * (3.0 - 2.0 * t)
     }
 }

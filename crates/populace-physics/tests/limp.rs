@@ -9,7 +9,7 @@
 mod common;
 
 use common::{DT, GRAVITY, Stage, beyond_limits, length, minus};
-use populace::Placement;
+use populace::{Feet, Foot, Placement};
 use populace_physics::{Ragdolls, State};
 
 /// How fast the built-in man walks in these tests, in m/s: the pace of his placement.
@@ -112,9 +112,6 @@ fn a_fallen_member_comes_to_rest_on_the_ground() {
     let lowest = now.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
     let highest = now.iter().map(|p| p[1]).fold(f32::MIN, f32::max);
     let moved = now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
-    let low =
-        stage.skeleton().joints().min_by(|a, b| now[a.index()][1].total_cmp(&now[b.index()][1])).unwrap();
-    println!("{} is lowest", stage.skeleton().name(low));
     println!(
         "joints lie from {lowest} to {highest} m; in half a second they move {moved} m; {:?}",
         stage.ragdolls.state(stage.member)
@@ -181,6 +178,33 @@ fn two_members_fall_on_each_other() {
     stage.frames(2);
     assert_eq!(stage.ragdolls.state(other), State::Animated);
     assert!(stage.places().iter().flatten().all(|v| v.is_finite()));
+}
+
+#[test]
+fn constraints_do_not_move_who_is_limp() {
+    let fall = |planted: bool| {
+        let mut stage = Stage::walking_man();
+        if planted {
+            let foot = |side: &str| Foot {
+                hip: stage.joint(&format!("{side}Thigh")),
+                knee: stage.joint(&format!("{side}Shin")),
+                ankle: stage.joint(&format!("{side}Foot")),
+            };
+            let feet = vec![foot("Left"), foot("Right")];
+            let feet = Feet { pelvis: stage.joint("Pelvis"), feet, weight: 1.0 };
+            stage.go_limp();
+            stage.frames(2);
+            stage.crowd.plant_with(stage.member, &feet).unwrap();
+        } else {
+            stage.go_limp();
+            stage.frames(2);
+        }
+        stage.frames(40);
+        stage.places()
+    };
+    let apart = fall(true).iter().zip(&fall(false)).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
+    println!("joints are {apart} m apart at most");
+    assert!(apart < 1e-4);
 }
 
 #[test]
