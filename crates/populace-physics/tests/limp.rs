@@ -8,7 +8,7 @@
 
 mod common;
 
-use common::{DT, GRAVITY, Stage, beyond_limits, length, minus};
+use common::{DT, GRAVITY, Stage, beyond_limits, chain, length, minus};
 use populace::{Feet, Foot, Placement};
 use populace_physics::{Ragdolls, State};
 
@@ -61,6 +61,30 @@ fn the_first_steps_have_no_speed_jump() {
         let falling = 9.81 * DT;
         assert!(limp[1] < walking[1].max(falling) + 0.1 && limp[0] < walking[0] + 1.0, "{limp:?} m/s");
     }
+}
+
+#[test]
+fn what_spins_goes_on_spinning() {
+    let turn = 0.05; // in a frame: 3 rad/s
+    let mut stage = Stage::new(chain(&[[0.0; 3]]), None, Placement::at([0.0, 5.0, 0.0]));
+    stage.ragdolls = Ragdolls::new([0.0; 3]).unwrap();
+    stage.go_limp();
+    let mut heading = 0.0;
+    let mut seen = Vec::new();
+    for _ in 0..6 {
+        stage.ragdolls.step(&mut stage.crowd, DT).unwrap();
+        if stage.ragdolls.state(stage.member) == State::GoingLimp {
+            heading += turn;
+            stage.crowd.place(stage.member, Placement::at([0.0, 5.0, 0.0]).facing(heading)).unwrap();
+        }
+        stage.crowd.update(DT).unwrap();
+        let world_from_model = stage.crowd.placement(stage.member).unwrap().world_from_model();
+        let rows = world_from_model.mul(&stage.joints()[0]).rows;
+        seen.push(rows[0][2].atan2(rows[2][2]));
+    }
+    let turns: Vec<f32> = seen.windows(2).map(|w| w[1] - w[0]).collect();
+    println!("it turns by {turns:.4?} rad a frame, and by {turn} before");
+    assert!(turns.iter().all(|t| (t - turn).abs() < 0.1 * turn));
 }
 
 #[test]

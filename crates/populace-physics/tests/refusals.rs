@@ -10,36 +10,9 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{DT, Stage};
-use populace::core::{
-    Affine, Character, CharacterSource, JointIndex, JointSource, PaletteEntry, Skeleton, Trs,
-};
-use populace::{Crowd, Device, Placement};
+use common::{DT, Stage, chain};
+use populace::{Crowd, Device, JointIndex, Placement};
 use populace_physics::{Error, RagdollPlan, Ragdolls, State};
-
-/// A chain of joints, each as far from the last as told.
-fn chain(steps: &[[f32; 3]]) -> Character {
-    let joint = |(index, step): (usize, &[f32; 3])| JointSource {
-        name: format!("joint {index}"),
-        parent: index.checked_sub(1),
-        rest: Trs { translation: *step, ..Trs::IDENTITY },
-    };
-    let skeleton = Skeleton::new(&steps.iter().enumerate().map(joint).collect::<Vec<_>>()).unwrap();
-    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
-    let (name, nothing) = ("chain".into(), || vec![]);
-    let (materials, images, skins, clips) = (vec![], vec![], vec![], vec![]);
-    Character::new(CharacterSource {
-        name,
-        skeleton,
-        palette,
-        parts: nothing(),
-        materials,
-        images,
-        skins,
-        clips,
-    })
-    .unwrap()
-}
 
 #[test]
 fn odd_skeletons_fall_and_stay_finite() {

@@ -157,21 +157,12 @@ fn hold(recipe: &Recipe, world: &mut World, bodies: &[RigidBodyHandle], index: u
     let now = recipe.now.pose(body.head);
     let upper = recipe.now.pose(recipe.plan.bodies()[parent].head);
     let (parent_from_frame, limits) = fitted(recipe, plan, &upper, &now);
-    let parent_frame = Pose::from_parts(upper.inverse_transform_point(now.translation), parent_from_frame);
-    let body_frame = Pose::from_rotation(plan.head_from_frame);
-    let joint = world.physics.insert_impulse_joint(
-        bodies[index],
-        bodies[parent],
-        joint(limits, body_frame, parent_frame),
-    );
+    let upper_frame = Pose::from_parts(upper.inverse_transform_point(now.translation), parent_from_frame);
+    let frames = [Pose::from_rotation(plan.head_from_frame), upper_frame];
+    let joint = world.physics.insert_impulse_joint(bodies[index], bodies[parent], joint(limits, frames));
     if let Limits::Cone { twist_rad, .. } = limits {
-        let second = GenericJointBuilder::new(JointAxesMask::empty())
-            .local_frame1(parent_frame)
-            .local_frame2(body_frame)
-            .contacts_enabled(false)
-            .limits(JointAxis::AngX, twist_rad)
-            .build();
-        world.physics.insert_impulse_joint(bodies[parent], bodies[index], second);
+        let seen_from_above = twist_alone(twist_rad, frames);
+        world.physics.insert_impulse_joint(bodies[parent], bodies[index], seen_from_above);
     }
     Some(Held { joint, limits, parent_from_frame, body_from_frame: plan.head_from_frame })
 }
@@ -202,11 +193,11 @@ fn widened([least, most]: [f32; 2], now: f32) -> [f32; 2] {
     [least, if now > most { now + SLACK_RAD } else { most }]
 }
 
-/// Rapier measures a turn about the first body's axis, so the held body comes first: turning it about its own length
-/// is then measured rightly however far it swings.
-fn joint(limits: Limits, body_frame: Pose, parent_frame: Pose) -> GenericJoint {
+/// Rapier holds a turn against the first body's axis, so the held body comes first: turning it about its own length is
+/// then held rightly however far it swings.
+fn joint(limits: Limits, [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     let frames = |axes| {
-        let joint = GenericJointBuilder::new(axes).local_frame1(body_frame).local_frame2(parent_frame);
+        let joint = GenericJointBuilder::new(axes).local_frame1(body_frame).local_frame2(upper_frame);
         joint.contacts_enabled(false)
     };
     match limits {
@@ -219,6 +210,14 @@ fn joint(limits: Limits, body_frame: Pose, parent_frame: Pose) -> GenericJoint {
             .limits(JointAxis::AngY, [-1.0, swing_rad])
             .build(),
     }
+}
+
+/// The same twist held against the upper body's axis. Without it, what rolls around its cone twists unheld, since neither
+/// axis alone is the one that a twist is measured about: that lies between them.
+fn twist_alone(twist_rad: [f32; 2], [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
+    let joint = GenericJointBuilder::new(JointAxesMask::empty());
+    let joint = joint.local_frame1(upper_frame).local_frame2(body_frame).contacts_enabled(false);
+    joint.limits(JointAxis::AngX, twist_rad).build()
 }
 
 /// How a joint goes along with a limp body.

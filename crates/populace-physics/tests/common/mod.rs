@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use populace::core::{Affine, Character, Skeleton};
+use populace::core::{Affine, Character, CharacterSource, JointSource, PaletteEntry, Skeleton, Trs};
 use populace::{CharacterId, Crowd, Device, JointIndex, Member, Placement, Play};
 use populace_physics::{Bend, Limits, RagdollPlan, Ragdolls};
 
@@ -97,4 +97,28 @@ pub(crate) fn beyond_limits(bend: &Bend) -> f32 {
         }
         _ => unreachable!(),
     }
+}
+
+/// A chain of joints, each as far from the last as told.
+pub(crate) fn chain(steps: &[[f32; 3]]) -> Character {
+    let joint = |(index, step): (usize, &[f32; 3])| JointSource {
+        name: format!("joint {index}"),
+        parent: index.checked_sub(1),
+        rest: Trs { translation: *step, ..Trs::IDENTITY },
+    };
+    let skeleton = Skeleton::new(&steps.iter().enumerate().map(joint).collect::<Vec<_>>()).unwrap();
+    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
+    let (name, nothing) = ("chain".into(), || vec![]);
+    let (materials, images, skins, clips) = (vec![], vec![], vec![], vec![]);
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts: nothing(),
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .unwrap()
 }
