@@ -17,6 +17,7 @@ use populace_core::{
 
 use crate::device::{Engine, Opened};
 use crate::error::nearest_names;
+use crate::split::Kept;
 use crate::{Devices, Error, Placement, Split};
 
 pub use builder::CrowdBuilder;
@@ -112,6 +113,8 @@ pub struct Crowd {
     /// Of members that more than clips move, by place.
     controls: HashMap<u32, MemberControls>,
     watches: Watches,
+    /// What another device kept of members, for the next one.
+    kept: Option<Kept>,
     /// Where devices have the lengths of joints, by those.
     proportions: HashMap<Vec<u32>, u32>,
     member_count: usize,
@@ -174,7 +177,10 @@ impl Crowd {
     /// A device that is not there or cannot be opened, or [`Error::BadDevices`]; the crowd then stays where it is.
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
-        self.opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;
+        let opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;
+        // A device that was lost keeps nothing any more: feet then come down anew.
+        self.kept = Kept::read(self.opened.backend_mut(), &self.tables).ok();
+        self.opened = opened;
         self.devices = devices;
         self.tables.mark_dirty();
         Ok(())
@@ -346,6 +352,9 @@ impl Crowd {
         let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
         self.opened.backend_mut().update(&self.tables)?;
         self.tables.mark_clean();
+        if let Some(kept) = self.kept.take() {
+            kept.write(self.opened.backend_mut())?;
+        }
         let frame = Frame::of_all(clock.tick).after_ticks(u32::try_from(whole).unwrap_or(u32::MAX));
         self.opened.backend_mut().run(&self.tables, frame)?;
         self.clock = clock;

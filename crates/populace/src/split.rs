@@ -1,6 +1,7 @@
 //! Several devices that evaluate one crowd: each takes the members of one range of places, all at the same time.
 
 mod balance;
+mod kept;
 mod places;
 
 use std::ops::Range;
@@ -15,6 +16,8 @@ use populace_core::{
 
 use balance::Balance;
 use places::{Places, Run};
+
+pub(crate) use kept::Kept;
 
 /// Elements of a page of palettes.
 const PAGE: usize = PAGE_ENTRIES as usize * 3;
@@ -137,6 +140,26 @@ impl SplitBackend {
         (place.and_then(of_place).unwrap_or(0), (element / block + 1) * block)
     }
 
+    /// Lets every device have what each keeps of its members, and what of them is watched: a member's next frame may be
+    /// another device's, and so may those that look at it. This waits for all devices, and nothing is done where there is
+    /// nothing to share.
+    fn share_kept(&mut self, tables: &Tables) -> Result<(), BackendError> {
+        let mut all = Kept::default();
+        if !all.make_room(tables) {
+            return Ok(());
+        }
+        for at in 0..self.parts.len() {
+            let own = Kept::read(&mut *self.parts[at].backend, tables)?;
+            let places = self.parts[at].places.clone();
+            for (_, member) in
+                (0..).zip(tables.members().as_slice()).filter(|(place, _)| places.contains(place))
+            {
+                all.take_over(&own, tables, member);
+            }
+        }
+        self.parts.iter_mut().try_for_each(|part| all.write(&mut *part.backend))
+    }
+
     /// Brings the palettes that other devices wrote into the pages of the first.
     fn gather(&mut self) -> Result<(), BackendError> {
         let Self { parts, places, is_gathered, page, .. } = self;
@@ -232,7 +255,8 @@ impl Backend for SplitBackend {
             self.divide();
         }
         self.is_gathered = false;
-        self.parts.iter_mut().try_for_each(|part| part.backend.run_stage(tables, part.own(frame), stage))
+        self.parts.iter_mut().try_for_each(|part| part.backend.run_stage(tables, part.own(frame), stage))?;
+        if stage == Stage::Transform { self.share_kept(tables) } else { Ok(()) }
     }
 
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
@@ -241,7 +265,7 @@ impl Backend for SplitBackend {
         self.at_work(true).try_for_each(|part| part.run(tables, frame))?;
         run_together(self.at_work(false), tables, frame)?;
         self.is_measurable = true;
-        Ok(())
+        self.share_kept(tables)
     }
 
     fn runs_ahead(&self) -> bool {

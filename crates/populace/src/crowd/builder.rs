@@ -108,6 +108,7 @@ impl CrowdBuilder {
             members: Vec::new(),
             controls: HashMap::new(),
             watches: Watches::default(),
+            kept: None,
             proportions: HashMap::new(),
             member_count: 0,
             capacity: self.capacity,

@@ -5,7 +5,7 @@ use populace::{Feet, Foot, Ground, Placement, Play};
 
 use crate::body::{distance, everywhere, joint};
 
-fn feet() -> Feet {
+pub(crate) fn feet() -> Feet {
     let foot = |side: &str| Foot {
         hip: joint(&format!("{side}UpperLeg")),
         knee: joint(&format!("{side}LowerLeg")),

@@ -7,7 +7,7 @@ use crate::body::{Stage, everywhere, joint};
 
 const LIMITS: GazeLimits = GazeLimits { yaw_rad: 1.3, up_rad: 0.7, down_rad: 0.9 };
 
-fn gaze() -> Gaze {
+pub(crate) fn gaze() -> Gaze {
     let chain = [("spine", 0.15), ("chest", 0.15), ("neck", 0.3), ("head", 0.4)];
     let chain = chain.map(|(name, share)| (joint(name), share)).to_vec();
     Gaze { chain, facing: [0.0, 0.0, 1.0], limits: LIMITS, targets: Vec::new() }

@@ -5,5 +5,6 @@
 mod body;
 mod feet;
 mod gaze;
+mod moves;
 mod overrides;
 mod reach;

@@ -1,0 +1,63 @@
+//! What devices keep of members from frame to frame, on its way from one device to another.
+
+use std::ops::Range;
+
+use populace_core::layout::{Float4, Member, NONE, STATES_PER_CONTROL, STEP_WATCH, WATCHED_ELEMENTS};
+use populace_core::{Backend, BackendError, StageBuffer, Tables};
+
+/// States of all controls, and what is watched.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Kept {
+    states: Vec<Float4>,
+    watched: Vec<Float4>,
+}
+
+impl Kept {
+    /// Makes room for what the tables hold; `false` where that is nothing.
+    pub(super) fn make_room(&mut self, tables: &Tables) -> bool {
+        self.states.resize(tables.state_elements(), Float4::default());
+        self.watched.resize(tables.watched_elements(), Float4::default());
+        !self.states.is_empty() || !self.watched.is_empty()
+    }
+
+    /// What a device keeps, waiting for its last frame.
+    pub(crate) fn read(backend: &mut dyn Backend, tables: &Tables) -> Result<Self, BackendError> {
+        let mut kept = Self::default();
+        if kept.make_room(tables) {
+            backend.read(tables, StageBuffer::States, 0, &mut kept.states)?;
+            backend.read(tables, StageBuffer::Watched, 0, &mut kept.watched)?;
+        }
+        Ok(kept)
+    }
+
+    /// Takes over what `from` has of a member.
+    pub(super) fn take_over(&mut self, from: &Self, tables: &Tables, member: &Member) {
+        if member.body == NONE || member.control == NONE {
+            return;
+        }
+        copy(&mut self.states, &from.states, elements(member.control, STATES_PER_CONTROL));
+        let control = &tables.controls().as_slice()[member.control as usize];
+        let first = control.step_first as usize;
+        let steps = &tables.steps().as_slice()[first..first + control.step_count as usize];
+        for step in steps.iter().filter(|step| step.kind == STEP_WATCH) {
+            copy(&mut self.watched, &from.watched, elements(step.index, WATCHED_ELEMENTS));
+        }
+    }
+
+    /// Gives it to a device that took over the tables that it was read with, or larger ones.
+    pub(crate) fn write(&self, backend: &mut dyn Backend) -> Result<(), BackendError> {
+        backend.write(StageBuffer::States, 0, &self.states)?;
+        backend.write(StageBuffer::Watched, 0, &self.watched)
+    }
+}
+
+fn elements(index: u32, each: u32) -> Range<usize> {
+    let first = (index * each) as usize;
+    first..first + each as usize
+}
+
+fn copy(to: &mut [Float4], from: &[Float4], elements: Range<usize>) {
+    if let (Some(to), Some(from)) = (to.get_mut(elements.clone()), from.get(elements)) {
+        to.copy_from_slice(from);
+    }
+}
