@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 /// Runs the example as a reader would, built as it stands now.
 fn run(file: &Path, secs: &str) -> Output {
     let cargo = ["run", "--quiet", "--offline", "--package", "populace-cli", "--example", "ragdoll", "--"];
-    Command::new(env!("CARGO")).args(cargo).arg(file).arg(secs).output().unwrap()
+    Command::new(env!("CARGO")).args(cargo).arg(file).arg(secs).output().expect("cargo runs")
 }
 
 /// How many pixels differ clearly between two pictures.
