@@ -1,6 +1,7 @@
 //! What `populace bench` measures: its scene, the timing, and the check against the oracle.
 
 mod baked;
+mod changes;
 mod chart;
 mod check;
 mod constraints;

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Device, Devices, Schedule, Split};
 
 use crate::bench::{Load, Way};
+use crate::mix::{LayerArg, SlotArg};
 
 /// Animates and draws crowds in which every member has the full character pipeline.
 #[derive(Debug, Parser)]
@@ -157,6 +158,14 @@ pub(crate) struct PoseArgs {
     /// Time on the clip's own axis in seconds, not wrapped
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(crate) time: f32,
+    /// Mix this clip, by name or by index, standing at a time on its own axis; can be repeated, up to 8 times [weight 1
+    /// among the clips of its layer, layer 0]. A backslash quotes a comma, an equals sign or a backslash in a name
+    #[arg(long, value_name = "clip=C,time=S,weight=W,layer=L", conflicts_with_all = ["clip", "time"])]
+    pub(crate) slot: Vec<SlotArg>,
+    /// Lay layer 1, 2 or 3 over those below it, for this joint and what hangs on it, with its weight, replacing them or
+    /// adding to them; can be repeated [all joints, weight 1]
+    #[arg(long, value_name = "L,mask=JOINT,additive,weight=W")]
+    pub(crate) layer: Vec<LayerArg>,
     /// Also give skinned vertices, in scene space
     #[arg(long)]
     pub(crate) vertices: bool,

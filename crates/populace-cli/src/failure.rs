@@ -51,6 +51,7 @@ impl From<populace::Error> for Failure {
         match error {
             Error::Backend(BackendError::NoRuntime) | Error::WithoutOpenCl => Self::NoDevice(error.into()),
             Error::Backend(BackendError::NoDevice { .. } | BackendError::NoPart { .. })
+            | Error::Data(populace::core::Error::UnknownJoints { .. })
             | Error::UnknownClip { .. }
             | Error::UnknownDevice { .. }
             | Error::BadDevices { .. }

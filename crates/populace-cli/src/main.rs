@@ -8,6 +8,7 @@ mod cast;
 mod cli;
 mod commands;
 mod failure;
+mod mix;
 mod placement;
 mod report;
 mod skin;

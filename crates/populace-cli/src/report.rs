@@ -18,6 +18,11 @@ pub(crate) fn text(text: &str) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
+/// A number as it was typed, not its nearest f32 written out in full.
+pub(crate) fn as_typed(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
+}
+
 /// Says something on stderr, formatted as by `format!`. Where nobody can hear it, that is no reason to stop.
 macro_rules! talk {
     ($($text:tt)*) => {

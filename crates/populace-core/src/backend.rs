@@ -292,6 +292,26 @@ pub trait Backend: PaletteSource + Send {
     /// A failing device.
     fn finish(&mut self) -> Result<(), BackendError>;
 
+    /// Lets what is watched come to the host as of the last frame, which was that of a clock, without waiting for it. A
+    /// device that is frames behind leaves it out.
+    ///
+    /// # Errors
+    ///
+    /// A failing device.
+    fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError>;
+
+    /// The newest of what was watched that has come to the host, and the clock when it was so; `None` before the first.
+    ///
+    /// # Errors
+    ///
+    /// A failing device.
+    fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError>;
+
+    /// How often the host has waited for a device of this kind since the process began. Frames do not make it wait.
+    fn waits(&self) -> u64 {
+        0
+    }
+
     /// Milliseconds of device time that the last frame took, where the device measures it and has finished.
     fn frame_time_ms(&mut self) -> Option<f64>;
 

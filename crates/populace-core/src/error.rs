@@ -1,6 +1,7 @@
 //! What can be wrong with the data of a crowd.
 
 use crate::Property;
+use crate::names::UnknownName;
 
 /// Data that does not describe a crowd. Messages say what is wrong, where, and the rule.
 #[non_exhaustive]
@@ -92,6 +93,12 @@ pub enum Error {
     BadConstraint {
         /// What is wrong and what the rule is.
         what: String,
+    },
+    /// Joint names that the skeleton does not have.
+    #[error("{}", joints.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    UnknownJoints {
+        /// All of them, each with the nearest names.
+        joints: Vec<UnknownName>,
     },
     /// An index that points at nothing a device could follow.
     #[error("there is no {what} {value} for this member")]

@@ -33,6 +33,7 @@ mod f64math;
 mod hand_over;
 pub mod layout;
 pub mod math;
+mod names;
 mod playback;
 mod skeleton;
 mod tables;
@@ -54,6 +55,7 @@ pub use hand_over::{
     SharedPage, TargetMark,
 };
 pub use math::{Affine, Trs};
+pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use playback::{LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs};
 pub use skeleton::{JointIndex, JointSource, Skeleton};
 pub use tables::{BodyIndex, Ground, Table, Tables};

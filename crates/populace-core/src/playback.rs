@@ -1,10 +1,14 @@
 //! Slots, layers and masks: which clips a member plays, and how they are mixed.
 
+mod mask;
+mod pace;
+
 use crate::layout::{
     LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LOOP, SLOT_MODE_BITS, SLOT_ONCE,
     SLOTS_MOST, Slot,
 };
-use crate::{Error, JointIndex, Skeleton};
+
+pub use mask::Mask;
 
 /// The most slots that a member can have.
 pub const MAX_SLOTS: usize = SLOTS_MOST as usize;
@@ -65,6 +69,17 @@ impl Slot {
     #[must_use]
     pub fn held(bound_clip: u32, tick: u64, held_secs: f32) -> Self {
         Self { start_phase: held_secs.to_bits(), ..Self::still(bound_clip, tick, SLOT_HELD) }
+    }
+
+    /// A slot that loops in a phase that others share: one of a blend space. `phase` is that at `tick`, in 2^-64 of a
+    /// cycle, and `cycles_per_sec` how fast it runs, whatever the clip's own length.
+    #[must_use]
+    pub fn in_phase(bound_clip: u32, tick: u64, phase: u64, cycles_per_sec: f64) -> Self {
+        Self {
+            start_phase: upper_half(phase),
+            phase_rate: rate_from_cycles(cycles_per_sec),
+            ..Self::still(bound_clip, tick, SLOT_LOOP)
+        }
     }
 
     fn still(bound_clip: u32, tick: u64, mode: u32) -> Self {
@@ -143,8 +158,7 @@ impl Slot {
             return self.held_secs();
         }
         let elapsed = tick.wrapping_sub(self.start_tick);
-        let mut phase =
-            (u64::from(self.start_phase) << 32).wrapping_add(elapsed.wrapping_mul(self.phase_rate));
+        let mut phase = self.phase_at(tick);
         if self.mode() == SLOT_ONCE {
             let backwards = self.phase_rate >> 63 != 0;
             let rate = if backwards { self.phase_rate.wrapping_neg() } else { self.phase_rate };
@@ -159,6 +173,10 @@ impl Slot {
     }
 }
 
+const fn upper_half(phase: u64) -> u32 {
+    (phase >> 32) as u32
+}
+
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -168,17 +186,18 @@ fn fraction(phase: f64) -> u32 {
     (phase.rem_euclid(1.0) * 4_294_967_296.0) as u32
 }
 
+/// The phase per tick, in 2^-64 of a cycle, two's complement, of so many cycles per second.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "two's complement carries the sign"
 )]
+pub(crate) fn rate_from_cycles(per_sec: f64) -> u64 {
+    (per_sec / TICKS_PER_SEC as f64 * 18_446_744_073_709_551_616.0) as i64 as u64
+}
+
 fn phase_rate(duration_secs: f32, speed: f32) -> u64 {
-    if duration_secs <= 0.0 {
-        return 0;
-    }
-    let cycles_per_tick = f64::from(speed) / f64::from(duration_secs) / TICKS_PER_SEC as f64;
-    (cycles_per_tick * 18_446_744_073_709_551_616.0) as i64 as u64
+    if duration_secs <= 0.0 { 0 } else { rate_from_cycles(f64::from(speed) / f64::from(duration_secs)) }
 }
 
 /// The phase per tick with which one cycle fills in just so many ticks as its time rounds to: rounded up, so that it
@@ -245,45 +264,6 @@ impl Layer {
     #[must_use]
     pub const fn is_additive(&self) -> bool {
         self.mask_and_mode & LAYER_ADDITIVE != 0
-    }
-}
-
-/// A weight per joint of one skeleton: 1 = affected, 0 = left alone.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mask {
-    weights: Vec<f32>,
-}
-
-impl Mask {
-    /// From one weight per joint, in level order.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadMask`] where the number of weights is not the number of joints, or one is not from 0 to 1.
-    pub fn new(skeleton: &Skeleton, weights: Vec<f32>) -> Result<Self, Error> {
-        let good = weights.len() == skeleton.joint_count() && weights.iter().all(|w| (0.0..=1.0).contains(w));
-        if good {
-            Ok(Self { weights })
-        } else {
-            Err(Error::BadMask { weights: weights.len(), joints: skeleton.joint_count() })
-        }
-    }
-
-    /// Weight 1 for a joint and all that hangs on it, 0 for the rest.
-    #[must_use]
-    pub fn subtree(skeleton: &Skeleton, root: JointIndex) -> Self {
-        let mut weights = vec![0.0; skeleton.joint_count()];
-        for joint in skeleton.joints() {
-            let inherited = skeleton.parent(joint).map_or(0.0, |p| weights[p.index()]);
-            weights[joint.index()] = if joint == root { 1.0 } else { inherited };
-        }
-        Self { weights }
-    }
-
-    /// The weight of each joint, in level order.
-    #[must_use]
-    pub fn weights(&self) -> &[f32] {
-        &self.weights
     }
 }
 

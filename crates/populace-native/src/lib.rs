@@ -58,6 +58,8 @@ pub struct NativeBackend {
     reading: Option<Reading>,
     last: Frame,
     keeping: Keeping,
+    /// What was watched when it was last asked for, and the clock then.
+    fetched: (Option<u64>, Vec<Float4>),
     frame_ms: Option<f64>,
     samples: Vec<SlotSample>,
     joints: JointBuffer,
@@ -106,6 +108,7 @@ impl NativeBackend {
             reading: None,
             last: Frame::of_all(0),
             keeping: Keeping::default(),
+            fetched: (None, Vec::new()),
             frame_ms: None,
             samples: Vec::new(),
             joints: JointBuffer::default(),
@@ -302,6 +305,18 @@ impl Backend for NativeBackend {
 
     fn finish(&mut self) -> Result<(), BackendError> {
         Ok(())
+    }
+
+    fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError> {
+        let (kept_at, watched) = &mut self.fetched;
+        *kept_at = Some(tick);
+        watched.clear();
+        watched.extend_from_slice(self.keeping.watched.get(..tables.watched_elements()).unwrap_or(&[]));
+        Ok(())
+    }
+
+    fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError> {
+        Ok(self.fetched.0.map(|tick| (tick, self.fetched.1.as_slice())))
     }
 
     fn frame_time_ms(&mut self) -> Option<f64> {

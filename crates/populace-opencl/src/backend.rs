@@ -21,7 +21,7 @@ use crate::program::Form;
 use crate::staged::{CPU_SHAPE, GPU_SHAPE, Shape, Staged};
 use crate::tables::DeviceTables;
 use crate::upload::{Copies, Uploader};
-use crate::{DeviceKind, OpenClDevice};
+use crate::{DeviceKind, OpenClDevice, waits};
 
 /// Evaluates crowds on an OpenCL device.
 pub struct OpenClBackend {
@@ -143,7 +143,7 @@ impl OpenClBackend {
             let launch = Launch::of(kernel).buffer("palette", page).uint("count", narrow(page.len()));
             events.push(launch.run(&self.queue, [items, 1], [group, 1])?);
         }
-        self.queue.finish()?;
+        waits::for_queue(&self.queue)?;
         Ok(time_ms(&events).unwrap_or(0.0))
     }
 }
@@ -273,7 +273,20 @@ impl Backend for OpenClBackend {
     }
 
     fn finish(&mut self) -> Result<(), BackendError> {
-        self.queue.finish().map_err(|e| self.device.failed("finish its work", &e))
+        waits::for_queue(&self.queue).map_err(|e| self.device.failed("finish its work", &e))
+    }
+
+    fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError> {
+        let result = self.keeping.fetch(&self.queue, tick, tables.watched_elements());
+        result.map_err(|e| self.device.failed("bring what is watched to the host", &e))
+    }
+
+    fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError> {
+        self.keeping.fetched().map_err(|e| self.device.failed("bring what is watched to the host", &e))
+    }
+
+    fn waits(&self) -> u64 {
+        waits::count()
     }
 
     fn frame_time_ms(&mut self) -> Option<f64> {

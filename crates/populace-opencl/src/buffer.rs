@@ -8,7 +8,7 @@ use std::ffi::c_void;
 use std::ops::Range;
 use std::ptr;
 
-use opencl3::command_queue::{CommandQueue, enqueue_write_buffer};
+use opencl3::command_queue::{CommandQueue, enqueue_read_buffer, enqueue_write_buffer};
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
 use opencl3::memory::{Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem};
@@ -19,7 +19,7 @@ use populace_core::layout::{
     Link, Member, Override, RowBlock, Slot, SlotSample, Source, Step, Target,
 };
 
-use crate::OpenClDevice;
+use crate::{OpenClDevice, waits};
 
 /// A type that kernels know by name.
 pub(crate) trait Element: bytemuck::Pod {
@@ -51,10 +51,20 @@ pub(crate) struct Staging {
 }
 
 impl Staging {
+    /// Whether no device reads the words any longer.
+    pub(crate) fn is_done(&self) -> Result<bool, ClError> {
+        for read in &self.reads {
+            if !waits::is_done(read)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
     /// The words, to be changed: waits until no device reads them any longer.
     pub(crate) fn words(&mut self) -> Result<&mut Vec<u32>, ClError> {
         for read in &self.reads {
-            read.wait()?;
+            waits::for_event(read)?;
         }
         self.reads.clear();
         Ok(&mut self.words)
@@ -76,6 +86,41 @@ pub(crate) struct Buffer<T> {
     len: usize,
     /// Elements that the memory has room for.
     capacity: usize,
+}
+
+/// Elements on their way from a device, which writes them in its own time.
+#[derive(Default)]
+pub(crate) struct Landing<T> {
+    elements: Vec<T>,
+    /// The read that writes them, perhaps not done.
+    read: Option<Event>,
+}
+
+impl<T> Landing<T> {
+    /// Whether nothing is on its way any longer.
+    pub(crate) fn is_done(&mut self) -> Result<bool, ClError> {
+        if let Some(read) = &self.read
+            && !waits::is_done(read)?
+        {
+            return Ok(false);
+        }
+        self.read = None;
+        Ok(true)
+    }
+
+    /// What has landed: nothing while it is on its way.
+    pub(crate) fn elements(&self) -> &[T] {
+        if self.read.is_none() { &self.elements } else { &[] }
+    }
+}
+
+impl<T> Drop for Landing<T> {
+    fn drop(&mut self) {
+        if let Some(read) = &self.read {
+            // The device writes into `elements` until then. Nobody can be told of an error here.
+            let _done = waits::for_event(read);
+        }
+    }
 }
 
 impl<T: Element> Buffer<T> {
@@ -145,6 +190,7 @@ impl<T: Element> Buffer<T> {
     pub(crate) fn write(&mut self, queue: &CommandQueue, first: usize, from: &[T]) -> Result<(), ClError> {
         self.check(first, from.len())?;
         if !from.is_empty() {
+            waits::begin();
             // SAFETY: the range was checked, and the write blocks, so `from` outlives it.
             unsafe {
                 queue.enqueue_write_buffer(&mut self.memory, CL_BLOCKING, first * size_of::<T>(), from, &[])
@@ -184,10 +230,36 @@ impl<T: Element> Buffer<T> {
     pub(crate) fn read(&self, queue: &CommandQueue, first: usize, into: &mut [T]) -> Result<(), ClError> {
         self.check(first, into.len())?;
         if !into.is_empty() {
+            waits::begin();
             // SAFETY: the range was checked, the read blocks, so `into` outlives it, and any bytes are a `T`.
             unsafe {
                 queue.enqueue_read_buffer(&self.memory, CL_BLOCKING, first * size_of::<T>(), into, &[])
             }?;
+        }
+        Ok(())
+    }
+
+    /// Copies the first elements from the device without waiting, into a landing that has nothing on its way.
+    pub(crate) fn read_later(
+        &self,
+        queue: &CommandQueue,
+        count: usize,
+        into: &mut Landing<T>,
+    ) -> Result<(), ClError> {
+        self.check(0, count)?;
+        if into.read.is_some() {
+            return Err(ClError(INVALID_VALUE));
+        }
+        into.elements.resize(count, T::zeroed());
+        if count > 0 {
+            let (bytes, address) = (count * size_of::<T>(), into.elements.as_mut_ptr().cast());
+            let (queue, memory) = (queue.get(), self.memory.get());
+            // SAFETY: the range was checked. `into` neither shows, changes nor frees its elements before the event kept
+            // here is done, any bytes are a `T`, and the driver counts references to the buffer.
+            let event = unsafe {
+                enqueue_read_buffer(queue, memory, CL_NON_BLOCKING, 0, bytes, address, 0, ptr::null())
+            };
+            into.read = Some(Event::new(event.map_err(ClError)?));
         }
         Ok(())
     }
@@ -209,6 +281,7 @@ impl<T: Element> Buffer<T> {
             return Ok(());
         }
         let mut address = ptr::null_mut();
+        waits::begin();
         // SAFETY: the whole buffer is mapped, and the call blocks until the mapping is valid.
         unsafe {
             queue.enqueue_map_buffer(
@@ -226,6 +299,6 @@ impl<T: Element> Buffer<T> {
         reader(unsafe { std::slice::from_raw_parts(address.cast::<T>(), self.len) });
         // SAFETY: the address is the one that mapping this buffer gave; the slice is gone.
         unsafe { queue.enqueue_unmap_mem_object(self.memory.get(), address, &[]) }?;
-        queue.finish()
+        waits::for_queue(queue)
     }
 }

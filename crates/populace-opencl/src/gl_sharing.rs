@@ -21,6 +21,7 @@ use populace_core::{BackendError, GlContext, MappedPage, PAGE_SETS, PaletteTarge
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
+use crate::waits;
 
 const EXTENSION: &str = "cl_khr_gl_sharing";
 // Names of the properties of a context, from the specifications of OpenCL 1.0 and cl_khr_gl_sharing.
@@ -169,7 +170,7 @@ impl LentPages {
             // SAFETY: as in `acquire`; they were acquired on the same queue.
             unsafe { self.queue.enqueue_release_gl_objects(&self.shared_objects(), &[]) }?;
             self.acquired = false;
-            self.queue.finish()?;
+            waits::for_queue(&self.queue)?;
         }
         Ok(())
     }
@@ -183,7 +184,7 @@ impl LentPages {
 impl Drop for LentPages {
     fn drop(&mut self) {
         // The driver counts references to its own memory, but lent memory goes when its lender does.
-        if self.release().and_then(|()| self.queue.finish()).is_err() {
+        if self.release().and_then(|()| waits::for_queue(&self.queue)).is_err() {
             // A device that cannot say that it is done may still write: nobody gets this memory back.
             self.sets.iter_mut().flat_map(std::mem::take).for_each(std::mem::forget);
         }

@@ -1,12 +1,14 @@
 //! What is kept from frame to frame: states of members with controls, and what is watched of joints.
 
+use std::collections::VecDeque;
+
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use populace_core::layout::Float4;
 use populace_core::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
-use crate::buffer::Buffer;
+use crate::buffer::{Buffer, Landing};
 use crate::launch::Launch;
 use crate::tables::DeviceTables;
 
@@ -16,12 +18,25 @@ pub(crate) struct Keeping {
     watched: [Buffer<Float4>; 2],
     /// Which of the two the last frame left.
     now: usize,
+    /// What was watched, on its way to the host, the oldest first.
+    landings: VecDeque<(u64, Landing<Float4>)>,
+    /// The newest that landed, and the clock when it was so.
+    landed: Option<(u64, Landing<Float4>)>,
 }
+
+/// As many frames as a device may be behind before what it is asked for is left out.
+const LANDINGS: usize = 3;
 
 impl Keeping {
     pub(crate) fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
         let empty = || Buffer::new(device, 0, "an empty buffer");
-        Ok(Self { states: [empty()?, empty()?], watched: [empty()?, empty()?], now: 0 })
+        Ok(Self {
+            states: [empty()?, empty()?],
+            watched: [empty()?, empty()?],
+            now: 0,
+            landings: VecDeque::new(),
+            landed: None,
+        })
     }
 
     /// Makes room for what the tables hold, and keeps what is there.
@@ -75,6 +90,33 @@ impl Keeping {
             .buffer("states", &self.states[self.now])
             .buffer("watched", &self.watched[self.now])
             .uint("elapsed_ticks", frame.elapsed_ticks)
+    }
+
+    /// Lets what is watched come to the host, as of the last frame; leaves it out where the device is too far behind.
+    pub(crate) fn fetch(&mut self, queue: &CommandQueue, tick: u64, count: usize) -> Result<(), ClError> {
+        self.land()?;
+        if self.landings.len() < LANDINGS {
+            let mut landing = Landing::default();
+            self.watched[self.now].read_later(queue, count, &mut landing)?;
+            queue.flush()?;
+            self.landings.push_back((tick, landing));
+        }
+        Ok(())
+    }
+
+    fn land(&mut self) -> Result<(), ClError> {
+        while let Some((_, landing)) = self.landings.front_mut()
+            && landing.is_done()?
+        {
+            self.landed = self.landings.pop_front();
+        }
+        Ok(())
+    }
+
+    /// The newest of what was watched that has come to the host, and the clock when it was so.
+    pub(crate) fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, ClError> {
+        self.land()?;
+        Ok(self.landed.as_ref().map(|(tick, landing)| (*tick, landing.elements())))
     }
 
     /// The buffer of a kind as the last frame left it; `None` for those that are not kept here.

@@ -32,6 +32,7 @@ mod stage_buffers;
 mod staged;
 mod tables;
 mod upload;
+mod waits;
 
 pub use backend::OpenClBackend;
 pub use device::{DeviceInfo, DeviceKind, DevicePart, OpenClDevice, devices};

@@ -13,8 +13,9 @@ use crate::buffer::{Buffer, Element, Staging};
 use crate::launch::Launch;
 use crate::program::Form;
 
-/// Updates whose memory on the host is kept until the device has read it; one more waits for the oldest.
-const RING: usize = 3;
+/// Updates whose memory on the host is kept until the device has read it; a host that is as many ahead waits for the
+/// oldest.
+const RING: usize = 64;
 /// Longer runs of elements are written from the table itself while the host waits: they come with loading, and a second
 /// copy of them would take memory that loading is short of.
 const STAGED_BYTES: usize = 32 << 20;
@@ -267,9 +268,14 @@ impl Uploader {
     }
 
     fn empty_parcel(&mut self) -> Result<Parcel, ClError> {
-        let mut parcel = match self.sent.len() {
-            RING.. => self.sent.pop_front().unwrap_or_default(),
-            _ => Parcel::default(),
+        let oldest_is_done = match self.sent.front() {
+            Some(oldest) => oldest.changes.is_done()? && oldest.runs.is_done()?,
+            None => false,
+        };
+        let mut parcel = if oldest_is_done || self.sent.len() >= RING {
+            self.sent.pop_front().unwrap_or_default()
+        } else {
+            Parcel::default()
         };
         parcel.empty()?;
         Ok(parcel)

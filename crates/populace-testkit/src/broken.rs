@@ -182,6 +182,14 @@ impl<B: Backend> Backend for Broken<B> {
         self.inner.finish()
     }
 
+    fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError> {
+        self.inner.fetch_watched(tables, tick)
+    }
+
+    fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError> {
+        self.inner.fetched()
+    }
+
     fn frame_time_ms(&mut self) -> Option<f64> {
         self.inner.frame_time_ms()
     }

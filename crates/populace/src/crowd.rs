@@ -5,6 +5,10 @@ mod controls;
 mod hand_over;
 mod playback;
 mod readback;
+mod room;
+mod spaces;
+mod waiting;
+mod watches;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -12,16 +16,21 @@ use std::sync::Arc;
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
     Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, Frame, GlContext, Schedule, TICKS_PER_SEC,
-    Tables,
+    Tables, nearest_names,
 };
 
 use crate::device::{Engine, Opened};
-use crate::error::nearest_names;
 use crate::split::Kept;
 use crate::{Devices, Error, Placement, Split};
 
+use room::Started;
+use spaces::{Space, Steered};
+use waiting::Waiting;
+
 pub use builder::CrowdBuilder;
 use controls::{MemberControls, Watches};
+pub use spaces::SpaceId;
+pub use watches::{Sighting, Watch};
 
 /// A character of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -60,6 +69,14 @@ pub struct Member {
     generation: u32,
 }
 
+/// A handle to a clip that was started on a member. It goes stale once another clip has taken its slot, which happens
+/// after it has faded out, and when it was to start later and something else was started in its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct PlayId {
+    member: Member,
+    serial: u32,
+}
+
 /// What a renderer needs to draw one member.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instance {
@@ -77,10 +94,20 @@ pub struct Instance {
 const MAX_STEP_SECS: f32 = 1e6;
 
 /// Time in whole ticks, with what is left over.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Clock {
     tick: u64,
     left_over: f64,
+}
+
+/// Where the clock of a crowd begins. Most of a year after 0: a clip that goes on at another speed is one that began at
+/// another time, maybe long before the crowd did.
+const FIRST_TICK: u64 = 1 << 44;
+
+impl Default for Clock {
+    fn default() -> Self {
+        Self { tick: FIRST_TICK, left_over: 0.0 }
+    }
 }
 
 struct CharacterState {
@@ -113,6 +140,8 @@ pub struct Crowd {
     /// Of members that more than clips move, by place.
     controls: HashMap<u32, MemberControls>,
     watches: Watches,
+    /// Watches that bring joints to the host.
+    readers: usize,
     /// What another device kept of members, for the next one.
     kept: Option<Kept>,
     /// Where devices have the lengths of joints, by those.
@@ -120,6 +149,13 @@ pub struct Crowd {
     member_count: usize,
     capacity: usize,
     clock: Clock,
+    /// Beside each slot of the tables.
+    started: Vec<Started>,
+    last_serial: u32,
+    waiting: Waiting,
+    spaces: Vec<Space>,
+    /// The blend space that a member plays, by its place.
+    steered: HashMap<u32, Steered>,
 }
 
 impl Crowd {
@@ -270,6 +306,7 @@ impl Crowd {
         if self.members.len() <= place as usize {
             let free = MemberState { generation: 0, character: None, placement };
             self.members.resize(place as usize + 1, free);
+            self.started.resize(self.members.len() * self.tables.slots_per_member(), Started::default());
         }
         let state = &mut self.members[place as usize];
         state.character = Some(character);
@@ -287,6 +324,8 @@ impl Crowd {
         self.check(member)?;
         self.forget_controls(member);
         self.tables.remove_member(member.place);
+        self.waiting.retain(member.place, |_| false);
+        self.steered.remove(&member.place);
         let state = &mut self.members[member.place as usize];
         state.character = None;
         state.generation = state.generation.wrapping_add(1);
@@ -331,7 +370,7 @@ impl Crowd {
         self.check(member)
     }
 
-    /// Moves the clock on and evaluates every member.
+    /// Moves the clock on, starts what was to start by then, and evaluates every member.
     ///
     /// # Errors
     ///
@@ -350,6 +389,7 @@ impl Crowd {
         )]
         let whole = ticks.round().max(0.0) as u64;
         let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
+        self.begin_what_is_due(clock.tick)?;
         self.opened.backend_mut().update(&self.tables)?;
         self.tables.mark_clean();
         if let Some(kept) = self.kept.take() {
@@ -358,6 +398,9 @@ impl Crowd {
         let frame = Frame::of_all(clock.tick).after_ticks(u32::try_from(whole).unwrap_or(u32::MAX));
         self.opened.backend_mut().run(&self.tables, frame)?;
         self.clock = clock;
+        if self.readers > 0 {
+            self.opened.backend_mut().fetch_watched(&self.tables, clock.tick)?;
+        }
         Ok(())
     }
 

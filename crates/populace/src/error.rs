@@ -1,6 +1,6 @@
 //! What can go wrong with a crowd; none of it harms the crowd.
 
-use populace_core::BackendError;
+use populace_core::{BackendError, did_you_mean};
 
 /// Why a call was refused. The crowd is as it was before.
 #[non_exhaustive]
@@ -57,6 +57,15 @@ pub enum Error {
     /// A handle to a member that was despawned, or of another crowd.
     #[error("the member handle is stale: its member was despawned")]
     StaleMember,
+    /// A handle to a clip that has faded out, or that something else was started in place of.
+    #[error("the handle is stale: the clip has ended, and another took its slot")]
+    StalePlay,
+    /// A blend space that cannot be, or cannot be played so.
+    #[error("the blend space {reason}")]
+    BadBlendSpace {
+        /// What is wrong and how to mend it.
+        reason: String,
+    },
     /// An id that is not of this crowd.
     #[error("there is no {what} {index} in this crowd")]
     UnknownId {
@@ -75,30 +84,6 @@ pub enum Error {
         /// What is allowed.
         rule: &'static str,
     },
-}
-
-fn did_you_mean(nearest: &[String]) -> String {
-    let quoted: Vec<_> = nearest.iter().map(|name| format!("\"{name}\"")).collect();
-    match quoted.as_slice() {
-        [] => String::new(),
-        [one] => format!("; did you mean {one}?"),
-        [most @ .., last] => format!("; did you mean {} or {last}?", most.join(", ")),
-    }
-}
-
-/// The three names most like the one given, nearest first; those with nothing in common are left out.
-#[must_use]
-pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
-    let wanted = name.to_lowercase();
-    let likeness = |candidate: &str| {
-        let candidate = candidate.to_lowercase();
-        let inside = !wanted.is_empty() && (candidate.contains(&wanted) || wanted.contains(&candidate));
-        strsim::jaro_winkler(&wanted, &candidate) + if inside { 0.5 } else { 0.0 }
-    };
-    let mut scored: Vec<_> =
-        names.into_iter().map(|n| (likeness(n), n)).filter(|(score, _)| *score > 0.6).collect();
-    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-    scored.into_iter().take(3).map(|(_, n)| n.to_owned()).collect()
 }
 
 /// Refuses values that are not finite.

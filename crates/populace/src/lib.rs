@@ -33,6 +33,7 @@
 //! The main decision: the host keeps the truth in plain tables and devices take over what changed, so a crowd can
 //! move to another device, and everything a device computes can be computed by every other.
 
+mod blend_space;
 mod control;
 mod crowd;
 mod device;
@@ -43,14 +44,17 @@ mod split;
 pub use populace_core as core;
 pub use populace_core::{
     Affine, BackendError, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex, JointOverride, LayerMode,
-    LayerSettings, Mask, Schedule, Space, Trs,
+    LayerSettings, Mask, Schedule, Space, Trs, nearest_names,
 };
 
+pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Reach, Target, Weight};
-pub use crowd::{CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member};
+pub use crowd::{
+    CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member, PlayId, Sighting, SpaceId, Watch,
+};
 pub use device::{Device, DeviceReport, Devices, Split, devices};
-pub use error::{Error, nearest_names};
-pub use play::{Placement, Play};
+pub use error::Error;
+pub use play::{Placement, Play, Playing};
 
 /// The library as the README shows it, compiled as a test.
 #[cfg(doctest)]

@@ -2,8 +2,8 @@
 
 use populace_core::Affine;
 
-use crate::Error;
 use crate::error::finite;
+use crate::{ClipId, Error, PlayId};
 
 /// How a clip plays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +13,7 @@ pub struct Play {
     pub(crate) phase: f32,
     pub(crate) weight: f32,
     pub(crate) fade_in_secs: f32,
+    pub(crate) after_secs: f32,
     pub(crate) layer: usize,
 }
 
@@ -25,7 +26,7 @@ pub(crate) enum Mode {
 
 impl Play {
     const fn new(mode: Mode) -> Self {
-        Self { mode, speed: 1.0, phase: 0.0, weight: 1.0, fade_in_secs: 0.0, layer: 0 }
+        Self { mode, speed: 1.0, phase: 0.0, weight: 1.0, fade_in_secs: 0.0, after_secs: 0.0, layer: 0 }
     }
 
     /// Again and again.
@@ -75,6 +76,13 @@ impl Play {
         self
     }
 
+    /// Starts so much later, on the tick. What the layer plays goes on until then.
+    #[must_use]
+    pub const fn after_secs(mut self, secs: f32) -> Self {
+        self.after_secs = secs;
+        self
+    }
+
     /// The layer to play in, 0 to 3.
     #[must_use]
     pub const fn on_layer(mut self, layer: usize) -> Self {
@@ -90,8 +98,28 @@ impl Play {
         }
         check_weight("the weight of a clip", self.weight)?;
         check_layer(self.layer)?;
-        check_secs("the time to fade in", self.fade_in_secs)
+        check_secs("the time to fade in", self.fade_in_secs)?;
+        check_secs("the time to start after", self.after_secs)
     }
+}
+
+/// A clip that a member plays, as it stands at the last update.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Playing {
+    /// What to change it by; `None` for a clip of a blend space, which is steered.
+    pub id: Option<PlayId>,
+    /// The clip.
+    pub clip: ClipId,
+    /// The layer that it is mixed in.
+    pub layer: usize,
+    /// Where it stands, in seconds on the clip's own axis.
+    pub time_secs: f32,
+    /// Its weight among the clips of its layer.
+    pub weight: f32,
+    /// Times the clip's own pace; negative runs backwards, 0 stands.
+    pub speed: f32,
+    /// Seconds until a clip that plays once has ended, 0 from then on; `None` for others and for one that stands.
+    pub ends_in_secs: Option<f64>,
 }
 
 pub(crate) fn check_weight(what: &'static str, value: f32) -> Result<(), Error> {

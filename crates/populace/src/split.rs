@@ -303,6 +303,19 @@ impl Backend for SplitBackend {
         self.parts.iter_mut().try_for_each(|part| part.backend.finish())
     }
 
+    /// The first has what is watched of all members.
+    fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError> {
+        self.parts[0].backend.fetch_watched(tables, tick)
+    }
+
+    fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError> {
+        self.parts[0].backend.fetched()
+    }
+
+    fn waits(&self) -> u64 {
+        self.parts.iter().map(|part| part.backend.waits()).max().unwrap_or(0)
+    }
+
     /// The longest of all: they work at the same time.
     fn frame_time_ms(&mut self) -> Option<f64> {
         let times: Option<Vec<f64>> = self.with_members().map(|part| part.backend.frame_time_ms()).collect();

@@ -6,10 +6,11 @@ use glam::{DAffine3, DVec3};
 use populace::core::layout::PAGE_ENTRIES;
 use populace::core::{Affine, Character};
 use populace::{Crowd, Error};
-use populace_testkit::oracle::{OracleBody, OracleSlot, Timing, Weighting, evaluate};
+use populace_testkit::oracle::{OracleBody, evaluate};
 
+use super::changes::{Changing, Playing};
 use super::constraints;
-use super::scene::{FADE_SECS, Load, PlayedSlot, Scene};
+use super::scene::{Load, Scene};
 use super::timing::FRAME_TICKS;
 use crate::placement::Random;
 
@@ -17,14 +18,6 @@ use crate::placement::Random;
 const SAMPLE: usize = 64;
 /// Errors are measured this far from each joint, on a body of 1.8 m.
 const PROBE_M: f64 = 0.03;
-
-/// One slot of a member, as the oracle needs to know it.
-struct Playing {
-    clip: usize,
-    timing: Timing,
-    weighting: Weighting,
-    layer: usize,
-}
 
 /// What a bench computed.
 pub(crate) struct Found<'a> {
@@ -72,57 +65,20 @@ impl Found<'_> {
 
     /// What members play after all frames.
     fn playing(&self) -> BTreeMap<usize, Vec<Playing>> {
-        let start = |member: &usize| {
-            let slots = self.scene.played(*member).take(self.slots).map(Playing::from_the_start);
-            (*member, slots.collect::<Vec<_>>())
-        };
+        let start = |member: &usize| (*member, Changing::new(self.scene.played(*member).take(self.slots)));
         let mut playing: BTreeMap<_, _> = self.members.iter().map(start).collect();
         for frame in 0..self.frames {
+            let tick = u64::from(frame) * FRAME_TICKS;
             for (member, clip) in self.scene.changes(frame) {
-                if let Some(slots) = playing.get_mut(&member) {
-                    change_over(slots, clip, u64::from(frame) * FRAME_TICKS);
+                if let Some(member) = playing.get_mut(&member) {
+                    member.go_on_to(tick);
+                    member.change_over(clip, tick);
                 }
             }
         }
-        playing
-    }
-}
-
-impl Playing {
-    fn from_the_start(slot: PlayedSlot) -> Self {
-        let timing = Timing::Loop { start_tick: 0, phase: f64::from(slot.phase), speed: 1.0 };
-        Self { clip: slot.clip, timing, weighting: Weighting::Constant(slot.weight), layer: slot.layer }
-    }
-
-    fn at<'a>(&self, tick: u64, character: &'a Character) -> OracleSlot<'a> {
-        let clip = &character.clips[self.clip];
-        OracleSlot {
-            clip: clip.source(),
-            time_secs: self.timing.time_secs(tick, clip),
-            weight: self.weighting.weight(tick),
-            layer: self.layer,
-        }
-    }
-
-    /// Lets the slot fade out, unless it does so already.
-    fn fade_out(&mut self, tick: u64) {
-        if !matches!(self.weighting, Weighting::Ramp { to: 0.0, .. }) {
-            #[expect(clippy::cast_possible_truncation, reason = "the nearest is what is wanted")]
-            let from = self.weighting.weight(tick) as f32;
-            self.weighting = Weighting::Ramp { tick, from, to: 0.0, secs: FADE_SECS };
-        }
-    }
-}
-
-/// What a crossfade does: all that plays fades out, and the new clip takes the place of the weakest.
-fn change_over(slots: &mut [Playing], clip: usize, tick: u64) {
-    slots.iter_mut().for_each(|slot| slot.fade_out(tick));
-    let weakest =
-        slots.iter_mut().min_by(|a, b| a.weighting.weight(tick).total_cmp(&b.weighting.weight(tick)));
-    if let Some(slot) = weakest {
-        let timing = Timing::Loop { start_tick: tick, phase: 0.0, speed: 1.0 };
-        let weighting = Weighting::Ramp { tick, from: 0.0, to: 1.0, secs: FADE_SECS };
-        *slot = Playing { clip, timing, weighting, layer: 0 };
+        let end = u64::from(self.frames) * FRAME_TICKS;
+        playing.values_mut().for_each(|member| member.go_on_to(end));
+        playing.into_iter().map(|(index, member)| (index, member.slots)).collect()
     }
 }
 

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use populace::core::{Affine, Character, JointIndex, Part, SkinInstance};
-use populace::{ClipId, Crowd, Placement, Play};
+use populace::{ClipId, Crowd, Placement};
 use populace_assets::Imported;
 use serde_json::{Value, json};
 
 use crate::cli::{PoseArgs, VertexId};
 use crate::failure::Failure;
-use crate::report;
+use crate::mix::{self, SlotArg};
+use crate::report::{self, as_typed};
 use crate::skin::skinned;
 
 pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
@@ -19,6 +20,7 @@ pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
             args.time
         )));
     }
+    mix::check(&args.slot, &args.layer)?;
     let imported = populace_assets::load(&args.file)?;
     let document = evaluate(&imported, args)?;
     if args.json { report::json(&document) } else { report::text(&as_text(&document)) }
@@ -26,13 +28,14 @@ pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
 
 fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let character = Arc::new(imported.character.clone());
-    let mut crowd = args.device.crowd().capacity(1).slots_per_member(1).build()?;
+    // --clip and --time are one slot in other words.
+    let named = args.clip.as_deref().map(|clip| SlotArg::alone(clip, args.time));
+    let slots = named.as_ref().map_or(args.slot.as_slice(), std::slice::from_ref);
+    let mut crowd = args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)).build()?;
     let id = crowd.add_character(Arc::clone(&character))?;
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
-    let clip = args.clip.as_deref().map(|name| find_clip(&crowd, id, name)).transpose()?;
-    if let Some((clip, _)) = &clip {
-        crowd.play(member, *clip, Play::held_at_secs(args.time))?;
-    }
+    let find = |crowd: &Crowd, name: &str| find_clip(crowd, id, name);
+    let (mixed, layers) = mix::apply(&mut crowd, (id, member), (slots, &args.layer), find)?;
     crowd.update(0.0)?;
     let palette = crowd.palette(member)?;
     let models = crowd.model_from_joints(member)?;
@@ -41,9 +44,10 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     Ok(json!({
         "schema": 1,
         "file": args.file.display().to_string(),
-        "clip": clip.map(|(_, name)| name),
-        // The number as it was typed, not its nearest f32 written out in full.
-        "time": args.time.to_string().parse::<f64>().unwrap_or(f64::from(args.time)),
+        "clip": if named.is_some() { mixed[0]["clip"].clone() } else { Value::Null },
+        "time": if args.slot.is_empty() { json!(as_typed(args.time)) } else { Value::Null },
+        "slots": mixed,
+        "layers": layers,
         "device": crowd.devices().to_string(),
         "schedule": crowd.schedule().name(),
         "joints": joints(imported, &models),
@@ -113,8 +117,14 @@ fn vertices(character: &Character, palette: &[Affine], wanted: &[VertexId]) -> R
 }
 
 fn as_text(d: &Value) -> String {
-    let clip =
-        d["clip"].as_str().map_or("rest pose".to_owned(), |clip| format!("\"{clip}\" at {} s", d["time"]));
+    let slot = |slot: &Value| {
+        let clip = slot["clip"].as_str().unwrap_or_default();
+        let share = if slot["weight"] == 1.0 { String::new() } else { format!(" by {}", slot["weight"]) };
+        let layer = if slot["layer"] == 0 { String::new() } else { format!(" in layer {}", slot["layer"]) };
+        format!("\"{clip}\" at {} s{share}{layer}", slot["time"])
+    };
+    let slots: Vec<_> = d["slots"].as_array().into_iter().flatten().map(slot).collect();
+    let clip = if slots.is_empty() { "rest pose".to_owned() } else { slots.join(", ") };
     let part = |name: &str| d[name].as_str().unwrap_or_default().to_owned();
     let mut text = format!("{clip} on {}, {}; joints in model space:\n", part("device"), part("schedule"));
     for joint in d["joints"].as_array().into_iter().flatten() {

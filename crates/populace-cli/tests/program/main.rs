@@ -1,6 +1,7 @@
 //! The program as a user meets it: exit codes, JSON documents, pictures, and what it says when something is wrong.
 
 mod bench;
+mod mix;
 mod pictures;
 mod post;
 

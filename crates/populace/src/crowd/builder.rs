@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use populace_core::{AnimationSet, GlContext, Schedule, Tables};
 
 use super::controls::Watches;
+use super::waiting::Waiting;
 use super::{Clock, Crowd};
 use crate::{Device, Devices, Error, Split};
 
@@ -108,11 +109,17 @@ impl CrowdBuilder {
             members: Vec::new(),
             controls: HashMap::new(),
             watches: Watches::default(),
+            readers: 0,
             kept: None,
             proportions: HashMap::new(),
             member_count: 0,
             capacity: self.capacity,
             clock: Clock::default(),
+            started: Vec::new(),
+            last_serial: 0,
+            waiting: Waiting::default(),
+            spaces: Vec::new(),
+            steered: HashMap::new(),
         })
     }
 }

@@ -1,0 +1,54 @@
+//! Seven people at seven speeds, from standing to running, out of three clips: a blend space mixes the two around each
+//! speed, in one phase, so that their feet fall together.
+//!
+//! `cargo run --example blend_space [PICTURE.png]`
+
+#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+
+mod shared;
+
+use std::error::Error;
+
+use populace::{BlendSpace, Crowd, Placement, Play};
+use populace_cast::{Look, person};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let man = person(&Look::man())?;
+    let mut crowd = Crowd::builder().build()?;
+    let id = crowd.add_character(man.clone())?;
+    // Each clip stands at the speed at which the ground passes under its feet.
+    let mut samples = Vec::new();
+    for (clip, motion) in crowd.clips(id)? {
+        let speed_m_per_sec = motion.stats().ground_speed_m_per_sec.unwrap_or(0.0).max(0.0);
+        if ["Idle", "Walk", "Run"].contains(&motion.name()) {
+            println!("{} stands at {speed_m_per_sec:.2} m/s", motion.name());
+            samples.push((clip, speed_m_per_sec));
+        }
+    }
+    let gait = crowd.add_space(BlendSpace::line(&samples)?)?;
+
+    // All stand, and change over to a speed of their own within a second.
+    let mut members = Vec::new();
+    for nth in 0..7_u8 {
+        let place = Placement::at([f32::from(nth) * 1.2 - 3.6, 0.0, 0.0]).facing(std::f32::consts::FRAC_PI_2);
+        let member = crowd.spawn(id, place)?;
+        crowd.play_space(member, gait, 0.0, Play::looping())?;
+        crowd.steer(member, f32::from(nth) * 0.5, 1.0)?;
+        members.push(member);
+    }
+    for _ in 0..72 {
+        crowd.update(1.0 / 60.0)?;
+    }
+    let clips = crowd.clips(id)?;
+    for (nth, member) in (0..7_u8).zip(members) {
+        let name = |clip| clips.iter().find(|(id, _)| *id == clip).map_or("", |(_, clip)| clip.name());
+        let playing = crowd.playing(member)?;
+        let shares: Vec<_> =
+            playing.iter().map(|p| format!("{} {:.0} %", name(p.clip), p.weight * 100.0)).collect();
+        println!("{:.1} m/s: {}", f32::from(nth) * 0.5, shares.join(", "));
+    }
+    let path = shared::output("blend_space.png");
+    shared::draw(&mut crowd, &man, &[[-4.2, 0.0, 0.0], [4.2, 1.9, 0.0]], &path)?;
+    println!("drawn to {path}");
+    Ok(())
+}

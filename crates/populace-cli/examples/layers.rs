@@ -1,0 +1,73 @@
+//! Four people walk. The second also waves: a clip on a layer of its own, masked to one arm. The third bows as well: an
+//! additive clip on another. The fourth does both by half.
+//!
+//! `cargo run --example layers [PICTURE.png]`
+
+#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+
+mod shared;
+
+use std::error::Error;
+
+use glam::{Quat, Vec3};
+use populace::core::{Clip, ClipSource, Interpolation, Property, Skeleton, Track};
+use populace::{Crowd, LayerMode, LayerSettings, Mask, Placement, Play};
+use populace_cast::{Look, person};
+
+/// A clip that turns joints about one axis: angles in radians at keys a third of a second apart.
+fn clip(
+    skeleton: &Skeleton,
+    name: &str,
+    axis: Vec3,
+    joints: &[(&str, [f32; 4])],
+) -> Result<Clip, populace::core::Error> {
+    let track = |&(joint, angles): &(&str, [f32; 4])| Track {
+        joint: joint.into(),
+        property: Property::Rotation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0],
+        values: angles.into_iter().flat_map(|angle| Quat::from_axis_angle(axis, angle).to_array()).collect(),
+    };
+    Clip::new(ClipSource { name: name.into(), tracks: joints.iter().map(track).collect() }, skeleton)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let woman = person(&Look::woman())?;
+    let skeleton = &woman.skeleton;
+    let arm = [("r_upper_arm", [-1.2; 4]), ("r_forearm", [-1.0, -1.7, -1.0, -1.7])];
+    let wave = clip(skeleton, "Wave", Vec3::Z, &arm)?;
+    // An additive clip adds what it moves from its first key on.
+    let bow = clip(
+        skeleton,
+        "Bow",
+        Vec3::X,
+        &[("spine", [0.0, 0.35, 0.35, 0.0]), ("chest", [0.0, 0.35, 0.35, 0.0])],
+    )?;
+    // The mask fades in over the shoulder, so that no seam shows there.
+    let one_arm = Mask::of_subtrees(skeleton, ["r_shoulder"])?.with_falloff(skeleton, 2)?;
+
+    let mut crowd = Crowd::builder().build()?;
+    let id = crowd.add_character(woman.clone())?;
+    let (wave, bow) = (crowd.add_clip(id, &wave.into())?, crowd.add_clip(id, &bow.into())?);
+    let (walk, one_arm) = (crowd.clip(id, "Walk")?, crowd.add_mask(id, &one_arm)?);
+    let added = LayerMode::Additive;
+    for (nth, (waves, bows)) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.5)].into_iter().enumerate() {
+        let member = crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.4))?;
+        crowd.set_layer(
+            member,
+            1,
+            LayerSettings { weight: waves, ..LayerSettings::default() },
+            Some(one_arm),
+        )?;
+        crowd.set_layer(member, 2, LayerSettings { weight: bows, mode: added }, None)?;
+        crowd.play(member, walk, Play::looping())?;
+        crowd.play(member, wave, Play::looping().on_layer(1).fade_in_secs(0.3))?;
+        crowd.play(member, bow, Play::once().on_layer(2))?;
+        println!("{nth}: walks, waves by {waves}, bows by {bows}");
+    }
+    crowd.update(0.6)?;
+    let path = shared::output("layers.png");
+    shared::draw(&mut crowd, &woman, &[[-2.4, -0.1, 0.4], [2.4, 2.1, 0.4]], &path)?;
+    println!("all four on {}, drawn to {path}", crowd.device_name());
+    Ok(())
+}

@@ -1,0 +1,36 @@
+//! What the examples share: a picture of a crowd.
+
+use std::error::Error;
+
+use populace::Crowd;
+use populace::core::Character;
+use populace_render::{Camera, Instance, Renderer, Scene, write_png};
+
+/// The first argument, or a name of our own in the current folder.
+pub(crate) fn output(name: &str) -> String {
+    std::env::args().nth(1).unwrap_or_else(|| name.to_owned())
+}
+
+/// Draws the crowd as of its last update, framed by the points named, without a window. `character` is that of all members.
+pub(crate) fn draw(
+    crowd: &mut Crowd,
+    character: &Character,
+    points: &[[f32; 3]],
+    path: &str,
+) -> Result<(), Box<dyn Error>> {
+    let size = [960, 400];
+    let mut renderer = Renderer::headless(size)?;
+    let handle = renderer.add_character(character, &|_| false)?;
+    renderer.take_palettes(crowd)?;
+    let instance = |i: populace::Instance| Instance {
+        character: handle,
+        world_from_model: i.world_from_model,
+        palette_first: i.palette_first,
+        tint: [1.0; 3],
+    };
+    let instances: Vec<_> = crowd.instances().map(instance).collect();
+    let camera = Camera::framing(points.iter().copied(), size[0] as f32 / size[1] as f32);
+    renderer.draw(&Scene { camera, ..Scene::default() }, &instances)?;
+    write_png(path, &renderer.read_image()?)?;
+    Ok(())
+}

@@ -1,0 +1,256 @@
+//! What `populace pose` mixes, as it is typed: slots and layers as `key=value` with commas between.
+
+use std::str::FromStr;
+
+use populace::core::{MAX_LAYERS, MAX_SLOTS};
+use populace::{CharacterId, Crowd, LayerMode, LayerSettings, Mask, Member, Play};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::report::as_typed;
+
+/// A clip that stands at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SlotArg {
+    pub(crate) clip: String,
+    pub(crate) time_secs: f32,
+    pub(crate) weight: f32,
+    pub(crate) layer: usize,
+}
+
+impl SlotArg {
+    /// A clip by itself.
+    pub(crate) fn alone(clip: &str, time_secs: f32) -> Self {
+        Self { clip: clip.to_owned(), time_secs, weight: 1.0, layer: 0 }
+    }
+}
+
+/// How a layer lies over what is beneath it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LayerArg {
+    pub(crate) layer: usize,
+    /// The joint whose subtree the layer takes; all joints where there is none.
+    pub(crate) mask: Option<String>,
+    pub(crate) settings: LayerSettings,
+}
+
+impl FromStr for SlotArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut slot = Self::alone("", 0.0);
+        let mut seen = Vec::new();
+        for field in fields(text)? {
+            let (key, value) = field;
+            match (key.as_str(), value) {
+                (key, _) if seen.iter().any(|k| k == key) => return Err(format!("{key} is given twice")),
+                ("clip", Some(clip)) => slot.clip = clip,
+                ("time", Some(secs)) => slot.time_secs = finite("time", &secs, "a number of seconds")?,
+                ("weight", Some(weight)) => slot.weight = share(&weight)?,
+                ("layer", Some(layer)) => slot.layer = layer_index(&layer, 0)?,
+                _ => return Err(format!("\"{key}\" is none of clip=, time=, weight= and layer=")),
+            }
+            seen.push(key);
+        }
+        if seen.iter().any(|key| key == "clip") {
+            Ok(slot)
+        } else {
+            Err("clip= is missing; write clip=Walk,time=0.5,weight=1,layer=0".into())
+        }
+    }
+}
+
+impl FromStr for LayerArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut all = fields(text)?.into_iter();
+        let layer = match all.next() {
+            Some((layer, None)) => layer_index(&layer, 1)?,
+            _ => return Err("write the layer first, as 1,mask=Spine,additive,weight=0.5".into()),
+        };
+        let mut arg = Self { layer, mask: None, settings: LayerSettings::default() };
+        let mut seen = Vec::new();
+        for (key, value) in all {
+            match (key.as_str(), value) {
+                (key, _) if seen.iter().any(|k| k == key) => return Err(format!("{key} is given twice")),
+                ("mask", Some(joint)) => arg.mask = Some(joint),
+                ("weight", Some(weight)) => arg.settings.weight = share(&weight)?,
+                ("additive", None) => arg.settings.mode = LayerMode::Additive,
+                _ => return Err(format!("\"{key}\" is none of mask=, weight= and additive")),
+            }
+            seen.push(key);
+        }
+        Ok(arg)
+    }
+}
+
+/// The fields between commas, each a key and what follows its equals sign.
+fn fields(text: &str) -> Result<Vec<(String, Option<String>)>, String> {
+    let mut all = Vec::new();
+    let (mut key, mut value) = (String::new(), None::<String>);
+    let mut letters = text.chars();
+    while let Some(letter) = letters.next() {
+        match letter {
+            ',' => all.push((std::mem::take(&mut key), value.take())),
+            '=' if value.is_none() => value = Some(String::new()),
+            '=' => return Err("write an = within a name as \\=".into()),
+            '\\' => match letters.next() {
+                Some(quoted @ (',' | '=' | '\\')) => value.as_mut().unwrap_or(&mut key).push(quoted),
+                _ => return Err("a backslash stands before a comma, an = or another backslash".into()),
+            },
+            plain => value.as_mut().unwrap_or(&mut key).push(plain),
+        }
+    }
+    all.push((key, value));
+    Ok(all)
+}
+
+fn finite(what: &str, text: &str, rule: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok().filter(|n| n.is_finite());
+    number.ok_or_else(|| format!("{what}={text} is not {rule}"))
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    let rule = "a number from 0 to 1";
+    let weight = finite("weight", text, rule)?;
+    if (0.0..=1.0).contains(&weight) { Ok(weight) } else { Err(format!("weight={text} is not {rule}")) }
+}
+
+fn layer_index(text: &str, least: usize) -> Result<usize, String> {
+    let most = MAX_LAYERS - 1;
+    match text.parse::<usize>() {
+        Ok(layer) if (least..=most).contains(&layer) => Ok(layer),
+        Ok(0) => Err("layer 0 lies over the rest pose and is mixed by its slots' weights alone; \
+                      masks, weights and additive are for layers 1 to 3"
+            .into()),
+        _ => Err(format!("there is no layer {text}; layers are {least} to {most}")),
+    }
+}
+
+/// Refuses what is more than a member has.
+pub(crate) fn check(slots: &[SlotArg], layers: &[LayerArg]) -> Result<(), Failure> {
+    if slots.len() > MAX_SLOTS {
+        let message = format!("there are {} slots; a member has at most {MAX_SLOTS}", slots.len());
+        return Err(Failure::usage(message));
+    }
+    let twice = layers.iter().enumerate().find(|(nth, l)| layers[..*nth].iter().any(|o| o.layer == l.layer));
+    twice.map_or(Ok(()), |(_, l)| Err(Failure::usage(format!("layer {} is set twice", l.layer))))
+}
+
+/// Lets a member play slots in layers. `find` finds clips by what was typed, and their names. Gives what is mixed, for
+/// the document.
+pub(crate) fn apply(
+    crowd: &mut Crowd,
+    (id, member): (CharacterId, Member),
+    (slots, layers): (&[SlotArg], &[LayerArg]),
+    find: impl Fn(&Crowd, &str) -> Result<(populace::ClipId, String), Failure>,
+) -> Result<(Vec<Value>, Vec<Value>), Failure> {
+    let mut told = (Vec::new(), Vec::new());
+    for slot in slots {
+        let (clip, name) = find(crowd, &slot.clip)?;
+        let play = Play::held_at_secs(slot.time_secs).weight(slot.weight).on_layer(slot.layer);
+        crowd.blend(member, clip, play)?;
+        let (time, weight) = (as_typed(slot.time_secs), as_typed(slot.weight));
+        told.0.push(json!({"clip": name, "time": time, "weight": weight, "layer": slot.layer}));
+    }
+    for arg in layers {
+        let joint = arg.mask.as_ref();
+        let mask = match joint {
+            Some(joint) => {
+                let mask = Mask::of_subtrees(&crowd.character(id)?.skeleton, [joint]);
+                Some(crowd.add_mask(id, &mask.map_err(populace::Error::from)?)?)
+            }
+            None => None,
+        };
+        crowd.set_layer(member, arg.layer, arg.settings, mask)?;
+        let additive = arg.settings.mode == LayerMode::Additive;
+        let weight = as_typed(arg.settings.weight);
+        told.1.push(json!({"layer": arg.layer, "mask": joint, "additive": additive, "weight": weight}));
+    }
+    Ok(told)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn slot(text: &str) -> SlotArg {
+        text.parse().unwrap()
+    }
+
+    #[track_caller]
+    fn refused<T: FromStr<Err = String> + std::fmt::Debug>(text: &str, word: &str) {
+        let error = text.parse::<T>().unwrap_err();
+        assert!(error.contains(word), "{text}: no {word:?} in {error}");
+    }
+
+    #[test]
+    fn slots_are_read() {
+        let full = SlotArg { clip: "Walk".into(), time_secs: -0.5, weight: 0.25, layer: 3 };
+        assert_eq!(slot("clip=Walk,time=-0.5,weight=0.25,layer=3"), full);
+        assert_eq!(slot("layer=3,weight=0.25,time=-.5,clip=Walk"), full);
+        assert_eq!(slot("clip=7"), SlotArg::alone("7", 0.0));
+        assert_eq!(slot("clip="), SlotArg::alone("", 0.0), "a clip may have no name");
+        assert_eq!(slot("clip=a b"), SlotArg::alone("a b", 0.0));
+    }
+
+    #[test]
+    fn names_are_quoted_by_backslashes() {
+        assert_eq!(slot(r"clip=a\,b\=c\\d,time=1"), SlotArg::alone(r"a,b=c\d", 1.0));
+        assert_eq!(slot(r"clip=\\"), SlotArg::alone(r"\", 0.0));
+        refused::<SlotArg>("clip=a=b", r"\=");
+        refused::<SlotArg>(r"clip=a\b", "a backslash stands before");
+        refused::<SlotArg>(r"clip=a\", "a backslash stands before");
+        refused::<SlotArg>("clip=a,b", "\"b\" is none of");
+        let layer: LayerArg = r"1,mask=arm\=l\,r".parse().unwrap();
+        assert_eq!(layer.mask.as_deref(), Some("arm=l,r"));
+    }
+
+    #[test]
+    fn layers_are_read() {
+        let additive = LayerSettings { mode: LayerMode::Additive, weight: 0.5 };
+        let full = LayerArg { layer: 2, mask: Some("Spine".into()), settings: additive };
+        assert_eq!("2,mask=Spine,additive,weight=0.5".parse(), Ok(full.clone()));
+        assert_eq!("2,weight=.5,additive,mask=Spine".parse(), Ok(full));
+        let plain = LayerArg { layer: 3, mask: None, settings: LayerSettings::default() };
+        assert_eq!("3".parse(), Ok(plain));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused_with_the_reason() {
+        for (bad, word) in [
+            ("", "none of clip="),
+            ("time=1", "clip= is missing"),
+            ("Walk", "none of clip="),
+            ("clip", "none of clip="),
+            ("clip=a,clip=b", "clip is given twice"),
+            ("clip=a,time=nan", "time=nan is not a number of seconds"),
+            ("clip=a,time=", "time= is not"),
+            ("clip=a,weight=1.5", "weight=1.5 is not a number from 0 to 1"),
+            ("clip=a,weight=inf", "weight=inf is not a number from 0 to 1"),
+            ("clip=a,weight=-0.1", "from 0 to 1"),
+            ("clip=a,layer=4", "there is no layer 4; layers are 0 to 3"),
+            ("clip=a,layer=-1", "there is no layer -1"),
+            ("clip=a,", "\"\" is none of"),
+        ] {
+            refused::<SlotArg>(bad, word);
+        }
+        for (bad, word) in [
+            ("", "there is no layer "),
+            ("mask=Spine", "write the layer first"),
+            ("0,mask=Spine", "layer 0 lies over the rest pose"),
+            ("4", "there is no layer 4; layers are 1 to 3"),
+            ("one", "there is no layer one"),
+            ("1,additive=yes", "\"additive\" is none of"),
+            ("1,mask", "\"mask\" is none of"),
+            ("1,mask=a,mask=b", "mask is given twice"),
+            ("1,additive,additive", "additive is given twice"),
+            ("1,weight=2", "weight=2 is not"),
+            ("1=2", "write the layer first"),
+        ] {
+            refused::<LayerArg>(bad, word);
+        }
+    }
+}

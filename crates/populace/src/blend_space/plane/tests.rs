@@ -1,0 +1,128 @@
+use super::*;
+
+fn random(state: &mut u64) -> f32 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 40) as f32 / 16_777_216.0
+}
+
+/// Scattered points, grids, circles, lines and heaps of them.
+fn layouts() -> Vec<Vec<[f32; 2]>> {
+    let mut state = 5;
+    let mut all: Vec<Vec<[f32; 2]>> = (1..=24)
+        .map(|count| (0..count).map(|_| [random(&mut state) * 5.0, random(&mut state) - 0.5]).collect())
+        .collect();
+    let grid = |w: u8, h: u8| (0..w * h).map(|i| [f32::from(i % w), f32::from(i / w) * 0.25]).collect();
+    all.extend([grid(3, 3), grid(5, 4), grid(7, 1), grid(1, 6), grid(2, 2)]);
+    let on_circle = (0..12).map(|i| {
+        let angle = f64::from(i) / 12.0 * std::f64::consts::TAU;
+        [single(angle.cos()), single(angle.sin())]
+    });
+    all.push(on_circle.chain([[0.0, 0.0]]).collect());
+    // On a slanted line, and on it but for one.
+    let line: Vec<[f32; 2]> = (0..5_u8).map(|i| [f32::from(i), 2.0 - 0.5 * f32::from(i)]).collect();
+    all.extend([line.clone(), line.iter().copied().chain([[1.0, 5.0]]).collect()]);
+    // A locomotion set: idle, walks and runs, turns to both sides.
+    all.push(vec![[0.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.4, 0.0], [1.4, 0.8], [1.4, -0.8], [3.4, 0.0]]);
+    all
+}
+
+fn weight(weights: &Weights, sample: usize) -> f32 {
+    weights.iter().filter(|(own, weight)| *own == sample && *weight > 0.0).map(|(_, weight)| *weight).sum()
+}
+
+#[test]
+fn at_a_sample_it_alone_weighs() {
+    for points in layouts() {
+        let plane = Plane::new(&points);
+        for (sample, at) in points.iter().enumerate() {
+            let found = weight(&plane.weights(at.map(f64::from)), sample);
+            assert!((found - 1.0).abs() < 1e-5, "{found} at sample {sample} of {points:?}");
+        }
+    }
+}
+
+fn jump(plane: &Plane, from: Point, to: Point) -> f32 {
+    let (before, after) = (plane.weights(from), plane.weights(to));
+    let samples = 0..plane.points.len();
+    samples.map(|s| (weight(&after, s) - weight(&before, s)).abs()).fold(0.0, f32::max)
+}
+
+/// Halves the way towards where weights change most; a jump would stay.
+fn jump_that_stays(plane: &Plane, mut from: Point, mut to: Point) -> f32 {
+    for _ in 0..26 {
+        let middle = [0, 1].map(|i| 0.5 * (from[i] + to[i]));
+        if jump(plane, from, middle) > jump(plane, middle, to) {
+            to = middle;
+        } else {
+            from = middle;
+        }
+    }
+    jump(plane, from, to)
+}
+
+#[test]
+fn weights_sum_to_one_and_are_continuous() {
+    let mut state = 9;
+    for points in layouts() {
+        let plane = Plane::new(&points);
+        let (from, to) = ([random(&mut state), random(&mut state)], [random(&mut state), random(&mut state)]);
+        // Straight through all samples and out on the other side.
+        let at = |step: i32| {
+            let t = f64::from(step) / 500.0;
+            [0, 1].map(|i| (f64::from(from[i]) * (1.0 - t) + f64::from(to[i]) * t) * 12.0 - 4.0)
+        };
+        for step in 0..500 {
+            let weights = plane.weights(at(step));
+            let total: f32 = weights.iter().map(|(_, weight)| weight).sum();
+            assert!((total - 1.0).abs() < 1e-5 && weights.iter().all(|(_, w)| *w >= 0.0), "{weights:?}");
+            let jump = jump_that_stays(&plane, at(step), at(step + 1));
+            assert!(jump < 1e-3, "{jump} between {:?} and {:?} of {points:?}", at(step), at(step + 1));
+        }
+    }
+}
+
+#[test]
+fn inside_weights_give_the_point_back() {
+    let mut state = 77;
+    for points in layouts().into_iter().filter(|points| points.len() >= 3) {
+        let plane = Plane::new(&points);
+        for _ in 0..50 {
+            // A random mean of samples lies inside.
+            let parts: Vec<f64> = points.iter().map(|_| f64::from(random(&mut state)).powi(3)).collect();
+            let total: f64 = parts.iter().sum();
+            let mean = |axis: usize| {
+                points.iter().zip(&parts).map(|(p, part)| f64::from(p[axis]) * part).sum::<f64>() / total
+            };
+            let at = [mean(0), mean(1)];
+            let weights = plane.weights(at);
+            for (axis, wanted) in at.into_iter().enumerate() {
+                let found: f64 =
+                    weights.iter().map(|(sample, w)| f64::from(points[*sample][axis]) * f64::from(*w)).sum();
+                assert!((found - wanted).abs() < 1e-4, "{found} is not {wanted} in {points:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_sample_lies_within_a_triangles_circle() {
+    for points in layouts() {
+        let plane = Plane::new(&points);
+        for corners in &plane.triangles {
+            let circle = corners.map(|corner| plane.points[corner]);
+            assert!(area(circle[0], circle[1], circle[2]) > 0.0, "counter-clockwise");
+            let inside = plane.points.iter().filter(|point| in_circle(circle, **point) > 1e-7).count();
+            assert_eq!(inside, 0, "{corners:?} of {points:?}");
+        }
+    }
+}
+
+#[test]
+fn outside_the_nearest_point_counts() {
+    let plane = Plane::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [2.0, 2.0]]);
+    let weights = plane.weights([1.0, -5.0]);
+    assert_eq!((weight(&weights, 0), weight(&weights, 1)), (0.5, 0.5));
+    assert_eq!(weight(&plane.weights([9.0, 8.0]), 3), 1.0);
+    let lone = Plane::new(&[[3.0, 4.0]]);
+    assert_eq!(weight(&lone.weights([-1.0, 0.0]), 0), 1.0);
+}

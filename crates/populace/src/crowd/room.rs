@@ -1,0 +1,218 @@
+//! Slots for what starts: which one is free, and what happens when none is.
+//!
+//! Nothing that weighs is dropped. Where no slot is free, the weakest fades out first, as fast as the crossfade that
+//! was asked for would move the pose, and what was to start waits until it has gone: a fade of its share of the layer,
+//! so the less it weighed the sooner.
+
+use populace_core::layout::{NONE, Slot};
+use populace_core::{MAX_LAYERS, MAX_SLOTS, ticks_from_secs};
+
+use super::Crowd;
+use crate::Error;
+
+/// A slot that has faded to less than this share of its layer is free: to drop it moves the pose by less than a frame of
+/// any crossfade that takes less than ten seconds.
+const NEGLIGIBLE: f32 = 1e-3;
+
+/// What a start means for a slot that is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// It will fade out.
+    Leaves,
+    /// It will go on with another weight.
+    Stays,
+    /// It is not touched.
+    Apart,
+}
+
+/// What the host knows of a slot beside what devices do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Started {
+    /// Which start of the crowd it was; all slots of a blend space are of one.
+    pub(crate) serial: u32,
+    /// Which clip of its blend space it plays, if it is of one.
+    pub(crate) sample: Option<u16>,
+    /// Whether it plays once, which one that stands still does not tell itself.
+    pub(crate) once: bool,
+}
+
+/// Whether a slot's weight has come down to 0 and stays there.
+pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
+    slot.bound_clip == NONE || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
+}
+
+impl Crowd {
+    pub(super) fn slots(&self, place: u32) -> &[Slot] {
+        &self.tables.slots().as_slice()[self.tables.slot_range(place)]
+    }
+
+    pub(super) fn started(&self, place: u32, index: usize) -> Started {
+        self.started[self.tables.slot_range(place).start + index]
+    }
+
+    /// Each slot's part of what its layer shows, from 0 to 1; nothing for free ones.
+    fn slot_shares(&self, place: u32, tick: u64) -> [Option<f32>; MAX_SLOTS] {
+        let mut totals = [0.0_f32; MAX_LAYERS];
+        let weighing = |slot: &Slot| if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
+        for slot in self.slots(place) {
+            totals[slot.layer() as usize] += weighing(slot);
+        }
+        // Layer 0 is divided by its total however small; layers above it leave the remainder to what lies beneath.
+        totals[1..].iter_mut().for_each(|total| *total = total.max(1.0));
+        let mut shares = [None; MAX_SLOTS];
+        for (share, slot) in shares.iter_mut().zip(self.slots(place)) {
+            let of_layer = weighing(slot) / totals[slot.layer() as usize].max(f32::MIN_POSITIVE);
+            let free = faded_out(slot, tick) || (slot.end_weight <= 0.0 && of_layer < NEGLIGIBLE);
+            *share = (!free).then_some(of_layer);
+        }
+        shares
+    }
+
+    /// The free slot that weighs least.
+    pub(super) fn free_slot(&self, place: u32, tick: u64) -> Option<usize> {
+        let shares = self.slot_shares(place, tick);
+        let slots = self.slots(place).iter().enumerate().filter(|(index, _)| shares[*index].is_none());
+        let weight = |slot: &Slot| if faded_out(slot, tick) { -1.0 } else { slot.weight_at(tick) };
+        slots.min_by(|a, b| weight(a.1).total_cmp(&weight(b.1))).map(|(index, _)| index)
+    }
+
+    /// Sees to it that so many slots are free. Gives the tick at which they will be, where they are not yet: the weakest
+    /// are then on their way out, and the layer stands still otherwise but for the strongest, which takes what they leave.
+    pub(super) fn make_room(
+        &mut self,
+        place: u32,
+        needed: usize,
+        secs: f32,
+        tick: u64,
+        role: impl Fn(&Slot, Started) -> Role,
+    ) -> Result<Option<u64>, Error> {
+        let shares = self.slot_shares(place, tick);
+        let count = self.slots(place).len();
+        let missing = needed.saturating_sub((0..count).filter(|i| shares[*i].is_none()).count());
+        if missing == 0 {
+            return Ok(None);
+        }
+        let roles = self.roles(place, role);
+        let (mut victims, others) = self.by_strength(place, &shares, &roles);
+        let smoothly = victims.len() >= missing;
+        victims.extend(others);
+        victims.truncate(missing);
+        if secs <= 0.0 || !smoothly {
+            for index in victims {
+                let empty = Slot { bound_clip: NONE, ..Slot::default() };
+                self.tables.set_slot(place, index, empty)?;
+            }
+            return Ok(None);
+        }
+        let share: f32 = victims.iter().filter_map(|i| shares[*i]).sum();
+        self.hasten(place, &victims, &roles, share * secs, tick).map(Some)
+    }
+
+    /// How many slots are free or can be made so without a cut.
+    pub(super) fn room_for(&self, place: u32, tick: u64, role: impl Fn(&Slot, Started) -> Role) -> usize {
+        let shares = self.slot_shares(place, tick);
+        let free = (0..self.slots(place).len()).filter(|index| shares[*index].is_none()).count();
+        free + self.by_strength(place, &shares, &self.roles(place, role)).0.len()
+    }
+
+    fn roles(&self, place: u32, role: impl Fn(&Slot, Started) -> Role) -> Vec<Role> {
+        let slots = self.slots(place).iter().enumerate();
+        slots.map(|(index, slot)| role(slot, self.started(place, index))).collect()
+    }
+
+    /// The slots that can give way: those on their way out first, of these the weakest first. Apart from them those that
+    /// cannot fade, since the base layer would be left with nothing.
+    fn by_strength(
+        &self,
+        place: u32,
+        shares: &[Option<f32>; MAX_SLOTS],
+        roles: &[Role],
+    ) -> (Vec<usize>, Vec<usize>) {
+        let slots = self.slots(place);
+        let leaves = |i: usize| roles[i] == Role::Leaves || slots[i].end_weight <= 0.0;
+        let mut order: Vec<_> =
+            (0..slots.len()).filter(|i| shares[*i].is_some() && roles[*i] != Role::Stays).collect();
+        let share = |i: usize| shares[i].unwrap_or(0.0);
+        order.sort_by(|&a, &b| leaves(b).cmp(&leaves(a)).then(share(a).total_cmp(&share(b))));
+        let mut base = 0.0;
+        order.into_iter().partition(|&index| {
+            let of_base = if slots[index].layer() == 0 { share(index) } else { 0.0 };
+            let fades = base + of_base < 1.0 - NEGLIGIBLE;
+            base += if fades { of_base } else { 0.0 };
+            fades
+        })
+    }
+
+    /// Lets slots fade out in so many seconds at most. What the start is to change otherwise stands still until then, so
+    /// that no pose moves faster than by one crossfade at a time.
+    fn hasten(
+        &mut self,
+        place: u32,
+        victims: &[usize],
+        roles: &[Role],
+        secs: f32,
+        tick: u64,
+    ) -> Result<u64, Error> {
+        let mut due = tick + 1;
+        let mut left_behind = [0.0_f32; MAX_LAYERS];
+        for &index in victims {
+            let mut slot = self.slots(place)[index];
+            let weight = slot.weight_at(tick);
+            let own = if slot.weight_rate < 0.0 && slot.end_weight <= 0.0 && tick >= slot.weight_tick {
+                weight / -slot.weight_rate
+            } else {
+                f32::INFINITY
+            };
+            let secs = secs.min(own);
+            slot.ramp_weight(tick, weight, 0.0, secs);
+            due = due.max(tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1));
+            left_behind[slot.layer() as usize] += weight;
+            self.tables.set_slot(place, index, slot)?;
+        }
+        for (layer, left) in (0..).zip(left_behind) {
+            let of_layer = |i: &usize| {
+                roles[*i] != Role::Apart && !victims.contains(i) && self.slots(place)[*i].layer() == layer
+            };
+            let mut still: Vec<_> = (0..roles.len()).filter(of_layer).collect();
+            let weight = |i: &usize| self.slots(place)[*i].weight_at(tick);
+            still.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
+            for (rank, index) in still.into_iter().enumerate() {
+                let mut slot = self.slots(place)[index];
+                if left > 0.0 && !faded_out(&slot, tick) {
+                    let weight = slot.weight_at(tick);
+                    slot.ramp_weight(tick, weight, if rank == 0 { weight + left } else { weight }, secs);
+                    self.tables.set_slot(place, index, slot)?;
+                }
+            }
+        }
+        Ok(due)
+    }
+
+    /// Fades out all clips of a layer together, keeping their proportions, so that what fades in meanwhile takes the
+    /// layer over evenly.
+    pub(super) fn fade_out(&mut self, place: u32, layer: usize, secs: f32, tick: u64) -> Result<(), Error> {
+        for index in 0..self.slots(place).len() {
+            let mut slot = self.slots(place)[index];
+            if slot.layer() as usize == layer && !faded_out(&slot, tick) {
+                slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
+                self.tables.set_slot(place, index, slot)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts a slot into a free one; [`make_room`](Self::make_room) has seen to it that there is one.
+    pub(super) fn fill_slot(
+        &mut self,
+        place: u32,
+        slot: Slot,
+        started: Started,
+        tick: u64,
+    ) -> Result<(), Error> {
+        let index = self.free_slot(place, tick).unwrap_or(0);
+        self.tables.set_slot(place, index, slot)?;
+        let range = self.tables.slot_range(place);
+        self.started[range.start + index] = started;
+        Ok(())
+    }
+}

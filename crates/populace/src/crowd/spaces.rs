@@ -1,0 +1,358 @@
+//! Blend spaces on members: clips of one phase, steered.
+
+use populace_core::layout::Slot;
+use populace_core::{TICKS_PER_SEC, ticks_from_secs};
+
+use super::room::{Role, Started, faded_out};
+use super::waiting::{Action, Start};
+use super::{Crowd, Member, u32_from};
+use crate::blend_space::{MOST, SpacePoint, Weights, bad};
+use crate::play::{Mode, check_secs};
+use crate::{BlendSpace, Error, Play};
+
+/// A blend space of a crowd. Members of any character can play it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SpaceId {
+    crowd: u32,
+    index: u32,
+}
+
+/// A blend space, and what its clips' lengths are.
+pub(super) struct Space {
+    space: BlendSpace,
+    durations_secs: Vec<f32>,
+}
+
+/// The blend space that a member plays, and its phase in closed form.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steered {
+    serial: u32,
+    space: u32,
+    play: Play,
+    /// Where it is or is going; `None` while it stands still, waiting for a slot.
+    at: Option<SpacePoint>,
+    start_tick: u64,
+    /// At `start_tick`, in 2^-64 of a cycle.
+    phase: u64,
+    cycles_per_sec: f64,
+    /// When it has faded in.
+    faded_in_tick: u64,
+}
+
+impl Steered {
+    /// The phase as devices count it.
+    fn phase_at(&self, tick: u64) -> u64 {
+        let rate = Slot::in_phase(0, 0, 0, self.cycles_per_sec).phase_rate;
+        self.phase.wrapping_add(tick.wrapping_sub(self.start_tick).wrapping_mul(rate))
+    }
+}
+
+impl Crowd {
+    /// Adds a blend space for members to play.
+    ///
+    /// # Errors
+    ///
+    /// A clip of another crowd.
+    pub fn add_space(&mut self, space: BlendSpace) -> Result<SpaceId, Error> {
+        let mut durations_secs = Vec::new();
+        for clip in space.clips() {
+            self.check_crowd("clip", clip.crowd, clip.index.0)?;
+            let known = self.clips.get(clip.index);
+            let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+            durations_secs.push(known.duration_secs());
+        }
+        let id = SpaceId { crowd: self.number, index: u32_from(self.spaces.len()) };
+        self.spaces.push(Space { space, durations_secs });
+        Ok(id)
+    }
+
+    /// The layer plays a blend space at a point from now on; what it played before fades out as this fades in.
+    ///
+    /// [`Play::speed`] is times the clips' own pace, [`Play::phase`] where the shared phase begins, [`Play::weight`] that of
+    /// all clips together. A member plays one space: another takes its place for [`steer`](Self::steer). It takes two
+    /// slots in a line and three in a plane; with twice as many one point changes over to any other at once, with fewer
+    /// some clips wait until others have faded out.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], a space of another crowd, a setting that is out of its range, or [`Error::BadBlendSpace`] for
+    /// a clip that is not to loop, and for members of too few slots.
+    pub fn play_space(
+        &mut self,
+        member: Member,
+        space: SpaceId,
+        at: impl Into<SpacePoint>,
+        play: Play,
+    ) -> Result<(), Error> {
+        let character = self.check(member)?;
+        self.check_crowd("blend space", space.crowd, space.index)?;
+        let unknown = Error::UnknownId { what: "blend space", index: space.index };
+        let known = self.spaces.get(space.index as usize).ok_or(unknown)?;
+        play.check()?;
+        let at = at.into().check()?;
+        if play.mode != Mode::Looping {
+            return Err(bad("loops; play it by Play::looping()"));
+        }
+        let (needed, slots) = (known.space.slots_needed(), self.tables.slots_per_member());
+        if needed > slots {
+            let reason = format!("takes {needed} slots, and members have {slots}: see slots_per_member");
+            return Err(Error::BadBlendSpace { reason });
+        }
+        // Bound now, so that nothing can fail once its time has come.
+        for clip in known.space.clips().to_vec() {
+            self.bind(character, clip)?;
+        }
+        self.waiting.retain(member.place, |waiting| waiting.play.layer != play.layer);
+        let action = Action::Space { index: space.index, at };
+        let start = Start { serial: self.next_serial(), action, play, follows_after: None };
+        let due = self.clock.tick.saturating_add(ticks_from_secs(f64::from(play.after_secs)));
+        self.begin_or_wait(member.place, due, start)
+    }
+
+    /// Takes the blend space that a member plays to another point, reached in so many seconds. The phase goes on from
+    /// where it is, at the pace of the new point. A space that is still fading in arrives no sooner than it has.
+    ///
+    /// Steering to the point that it is at or on its way to changes nothing and costs nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], a value that is out of its range, or [`Error::BadBlendSpace`] where the member plays none.
+    pub fn steer(&mut self, member: Member, at: impl Into<SpacePoint>, over_secs: f32) -> Result<(), Error> {
+        self.check(member)?;
+        let at = at.into().check()?;
+        check_secs("the time to steer a blend space", over_secs)?;
+        let mut waits = false;
+        self.waiting.change(member.place, |_, start| {
+            if let Action::Space { at: point, .. } = &mut start.action {
+                *point = at;
+                waits = true;
+            }
+        });
+        let Some(steered) = self.steered.get(&member.place) else {
+            return if waits { Ok(()) } else { Err(bad("to steer is not there: the member plays none")) };
+        };
+        let (play, serial) = (steered.play, steered.serial);
+        self.waiting.retain(member.place, |waiting| !matches!(waiting.action, Action::Steer { .. }));
+        let action = Action::Steer { at, over_secs };
+        let start = Start { serial, action, play, follows_after: None };
+        self.begin_steer(member.place, &start, (at, over_secs), self.clock.tick)
+    }
+
+    /// Something else plays in a layer: a space that did is steered no longer.
+    pub(super) fn forget_space(&mut self, place: u32, layer: usize) {
+        if self.steered.get(&place).is_some_and(|steered| steered.play.layer == layer) {
+            self.steered.remove(&place);
+        }
+    }
+
+    pub(super) fn begin_space(
+        &mut self,
+        place: u32,
+        start: &Start,
+        (index, at): (u32, SpacePoint),
+        tick: u64,
+    ) -> Result<(), Error> {
+        let Play { layer, fade_in_secs: secs, .. } = start.play;
+        if secs <= 0.0 {
+            self.fade_out(place, layer, 0.0, tick)?;
+        }
+        let role = |slot: &Slot, _| if slot.layer() as usize == layer { Role::Leaves } else { Role::Apart };
+        let all = self.spaces[index as usize].space.weights_at(at);
+        let weights = strongest(all, |_| false, self.room_for(place, tick, role));
+        let needed = weights.iter().filter(|(_, weight)| *weight > 0.0).count();
+        if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
+            self.waiting.push(place, due, start.at_its_time());
+            return Ok(());
+        }
+        let secs = if self.is_first(place, layer, tick) { 0.0 } else { secs };
+        self.fade_out(place, layer, secs, tick)?;
+        let phase = f64::from(start.play.phase.rem_euclid(1.0));
+        let steered = Steered {
+            serial: start.serial,
+            space: index,
+            play: start.play,
+            at: Some(at),
+            start_tick: tick,
+            phase: cycles(phase),
+            cycles_per_sec: self.cycles_per_sec(index, &weights, start.play.speed),
+            faded_in_tick: tick.saturating_add(ticks_from_secs(f64::from(secs))),
+        };
+        self.steered.insert(place, steered);
+        for (sample, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
+            self.add_sample(place, &steered, (sample, weight), secs, tick)?;
+        }
+        if weights != all {
+            self.steer_on(place, start, (at, secs), tick);
+        }
+        Ok(())
+    }
+
+    /// Some clips found no slot: steers to the same point again once others have faded out.
+    fn steer_on(&mut self, place: u32, start: &Start, (at, secs): (SpacePoint, f32), tick: u64) {
+        let due = tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1);
+        let action = Action::Steer { at, over_secs: secs };
+        self.waiting.push(place, due, Start { action, ..start.at_its_time() });
+        if let Some(steered) = self.steered.get_mut(&place) {
+            steered.at = None;
+        }
+    }
+
+    pub(super) fn begin_steer(
+        &mut self,
+        place: u32,
+        start: &Start,
+        (at, over_secs): (SpacePoint, f32),
+        tick: u64,
+    ) -> Result<(), Error> {
+        let Some(steered) = self.steered.get(&place).copied().filter(|s| s.serial == start.serial) else {
+            return Ok(()); // Something else was started meanwhile.
+        };
+        if steered.at == Some(at) {
+            return Ok(());
+        }
+        let all = self.spaces[steered.space as usize].space.weights_at(at);
+        let fading_in = steered.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
+        let secs = over_secs.max(crate::blend_space::single(fading_in));
+        let layer = steered.play.layer;
+        let role = |slot: &Slot, started: Started| {
+            let own = started.serial == steered.serial && slot.layer() as usize == layer;
+            match started.sample.filter(|_| own) {
+                Some(sample) if weight_of(&all, sample) > 0.0 => Role::Stays,
+                Some(_) => Role::Leaves,
+                None if slot.layer() as usize == layer && slot.end_weight <= 0.0 => Role::Leaves,
+                None => Role::Apart,
+            }
+        };
+        let is_there = |sample| self.sample_slot(place, steered.serial, sample, tick).is_some();
+        let weights =
+            if secs > 0.0 { strongest(all, is_there, self.room_for(place, tick, role)) } else { all };
+        let missing = weights.iter().filter(|(sample, weight)| *weight > 0.0 && !is_there(*sample));
+        let needed = missing.count();
+        if secs <= 0.0 {
+            self.steer_slots(place, &steered, &weights, 0.0, tick)?;
+        }
+        if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
+            self.waiting.push(place, due, *start);
+            self.steered.insert(place, Steered { at: None, ..steered });
+            return Ok(());
+        }
+        let cycles_per_sec = self.cycles_per_sec(steered.space, &weights, steered.play.speed);
+        let phase = steered.phase_at(tick);
+        let steered = Steered { at: Some(at), start_tick: tick, phase, cycles_per_sec, ..steered };
+        self.steered.insert(place, steered);
+        self.steer_slots(place, &steered, &weights, secs, tick)?;
+        for (sample, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
+            if self.sample_slot(place, steered.serial, sample, tick).is_none() {
+                self.add_sample(place, &steered, (sample, weight), secs, tick)?;
+            }
+        }
+        if weights != all {
+            self.steer_on(place, start, (at, over_secs), tick);
+        }
+        Ok(())
+    }
+
+    /// Takes the slots of a space, and those that it fades in over, to new weights and pace from where they are.
+    fn steer_slots(
+        &mut self,
+        place: u32,
+        steered: &Steered,
+        weights: &Weights,
+        secs: f32,
+        tick: u64,
+    ) -> Result<(), Error> {
+        for index in 0..self.slots(place).len() {
+            let (mut slot, started) = (self.slots(place)[index], self.started(place, index));
+            if slot.layer() as usize != steered.play.layer || faded_out(&slot, tick) {
+                continue;
+            }
+            let own = started.sample.filter(|_| started.serial == steered.serial);
+            if let Some(sample) = own {
+                let paced = self.in_phase(place, steered, usize::from(sample), tick);
+                slot = Slot {
+                    start_tick: tick,
+                    start_phase: paced.start_phase,
+                    phase_rate: paced.phase_rate,
+                    ..slot
+                };
+            } else if slot.end_weight > 0.0 {
+                continue;
+            }
+            let weight = own.map_or(0.0, |sample| weight_of(weights, sample)) * steered.play.weight;
+            slot.ramp_weight(tick, self.slots(place)[index].weight_at(tick), weight, secs);
+            self.tables.set_slot(place, index, slot)?;
+        }
+        Ok(())
+    }
+
+    fn add_sample(
+        &mut self,
+        place: u32,
+        steered: &Steered,
+        (sample, weight): (usize, f32),
+        secs: f32,
+        tick: u64,
+    ) -> Result<(), Error> {
+        let mut slot = self.in_phase(place, steered, sample, tick).on_layer(u32_from(steered.play.layer));
+        slot.ramp_weight(tick, 0.0, weight * steered.play.weight, secs);
+        let sample = u16::try_from(sample).ok();
+        self.fill_slot(place, slot, Started { serial: steered.serial, sample, once: false }, tick)
+    }
+
+    fn in_phase(&self, place: u32, steered: &Steered, sample: usize, tick: u64) -> Slot {
+        let space = &self.spaces[steered.space as usize].space;
+        let body = self.tables.members().as_slice()[place as usize].body;
+        let key = (populace_core::BodyIndex(body), space.clips()[sample].index);
+        let bound = self.bound_clips.get(&key).copied().unwrap_or(populace_core::layout::NONE);
+        let offset = cycles(f64::from(space.offset(sample).rem_euclid(1.0)));
+        Slot::in_phase(bound, tick, steered.phase_at(tick).wrapping_add(offset), steered.cycles_per_sec)
+    }
+
+    /// The slot of a space's clip, unless it has faded out.
+    fn sample_slot(&self, place: u32, serial: u32, sample: usize, tick: u64) -> Option<usize> {
+        (0..self.slots(place).len()).find(|&index| {
+            let started = self.started(place, index);
+            !faded_out(&self.slots(place)[index], tick)
+                && started.serial == serial
+                && started.sample.map(usize::from) == Some(sample)
+        })
+    }
+
+    /// The mean of the clips' cycles per second, by weight; clips of no length have none.
+    fn cycles_per_sec(&self, space: u32, weights: &Weights, speed: f32) -> f64 {
+        let durations = &self.spaces[space as usize].durations_secs;
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (sample, weight) in weights.iter().filter(|(sample, _)| durations[*sample] > 0.0) {
+            sum += f64::from(*weight) / f64::from(durations[*sample]);
+            total += f64::from(*weight);
+        }
+        if total > 0.0 { f64::from(speed) * sum / total } else { 0.0 }
+    }
+}
+
+/// The clips that are there, and of the others as many as there is room for, but one at least; in the same proportions.
+fn strongest(all: Weights, is_there: impl Fn(usize) -> bool, room: usize) -> Weights {
+    let mut order = all;
+    order.sort_by(|a, b| is_there(b.0).cmp(&is_there(a.0)).then(b.1.total_cmp(&a.1)));
+    let weighing = |(_, weight): &&(usize, f32)| *weight > 0.0;
+    let there = order.iter().filter(weighing).filter(|(sample, _)| is_there(*sample)).count();
+    let kept = order.iter().filter(weighing).take((there + room).max(1));
+    let kept: Vec<_> = kept.copied().collect();
+    if kept.len() == order.iter().filter(weighing).count() {
+        return all;
+    }
+    let total: f32 = kept.iter().map(|(_, weight)| weight).sum();
+    let mut weights = [(0, 0.0); MOST];
+    weights.iter_mut().zip(kept).for_each(|(to, (sample, weight))| *to = (sample, weight / total));
+    weights
+}
+
+fn weight_of(weights: &[(usize, f32); MOST], sample: u16) -> f32 {
+    weights.iter().filter(|(own, _)| *own == usize::from(sample)).map(|(_, weight)| *weight).sum()
+}
+
+/// Part of a cycle, from 0 to 1, in 2^-64 of one.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative; `as` saturates")]
+fn cycles(part: f64) -> u64 {
+    (part * 18_446_744_073_709_551_616.0) as u64
+}

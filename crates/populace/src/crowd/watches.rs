@@ -1,0 +1,67 @@
+//! Joints that are read back without waiting.
+
+use populace_core::layout::WATCHED_ELEMENTS;
+use populace_core::{Affine, JointIndex, TICKS_PER_SEC};
+
+use super::{Crowd, FIRST_TICK, Member};
+use crate::Error;
+
+/// A joint that is brought to the host after each frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Watch {
+    member: Member,
+    joint: JointIndex,
+}
+
+/// A joint as it was a little while ago.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sighting {
+    /// The crowd's clock then, from its beginning on.
+    pub at_secs: f64,
+    /// Where it was in the world.
+    pub world_from_joint: Affine,
+}
+
+impl Crowd {
+    /// Lets a member's joint be brought to the host after each frame from the next on, without anyone waiting for it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or a joint that is not there.
+    pub fn watch(&mut self, member: Member, joint: JointIndex) -> Result<Watch, Error> {
+        self.watch_joint(member, joint)?;
+        self.readers += 1;
+        Ok(Watch { member, joint })
+    }
+
+    /// Lets go of a joint that was watched; one that is watched twice is until both are let go of.
+    pub fn unwatch(&mut self, watch: Watch) {
+        self.readers = self.readers.saturating_sub(1);
+        self.unwatch_joint(watch.member, watch.joint);
+    }
+
+    /// The newest that has come to the host of a joint that is watched: as of the last update on the native device, some
+    /// frames ago on others. `None` before the first has, and where the joint is not watched any longer.
+    ///
+    /// # Errors
+    ///
+    /// A failing device.
+    pub fn sighting(&mut self, watch: Watch) -> Result<Option<Sighting>, Error> {
+        let Some(watched) = self.watched_place(watch.member, watch.joint) else { return Ok(None) };
+        let first = (watched * WATCHED_ELEMENTS) as usize;
+        let Some((tick, elements)) = self.opened.backend_mut().fetched()? else { return Ok(None) };
+        let Some(rows) = elements.get(first..first + WATCHED_ELEMENTS as usize) else { return Ok(None) };
+        let world_from_joint = Affine { rows: [rows[0].0, rows[1].0, rows[2].0] };
+        // What was never written is all zeros.
+        let seen = world_from_joint.rows[0][..3].iter().any(|v| *v != 0.0);
+        let at_secs = tick.saturating_sub(FIRST_TICK) as f64 / TICKS_PER_SEC as f64;
+        Ok(seen.then_some(Sighting { at_secs, world_from_joint }))
+    }
+
+    /// How often the host has waited for a device of the kind in use since the process began. [`update`](Self::update) does
+    /// not make it wait on one device; reading back does, but for [`sighting`](Self::sighting).
+    #[must_use]
+    pub fn waits(&self) -> u64 {
+        self.opened.backend().waits()
+    }
+}

@@ -1,0 +1,120 @@
+//! Layers as users set them, against the oracle.
+
+use populace::core::TICKS_PER_SEC;
+use populace::{Crowd, CrowdBuilder, LayerMode, LayerSettings, Mask, Member, Placement, Play};
+use populace_testkit::oracle::{OracleBody, OracleLayer, OracleSlot, evaluate};
+
+use crate::on_every_way;
+use crate::rig::{JOINTS, Motion, crowd_of};
+
+/// Rotation components and metres: 16-bit rows over turns of up to a radian, and the chords between keys that lie dense.
+const OFF: f64 = 2e-4;
+
+fn motions() -> Vec<Motion> {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [0.3, 0.0, 1.0], [1.0, 1.0, 0.0]];
+    let motion = |nth: usize, name| {
+        let mut joint = 0.0;
+        let turns = axes.map(|axis| {
+            joint += 1.0;
+            let angles = (0..=32).map(|key| {
+                let phase = key as f32 / 32.0 * std::f32::consts::TAU;
+                0.3 * (joint + nth as f32) * 0.3 + 0.4 * f32::sin(phase + joint * nth as f32)
+            });
+            (axis, angles.collect())
+        });
+        Motion { name, duration_secs: 1.0 + nth as f32 * 0.5, turns }
+    };
+    ["a", "b", "c", "d"].into_iter().enumerate().map(|(nth, name)| motion(nth, name)).collect()
+}
+
+/// Holds a member's joints against the oracle, from what the crowd says plays.
+#[track_caller]
+fn assert_as_the_oracle_says(crowd: &mut Crowd, member: Member, layers: &[OracleLayer]) {
+    let id = crowd.instances().find(|i| i.member == member).unwrap().character;
+    let clips = crowd.clips(id).unwrap();
+    let body = OracleBody::from_character(crowd.character(id).unwrap());
+    let playing = crowd.playing(member).unwrap();
+    let slots: Vec<_> = playing
+        .iter()
+        .map(|p| OracleSlot {
+            clip: clips.iter().find(|(clip, _)| *clip == p.clip).unwrap().1.source(),
+            time_secs: f64::from(p.time_secs),
+            weight: f64::from(p.weight),
+            layer: p.layer,
+        })
+        .collect();
+    let wanted = evaluate(&body, &slots, layers).model_from_joint;
+    for (joint, (found, wanted)) in crowd.model_from_joints(member).unwrap().iter().zip(&wanted).enumerate() {
+        let wanted = glam::DMat4::from(*wanted).transpose().to_cols_array();
+        for (found, wanted) in found.rows.as_flattened().iter().zip(wanted) {
+            let off = (f64::from(*found) - wanted).abs();
+            assert!(off < OFF, "joint {joint} is off by {off} with {} clips", slots.len());
+        }
+    }
+}
+
+fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
+    let (mut crowd, id, clips) = crowd_of(&builder.clone().slots_per_member(8), &motions());
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    let skeleton = crowd.character(id).unwrap().skeleton.clone();
+    let fading = Mask::of_subtrees(&skeleton, ["joint 1"]).unwrap().with_falloff(&skeleton, 3).unwrap();
+    let all_but = Mask::of_joints(&skeleton, ["joint 2"]).unwrap().inverted();
+    let wide = |mask: &Mask| Some(mask.weights().iter().map(|w| f64::from(*w)).collect());
+    let layers = [
+        OracleLayer::default(),
+        OracleLayer { mode: LayerMode::Override, weight: 0.75, mask: wide(&fading) },
+        OracleLayer { mode: LayerMode::Additive, weight: 0.5, mask: wide(&all_but) },
+        OracleLayer { mode: LayerMode::Override, weight: 0.25, mask: None },
+    ];
+    let masks =
+        [None, Some(crowd.add_mask(id, &fading).unwrap()), Some(crowd.add_mask(id, &all_but).unwrap()), None];
+    for (index, (layer, mask)) in layers.iter().zip(masks).enumerate().skip(1) {
+        let settings = LayerSettings { mode: layer.mode, weight: layer.weight as f32 };
+        crowd.set_layer(member, index, settings, mask).unwrap();
+    }
+    crowd.play(member, clips[0], Play::looping()).unwrap();
+    for step in 0..60 {
+        let clip = clips[step % 4];
+        let play = Play::looping().fade_in_secs(0.3).on_layer(step % 4).phase(0.1).speed(if step % 3 == 0 {
+            -0.7
+        } else {
+            1.2
+        });
+        match step % 7 {
+            0 | 3 => drop(crowd.play(member, clip, play).unwrap()),
+            1 => drop(crowd.blend(member, clip, play.weight(0.4)).unwrap()),
+            2 => drop(crowd.queue(member, clip, play).unwrap()),
+            5 => drop(crowd.play(member, clip, Play::once().on_layer(2).fade_in_secs(0.1)).unwrap()),
+            _ => {}
+        }
+        crowd.update(0.07).unwrap();
+        assert_as_the_oracle_says(&mut crowd, member, &layers);
+    }
+}
+
+/// A crossfade runs evenly from one clip to the other, and what fades out already goes on to, in proportion.
+fn crossfades_agree_with_the_oracle(builder: &CrowdBuilder) {
+    let (mut crowd, id, clips) = crowd_of(builder, &motions());
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.update(0.2).unwrap();
+    crowd.crossfade(member, clips[1], 0.4).unwrap();
+    crowd.update(0.1).unwrap();
+    crowd.crossfade(member, clips[2], 0.8).unwrap();
+    for quarter in 0..=4_u8 {
+        let new = f64::from(quarter) / 4.0;
+        let wanted = [0.75 * (1.0 - new), 0.25 * (1.0 - new), new];
+        for (clip, wanted) in clips.iter().zip(wanted) {
+            let playing = crowd.playing(member).unwrap();
+            let found = playing.iter().find(|p| p.clip == *clip).map_or(0.0, |p| p.weight);
+            assert!((f64::from(found) - wanted).abs() < 1e-5, "{found} is not {wanted}");
+        }
+        crowd.update(0.0).unwrap();
+        assert_as_the_oracle_says(&mut crowd, member, &[]);
+        crowd.update(0.2).unwrap();
+    }
+    assert_eq!(TICKS_PER_SEC % 5, 0, "fifths of a second are whole ticks");
+    assert_eq!(crowd.model_from_joints(member).unwrap().len(), JOINTS);
+}
+
+on_every_way!(layers_with_masks_agree_with_the_oracle, crossfades_agree_with_the_oracle);

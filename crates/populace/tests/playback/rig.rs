@@ -1,0 +1,99 @@
+//! A small body, its clips, and what to measure on it.
+
+use std::sync::Arc;
+
+use glam::{DQuat, Quat};
+use populace::core::{
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource, PaletteEntry,
+    Property, Skeleton, Track,
+};
+use populace::{Affine, CharacterId, ClipId, Crowd, CrowdBuilder, Member, Placement, Trs};
+
+/// Joints of the arm: "joint 0" is the root, each hangs on the one before it.
+pub(crate) const JOINTS: usize = 4;
+
+/// Rotations of each joint over time: a turn of so many radians about an axis of its own, at each key.
+pub(crate) struct Motion {
+    pub(crate) name: &'static str,
+    pub(crate) duration_secs: f32,
+    /// Of each joint: the axis, and the angles at evenly spaced keys.
+    pub(crate) turns: [([f32; 3], Vec<f32>); JOINTS],
+}
+
+pub(crate) fn skeleton() -> Skeleton {
+    let joint = |index: usize| JointSource {
+        name: format!("joint {index}"),
+        parent: index.checked_sub(1),
+        rest: Trs { translation: [0.0, 0.5, 0.0], ..Trs::IDENTITY },
+    };
+    Skeleton::new(&(0..JOINTS).map(joint).collect::<Vec<_>>()).unwrap()
+}
+
+pub(crate) fn clip(motion: &Motion) -> Arc<Clip> {
+    let track = |(joint, (axis, angles)): (usize, &([f32; 3], Vec<f32>))| {
+        let last = (angles.len() - 1).max(1) as f32;
+        let times = (0..angles.len()).map(|key| motion.duration_secs * key as f32 / last);
+        let rotation = |angle: &f32| {
+            let axis = glam::DVec3::from_array(axis.map(f64::from)).normalize();
+            DQuat::from_axis_angle(axis, f64::from(*angle)).as_quat().to_array()
+        };
+        Track {
+            joint: format!("joint {joint}"),
+            property: Property::Rotation,
+            interpolation: Interpolation::Linear,
+            times: times.collect(),
+            values: angles.iter().flat_map(rotation).collect(),
+        }
+    };
+    let tracks = motion.turns.iter().enumerate().map(track).collect();
+    Arc::new(Clip::new(ClipSource { name: motion.name.into(), tracks }, &skeleton()).unwrap())
+}
+
+pub(crate) fn character(motions: &[Motion]) -> Character {
+    let entry = |joint| PaletteEntry { joint: JointIndex(joint), joint_from_bind: Affine::IDENTITY };
+    Character::new(CharacterSource {
+        name: "arm".into(),
+        skeleton: skeleton(),
+        palette: (0..JOINTS as u32).map(entry).collect(),
+        parts: vec![],
+        materials: vec![],
+        images: vec![],
+        skins: vec![],
+        clips: motions.iter().map(clip).collect(),
+    })
+    .unwrap()
+}
+
+/// A crowd with one character, its clips in order, and one member that plays nothing.
+pub(crate) fn one_member(builder: &CrowdBuilder, motions: &[Motion]) -> (Crowd, Vec<ClipId>, Member) {
+    let (mut crowd, id, clips) = crowd_of(builder, motions);
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    (crowd, clips, member)
+}
+
+pub(crate) fn crowd_of(builder: &CrowdBuilder, motions: &[Motion]) -> (Crowd, CharacterId, Vec<ClipId>) {
+    let mut crowd = builder.clone().build().unwrap();
+    let id = crowd.add_character(character(motions)).unwrap();
+    let clips = crowd.clips(id).unwrap().into_iter().map(|(clip, _)| clip).collect();
+    (crowd, id, clips)
+}
+
+/// The rotation of each joint in model space.
+pub(crate) fn turns(crowd: &mut Crowd, member: Member) -> Vec<Quat> {
+    let rotation = |m: Affine| {
+        let [a, b, c] = m.rows;
+        let columns = [0, 1, 2].map(|i| glam::Vec3::new(a[i], b[i], c[i]));
+        Quat::from_mat3(&glam::Mat3::from_cols(columns[0], columns[1], columns[2])).normalize()
+    };
+    crowd.model_from_joints(member).unwrap().into_iter().map(rotation).collect()
+}
+
+/// The largest angle between the rotations of a joint.
+pub(crate) fn step_rad(before: &[Quat], after: &[Quat]) -> f32 {
+    // The arc cosine of a dot product would tell small angles badly.
+    let angle = |(a, b): (&Quat, &Quat)| {
+        let turn = a.inverse() * *b;
+        2.0 * f64::from(turn.xyz().length()).atan2(f64::from(turn.w.abs()))
+    };
+    before.iter().zip(after).map(angle).fold(0.0, f64::max) as f32
+}

@@ -1,0 +1,235 @@
+//! When clips start and end, how fast they run, and what can be asked of them.
+
+use populace::{ClipId, Crowd, CrowdBuilder, Device, Error, Member, Placement, Play, Playing};
+
+use crate::on_every_way;
+use crate::rig::{JOINTS, Motion, crowd_of, one_member, turns};
+
+/// "wave" turns the root by a radian in 1 s, "nod" by two in 0.5 s, "idle" by half a one back and forth in 2 s; "still"
+/// has no length.
+fn motions() -> Vec<Motion> {
+    let motion = |name, duration_secs, angles: &[f32]| {
+        let still = ([1.0, 0.0, 0.0], vec![0.0]);
+        let mut turns = [(); JOINTS].map(|()| still.clone());
+        turns[0] = ([1.0, 0.0, 0.0], angles.to_vec());
+        Motion { name, duration_secs, turns }
+    };
+    vec![
+        motion("wave", 1.0, &[0.0, 0.25, 0.5, 0.75, 1.0]),
+        motion("nod", 0.5, &[0.0, 0.5, 1.0, 1.5, 2.0]),
+        motion("idle", 2.0, &[0.0, 0.5, 0.0]),
+        motion("still", 0.0, &[0.3]),
+    ]
+}
+
+/// How far the root is turned.
+fn root(crowd: &mut Crowd, member: Member) -> f32 {
+    turns(crowd, member)[0].to_axis_angle().1
+}
+
+#[track_caller]
+fn assert_near(value: f32, wanted: f32) {
+    assert!((value - wanted).abs() < 2e-3, "{value} is not {wanted}");
+}
+
+#[track_caller]
+fn playing(crowd: &Crowd, member: Member, clip: ClipId) -> Playing {
+    let all = crowd.playing(member).unwrap();
+    *all.iter().find(|p| p.clip == clip).unwrap_or_else(|| panic!("not among {all:?}"))
+}
+
+fn clips_queue_and_begin_on_their_tick(builder: &CrowdBuilder) {
+    let (mut crowd, clips, member) = one_member(builder, &motions());
+    let [wave, nod, idle] = [clips[0], clips[1], clips[2]];
+    crowd.play(member, wave, Play::once()).unwrap();
+    crowd.queue(member, nod, Play::once()).unwrap();
+    crowd.queue(member, wave, Play::once().speed(-2.0).after_secs(0.25)).unwrap();
+    crowd.queue(member, idle, Play::looping().fade_in_secs(0.5)).unwrap();
+    assert_eq!(crowd.playing(member).unwrap().len(), 1, "what waits takes no slot");
+    for (step, wanted) in [
+        (0.75, 0.75),
+        (0.5, 1.0), // the nod, begun a quarter of a second ago
+        (0.25, 2.0),
+        (0.2, 2.0),          // holds its end
+        (0.3, 1.0 - 0.5),    // backwards at twice the pace from 1.75 s on
+        (0.25, 0.0),         // at its end, which is its start
+        (0.25, 0.5 * 0.125), // half faded into the idle
+        (0.25, 0.25),
+    ] {
+        crowd.update(step).unwrap();
+        assert_near(root(&mut crowd, member), wanted);
+    }
+    let all = crowd.playing(member).unwrap();
+    assert_eq!((all.len(), all[0].clip, all[0].weight, all[0].ends_in_secs), (1, idle, 1.0, None));
+}
+
+/// A long frame passes several starts at once; the outcome is that of short ones.
+fn starts_do_not_depend_on_frames(builder: &CrowdBuilder) {
+    let run = |steps: u16| {
+        let (mut crowd, clips, member) = one_member(builder, &motions());
+        crowd.play(member, clips[0], Play::once()).unwrap();
+        crowd.queue(member, clips[1], Play::once().fade_in_secs(0.1)).unwrap();
+        crowd.queue(member, clips[2], Play::looping().fade_in_secs(0.4).phase(0.3)).unwrap();
+        crowd.blend(member, clips[0], Play::looping().weight(0.3).after_secs(1.45)).unwrap();
+        (0..steps).for_each(|_| crowd.update(1.75 / f32::from(steps)).unwrap());
+        (crowd.palette(member).unwrap(), crowd.playing(member).unwrap().len())
+    };
+    let once = run(1);
+    assert_eq!(once.1, 3);
+    assert!(run(7) == once && run(28) == once, "bit for bit");
+}
+
+fn a_loop_is_followed_at_the_end_of_its_cycle(builder: &CrowdBuilder) {
+    let (mut crowd, clips, member) = one_member(builder, &motions());
+    crowd.play(member, clips[0], Play::looping().phase(0.4)).unwrap();
+    crowd.update(1.0).unwrap(); // 0.4 into the second cycle
+    crowd.queue(member, clips[1], Play::once()).unwrap();
+    crowd.update(0.59).unwrap();
+    assert_near(root(&mut crowd, member), 0.99);
+    crowd.update(0.26).unwrap();
+    assert_near(root(&mut crowd, member), 1.0);
+    // A held clip and one of no length have no end to wait for.
+    for play in [Play::held_at_secs(0.5), Play::once()] {
+        let clip = if play == Play::once() { clips[3] } else { clips[0] };
+        crowd.play(member, clip, play).unwrap();
+        crowd.queue(member, clips[1], Play::once()).unwrap();
+        crowd.update(0.25).unwrap();
+        assert_near(root(&mut crowd, member), 1.0);
+    }
+}
+
+fn what_is_started_later_starts_on_its_tick_and_can_be_taken_back(builder: &CrowdBuilder) {
+    let (mut crowd, id, clips) = crowd_of(builder, &motions());
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    crowd.play(member, clips[0], Play::held_at_secs(0.25)).unwrap();
+    let later = crowd.play(member, clips[1], Play::looping().after_secs(0.3)).unwrap();
+    crowd.set_weight(later, 0.75, 0.0).unwrap();
+    crowd.update(0.29).unwrap();
+    assert_near(root(&mut crowd, member), 0.25);
+    crowd.update(0.135).unwrap();
+    assert_near(root(&mut crowd, member), 0.5);
+    assert_near(playing(&crowd, member, clips[1]).weight, 0.75);
+    let later = crowd.play(member, clips[0], Play::once().after_secs(0.1)).unwrap();
+    crowd.stop(member, 0, 0.0).unwrap();
+    crowd.update(0.5).unwrap();
+    assert_near(root(&mut crowd, member), 0.0);
+    assert_eq!(crowd.set_weight(later, 1.0, 0.0), Err(Error::StalePlay));
+    let later = crowd.play(member, clips[0], Play::once().after_secs(0.1)).unwrap();
+    crowd.despawn(member).unwrap();
+    let newcomer = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    crowd.update(0.5).unwrap();
+    assert_eq!(crowd.playing(newcomer).unwrap(), [], "what waited for another member is forgotten");
+    assert_eq!(crowd.set_weight(later, 1.0, 0.0), Err(Error::StaleMember));
+}
+
+fn speeds_change_without_a_jump_and_the_queue_follows(builder: &CrowdBuilder) {
+    let (mut crowd, clips, member) = one_member(builder, &motions());
+    let wave = crowd.play(member, clips[0], Play::once()).unwrap();
+    crowd.queue(member, clips[1], Play::once()).unwrap();
+    let mut at = |speed: Option<f32>, secs: f32, wanted: f32| {
+        if let Some(speed) = speed {
+            let before = root(&mut crowd, member);
+            crowd.set_speed(wave, speed).unwrap();
+            crowd.update(0.0).unwrap();
+            assert!((root(&mut crowd, member) - before).abs() < 1e-5, "speed {speed} jumps");
+        }
+        crowd.update(secs).unwrap();
+        assert_near(root(&mut crowd, member), wanted);
+    };
+    at(None, 0.4, 0.4);
+    at(Some(0.5), 0.4, 0.6);
+    at(Some(0.0), 5.0, 0.6);
+    at(Some(-1.0), 0.5, 0.1);
+    at(Some(2.0), 0.44, 0.98);
+    at(None, 0.26, 1.0); // The nod began when the wave ended at last.
+    at(None, 0.25, 2.0);
+    let idle = crowd.play(member, clips[2], Play::looping()).unwrap();
+    crowd.update(0.5).unwrap();
+    crowd.set_speed(idle, -1.0).unwrap();
+    crowd.update(0.0).unwrap();
+    assert_near(root(&mut crowd, member), 0.25);
+    crowd.update(1.0).unwrap(); // back past the start, to its end
+    assert_near(root(&mut crowd, member), 0.25);
+    let found = playing(&crowd, member, clips[2]);
+    assert_near(found.time_secs, 1.5);
+    assert_near(found.speed, -1.0);
+}
+
+fn weights_run_and_end(builder: &CrowdBuilder) {
+    let (mut crowd, clips, member) = one_member(builder, &motions());
+    crowd.play(member, clips[0], Play::held_at_secs(0.0)).unwrap();
+    let other = crowd.blend(member, clips[0], Play::held_at_secs(1.0).weight(1.0).fade_in_secs(1.0)).unwrap();
+    crowd.update(0.5).unwrap();
+    assert_near(root(&mut crowd, member), 0.330); // a third, by chord
+    crowd.set_weight(other, 0.25, 0.5).unwrap();
+    crowd.update(0.25).unwrap();
+    assert_near(playing(&crowd, member, clips[0]).weight, 1.0);
+    crowd.set_weight(other, 0.0, 0.2).unwrap();
+    crowd.update(0.3).unwrap();
+    assert_near(root(&mut crowd, member), 0.0);
+    assert_eq!(crowd.playing(member).unwrap().len(), 1, "it has ended");
+    // Handles go stale when the slot is another's.
+    for _ in 0..4 {
+        crowd.blend(member, clips[1], Play::looping()).unwrap();
+    }
+    assert_eq!(crowd.set_weight(other, 1.0, 0.0), Err(Error::StalePlay));
+    assert_eq!(crowd.set_speed(other, 1.0), Err(Error::StalePlay));
+}
+
+on_every_way!(
+    clips_queue_and_begin_on_their_tick,
+    starts_do_not_depend_on_frames,
+    a_loop_is_followed_at_the_end_of_its_cycle,
+    what_is_started_later_starts_on_its_tick_and_can_be_taken_back,
+    speeds_change_without_a_jump_and_the_queue_follows,
+    weights_run_and_end,
+);
+
+#[test]
+fn what_plays_is_told() {
+    let (mut crowd, clips, member) = one_member(&Crowd::builder().device(Device::native()), &motions());
+    assert_eq!(crowd.playing(member).unwrap(), []);
+    let upper = crowd.play(member, clips[2], Play::looping().on_layer(2).phase(0.25).weight(0.5)).unwrap();
+    let wave = crowd.play(member, clips[0], Play::once().speed(0.5)).unwrap();
+    crowd.update(0.5).unwrap();
+    let found = crowd.playing(member).unwrap();
+    let ids: Vec<_> = found.iter().map(|p| (p.id, p.clip, p.layer, p.weight)).collect();
+    assert_eq!(ids, [(Some(wave), clips[0], 0, 1.0), (Some(upper), clips[2], 2, 0.5)]);
+    assert_near(found[0].time_secs, 0.25);
+    assert_near(found[1].time_secs, 1.0);
+    assert_eq!(found[1].ends_in_secs, None);
+    assert!((found[0].ends_in_secs.unwrap() - 1.5).abs() < 1e-5);
+    crowd.update(9.0).unwrap();
+    assert_eq!(crowd.playing(member).unwrap()[0].ends_in_secs, Some(0.0));
+}
+
+#[test]
+fn bad_values_are_refused_and_change_nothing() {
+    let (mut crowd, clips, member) = one_member(&Crowd::builder().device(Device::native()), &motions());
+    let wave = crowd.play(member, clips[0], Play::once()).unwrap();
+    for bad in [f32::NAN, f32::INFINITY, -1.0] {
+        assert!(crowd.play(member, clips[1], Play::once().after_secs(bad)).is_err());
+        assert!(crowd.queue(member, clips[1], Play::once().fade_in_secs(bad)).is_err());
+        assert!(crowd.set_weight(wave, bad, 0.0).is_err() && crowd.set_weight(wave, 0.5, bad).is_err());
+        assert!(bad < 0.0 || crowd.set_speed(wave, bad).is_err());
+    }
+    assert!(crowd.set_weight(wave, 1.5, 0.0).is_err());
+    let (mut other, other_clips, stranger) =
+        one_member(&Crowd::builder().device(Device::native()), &motions());
+    let foreign = other.play(stranger, other_clips[0], Play::once()).unwrap();
+    assert_eq!(crowd.set_speed(foreign, 1.0), Err(Error::StaleMember));
+    assert!(crowd.queue(member, other_clips[0], Play::once()).is_err());
+    crowd.update(0.5).unwrap();
+    assert_near(root(&mut crowd, member), 0.5);
+    // The longest delays and fades and the slowest speeds are only long and slow.
+    for _ in 0..9 {
+        crowd.blend(member, clips[1], Play::looping().fade_in_secs(f32::MAX).on_layer(1)).unwrap();
+    }
+    crowd.queue(member, clips[1], Play::once().after_secs(f32::MAX)).unwrap();
+    crowd.set_speed(wave, 1e-30).unwrap();
+    crowd.queue(member, clips[1], Play::once().speed(1e-30)).unwrap();
+    crowd.queue(member, clips[1], Play::once().speed(0.0)).unwrap();
+    crowd.queue(member, clips[1], Play::once()).unwrap();
+    crowd.update(1e6).unwrap();
+    assert_near(root(&mut crowd, member), 0.5);
+}

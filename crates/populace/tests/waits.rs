@@ -1,0 +1,81 @@
+//! Frames in which everything changes never make the host wait for the device. Alone in its process: waits are counted
+//! over all devices of one.
+#![cfg(feature = "opencl")]
+#![expect(
+    clippy::expect_used,
+    dead_code,
+    reason = "a test that cannot go on fails; bodies are shared with others"
+)]
+
+#[path = "controls/body.rs"]
+mod body;
+
+use body::{joint, stage};
+use populace::core::math::quat;
+use populace::{
+    Device, Feet, Foot, JointOverride, LayerSettings, Placement, Play, Reach, Schedule, Space, Target, Trs,
+    Weight,
+};
+
+fn feet() -> Feet {
+    let foot = |side: &str| Foot {
+        hip: joint(&format!("{side}UpperLeg")),
+        knee: joint(&format!("{side}LowerLeg")),
+        ankle: joint(&format!("{side}Foot")),
+    };
+    Feet { pelvis: joint("hips"), feet: vec![foot("left"), foot("right")], weight: 1.0 }
+}
+
+fn frames(stage: &mut body::Stage) {
+    let clips = ["sway", "walk"].map(|name| stage.clip(name));
+    let members: Vec<_> = (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
+    let mut watch = None;
+    let mut waited = 0;
+    for frame in 0..60_usize {
+        if frame == 10 {
+            // All has grown as far as it will.
+            waited = stage.crowd.waits();
+        }
+        for (n, &member) in members.iter().enumerate() {
+            let x = (frame * 20 + n) as f32;
+            let crowd = &mut stage.crowd;
+            crowd.play(member, clips[(frame + n) % 2], Play::looping().fade_in_secs(0.2)).expect("a clip");
+            crowd.set_layer(member, 1, LayerSettings::default(), None).expect("a layer");
+            crowd.place(member, Placement::at([n as f32, 0.0, x * 0.001])).expect("a place");
+            let target = Target::Point([x.sin(), 1.2, 1.0]);
+            crowd.reach(member, Reach::with(joint("leftHand")), target, Weight::FULL).expect("a limb");
+            crowd.plant_with(member, &feet()).expect("feet");
+            let transform = Trs { rotation: quat::identity(), ..Trs::IDENTITY };
+            let o = JointOverride { joint: joint("head"), space: Space::Local, transform, weight: 0.5 };
+            crowd.override_joints(member, &[o]).expect("an override");
+        }
+        if frame == 2 {
+            watch = Some(stage.crowd.watch(members[7], joint("leftHand")).expect("a joint"));
+        }
+        stage.update(1.0 / 60.0);
+        if let Some(watch) = watch {
+            stage.crowd.sighting(watch).expect("a device");
+        }
+    }
+    assert_eq!(stage.crowd.waits(), waited, "{:?}: the host waited", stage.crowd.schedule());
+    stage.crowd.finish().expect("a device");
+    let opencl = stage.crowd.device_name().starts_with("OpenCL");
+    assert_eq!(stage.crowd.waits(), waited + u64::from(opencl), "an explicit wait is counted");
+    let watch = watch.expect("it was made");
+    let seen = stage.crowd.sighting(watch).expect("a device").expect("it has come by now");
+    let world = stage.crowd.placement(members[7]).expect("a member").world_from_model();
+    let hand = world.transform_point(stage.place(members[7], "leftHand"));
+    assert!(body::distance(seen.world_from_joint.origin(), hand) < 1e-5, "{seen:?} {hand:?}");
+    assert!((seen.at_secs - 1.0).abs() < 1e-3, "{seen:?}");
+    stage.crowd.unwatch(watch);
+    assert_eq!(stage.crowd.sighting(watch).expect("a device"), None);
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn no_frame_waits_for_the_device() {
+    for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
+        frames(&mut stage(Device::opencl(0), schedule));
+    }
+    frames(&mut stage(Device::native(), Schedule::Fused));
+}
