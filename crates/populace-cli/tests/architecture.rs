@@ -10,6 +10,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-native", &["populace-core"]),
     ("populace-opencl", &["populace-core"]),
     ("populace", &["populace-core", "populace-native", "populace-opencl"]),
+    ("populace-physics", &["populace"]),
     ("populace-assets", &["populace-core"]),
     ("populace-render", &["populace-core"]),
     ("populace-testkit", &["populace-core"]),
@@ -46,6 +47,21 @@ fn crates_use_only_what_lies_below_them() {
     let allowed: BTreeMap<_, BTreeSet<_>> =
         ALLOWED.iter().map(|(name, uses)| (*name, uses.iter().copied().collect())).collect();
     assert_eq!(found, allowed);
+}
+
+/// Crates of others that only one of ours may use, in its tests or outside them.
+const SOLE_USERS: &[(&str, &str)] = &[("rapier3d", "populace-physics")];
+
+#[test]
+fn one_crate_alone_uses_rapier() {
+    for folder in std::fs::read_dir(root().join("crates")).expect("crates") {
+        let folder = folder.expect("a crate").path();
+        let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).expect("Cargo.toml");
+        for (theirs, ours) in SOLE_USERS {
+            let uses = manifest.lines().any(|line| line.starts_with(theirs));
+            assert_eq!(uses, folder.ends_with(ours), "{theirs} in {}", folder.display());
+        }
+    }
 }
 
 #[test]

@@ -368,6 +368,15 @@ impl Crowd {
         Ok(self.members[member.place as usize].placement)
     }
 
+    /// The character that a member is one of.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`].
+    pub fn character_of(&self, member: Member) -> Result<CharacterId, Error> {
+        self.check(member)
+    }
+
     /// Moves the clock on, starts what was to start by then, and evaluates every member.
     ///
     /// # Errors

@@ -175,6 +175,24 @@ impl Placement {
         self
     }
 
+    /// The point where it stands, in metres.
+    #[must_use]
+    pub const fn position(&self) -> [f32; 3] {
+        self.position
+    }
+
+    /// Its heading about +Y: 0 faces +Z, a quarter turn faces +X.
+    #[must_use]
+    pub const fn yaw_rad(&self) -> f32 {
+        self.yaw_rad
+    }
+
+    /// Times the character's own size.
+    #[must_use]
+    pub const fn scale(&self) -> f32 {
+        self.scale
+    }
+
     pub(crate) fn check(&self) -> Result<(), Error> {
         finite("the position of a member", &self.position)?;
         finite("the heading of a member", &[self.yaw_rad])?;

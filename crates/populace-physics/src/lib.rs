@@ -1,0 +1,58 @@
+//! Ragdolls for crowds: any member goes limp from the pose and the speed that it has, is moved by `rapier3d`, and gets up
+//! again by blending back to its clips. An arm alone, too.
+//!
+//! Spaces and units are those of [`populace`]: right-handed, Y up, metres, seconds, radians; masses in kg, impulses in
+//! newton-seconds. Bodies live in the world, so placements must be in it too.
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use populace::{Crowd, Device, Placement, Play};
+//! use populace_physics::{RagdollPlan, Ragdolls, State};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mut crowd = Crowd::builder().device(Device::native()).capacity(10).build()?;
+//! let man = crowd.add_character(populace_cast::person(&populace_cast::Look::man())?)?;
+//! let walk = crowd.clip(man, "Walk")?;
+//! let member = crowd.spawn(man, Placement::at([0.0; 3]))?;
+//! crowd.play(member, walk, Play::looping())?;
+//! crowd.update(0.1)?;
+//!
+//! let plan = Arc::new(RagdollPlan::from_skeleton(&crowd.character(man)?.skeleton));
+//! let chest = crowd.character(man)?.skeleton.find("Spine4").unwrap();
+//! let mut ragdolls = Ragdolls::new([0.0, -9.81, 0.0])?;
+//! ragdolls.go_limp(&crowd, member, &plan)?;
+//! ragdolls.push(member, chest, [0.0, 0.0, -60.0], None)?;
+//! for _ in 0..90 {
+//!     ragdolls.step(&mut crowd, 1.0 / 60.0)?; // before the update, which takes over where the joints are
+//!     crowd.update(1.0 / 60.0)?;
+//! }
+//! let hips = crowd.model_from_joints(member)?[0];
+//! assert!(hips.rows[1][3] < 0.4, "he lies");
+//!
+//! ragdolls.get_up(&mut crowd, member, 1.0)?;
+//! for _ in 0..61 {
+//!     ragdolls.step(&mut crowd, 1.0 / 60.0)?;
+//!     crowd.update(1.0 / 60.0)?;
+//! }
+//! assert_eq!(ragdolls.state(member), State::Animated);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The main decision: being limp is a set of overrides and nothing else. Joints turn against their parents as the bodies
+//! do, keeping their own lengths and scales, and only the first one is told where in model space it is; so a member never
+//! changes buffer, handle or drawing path, never comes apart, and blends back joint by joint.
+
+mod doll;
+mod error;
+mod math;
+mod plan;
+mod ragdolls;
+mod snapshot;
+mod world;
+
+pub use doll::Bend;
+pub use error::Error;
+pub use plan::{Limits, PlannedBody, RagdollPlan};
+pub use ragdolls::{Ragdolls, State};

@@ -1,0 +1,129 @@
+//! The simulated world: what stands still in it, and how it moves on.
+
+use std::collections::HashMap;
+
+use rapier3d::na::Unit;
+use rapier3d::prelude::{
+    ActiveHooks, Collider, ColliderBuilder, ColliderHandle, Group, InteractionGroups, InteractionTestMode,
+    PairFilterContext, PhysicsHooks, PhysicsWorld, QueryFilter, Ray, RigidBodyBuilder, RigidBodyHandle,
+    SolverFlags,
+};
+
+use crate::math::{Pose, Rotation, Vector};
+
+/// The longest step of the simulation, in seconds; longer frames are divided evenly.
+const LONGEST_STEP_SECS: f32 = 1.0 / 120.0;
+/// A frame longer than this is simulated for this long only, so that one hitch does not bring on the next.
+const LONGEST_FRAME_SECS: f32 = 0.5;
+/// Cloth and skin on floor.
+const FRICTION: f32 = 0.8;
+
+/// Bodies that move on a given way in the coming frame.
+pub(crate) struct Driven {
+    pub(crate) body: RigidBodyHandle,
+    pub(crate) from: Pose,
+    pub(crate) to: Pose,
+}
+
+/// Which bodies of one ragdoll pass through each other: those that overlap from the start, as skin does at joints.
+#[derive(Default)]
+struct Overlaps {
+    of: HashMap<u64, Vec<(u16, u16)>>,
+}
+
+impl PhysicsHooks for Overlaps {
+    fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
+        let [a, b] = [context.collider1, context.collider2].map(|c| context.colliders.get(c).map(owner));
+        let (Some((doll, a)), Some((other, b))) = (a?, b?) else { return Some(SolverFlags::default()) };
+        let overlap = doll == other && self.of.get(&doll).is_some_and(|o| o.contains(&(a.min(b), a.max(b))));
+        (!overlap).then(SolverFlags::default)
+    }
+}
+
+/// The ragdoll and the place in it that a collider is of; `None` for what stands still.
+fn owner(collider: &Collider) -> Option<(u64, u16)> {
+    #[expect(clippy::cast_possible_truncation, reason = "packed by `mark`")]
+    let unpacked = ((collider.user_data >> 16) as u64, collider.user_data as u16);
+    (collider.user_data != 0).then_some(unpacked)
+}
+
+/// Packs whose a collider is; ragdolls count from 1, so that 0 is nobody.
+pub(crate) fn mark(doll: u64, body: usize) -> u128 {
+    u128::from(doll) << 16 | body as u128 & 0xffff
+}
+
+pub(crate) struct World {
+    pub(crate) physics: PhysicsWorld,
+    overlaps: Overlaps,
+    ground: ColliderHandle,
+}
+
+impl World {
+    pub(crate) fn new(gravity: Vector) -> Self {
+        let mut physics = PhysicsWorld::new();
+        physics.gravity = gravity;
+        let parameters = &mut physics.integration_parameters;
+        parameters.num_solver_iterations = 12; // limbs are chains of light bodies on heavy ones
+        parameters.normalized_max_corrective_velocity = 10.0; // what starts inside the ground leaves it gently
+        let ground = ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)).friction(FRICTION).build();
+        let ground = physics.insert_collider(ground, None);
+        Self { physics, overlaps: Overlaps::default(), ground }
+    }
+
+    pub(crate) fn set_ground(&mut self, height: f32) {
+        if let Some(ground) = self.physics.colliders.get_mut(self.ground) {
+            ground.set_translation(Vector::new(0.0, height, 0.0));
+        }
+    }
+
+    pub(crate) fn add_box(&mut self, centre: Vector, half_sides: Vector, yaw_rad: f32) {
+        let pose = Pose::from_parts(centre, Rotation::from_rotation_y(yaw_rad));
+        let [x, y, z] = half_sides.to_array();
+        self.physics
+            .insert_collider(ColliderBuilder::cuboid(x, y, z).position(pose).friction(FRICTION), None);
+    }
+
+    pub(crate) fn add_body(&mut self, body: RigidBodyBuilder, shape: ColliderBuilder) -> RigidBodyHandle {
+        let body = self.physics.insert_body(body.build());
+        let everything = InteractionGroups::new(Group::ALL, Group::ALL, InteractionTestMode::And);
+        let hooks = ActiveHooks::FILTER_CONTACT_PAIRS;
+        let shape = shape.friction(FRICTION).collision_groups(everything).active_hooks(hooks);
+        self.physics.insert_collider(shape, Some(body));
+        body
+    }
+
+    pub(crate) fn set_overlaps(&mut self, doll: u64, pairs: Vec<(u16, u16)>) {
+        self.overlaps.of.insert(doll, pairs);
+    }
+
+    pub(crate) fn remove(&mut self, doll: u64, bodies: &[RigidBodyHandle]) {
+        self.overlaps.of.remove(&doll);
+        for &body in bodies {
+            self.physics.remove_body(body);
+        }
+    }
+
+    /// Moves on by a frame, in even steps.
+    pub(crate) fn step(&mut self, dt_secs: f32, driven: &[Driven]) {
+        let frame = dt_secs.min(LONGEST_FRAME_SECS);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 60")]
+        let steps = (frame / LONGEST_STEP_SECS - 1e-3).ceil().max(1.0) as u32;
+        self.physics.integration_parameters.dt = frame / steps as f32;
+        for step in 1..=steps {
+            let part = step as f32 / steps as f32;
+            for way in driven {
+                if let Some(body) = self.physics.bodies.get_mut(way.body) {
+                    body.set_next_kinematic_position(way.from.lerp(&way.to, part));
+                }
+            }
+            self.physics.step_with_events(&self.overlaps, &());
+        }
+    }
+
+    /// How high the topmost thing that stands still lies under a point, if there is one within `reach` metres.
+    pub(crate) fn floor_under(&self, point: Vector, reach: f32) -> Option<f32> {
+        let ray = Ray::new(point, -Vector::Y);
+        let filter = QueryFilter::only_fixed();
+        self.physics.cast_ray(&ray, reach, true, filter).map(|(_, depth)| point.y - depth)
+    }
+}

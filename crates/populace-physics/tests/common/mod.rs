@@ -1,0 +1,124 @@
+//! A crowd of built-in people with ragdolls, stepped frame by frame.
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+use std::sync::Arc;
+
+use populace::core::{Affine, Character, CharacterSource, JointSource, PaletteEntry, Skeleton, Trs};
+use populace::{CharacterId, Crowd, Device, JointIndex, Member, Placement, Play};
+use populace_physics::{Bend, Limits, RagdollPlan, Ragdolls};
+
+pub(crate) const DT: f32 = 1.0 / 60.0;
+pub(crate) const GRAVITY: [f32; 3] = [0.0, -9.81, 0.0];
+
+pub(crate) struct Stage {
+    pub(crate) crowd: Crowd,
+    pub(crate) ragdolls: Ragdolls,
+    pub(crate) plan: Arc<RagdollPlan>,
+    pub(crate) character: CharacterId,
+    pub(crate) member: Member,
+}
+
+impl Stage {
+    /// One member playing a clip, some way into it.
+    pub(crate) fn new(character: Character, clip: Option<&str>, placement: Placement) -> Self {
+        let mut crowd = Crowd::builder().device(Device::native()).capacity(8).build().unwrap();
+        let character = crowd.add_character(character).unwrap();
+        let member = crowd.spawn(character, placement).unwrap();
+        if let Some(clip) = clip {
+            let clip = crowd.clip(character, clip).unwrap();
+            crowd.play(member, clip, Play::looping().phase(0.2)).unwrap();
+        }
+        let plan = Arc::new(RagdollPlan::from_skeleton(&crowd.character(character).unwrap().skeleton));
+        let mut stage = Self { crowd, ragdolls: Ragdolls::new(GRAVITY).unwrap(), plan, character, member };
+        stage.crowd.update(0.3).unwrap();
+        stage
+    }
+
+    /// The built-in man on his full rig, walking.
+    pub(crate) fn walking_man() -> Self {
+        let man = populace_cast::person(&populace_cast::Look::man()).unwrap();
+        Self::new(man, Some("Walk"), Placement::at([2.0, 0.0, -1.0]).facing(0.7))
+    }
+
+    pub(crate) fn frame(&mut self) {
+        self.ragdolls.step(&mut self.crowd, DT).unwrap();
+        self.crowd.update(DT).unwrap();
+    }
+
+    pub(crate) fn frames(&mut self, count: usize) {
+        for _ in 0..count {
+            self.frame();
+        }
+    }
+
+    pub(crate) fn go_limp(&mut self) {
+        self.ragdolls.go_limp(&self.crowd, self.member, &self.plan).unwrap();
+    }
+
+    pub(crate) fn skeleton(&self) -> &Skeleton {
+        &self.crowd.character(self.character).unwrap().skeleton
+    }
+
+    pub(crate) fn joint(&self, name: &str) -> JointIndex {
+        self.skeleton().find(name).unwrap()
+    }
+
+    pub(crate) fn joints(&mut self) -> Vec<Affine> {
+        self.crowd.model_from_joints(self.member).unwrap()
+    }
+
+    /// Where the joints are in the world.
+    pub(crate) fn places(&mut self) -> Vec<[f32; 3]> {
+        let world_from_model = self.crowd.placement(self.member).unwrap().world_from_model();
+        self.joints().iter().map(|m| world_from_model.mul(m).transform_point([0.0; 3])).collect()
+    }
+
+    pub(crate) fn place(&mut self, joint: JointIndex) -> [f32; 3] {
+        self.places()[joint.index()]
+    }
+}
+
+pub(crate) fn minus(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(crate) fn length(a: [f32; 3]) -> f32 {
+    a.iter().map(|v| v * v).sum::<f32>().powf(0.5)
+}
+
+/// By how much a bend is beyond its limits, in radians; negative within them.
+pub(crate) fn beyond_limits(bend: &Bend) -> f32 {
+    match bend.limits {
+        Limits::Hinge { min_rad, max_rad } => {
+            (bend.twist_rad - max_rad).max(min_rad - bend.twist_rad).max(bend.swing_rad)
+        }
+        Limits::Cone { swing_rad, twist_rad: [least, most] } => {
+            (bend.swing_rad - swing_rad).max(bend.twist_rad - most).max(least - bend.twist_rad)
+        }
+        _ => unreachable!(),
+    }
+}
+
+/// A chain of joints, each as far from the last as told.
+pub(crate) fn chain(steps: &[[f32; 3]]) -> Character {
+    let joint = |(index, step): (usize, &[f32; 3])| JointSource {
+        name: format!("joint {index}"),
+        parent: index.checked_sub(1),
+        rest: Trs { translation: *step, ..Trs::IDENTITY },
+    };
+    let skeleton = Skeleton::new(&steps.iter().enumerate().map(joint).collect::<Vec<_>>()).unwrap();
+    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
+    let (name, nothing) = ("chain".into(), || vec![]);
+    let (materials, images, skins, clips) = (vec![], vec![], vec![], vec![]);
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts: nothing(),
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .unwrap()
+}
