@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{:.1} m/s: {}", f32::from(nth) * 0.5, shares.join(", "));
     }
     let path = shared::output("blend_space.png");
-    shared::draw(&mut crowd, &man, &[[-4.2, 0.0, 0.0], [4.2, 1.9, 0.0]], &path)?;
+    shared::draw(&mut crowd, &[&man], &[[-4.2, 0.0, 0.0], [4.2, 1.9, 0.0]], &path)?;
     println!("drawn to {path}");
     Ok(())
 }

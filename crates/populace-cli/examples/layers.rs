@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     crowd.update(0.6)?;
     let path = shared::output("layers.png");
-    shared::draw(&mut crowd, &woman, &[[-2.4, -0.1, 0.4], [2.4, 2.1, 0.4]], &path)?;
+    shared::draw(&mut crowd, &[&woman], &[[-2.4, -0.1, 0.4], [2.4, 2.1, 0.4]], &path)?;
     println!("all four on {}, drawn to {path}", crowd.device_name());
     Ok(())
 }

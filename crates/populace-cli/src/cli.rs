@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Device, Devices, Schedule, Split};
 
+use crate::aim::{Point, ReachArg};
 use crate::bench::{Load, Way};
 use crate::mix::{LayerArg, SlotArg};
 
@@ -173,6 +174,13 @@ pub(crate) struct PoseArgs {
     /// adding to them; can be repeated [all joints, weight 1]
     #[arg(long, value_name = "L,mask=JOINT,additive,weight=W")]
     pub(crate) layer: Vec<LayerArg>,
+    /// Look at a point of model space, in metres: spine, neck, head and eyes share the turn, within their limits
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub(crate) look_at: Option<Point>,
+    /// Reach for a point of model space, in metres, with the limb of two bones that ends in a joint; can be repeated. A
+    /// backslash quotes a comma, an equals sign or a backslash in the name
+    #[arg(long, value_name = "JOINT=X,Y,Z")]
+    pub(crate) reach: Vec<ReachArg>,
     /// Also give skinned vertices, in scene space
     #[arg(long)]
     pub(crate) vertices: bool,

@@ -3,6 +3,7 @@
 //! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 input rejected, 2 usage or unknown name, 3 no usable
 //! device or GL, 4 output or run failed.
 
+mod aim;
 mod bench;
 mod cast;
 mod cli;

@@ -85,6 +85,23 @@ impl FromStr for LayerArg {
     }
 }
 
+/// A name up to the first equals sign that no backslash quotes, and what follows that.
+pub(crate) fn name_and_rest(text: &str) -> Result<(String, Option<&str>), String> {
+    let mut name = String::new();
+    let mut letters = text.char_indices();
+    while let Some((at, letter)) = letters.next() {
+        match letter {
+            '=' => return Ok((name, Some(&text[at + 1..]))),
+            '\\' => match letters.next() {
+                Some((_, quoted @ (',' | '=' | '\\'))) => name.push(quoted),
+                _ => return Err("a backslash stands before a comma, an = or another backslash".into()),
+            },
+            plain => name.push(plain),
+        }
+    }
+    Ok((name, None))
+}
+
 /// The fields between commas, each a key and what follows its equals sign.
 fn fields(text: &str) -> Result<Vec<(String, Option<String>)>, String> {
     let mut all = Vec::new();

@@ -38,3 +38,21 @@ fn layers() {
 fn blend_space() {
     runs_and_draws("blend_space", &["Walk stands at 1.", "0.0 m/s: Idle 100 %\n", "3.0 m/s: Run 100 %"]);
 }
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn gaze() {
+    runs_and_draws("gaze", &["0: the head is turned by", "drawn to"]);
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn reach() {
+    runs_and_draws("reach", &["and 0 mm from the hand", "drawn to"]);
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn retarget() {
+    runs_and_draws("retarget", &["hips 0.", "drawn to"]);
+}

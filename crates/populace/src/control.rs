@@ -111,8 +111,9 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// With the limb that ends in a joint, a hand or a foot: unless others are named, its parent bends, and that one's
-    /// parent turns.
+    /// With the limb that ends in a joint. Unless others are named, what bends and turns above a hand or a foot is elbow and
+    /// shoulder, or knee and hip, by the character's humanoid roles; above any other joint, its parent and that one's
+    /// parent.
     #[must_use]
     pub const fn with(end: JointIndex) -> Self {
         Self { end, limb: None, pole: None, bend: None, keeps_end: false }

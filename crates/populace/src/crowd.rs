@@ -3,6 +3,7 @@
 mod builder;
 mod controls;
 mod hand_over;
+mod people;
 mod playback;
 mod readback;
 mod roles;

@@ -11,19 +11,23 @@ pub(crate) fn output(name: &str) -> String {
     std::env::args().nth(1).unwrap_or_else(|| name.to_owned())
 }
 
-/// Draws the crowd as of its last update, framed by the points named, without a window. `character` is that of all members.
+/// Draws the crowd as of its last update, framed by the points named, without a window. `characters` are the crowd's, in the
+/// order in which they were added.
 pub(crate) fn draw(
     crowd: &mut Crowd,
-    character: &Character,
+    characters: &[&Character],
     points: &[[f32; 3]],
     path: &str,
 ) -> Result<(), Box<dyn Error>> {
     let size = [960, 400];
     let mut renderer = Renderer::headless(size)?;
-    let handle = renderer.add_character(character, &|_| false)?;
+    let mut handles = Vec::new();
+    for character in characters {
+        handles.push(renderer.add_character(character, &|_| false)?);
+    }
     renderer.take_palettes(crowd)?;
     let instance = |i: populace::Instance| Instance {
-        character: handle,
+        character: handles[i.character.index()],
         world_from_model: i.world_from_model,
         palette_first: i.palette_first,
         tint: [1.0; 3],

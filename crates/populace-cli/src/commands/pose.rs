@@ -7,6 +7,7 @@ use populace::{ClipId, Crowd, Placement};
 use populace_assets::Imported;
 use serde_json::{Value, json};
 
+use crate::aim;
 use crate::cli::{PoseArgs, VertexId};
 use crate::failure::Failure;
 use crate::mix::{self, SlotArg};
@@ -41,6 +42,7 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
     let find = |crowd: &Crowd, name: &str| find_clip(crowd, id, name);
     let (mixed, layers) = mix::apply(&mut crowd, (id, member), (slots, &args.layer), find)?;
+    let [looks_at, reaches] = aim::apply(&mut crowd, (id, member), args.look_at, &args.reach)?;
     crowd.update(0.0)?;
     let palette = crowd.palette(member)?;
     let models = crowd.model_from_joints(member)?;
@@ -53,6 +55,8 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
         "time": if args.slot.is_empty() { json!(as_typed(args.time)) } else { Value::Null },
         "slots": mixed,
         "layers": layers,
+        "look_at": looks_at,
+        "reach": reaches,
         "device": crowd.devices().to_string(),
         "schedule": crowd.schedule().name(),
         "joints": joints(imported, &models),

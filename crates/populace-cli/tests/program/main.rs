@@ -1,5 +1,6 @@
 //! The program as a user meets it: exit codes, JSON documents, pictures, and what it says when something is wrong.
 
+mod aim;
 mod bench;
 mod mix;
 mod pictures;

@@ -7,6 +7,7 @@ use populace_core::{
     Chain, Constraint, Controls, Feet, Gaze, Ground, JointIndex, JointOverride, Limb, Place, Skeleton, Space,
 };
 
+use super::people::limb_above;
 use super::{Crowd, Member};
 use crate::{Error, Reach, Target, Weight};
 
@@ -110,7 +111,9 @@ impl Crowd {
         weight: Weight,
     ) -> Result<(), Error> {
         let character = self.check(member)?;
-        let limb = limb_of(&self.character_state(character)?.character.skeleton, &reach)?;
+        let state = self.character_state(character)?;
+        let by_roles = limb_above(state.roles.as_ref(), reach.end);
+        let limb = limb_of(&state.character.skeleton, &Reach { limb: reach.limb.or(by_roles), ..reach })?;
         let same =
             |constraint: &Constraint| matches!(constraint, Constraint::Limb(old) if old.end == reach.end);
         self.aim(member, target.into(), weight, &Constraint::Limb(limb), same)
@@ -413,9 +416,10 @@ fn set_targets(constraint: &mut Constraint, targets: Vec<layout::Target>) {
 
 fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
     let bad = || {
+        let known = (reach.end.index() < skeleton.joint_count()).then(|| skeleton.name(reach.end));
+        let joint = known.map_or_else(|| reach.end.0.to_string(), |name| format!("\"{name}\""));
         let what = format!(
-            "joint {} does not end a chain of two bones: it needs a parent, and that one a parent",
-            reach.end.0
+            "joint {joint} does not end a limb of two bones: it needs a parent, and that one a parent"
         );
         Error::from(populace_core::Error::BadConstraint { what })
     };

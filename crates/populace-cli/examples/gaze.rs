@@ -1,0 +1,48 @@
+//! Nine people stand in a row and look at a tenth who walks past: at the joint of her head, wherever it is. Those whom she
+//! has passed look after her as far as necks turn.
+//!
+//! `cargo run --example gaze [PICTURE.png]`
+
+#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+
+mod shared;
+
+use std::error::Error;
+
+use populace::{Crowd, Placement, Play, Target, Weight};
+use populace_cast::{Look, person};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let woman = person(&Look::woman())?;
+    let head = woman.skeleton.find("head").ok_or("she has a head")?;
+    let mut crowd = Crowd::builder().build()?;
+    let id = crowd.add_character(woman.clone())?;
+    let (idle, walk) = (crowd.clip(id, "Idle")?, crowd.clip(id, "Walk")?);
+
+    let passer = crowd.spawn(id, Placement::at([-3.0, 0.0, 1.6]).facing(std::f32::consts::FRAC_PI_2))?;
+    crowd.play(passer, walk, Play::looping())?;
+    let mut row = Vec::new();
+    for nth in 0..9_u8 {
+        let member = crowd.spawn(id, Placement::at([f32::from(nth) * 0.75 - 3.0, 0.0, 0.0]))?;
+        crowd.play(member, idle, Play::looping().phase(f32::from(nth) / 9.0))?;
+        // Each takes its own time to look.
+        let weight = Weight::new(1.0)?.over_secs(0.3 + 0.1 * f32::from(nth));
+        crowd.look_at(member, Target::Joint { member: passer, joint: head }, weight)?;
+        row.push(member);
+    }
+    for frame in 0..120_u8 {
+        let x = f32::from(frame) / 60.0 * 1.4 - 3.0;
+        crowd.place(passer, Placement::at([x, 0.0, 1.6]).facing(std::f32::consts::FRAC_PI_2))?;
+        crowd.update(1.0 / 60.0)?;
+    }
+    for (nth, &member) in row.iter().enumerate() {
+        let facing = crowd.model_from_joints(member)?[head.index()];
+        // Joints of the cast stand upright at rest, so the third column is where the face points.
+        let (x, z) = (facing.rows[0][2], facing.rows[2][2]);
+        println!("{nth}: the head is turned by {:.0} degrees", x.atan2(z).to_degrees());
+    }
+    let path = shared::output("gaze.png");
+    shared::draw(&mut crowd, &[&woman], &[[-3.2, -0.3, 1.6], [3.2, 1.9, 0.0]], &path)?;
+    println!("on {}, drawn to {path}", crowd.device_name());
+    Ok(())
+}

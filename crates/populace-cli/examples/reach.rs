@@ -1,0 +1,53 @@
+//! Five people reach for a ball each that hangs ever farther away: arms straighten as they come to their full length, and
+//! point at what is out of reach. The ground slopes, and their feet stand on it.
+//!
+//! `cargo run --example reach [PICTURE.png]`
+
+#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+
+mod shared;
+
+use std::error::Error;
+
+use populace::{Crowd, Ground, Placement, Play, Reach, Target, Weight};
+use populace_cast::{Look, person};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let man = person(&Look::man())?;
+    let joint = |name: &str| man.skeleton.find(name).ok_or(format!("he has no {name}"));
+    let (hand, shoulder) = (joint("LeftHand")?, joint("LeftUpperArm")?);
+    let mut crowd = Crowd::builder().build()?;
+    let id = crowd.add_character(man.clone())?;
+    let idle = crowd.clip(id, "Idle")?;
+    // Up to the right of the picture by an eighth.
+    crowd.set_ground(&Ground::plane(0.0, [0.125, 0.0])?)?;
+
+    let mut targets = Vec::new();
+    for nth in 0..5_u8 {
+        let x = f32::from(nth) * 1.3 - 2.6;
+        let member = crowd.spawn(id, Placement::at([x, 0.125 * x, 0.0]).facing(0.3))?;
+        crowd.play(member, idle, Play::looping().phase(f32::from(nth) / 5.0))?;
+        crowd.plant_feet(member, Weight::FULL)?;
+        let far = 0.25 + 0.12 * f32::from(nth);
+        let target = [0.2 + 0.5 * far, 1.35 + 0.3 * far, 0.8 * far];
+        crowd.reach(member, Reach::with(hand), Target::InModel(target), Weight::FULL)?;
+        crowd.look_at(member, Target::InModel(target), Weight::FULL)?;
+        targets.push((member, target));
+    }
+    for _ in 0..60 {
+        crowd.update(1.0 / 60.0)?;
+    }
+    for (nth, (member, target)) in targets.into_iter().enumerate() {
+        let joints = crowd.model_from_joints(member)?;
+        let distance = |from: [f32; 3]| (0..3).map(|c| (from[c] - target[c]).powi(2)).sum::<f32>().sqrt();
+        let [away, missed] = [shoulder, hand].map(|joint| distance(joints[joint.index()].origin()));
+        println!(
+            "{nth}: the target is {away:.2} m from the shoulder, and {:.0} mm from the hand",
+            missed * 1e3
+        );
+    }
+    let path = shared::output("reach.png");
+    shared::draw(&mut crowd, &[&man], &[[-3.0, -0.6, 0.0], [3.0, 2.3, 0.0]], &path)?;
+    println!("on {}, drawn to {path}", crowd.device_name());
+    Ok(())
+}

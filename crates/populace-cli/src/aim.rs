@@ -1,0 +1,104 @@
+//! What `populace pose` makes a member look at and reach for, as it is typed.
+
+use std::str::FromStr;
+
+use populace::core::nearest_names;
+use populace::{CharacterId, Crowd, Member, Reach, Target, Weight};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::mix::name_and_rest;
+use crate::report::as_typed;
+
+/// A point in model space, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Point(pub(crate) [f32; 3]);
+
+/// A joint, and where the limb that ends in it reaches.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ReachArg {
+    pub(crate) joint: String,
+    pub(crate) point: Point,
+}
+
+impl FromStr for Point {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split(',').map(|n| n.trim().parse::<f32>().ok().filter(|n| n.is_finite()));
+        let numbers: Option<Vec<f32>> = numbers.collect();
+        match numbers.as_deref() {
+            Some(&[x, y, z]) => Ok(Self([x, y, z])),
+            _ => Err(format!("\"{text}\" is no point; write three numbers of metres, as 0.3,1.2,0.5")),
+        }
+    }
+}
+
+impl FromStr for ReachArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (joint, rest) = name_and_rest(text)?;
+        let point = rest.ok_or("write JOINT=X,Y,Z, as hand_l=0.3,1.2,0.5")?.parse()?;
+        if joint.is_empty() { Err("the joint has no name".into()) } else { Ok(Self { joint, point }) }
+    }
+}
+
+impl Point {
+    fn as_json(self) -> Value {
+        json!(self.0.map(as_typed))
+    }
+}
+
+/// Lets a member look and reach at once; what it does, for the document.
+pub(crate) fn apply(
+    crowd: &mut Crowd,
+    (character, member): (CharacterId, Member),
+    look: Option<Point>,
+    reaches: &[ReachArg],
+) -> Result<[Value; 2], Failure> {
+    let at_once = Weight::FULL.over_secs(0.0);
+    if let Some(Point(point)) = look {
+        crowd.look_at(member, Target::InModel(point), at_once).map_err(refused)?;
+    }
+    let skeleton = crowd.character(character)?.skeleton.clone();
+    let mut told = Vec::new();
+    for ReachArg { joint, point } in reaches {
+        let end = skeleton.find(joint).ok_or_else(|| {
+            let near = nearest_names(joint, skeleton.joints().map(|j| skeleton.name(j)));
+            let hint =
+                if near.is_empty() { String::new() } else { format!("; did you mean {}?", quoted(&near)) };
+            Failure::usage(format!("there is no joint \"{joint}\" to reach with{hint}"))
+        })?;
+        crowd.reach(member, Reach::with(end), Target::InModel(point.0), at_once).map_err(refused)?;
+        told.push(json!({"joint": joint, "target": point.as_json()}));
+    }
+    Ok([look.map_or(Value::Null, Point::as_json), Value::Array(told)])
+}
+
+/// What was asked for cannot be done with this file.
+fn refused(error: populace::Error) -> Failure {
+    Failure::usage(error.to_string())
+}
+
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_and_joints_are_read_and_what_is_neither_is_refused() {
+        assert_eq!("1, -2.5,3e-1".parse(), Ok(Point([1.0, -2.5, 0.3])));
+        for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,NaN", "1,2,inf"] {
+            assert!(bad.parse::<Point>().is_err(), "{bad}");
+        }
+        let reach = ReachArg { joint: "a=b,c".into(), point: Point([0.0, 1.0, 2.0]) };
+        assert_eq!(r"a\=b\,c=0,1,2".parse(), Ok(reach));
+        for bad in ["hand", "=1,2,3", "hand=1,2", "hand=1,2,3=4"] {
+            assert!(bad.parse::<ReachArg>().is_err(), "{bad}");
+        }
+    }
+}
