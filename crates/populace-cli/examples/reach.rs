@@ -5,12 +5,18 @@
 
 #![expect(clippy::print_stdout, reason = "an example tells what it does")]
 
+#[path = "shared/ramp.rs"]
+mod ramp;
 mod shared;
 
 use std::error::Error;
 
 use populace::{Crowd, Ground, Placement, Play, Reach, Target, Weight};
 use populace_cast::{Look, person};
+
+/// Metres that the ground rises for each along +X, and its height in the middle.
+const RISE: f32 = 0.2;
+const HEIGHT: f32 = 0.8;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let man = person(&Look::man())?;
@@ -19,13 +25,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(man.clone())?;
     let idle = crowd.clip(id, "Idle")?;
-    // Up to the right of the picture by an eighth.
-    crowd.set_ground(&Ground::plane(0.0, [0.125, 0.0])?)?;
+    // Up to the right of the picture by a fifth: what feet know of the ground, and a ramp to see it by.
+    let ramp = ramp::ramp(RISE)?;
+    let drawn = crowd.add_character(ramp.clone())?;
+    crowd.spawn(drawn, Placement::at([0.0, HEIGHT, 0.0]))?;
+    crowd.set_ground(&Ground::plane(HEIGHT, [RISE, 0.0])?)?;
 
     let mut targets = Vec::new();
     for nth in 0..5_u8 {
         let x = f32::from(nth) * 1.3 - 2.6;
-        let member = crowd.spawn(id, Placement::at([x, 0.125 * x, 0.0]).facing(0.3))?;
+        let member = crowd.spawn(id, Placement::at([x, HEIGHT + RISE * x, 0.0]).facing(0.3))?;
         crowd.play(member, idle, Play::looping().phase(f32::from(nth) / 5.0))?;
         crowd.plant_feet(member, Weight::FULL)?;
         let far = 0.25 + 0.12 * f32::from(nth);
@@ -47,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     let path = shared::output("reach.png");
-    shared::draw(&mut crowd, &[&man], &[[-3.0, -0.6, 0.0], [3.0, 2.3, 0.0]], &path)?;
+    shared::draw(&mut crowd, &[&man, &ramp], &[[-3.4, -0.2, 0.0], [3.4, 3.1, 0.0]], &path)?;
     println!("on {}, drawn to {path}", crowd.device_name());
     Ok(())
 }

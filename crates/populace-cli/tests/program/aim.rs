@@ -54,7 +54,7 @@ fn real_characters_look_and_reach_where_they_are_told() {
             let turn = 0.3 * f64::from(n) - 0.6;
             let target = place(&free, head) + DVec3::new(turn.sin(), 0.2 * turn, turn.cos()) * height;
             let reach = place(&free, upper)
-                + DVec3::new(0.3, 0.2 * turn, 0.9).normalize() * (0.5 + 0.1 * f64::from(n)) * bones;
+                + DVec3::new(0.3, 0.2 * turn, 0.9).normalize() * (0.45 + 0.08 * f64::from(n)) * bones;
             let [look, reach_arg] = [target, reach].map(|p| format!("{},{},{}", p.x, p.y, p.z));
             let reach_arg = format!("{hand}={reach_arg}");
             let args = [&playing[..], &["--look-at", &look, "--reach", &reach_arg]].concat();
