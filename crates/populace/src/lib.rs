@@ -60,3 +60,8 @@ pub use play::{Placement, Play, Playing};
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 pub struct Readme;
+
+/// The page on animation, its programs compiled as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/animation.md")]
+pub struct AnimationPage;
