@@ -11,6 +11,8 @@ use crate::layout::{JOINT_BLOCK, RowBlock};
 use crate::{ClipSource, Error, JointIndex, Property, Skeleton};
 pub use binding::Binding;
 pub(crate) use binding::Turn;
+use ground::Contacts;
+pub use ground::Footstep;
 use rows::Rows;
 pub(crate) use storage::Range;
 
@@ -30,7 +32,7 @@ pub struct Clip {
     source: ClipSource,
     skeleton: Skeleton,
     rows: Rows,
-    ground_speed: Option<f32>,
+    contacts: Contacts,
 }
 
 /// What loading found out about a clip.
@@ -64,8 +66,8 @@ impl Clip {
     pub fn new(source: ClipSource, skeleton: &Skeleton) -> Result<Self, Error> {
         let curves = curves::Curves::new(&source, skeleton)?;
         let rows = Rows::new(&curves, skeleton);
-        let ground_speed = ground::ground_speed(&rows, skeleton);
-        Ok(Self { source, skeleton: skeleton.clone(), rows, ground_speed })
+        let contacts = Contacts::new(&rows, skeleton);
+        Ok(Self { source, skeleton: skeleton.clone(), rows, contacts })
     }
 
     /// The clip's name; may be empty.
@@ -98,6 +100,12 @@ impl Clip {
         self.rows.times[self.rows.times.len() - 1] - self.rows.times[0]
     }
 
+    /// When feet come down, in order of time, where feet are known by name. Found at load.
+    #[must_use]
+    pub fn footsteps(&self) -> &[Footstep] {
+        &self.contacts.footsteps
+    }
+
     /// What loading found out.
     #[must_use]
     pub fn stats(&self) -> ClipStats {
@@ -111,7 +119,7 @@ impl Clip {
             key_bytes: 4 * keys,
             error_bound_m: rows.error_bound_m,
             tolerance_m: rows.tolerance_m,
-            ground_speed_m_per_sec: self.ground_speed,
+            ground_speed_m_per_sec: self.contacts.speed,
         }
     }
 

@@ -47,7 +47,7 @@ pub use character::{
     AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry, Part,
     SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
-pub use clip::{Binding, Clip, ClipStats};
+pub use clip::{Binding, Clip, ClipStats, Footstep};
 pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Place, Space,
 };

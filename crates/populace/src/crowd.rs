@@ -2,6 +2,7 @@
 
 mod builder;
 mod controls;
+mod events;
 mod hand_over;
 mod people;
 mod playback;
@@ -31,6 +32,7 @@ use waiting::Waiting;
 
 pub use builder::CrowdBuilder;
 use controls::{MemberControls, Watches};
+pub use events::{Event, EventKind};
 pub use spaces::SpaceId;
 pub use watches::{Sighting, Watch};
 
@@ -149,6 +151,12 @@ pub struct Crowd {
     watches: Watches,
     /// Watches that bring joints to the host.
     readers: usize,
+    /// Members of whom is told what happens.
+    listening: Vec<Member>,
+    /// Moments of clips that were asked for.
+    marks: HashMap<ClipIndex, Vec<events::Mark>>,
+    /// What happened in the last update.
+    events: Vec<Event>,
     /// What another device kept of members, for the next one.
     kept: Option<Kept>,
     /// Where devices have the lengths of joints, by those.
@@ -405,6 +413,7 @@ impl Crowd {
         }
         let frame = Frame::of_all(clock.tick).after_ticks(u32::try_from(whole).unwrap_or(u32::MAX));
         self.opened.backend_mut().run(&self.tables, frame)?;
+        self.find_events(self.clock.tick, clock.tick);
         self.clock = clock;
         if self.readers > 0 {
             self.opened.backend_mut().fetch_watched(&self.tables, clock.tick)?;

@@ -50,7 +50,8 @@ pub use populace_core::{
 pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Reach, Target, Weight};
 pub use crowd::{
-    CharacterId, ClipId, Crowd, CrowdBuilder, Instance, MaskId, Member, PlayId, Sighting, SpaceId, Watch,
+    CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance, MaskId, Member, PlayId, Sighting,
+    SpaceId, Watch,
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;

@@ -1,0 +1,120 @@
+//! What is told of members while clips play.
+
+#![expect(
+    clippy::expect_used,
+    dead_code,
+    reason = "a test that cannot go on fails; bodies are shared with others"
+)]
+
+#[path = "controls/body.rs"]
+mod body;
+
+use body::{Stage, stage};
+use populace::{Device, Error, Event, EventKind, Placement, Play, Schedule};
+
+fn native() -> Stage {
+    stage(Device::native(), Schedule::Fused)
+}
+
+/// Events of steps of so long, until so late.
+fn events(stage: &mut Stage, step_secs: f32, until_secs: f32) -> Vec<Event> {
+    let mut all = Vec::new();
+    let mut secs = 0.0;
+    while secs < until_secs - 1e-4 {
+        stage.update(step_secs);
+        all.extend(stage.crowd.events().iter().cloned());
+        secs += step_secs;
+    }
+    all
+}
+
+fn is_footstep(event: &Event, foot: &str) -> bool {
+    matches!(&event.kind, EventKind::Footstep { joint } if &**joint == foot)
+}
+
+#[test]
+fn feet_that_come_down_are_told_of_once_each_however_long_the_steps_of_the_clock() {
+    let found = [1.0 / 60.0, 0.1, 1.0, 5.0].map(|step| {
+        let mut stage = native();
+        let clip = stage.clip("walk");
+        let member = stage.member(Placement::at([0.0; 3]));
+        let other = stage.member(Placement::at([0.0; 3]));
+        for member in [member, other] {
+            stage
+                .crowd
+                .play(member, clip, Play::looping().speed(1.5).phase(0.37))
+                .expect("a clip that plays");
+        }
+        stage.crowd.listen(member).expect("a member");
+        let events = events(&mut stage, step, 5.0);
+        assert!(events.iter().all(|event| event.member == member && event.clip == clip));
+        events
+    });
+    // Seven and a half cycles of one second; a leg that swings from the hip lifts its foot before and behind.
+    for foot in ["leftFoot", "rightFoot"] {
+        let count = found[0].iter().filter(|event| is_footstep(event, foot)).count();
+        assert!((14..=16).contains(&count), "{foot} came down {count} times");
+    }
+    for other in &found[1..] {
+        assert_eq!(other.len(), found[0].len());
+        for (a, b) in found[0].iter().zip(other) {
+            assert_eq!(a.kind, b.kind);
+            assert!((a.at_secs - b.at_secs).abs() < 1e-4, "{a:?} {b:?}");
+        }
+    }
+    // A foot comes down where the clip says so.
+    let mut stage = native();
+    let clip = stage.clip("walk");
+    let known = stage.crowd.clips(stage.body).expect("a character").into_iter().find(|(id, _)| *id == clip);
+    let secs = known.expect("it is there").1.footsteps()[0].secs;
+    let (before, after) = (f64::from(secs) - 0.01, f64::from(secs) + 0.01);
+    let height = |stage: &mut Stage, at: f64| {
+        let member = stage.member(Placement::at([0.0; 3]));
+        #[expect(clippy::cast_possible_truncation, reason = "the nearest will do")]
+        stage.crowd.play(member, clip, Play::held_at_secs(at as f32)).expect("a clip that plays");
+        stage.update(0.0);
+        [stage.place(member, "leftFoot")[1], stage.place(member, "rightFoot")[1]]
+    };
+    let (high, low) = (height(&mut stage, before), height(&mut stage, after));
+    assert!((0..2).any(|foot| low[foot] < high[foot] - 1e-4), "{high:?} {low:?}");
+}
+
+#[test]
+fn moments_and_ends_are_told_of_when_they_are_reached_forwards_and_backwards() {
+    for (speed, moment_secs) in [(1.0, 0.5), (-1.0, 1.5), (2.0, 0.25)] {
+        let mut stage = native();
+        let clip = stage.clip("sway");
+        stage.crowd.name_moment(clip, "swish", 0.5).expect("a moment of two seconds");
+        let member = stage.member(Placement::at([0.0; 3]));
+        stage.crowd.listen(member).expect("a member");
+        stage.crowd.play(member, clip, Play::once().speed(speed)).expect("a clip that plays");
+        let found: Vec<_> = events(&mut stage, 0.05, 4.0)
+            .into_iter()
+            .filter(|event| !matches!(event.kind, EventKind::Footstep { .. }))
+            .collect();
+        let [moment, end] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(moment.kind, EventKind::Moment { name: "swish".into() });
+        assert_eq!(end.kind, EventKind::ClipEnd);
+        assert!((moment.at_secs - moment_secs).abs() < 1e-5, "{moment:?}");
+        assert!((end.at_secs - 2.0 / f64::from(speed.abs())).abs() < 1e-5, "{end:?}");
+        stage.crowd.ignore(member);
+        stage.crowd.play(member, clip, Play::once()).expect("a clip that plays");
+        assert_eq!(events(&mut stage, 0.05, 4.0), []);
+    }
+}
+
+#[test]
+fn what_is_not_within_a_clip_is_refused_and_those_who_leave_are_told_of_no_more() {
+    let mut stage = native();
+    let clip = stage.clip("sway");
+    for secs in [-0.1, 2.1, f32::NAN] {
+        let error = stage.crowd.name_moment(clip, "never", secs).expect_err("it is not within two seconds");
+        assert!(matches!(error, Error::BadValue { .. }), "{error}");
+    }
+    let member = stage.member(Placement::at([0.0; 3]));
+    stage.crowd.listen(member).expect("a member");
+    stage.crowd.play(member, clip, Play::once()).expect("a clip that plays");
+    stage.crowd.despawn(member).expect("a member");
+    assert_eq!(events(&mut stage, 0.5, 4.0), []);
+    assert!(stage.crowd.listen(member).is_err());
+}
