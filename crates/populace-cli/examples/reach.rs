@@ -11,6 +11,7 @@ mod shared;
 
 use std::error::Error;
 
+use populace::core::math::vec3;
 use populace::{Crowd, Ground, Placement, Play, Reach, Target, Weight};
 use populace_cast::{Look, person};
 
@@ -48,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     for (nth, (member, target)) in targets.into_iter().enumerate() {
         let joints = crowd.model_from_joints(member)?;
-        let distance = |from: [f32; 3]| (0..3).map(|c| (from[c] - target[c]).powi(2)).sum::<f32>().sqrt();
+        let distance = |from: [f32; 3]| vec3::length(vec3::sub(from, target));
         let [away, missed] = [shoulder, hand].map(|joint| distance(joints[joint.index()].origin()));
         println!(
             "{nth}: the target is {away:.2} m from the shoulder, and {:.0} mm from the hand",

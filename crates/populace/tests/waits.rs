@@ -1,5 +1,6 @@
 //! Frames in which everything changes never make the host wait for the device. Alone in its process: waits are counted
 //! over all devices of one.
+#![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
 #![cfg(feature = "opencl")]
 #![expect(
     clippy::expect_used,

@@ -250,7 +250,7 @@ fn a_frame_of_some_members_leaves_the_others_palettes_alone() {
         for place in 0..4 {
             backend.write(StageBuffer::Palette, first(place), &[Float4([9.0; 4]); 3]).unwrap();
         }
-        backend.run(&tables, Frame { tick: 0, place_first: 1, place_end: 3 }).unwrap();
+        backend.run(&tables, Frame { place_first: 1, place_end: 3, ..Frame::of_all(0) }).unwrap();
         let rows = [0, 1, 2, 3].map(|place| {
             let mut row = [Float4::default()];
             backend.read(&tables, StageBuffer::Palette, first(place), &mut row).unwrap();

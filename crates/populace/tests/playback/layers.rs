@@ -37,6 +37,7 @@ fn assert_as_the_oracle_says(crowd: &mut Crowd, member: Member, layers: &[Oracle
     let slots: Vec<_> = playing
         .iter()
         .map(|p| OracleSlot {
+            retarget: None,
             clip: clips.iter().find(|(clip, _)| *clip == p.clip).unwrap().1.source(),
             time_secs: f64::from(p.time_secs),
             weight: f64::from(p.weight),
