@@ -10,7 +10,7 @@ use populace_core::layout::{
 use populace_core::math::{Real, quat};
 use populace_core::{Property, Tables};
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, Several};
 
 /// Translation, rotation and scale of one joint, or of sixteen.
 #[derive(Clone, Copy)]
@@ -221,7 +221,7 @@ impl<'a> BlockColumns<'a> {
                 }
             }
         }
-        Lanes(found)
+        Several(found)
     }
 }
 
