@@ -34,6 +34,9 @@ pub(crate) trait Width: Real {
     /// Chooses one of them.
     fn only(lane: usize) -> Self::Choice;
 
+    /// Whether any is chosen.
+    fn any(which: Self::Choice) -> bool;
+
     fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> Self::Columns<'a>;
 }
 
@@ -129,6 +132,11 @@ impl Width for f32 {
     }
 
     #[inline(always)]
+    fn any(which: bool) -> bool {
+        which
+    }
+
+    #[inline(always)]
     fn load(from: &[f32]) -> Self {
         from[0]
     }
@@ -179,6 +187,11 @@ impl Width for Lanes {
     #[inline(always)]
     fn only(lane: usize) -> [bool; LANES] {
         std::array::from_fn(|other| other == lane)
+    }
+
+    #[inline(always)]
+    fn any(which: [bool; LANES]) -> bool {
+        which.contains(&true)
     }
 
     #[inline(always)]

@@ -45,12 +45,12 @@ INLINE float4 footing(const Steering *s, uint foot, Constraint constraint, float
     float4 behind = was_planted ? kept - clip : kept * (1.0f / (1.0f + s->of.elapsed_secs * (1.0f / 0.06f)));
     behind.y = 0.0f;
     bool stays = was_planted;
-    const float far = vec_length(behind);
-    if (far > 2.0f * held_most) { /* the member was put elsewhere */
+    const float far2 = vec_dot(behind, behind), held2 = held_most * held_most;
+    if (far2 > 4.0f * held2) { /* the member was put elsewhere */
         behind = vec(0.0f, 0.0f, 0.0f);
         stays = false;
-    } else if (far > held_most) {
-        behind = behind * (held_most / far);
+    } else if (far2 > held2) {
+        behind = behind * (held_most * inverse_root(far2));
         stays = false;
     }
     float lift = ankle.y - rest;

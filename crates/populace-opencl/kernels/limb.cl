@@ -15,15 +15,15 @@ INLINE Real soft_distance(Real distance, Real length, Real least, float soft)
     return beyond ? far + eased : distance < near ? near - eased : distance;
 }
 
-/* The axis about which the middle joint bends: across the limb's own bend. Little of that gives way to where it is to
- * bend. */
-INLINE Vec3 hinge_of(Limb limb, Real a)
+/* The axis about which the middle joint bends, of any length: across the limb's own bend. Little of that gives way to where
+ * it is to bend. `shrinks` is the inverse of the upper bone's length. */
+INLINE Vec3 hinge_of(Limb limb, Real shrinks)
 {
-    const Vec3 none = { 0.0f, 0.0f, 0.0f }, x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f }, upper = limb.upper;
-    const Vec3 out = vec3_add_scaled(upper, vec3_unit_or(limb.bend, none), a * 0.05f);
-    const Vec3 across_both = vec3_cross(out, vec3_add(upper, limb.lower)), any = vec3_cross(upper, vec3_choose(upper.x * upper.x < a * a * 0.5f, x, y));
-    const Choice stands = vec3_dot(across_both, across_both) > a * a * (a * a) * 1e-10f;
-    return vec3_unit_or(vec3_choose(stands, across_both, any), none);
+    const Vec3 none = { 0.0f, 0.0f, 0.0f }, x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f };
+    const Vec3 upper = vec3_scale(limb.upper, shrinks), chain = vec3_add(upper, vec3_scale(limb.lower, shrinks));
+    const Vec3 hinge = vec3_cross(vec3_add_scaled(upper, vec3_unit_or(limb.bend, none), 0.05f), chain);
+    const Choice stands = vec3_dot(hinge, hinge) > (Real)(1e-10f);
+    return vec3_choose(stands, hinge, vec3_cross(upper, vec3_choose(upper.x * upper.x < (Real)(0.5f), x, y)));
 }
 
 /* The shortest turn from one vector to another, of which `lengths` is the product of their lengths; where they are opposite,
@@ -51,33 +51,36 @@ INLINE Quat pole_turn(Limb limb, Quat first, Vec3 hinge, Vec3 pole)
 INLINE void limb_turns(Limb limb, float4 pole, float soft, Quat *first_turn, Quat *second_turn)
 {
     const Vec3 upper = limb.upper, lower = limb.lower;
-    const Real aa = vec3_dot(upper, upper), bb = vec3_dot(lower, lower);
+    const Real aa = vec3_dot(upper, upper), bb = vec3_dot(lower, lower), shrinks = inverse_sqrt(aa);
     const Real a = square_root(aa), b = square_root(bb), distance = square_root(vec3_dot(limb.to, limb.to));
     const Real shorter = a < b ? a : b, longer = a < b ? b : a;
     const Real reach = soft_distance(distance, a + b, longer - shorter, soft);
     /* The lower bone turns about the hinge until both reach so far: what is along the hinge stays, and the product of both
-     * bones is a cosine of the turn. */
-    const Vec3 hinge = hinge_of(limb, a), side = vec3_cross(hinge, lower);
+     * bones is a cosine of the turn. Times nn, the square of the hinge's length, nothing waits for that length. */
+    const Vec3 hinge = hinge_of(limb, shrinks), side = vec3_cross(hinge, lower);
+    const Real nn = vec3_dot(hinge, hinge), length = square_root(nn), unit = inverse_sqrt(nn), unit2 = unit * unit;
     const Real along = vec3_dot(hinge, lower), still = vec3_dot(hinge, upper) * along;
-    const Vec3 level = vec3_add_scaled(lower, hinge, -along);
-    const Real p = vec3_dot(upper, level), q = vec3_dot(upper, side), k = inverse_sqrt(p * p + q * q);
-    const Real wanted = ((reach * reach - aa - bb) * 0.5f - still) * k;
+    const Real p = vec3_dot(upper, lower) * nn - still, q = vec3_dot(upper, side);
+    const Real most = p * p + q * q * nn, k = inverse_sqrt(most);
+    const Real wanted = ((reach * reach - aa - bb) * 0.5f * nn - still) * k;
     const Real below = wanted < (Real)(1.0f) ? wanted : (Real)(1.0f), c = below > (Real)(-1.0f) ? below : (Real)(-1.0f);
-    const Real s = square_root((1.0f - c) * (1.0f + c));
-    const Real cosine = (p * c - q * s) * k, sine = (q * c + p * s) * k;
+    const Real s = square_root((1.0f - c) * (1.0f + c)), p1 = p * k, q1 = q * length * k;
+    const Real cosine = p1 * c - q1 * s, sine = q1 * c + p1 * s;
     /* By half the angle, from whichever of its sine and cosine is the larger. */
     const Choice back = cosine < (Real)(0.0f);
-    const Real x = back ? 1.0f - cosine : sine, w = back ? sine : 1.0f + cosine, unit = inverse_sqrt(x * x + w * w);
-    /* Then the whole swings to where it is to be. */
-    const Vec3 bent = vec3_add(vec3_add_scaled(vec3_add_scaled(upper, hinge, along), level, cosine), vec3_scale(side, sine));
-    const Real length = square_root(vec3_dot(bent, bent));
-    Quat first = swing_between(bent, limb.to, length * distance, hinge);
+    const Real x = back ? 1.0f - cosine : sine, w = back ? sine : 1.0f + cosine, half_unit = inverse_sqrt(x * x + w * w);
+    /* Then the whole, so long as that made it, swings to where it is to be. */
+    const Vec3 rest = vec3_scale(hinge, along * unit2), level = vec3_add_scaled(lower, rest, -1.0f);
+    const Vec3 turned_lower = vec3_add_scaled(vec3_add_scaled(rest, level, cosine), side, sine * unit);
+    const Real reached = square_root(aa + bb + (still + most * k * c) * unit2 * 2.0f);
+    const Vec3 axis = vec3_scale(hinge, unit);
+    Quat first = swing_between(vec3_add(upper, turned_lower), limb.to, reached * distance, axis);
     if (pole.w > 0.0f) {
         const Vec3 to = { pole.x, pole.y, pole.z };
-        first = quat_mul(pole_turn(limb, first, hinge, to), first);
+        first = quat_mul(pole_turn(limb, first, axis, to), first);
     }
-    const Vec3 axis = vec3_scale(quat_turned(first, hinge), x * unit);
-    const Quat second = { axis.x, axis.y, axis.z, w * unit };
+    const Vec3 bend = vec3_scale(quat_turned(first, axis), x * half_unit);
+    const Quat second = { bend.x, bend.y, bend.z, w * half_unit };
     const Choice stands = (shorter < distance ? shorter : distance) > (Real)(1e-6f);
     *first_turn = quat_choose(stands, first, quat_identity());
     *second_turn = quat_choose(stands, second, quat_identity());

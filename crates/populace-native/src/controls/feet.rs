@@ -144,11 +144,11 @@ impl Steering<'_> {
             vec3::scale(kept.vector, 1.0 / (1.0 + self.elapsed_secs * (1.0 / RELEASE_SECS)))
         };
         behind[1] = 0.0;
-        let far = vec3::length(behind);
-        if far > 2.0 * held_most {
+        let (far, held) = (vec3::dot(behind, behind), held_most * held_most);
+        if far > 4.0 * held {
             ([0.0; 3], false) // the member was put elsewhere
-        } else if far > held_most {
-            (vec3::scale(behind, held_most / far), false)
+        } else if far > held {
+            (vec3::scale(behind, held_most * far.inverse_sqrt()), false)
         } else {
             (behind, kept.planted)
         }

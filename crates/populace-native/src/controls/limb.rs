@@ -49,18 +49,18 @@ fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -
 }
 
 impl<R: Real> Limb<R> {
-    /// The axis about which the middle joint bends: across the limb's own bend. Little of that gives way to where it is
-    /// to bend.
+    /// The axis about which the middle joint bends, of any length: across the limb's own bend. Little of that gives way to
+    /// where it is to bend. `shrinks` is the inverse of the upper bone's length.
     #[inline(always)]
-    fn hinge(&self, a: R) -> [R; 3] {
+    fn hinge(&self, shrinks: R) -> [R; 3] {
         let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|axis: [f32; 3]| axis.map(R::splat));
-        let upper = self.upper;
-        let out = vec3::add_scaled(upper, vec3::unit_or(self.bend, none()), a * R::splat(OWN_BEND));
-        let across_both = vec3::cross(out, vec3::add(upper, self.lower));
-        let leans = (upper[0] * upper[0]).less(a * a * R::splat(0.5));
-        let any = vec3::cross(upper, vec3::choose::<R>(leans, x, y));
-        let stands = (a * a * (a * a) * R::splat(1e-10)).less(vec3::dot(across_both, across_both));
-        vec3::unit_or(vec3::choose::<R>(stands, across_both, any), none())
+        let upper = vec3::scale(self.upper, shrinks);
+        let chain = vec3::add(upper, vec3::scale(self.lower, shrinks));
+        let out = vec3::add_scaled(upper, vec3::unit_or(self.bend, none()), R::splat(OWN_BEND));
+        let hinge = vec3::cross(out, chain);
+        let stands = R::splat(1e-10).less(vec3::dot(hinge, hinge));
+        let leans = (upper[0] * upper[0]).less(R::splat(0.5));
+        vec3::choose::<R>(stands, hinge, vec3::cross(upper, vec3::choose::<R>(leans, x, y)))
     }
 
     /// What turns the first joint about where it is to be, so that the middle joint comes nearest to a pole.
@@ -79,39 +79,45 @@ impl<R: Real> Limb<R> {
     #[inline(always)]
     pub(super) fn turns(&self, pole: Option<[f32; 3]>, soft: f32) -> [[R; 4]; 2] {
         let (upper, lower) = (self.upper, self.lower);
-        let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
+        let (zero, one, half, two) = (R::splat(0.0), R::splat(1.0), R::splat(0.5), R::splat(2.0));
         let (aa, bb) = (vec3::dot(upper, upper), vec3::dot(lower, lower));
         let (a, b, distance) = (vec3::root(aa), vec3::root(bb), vec3::length(self.to));
         let shorter = R::choose(a.less(b), a, b);
         let longer = R::choose(a.less(b), b, a);
         let reach = soft_distance(distance, a + b, longer - shorter, soft);
         // The lower bone turns about the hinge until both reach so far: what is along the hinge stays, and the product of
-        // both bones is a cosine of the turn.
-        let hinge = self.hinge(a);
+        // both bones is a cosine of the turn. Times nn, the square of the hinge's length, nothing waits for that length.
+        let hinge = self.hinge(aa.inverse_sqrt());
         let side = vec3::cross(hinge, lower);
+        let nn = vec3::dot(hinge, hinge);
+        let unit = nn.inverse_sqrt();
         let along = vec3::dot(hinge, lower);
         let still = vec3::dot(hinge, upper) * along;
-        let level = vec3::add_scaled(lower, hinge, -along);
-        let (p, q) = (vec3::dot(upper, level), vec3::dot(upper, side));
-        let k = (p * p + q * q).inverse_sqrt();
-        let wanted = ((reach * reach - aa - bb) * half - still) * k;
+        let (p, q) = (vec3::dot(upper, lower) * nn - still, vec3::dot(upper, side));
+        let most = p * p + q * q * nn;
+        let k = most.inverse_sqrt();
+        let wanted = ((reach * reach - aa - bb) * half * nn - still) * k;
         let below = R::choose(wanted.less(one), wanted, one);
         let c = R::choose((-one).less(below), below, -one);
         let s = vec3::root((one - c) * (one + c));
-        let (cosine, sine) = ((p * c - q * s) * k, (q * c + p * s) * k);
+        let (p, q) = (p * k, q * vec3::root(nn) * k);
+        let (cosine, sine) = (p * c - q * s, q * c + p * s);
         // By half the angle, from whichever of its sine and cosine is the larger.
         let back = cosine.less(zero);
         let (x, w) = (R::choose(back, one - cosine, sine), R::choose(back, sine, one + cosine));
-        let unit = (x * x + w * w).inverse_sqrt();
-        // Then the whole swings to where it is to be.
-        let bent = vec3::add_scaled(vec3::add_scaled(upper, hinge, along), level, cosine);
-        let bent = vec3::add(bent, vec3::scale(side, sine));
-        let mut first = swing_between(bent, self.to, vec3::length(bent) * distance, hinge);
+        let half_unit = (x * x + w * w).inverse_sqrt();
+        // Then the whole, so long as that made it, swings to where it is to be.
+        let rest = vec3::scale(hinge, along * (unit * unit));
+        let level = vec3::add_scaled(lower, rest, -one);
+        let lower = vec3::add_scaled(vec3::add_scaled(rest, level, cosine), side, sine * unit);
+        let reached = vec3::root(aa + bb + (still + most * k * c) * (unit * unit) * two);
+        let axis = vec3::scale(hinge, unit);
+        let mut first = swing_between(vec3::add(upper, lower), self.to, reached * distance, axis);
         if let Some(pole) = pole {
-            first = quat::mul(self.pole_turn(first, hinge, pole.map(R::splat)), first);
+            first = quat::mul(self.pole_turn(first, axis, pole.map(R::splat)), first);
         }
-        let axis = vec3::scale(vec3::turned(first, hinge), x * unit);
-        let second = [axis[0], axis[1], axis[2], w * unit];
+        let bend = vec3::scale(vec3::turned(first, axis), x * half_unit);
+        let second = [bend[0], bend[1], bend[2], w * half_unit];
         let stands = R::splat(1e-6).less(R::choose(shorter.less(distance), shorter, distance));
         [first, second].map(|turn| quat::choose::<R>(stands, turn, quat::identity()))
     }

@@ -7,3 +7,4 @@ mod feet;
 mod gaze;
 mod overrides;
 mod reach;
+mod same;
