@@ -124,10 +124,10 @@ device_consts! {
     pub const STEP_REACH: u32 = 2;
     /// [`Step::kind`]: a chain of any length reaches for its targets.
     pub const STEP_CHAIN: u32 = 3;
-    /// [`Step::kind`]: finds where feet go and sinks the pelvis so that they get there. Constraints of a member's feet
-    /// follow each other, and each has two turns from the step's on.
+    /// [`Step::kind`]: finds where feet go, sinks the pelvis so that they get there, and solves the legs if they can be at
+    /// once. Constraints of a member's feet follow each other, and each has three turns from the step's on.
     pub const STEP_PELVIS: u32 = 4;
-    /// [`Step::kind`]: a leg goes where the pelvis found.
+    /// [`Step::kind`]: a leg that something moves after the pelvis goes where the pelvis found.
     pub const STEP_FOOT: u32 = 5;
     /// [`Step::kind`]: an override in model space.
     pub const STEP_OVERRIDE: u32 = 6;
@@ -466,14 +466,15 @@ device_struct! {
 device_struct! {
     /// A constraint on a chain of joints.
     pub struct Constraint {
-        /// Gaze: where the last joint faces, in its own space. Limbs: where the middle joint bends to, in the first
-        /// joint's space.
+        /// Gaze: where the last joint faces, in its own space, and the tangent of the most to turn to either side. Limbs:
+        /// where the middle joint bends to, in the first joint's space.
         pub axis: Float4,
-        /// Gaze: the front of the first joint's parent, in that one's space. Limbs: the pole, a direction in model space,
-        /// and 1 where there is one.
+        /// Gaze: the front of the first joint's parent, in that one's space, and the tangent of the most to turn up. Limbs:
+        /// the pole, a direction in model space, and 1 where there is one.
         pub front: Float4,
-        /// Gaze: up for the first joint's parent, in that one's space. Feet: rest height in metres, the height up to which
-        /// a foot is planted, the one from which it follows the clip alone, and how far it may be held back.
+        /// Gaze: up for the first joint's parent, in that one's space, and the tangent of the most to turn down. Feet: rest
+        /// height in metres, the height up to which a foot is planted, the one from which it follows the clip alone, and
+        /// how far it may be held back.
         pub up: Float4,
         /// Gaze: the most to turn to either side, up, down, in radians. Limbs: the part of the length in which the chain
         /// straightens, then the constraint's weight.
@@ -492,8 +493,8 @@ device_struct! {
         pub target_count: u32,
         /// Limbs: 1 where the last joint keeps the rotation that it has without the constraint.
         pub keeps_end: u32,
-        /// Zero.
-        pub unused: u32,
+        /// Of the first foot: 1 where nothing else moves the legs after the pelvis.
+        pub at_once: u32,
     }
 }
 

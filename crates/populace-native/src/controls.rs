@@ -135,6 +135,7 @@ impl<'a> Steering<'a> {
     }
 
     /// Runs local transforms down a hierarchy, and takes the member's steps on the way.
+    #[inline(always)]
     pub(crate) fn descend(&mut self, models: &mut impl Models, parents: &[u32]) {
         let first = self.control.step_first as usize;
         let steps = &self.tables.steps().as_slice()[first..first + self.control.step_count as usize];
@@ -149,6 +150,7 @@ impl<'a> Steering<'a> {
         (next..parents.len()).for_each(|joint| take(models, parents, joint));
     }
 
+    #[inline(always)]
     fn take_step(&mut self, step: &Step, models: &mut impl Models, parents: &[u32]) {
         let joint = step.joint as usize;
         let parent = parents[joint];
@@ -165,37 +167,37 @@ impl<'a> Steering<'a> {
         }
     }
 
+    #[inline(always)]
     fn turn(&self, models: &mut impl Models, joint: usize, turn: u32) {
         models.set(joint, models.model(joint).turned(self.turns[turn as usize]));
     }
 
+    #[inline(always)]
     fn constraint(&self, step: &Step) -> &'a Constraint {
         &self.tables.constraints().as_slice()[step.index as usize]
     }
 
+    #[inline(always)]
     fn links(&self, constraint: &Constraint) -> &'a [Link] {
         let first = constraint.link_first as usize;
         &self.tables.links().as_slice()[first..first + constraint.link_count as usize]
     }
 
-    /// Where the joints of a chain are, and the last one's model transform, as the clips have them; `from` is the model
-    /// transform of the joint at `start`.
-    fn walk(
-        models: &impl Models,
-        links: &[Link],
-        start: usize,
-        from: Affine,
-    ) -> ([[f32; 3]; LINKS_MOST as usize], Affine) {
+    /// Where the joints of a chain are, as the clips have them, and the last one's model transform; `from` is the first
+    /// one's.
+    #[inline(always)]
+    fn walk(models: &impl Models, links: &[Link], from: Affine) -> ([[f32; 3]; LINKS_MOST as usize], Affine) {
         let mut places = [[0.0; 3]; LINKS_MOST as usize];
         let mut model = from;
-        places[start] = model.origin();
-        for (place, link) in places.iter_mut().zip(links).skip(start + 1) {
+        places[0] = model.origin();
+        for (place, link) in places.iter_mut().zip(links).skip(1) {
             model = model.mul(&models.local(link.joint as usize));
             *place = model.origin();
         }
         (places, model)
     }
 
+    #[inline(never)]
     fn override_model(&self, models: &mut impl Models, joint: usize, index: u32) {
         let given = &self.tables.overrides().as_slice()[index as usize];
         let [x, y, z, weight] = given.translation_and_weight.0;
@@ -219,6 +221,7 @@ impl<'a> Steering<'a> {
     }
 
     /// A point of the world in model space.
+    #[inline(always)]
     fn to_model(&self, point: [f32; 3]) -> [f32; 3] {
         let ([x, y, z, scale], [sin, cos, ..]) = (self.control.place.0, self.control.facing.0);
         let (d, k) = (vec3::sub(point, [x, y, z]), 1.0 / scale);

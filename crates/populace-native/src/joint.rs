@@ -185,6 +185,10 @@ impl Posing<'_> {
             if let Some(mask) = layer.mask() {
                 weight = weight * R::load(&self.tables.masks().as_slice()[mask as usize + self.joint..]);
             }
+            let laid = R::splat(0.0).less(weight);
+            if !R::any(laid) {
+                continue;
+            }
             let additive = layer.is_additive();
             let sum = self.sum_layer::<R>(index, additive, rest);
             let above = if additive {
@@ -192,7 +196,6 @@ impl Posing<'_> {
             } else {
                 mix_layer(&pose, &sum, weight, rest)
             };
-            let laid = R::splat(0.0).less(weight);
             pose = Local {
                 t: each3(|i| R::choose(laid, above.t[i], pose.t[i])),
                 r: quat::choose(laid, above.r, pose.r),

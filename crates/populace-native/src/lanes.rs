@@ -1,4 +1,4 @@
-//! Sixteen numbers side by side: one for each joint of a block.
+//! Numbers side by side: one for each joint of a block, or for each leg of a member.
 //!
 //! Plain arrays in plain loops, which the compiler turns into the widest registers of the processor that a function is
 //! compiled for (see [`dispatch`](crate::dispatch)).
@@ -8,35 +8,38 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use populace_core::layout::JOINT_BLOCK;
 use populace_core::math::Real;
 
-/// Numbers side by side.
+/// Joints side by side.
 pub(crate) const LANES: usize = JOINT_BLOCK as usize;
 
-/// Sixteen numbers.
+/// Numbers side by side.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Lanes(pub(crate) [f32; LANES]);
+pub(crate) struct Several<const COUNT: usize>(pub(crate) [f32; COUNT]);
 
-impl Lanes {
+/// Sixteen numbers.
+pub(crate) type Lanes = Several<LANES>;
+
+impl<const COUNT: usize> Several<COUNT> {
     /// One number for each lane.
     #[inline(always)]
     pub(crate) fn from_fn(of_lane: impl Fn(usize) -> f32) -> Self {
-        let mut lanes = [0.0; LANES];
+        let mut lanes = [0.0; COUNT];
         for (lane, value) in lanes.iter_mut().enumerate() {
             *value = of_lane(lane);
         }
         Self(lanes)
     }
 
-    /// From the first sixteen numbers of a slice.
+    /// From the first numbers of a slice.
     #[inline(always)]
     pub(crate) fn load(from: &[f32]) -> Self {
-        from.first_chunk().map_or(Self([0.0; LANES]), |numbers| Self(*numbers))
+        from.first_chunk().map_or(Self([0.0; COUNT]), |numbers| Self(*numbers))
     }
 }
 
 macro_rules! operators {
     ($($operator:ident $method:ident $sign:tt),*) => {
-        $(impl $operator for Lanes {
+        $(impl<const COUNT: usize> $operator for Several<COUNT> {
             type Output = Self;
 
             #[inline(always)]
@@ -48,7 +51,7 @@ macro_rules! operators {
 }
 operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 
-impl Neg for Lanes {
+impl<const COUNT: usize> Neg for Several<COUNT> {
     type Output = Self;
 
     #[inline(always)]
@@ -57,17 +60,17 @@ impl Neg for Lanes {
     }
 }
 
-impl Real for Lanes {
-    type Choice = [bool; LANES];
+impl<const COUNT: usize> Real for Several<COUNT> {
+    type Choice = [bool; COUNT];
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
-        Self([value; LANES])
+        Self([value; COUNT])
     }
 
     #[inline(always)]
     fn less(self, other: Self) -> Self::Choice {
-        let mut choice = [false; LANES];
+        let mut choice = [false; COUNT];
         for (lane, chosen) in choice.iter_mut().enumerate() {
             *chosen = self.0[lane] < other.0[lane];
         }

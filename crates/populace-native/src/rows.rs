@@ -10,7 +10,7 @@ use populace_core::layout::{
 use populace_core::math::{Real, quat};
 use populace_core::{Property, Tables};
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, Several};
 use crate::turns::turn;
 
 /// Translation, rotation and scale of one joint, or of sixteen.
@@ -34,6 +34,9 @@ pub(crate) trait Width: Real {
 
     /// Chooses one of them.
     fn only(lane: usize) -> Self::Choice;
+
+    /// Whether any is chosen.
+    fn any(which: Self::Choice) -> bool;
 
     fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> Self::Columns<'a>;
 }
@@ -130,6 +133,11 @@ impl Width for f32 {
     }
 
     #[inline(always)]
+    fn any(which: bool) -> bool {
+        which
+    }
+
+    #[inline(always)]
     fn load(from: &[f32]) -> Self {
         from[0]
     }
@@ -183,6 +191,11 @@ impl Width for Lanes {
     }
 
     #[inline(always)]
+    fn any(which: [bool; LANES]) -> bool {
+        which.contains(&true)
+    }
+
+    #[inline(always)]
     fn load(from: &[f32]) -> Self {
         Self::load(from)
     }
@@ -222,7 +235,7 @@ impl<'a> BlockColumns<'a> {
                 }
             }
         }
-        Lanes(found)
+        Several(found)
     }
 }
 

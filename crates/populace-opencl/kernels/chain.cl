@@ -9,13 +9,13 @@ INLINE float4 drawn_to(float4 to, float4 from, float length)
     return add_scaled(to, unit_or(from - to, vec(0.0f, 1.0f, 0.0f)), length);
 }
 
-APART_STEP float16 chain(Steering s, Hierarchy joints, Step step, float16 own)
+APART_STEP float16 chain(const Steering *s, Hierarchy joints, Step step, float16 own)
 {
-    const Constraint constraint = s.of.constraints[step.index];
+    const Constraint constraint = s->of.constraints[step.index];
     const uint last = constraint.link_count - 1;
     float4 places[LINKS_MOST], points[LINKS_MOST];
     float lengths[LINKS_MOST], total = 0.0f, weight;
-    walk(s, joints, constraint, 0, own, places);
+    walk(s, joints, constraint, own, places);
     for (uint at = 0; at < last; at++) {
         lengths[at] = vec_length(places[at + 1] - places[at]);
         total += lengths[at];
@@ -24,7 +24,8 @@ APART_STEP float16 chain(Steering s, Hierarchy joints, Step step, float16 own)
     const float distance = vec_length(to);
     for (uint at = 0; at <= last; at++) points[at] = places[at];
     if (weight > 0.0f && total > 1e-6f && distance > 1e-6f) {
-        const float far = soft_distance(distance, total, 0.0f, constraint.limits.x);
+        const Real softened = soft_distance(distance, total, 0.0f, constraint.limits.x);
+        const float far = LANE(softened, 0);
         const float4 goal = add_scaled(places[0], to, far / distance);
         for (uint pass = 0; pass < PASSES; pass++) {
             points[last] = goal;
@@ -40,9 +41,9 @@ APART_STEP float16 chain(Steering s, Hierarchy joints, Step step, float16 own)
         const float4 is = unit_or(points[at + 1] - points[at], was);
         const float4 turn = part_of(turn_between(was, is, any_across(is)), weight);
         if (at == 0) result = affine_turned(own, turn);
-        else s.turns[step.turn + at - 1] = turn;
+        else s->turns[step.turn + at - 1] = turn;
         turned_by = turn_mul(turn, turned_by);
     }
-    s.turns[step.turn + last - 1] = IDENTITY_TURN;
+    s->turns[step.turn + last - 1] = IDENTITY_TURN;
     return result;
 }

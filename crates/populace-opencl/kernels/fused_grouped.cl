@@ -28,7 +28,10 @@ INLINE void descend_to(Descent to, uint joint, uint parent)
         above = model_of(to.models, parent);
         model = affine_mul(above, model);
     }
-    if (to.control != NONE) model = steer(steering_of(to.of, to.control, to.turns), to.models, joint, model, above, parent != NONE);
+    if (to.control != NONE) {
+        const Steering s = steering_of(to.of, to.control, to.turns);
+        model = steer(&s, to.models, joint, model, above, parent != NONE);
+    }
     keep_model(to.models, joint, model.s0123, model.s4567, model.s89ab);
 }
 

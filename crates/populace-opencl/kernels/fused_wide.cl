@@ -56,7 +56,7 @@ APART void steer_down(Controls of, uint control, uint joint_count, __global cons
         for (; next <= step.joint; next++) descend_to(next, parent, models);
         const bool has_parent = parent[step.joint] != NONE;
         const float16 own = models[step.joint], above = has_parent ? models[parent[step.joint]] : own;
-        models[step.joint] = take_step(s, joints, step, own, above, has_parent);
+        models[step.joint] = take_step(&s, joints, step, own, above, has_parent);
     }
     for (; next < joint_count; next++) descend_to(next, parent, models);
 }

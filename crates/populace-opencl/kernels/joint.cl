@@ -88,10 +88,11 @@ APART Trs lay_over(Clips of, Playback playback, __global const Layer *layers, ui
         const Layer layer = layers[l];
         const uint mask = layer.mask_and_mode & LAYER_MASK;
         const Real weight = mask == LAYER_MASK ? (Real)(layer.weight) : layer.weight * LOAD(of.masks + mask + joint);
+        const Choice laid = weight > (Real)(0.0f);
+        if (!ANY(laid)) continue;
         const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
         const Sum sum = sum_layer(of, playback, l, additive, body, joint, rest);
         const Trs above = additive ? add_layer(trs, sum.trs, weight) : mix_layer(trs, sum, weight, rest);
-        const Choice laid = weight > (Real)(0.0f);
         trs.t = vec3_choose(laid, above.t, trs.t);
         trs.r = quat_choose(laid, above.r, trs.r);
         trs.s = vec3_choose(laid, above.s, trs.s);

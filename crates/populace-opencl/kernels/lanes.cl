@@ -17,6 +17,8 @@ typedef int Choice;
 #define AS_INTS as_int
 #define AS_WORDS as_uint
 #define ONLY(lane) 1
+#define LANE(value, lane) (value)
+#define ANY(choice) (choice)
 #define LOAD(pointer) (*(pointer))
 #define STORE(value, pointer) (*(pointer) = (value))
 #else
@@ -30,6 +32,8 @@ typedef int16 Choice;
 #define AS_INTS as_int16
 #define AS_WORDS as_uint16
 #define ONLY(lane) ((int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) == (int16)((int)(lane)))
+#define ANY(choice) any(choice)
+#define LANE(value, lane) (((const float *)&(value))[lane])
 #define LOAD(pointer) vload16(0, pointer)
 #define STORE(value, pointer) vstore16(value, 0, pointer)
 

@@ -1,69 +1,135 @@
-/* limb.cl - two-bone inverse kinematics. Twin of populace-native controls/limb.rs. */
+/* limb.cl - two-bone inverse kinematics, of one limb or of as many as there are lanes. Twin of populace-native
+ * controls/limb.rs. */
+
+/* A limb as the clips have it, in model space: both bones, where the middle joint bends to when the limb is straight, and
+ * what leads from the first joint to where the end is to be. */
+typedef struct { Vec3 upper, lower, bend, to; } Limb;
 
 /* How far away the end of a chain goes for a target at `distance`. */
-INLINE float soft_distance(float distance, float length, float least, float soft)
+INLINE Real soft_distance(Real distance, Real length, Real least, float soft)
 {
-    const float far = length - soft * length, near = least + soft * (length - least);
-    if (distance > far) {
-        const float x = (distance - far) / (soft * length);
-        return far + soft * length * (x / (1.0f + x));
-    }
-    if (distance < near) {
-        const float x = (near - distance) / (near - least);
-        return near - (near - least) * (x / (1.0f + x));
-    }
-    return distance;
+    const Real far = length - length * soft, near = least + (length - least) * soft;
+    const Choice beyond = distance > far;
+    const Real over = beyond ? distance - far : near - distance, room = beyond ? length * soft : near - least;
+    const Real eased = room * over / (room + over);
+    return beyond ? far + eased : distance < near ? near - eased : distance;
 }
 
-/* The turns of the first joint and, as of after that, of the middle one, which bring the end to a target; none for a limb of
- * no length. `bend` is where the middle joint bends to when the limb is straight; a pole counts where its w is above 0. */
-INLINE void limb_turns(float4 first, float4 middle, float4 end, float4 target, float4 bend, float4 pole, float soft,
-                       float4 *first_turn, float4 *second_turn)
+/* The axis about which the middle joint bends, of any length: across the limb's own bend. Little of that gives way to where
+ * it is to bend. `shrinks` is the inverse of the upper bone's length. */
+INLINE Vec3 hinge_of(Limb limb, Real shrinks)
 {
-    *first_turn = *second_turn = IDENTITY_TURN;
-    const float4 upper = middle - first, lower = end - middle, to = target - first;
-    const float a = vec_length(upper), b = vec_length(lower), distance = vec_length(to);
-    if (a < 1e-6f || b < 1e-6f || distance < 1e-6f) return;
-    const float least = a < b ? b - a : a - b;
-    const float reach = soft_distance(distance, a + b, least, soft);
-    const float4 ahead = to * (1.0f / distance);
-    /* The limb as a whole swings to where the target is. */
-    const float4 along = unit_or(end - first, upper * (1.0f / a));
-    const float4 bent_to = unit_or(bend, any_across(along));
-    const float4 swing = turn_between(along, ahead, bent_to);
-    /* Where the middle joint stands out then; little of a bend of its own gives way to where it is to bend. */
-    const float4 own = across(turned(swing, upper), ahead);
-    const float4 wish = unit_or(across(turned(swing, bent_to), ahead), any_across(ahead));
-    float4 out = unit_or(add_scaled(own, wish, 0.05f * a), wish);
-    float4 turn = swing;
+    const Vec3 none = { 0.0f, 0.0f, 0.0f }, x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f };
+    const Vec3 upper = vec3_scale(limb.upper, shrinks), chain = vec3_add(upper, vec3_scale(limb.lower, shrinks));
+    const Vec3 hinge = vec3_cross(vec3_add_scaled(upper, vec3_unit_or(limb.bend, none), 0.05f), chain);
+    const Choice stands = vec3_dot(hinge, hinge) > (Real)(1e-10f);
+    return vec3_choose(stands, hinge, vec3_cross(upper, vec3_choose(upper.x * upper.x < (Real)(0.5f), x, y)));
+}
+
+/* The shortest turn from one vector to another, of which `lengths` is the product of their lengths; where they are opposite,
+ * about an axis at right angles to them. */
+INLINE Quat swing_between(Vec3 from, Vec3 to, Real lengths, Vec3 about)
+{
+    const Vec3 axis = vec3_cross(from, to);
+    const Real w = lengths + vec3_dot(from, to);
+    const Quat turn = { axis.x, axis.y, axis.z, w }, over = { about.x, about.y, about.z, 0.0f };
+    return quat_normalize_or(quat_choose(w > lengths * 1e-6f, turn, over), quat_identity());
+}
+
+/* What turns a limb's first joint about where it is to be, so that its middle joint comes nearest to a pole. */
+INLINE Quat pole_turn(Limb limb, Quat first, Vec3 hinge, Vec3 pole)
+{
+    const Vec3 x = { 1.0f, 0.0f, 0.0f }, ahead = vec3_unit_or(limb.to, x), upper = quat_turned(first, limb.upper);
+    const Vec3 bend = vec3_cross(ahead, quat_turned(first, hinge));
+    const Vec3 out = vec3_unit_or(vec3_add_scaled(upper, ahead, -vec3_dot(upper, ahead)), bend);
+    const Vec3 drawn = vec3_unit_or(vec3_add_scaled(pole, ahead, -vec3_dot(pole, ahead)), out);
+    return swing_between(out, drawn, 1.0f, ahead);
+}
+
+/* The turns of the first joint and, as of after that, of the middle one, which bring the end to where it is to be; none for
+ * a limb of no length. A pole counts where its w is above 0. */
+INLINE void limb_turns(Limb limb, float4 pole, float soft, Quat *first_turn, Quat *second_turn)
+{
+    const Vec3 upper = limb.upper, lower = limb.lower;
+    const Real aa = vec3_dot(upper, upper), bb = vec3_dot(lower, lower), shrinks = inverse_sqrt(aa);
+    const Real a = square_root(aa), b = square_root(bb), distance = square_root(vec3_dot(limb.to, limb.to));
+    const Real shorter = a < b ? a : b, longer = a < b ? b : a;
+    const Real reach = soft_distance(distance, a + b, longer - shorter, soft);
+    /* The lower bone turns about the hinge until both reach so far: what is along the hinge stays, and the product of both
+     * bones is a cosine of the turn. Times nn, the square of the hinge's length, nothing waits for that length. */
+    const Vec3 hinge = hinge_of(limb, shrinks), side = vec3_cross(hinge, lower);
+    const Real nn = vec3_dot(hinge, hinge), length = square_root(nn), unit = inverse_sqrt(nn), unit2 = unit * unit;
+    const Real along = vec3_dot(hinge, lower), still = vec3_dot(hinge, upper) * along;
+    const Real p = vec3_dot(upper, lower) * nn - still, q = vec3_dot(upper, side);
+    const Real most = p * p + q * q * nn, k = inverse_sqrt(most);
+    const Real wanted = ((reach * reach - aa - bb) * 0.5f * nn - still) * k;
+    const Real below = wanted < (Real)(1.0f) ? wanted : (Real)(1.0f), c = below > (Real)(-1.0f) ? below : (Real)(-1.0f);
+    const Real s = square_root((1.0f - c) * (1.0f + c)), p1 = p * k, q1 = q * length * k;
+    const Real cosine = p1 * c - q1 * s, sine = q1 * c + p1 * s;
+    /* By half the angle, from whichever of its sine and cosine is the larger. */
+    const Choice back = cosine < (Real)(0.0f);
+    const Real x = back ? 1.0f - cosine : sine, w = back ? sine : 1.0f + cosine, half_unit = inverse_sqrt(x * x + w * w);
+    /* Then the whole, so long as that made it, swings to where it is to be. */
+    const Vec3 rest = vec3_scale(hinge, along * unit2), level = vec3_add_scaled(lower, rest, -1.0f);
+    const Vec3 turned_lower = vec3_add_scaled(vec3_add_scaled(rest, level, cosine), side, sine * unit);
+    const Real reached = square_root(aa + bb + (still + most * k * c) * unit2 * 2.0f);
+    const Vec3 axis = vec3_scale(hinge, unit);
+    Quat first = swing_between(vec3_add(upper, turned_lower), limb.to, reached * distance, axis);
     if (pole.w > 0.0f) {
-        const float4 drawn = unit_or(across(vec(pole.x, pole.y, pole.z), ahead), out);
-        turn = turn_mul(turn_between(out, drawn, ahead), swing);
-        out = drawn;
+        const Vec3 to = { pole.x, pole.y, pole.z };
+        first = quat_mul(pole_turn(limb, first, axis, to), first);
     }
-    /* The triangle of both bones and the reach. */
-    const float x = (reach * reach + a * a - b * b) * (0.5f / reach);
-    const float y = root(a * a - x * x);
-    const float4 bent = add_scaled(ahead * x, out, y);
-    const float4 upper_now = turned(turn, upper) * (1.0f / a);
-    *first_turn = turn_mul(turn_between(upper_now, bent * (1.0f / a), out), turn);
-    const float4 lower_now = turned(*first_turn, lower) * (1.0f / b);
-    const float4 lower_then = unit_or(ahead * reach - bent, lower_now);
-    *second_turn = turn_between(lower_now, lower_then, vec_cross(ahead, out));
+    const Vec3 bend = vec3_scale(quat_turned(first, axis), x * half_unit);
+    const Quat second = { bend.x, bend.y, bend.z, w * half_unit };
+    const Choice stands = (shorter < distance ? shorter : distance) > (Real)(1e-6f);
+    *first_turn = quat_choose(stands, first, quat_identity());
+    *second_turn = quat_choose(stands, second, quat_identity());
 }
 
-APART_STEP float16 reach(Steering s, Hierarchy joints, Step step, float16 own)
+/* Turns taken in part. */
+INLINE Quat quat_part(Quat turn, float k)
 {
-    const Constraint constraint = s.of.constraints[step.index];
-    float4 places[LINKS_MOST], first_turn, second_turn;
-    walk(s, joints, constraint, 0, own, places);
+    const Quat near = quat_hemisphere(turn, quat_identity());
+    return quat_normalize_or(quat_mix(quat_identity(), near, k), quat_identity());
+}
+
+/* A limb of two bones put into a lane. */
+INLINE Limb with_limb(Limb all, uint lane, float4 upper, float4 lower, float4 bend, float4 to)
+{
+    const Choice only = ONLY(lane);
+    const Vec3 u = { upper.x, upper.y, upper.z }, l = { lower.x, lower.y, lower.z };
+    const Vec3 b = { bend.x, bend.y, bend.z }, t = { to.x, to.y, to.z };
+    const Limb limb = { vec3_choose(only, u, all.upper), vec3_choose(only, l, all.lower), vec3_choose(only, b, all.bend),
+                        vec3_choose(only, t, all.to) };
+    return limb;
+}
+
+/* The turn in a lane. */
+INLINE float4 turn_in(Quat turns, uint lane)
+{
+    return (float4)(LANE(turns.x, lane), LANE(turns.y, lane), LANE(turns.z, lane), LANE(turns.w, lane));
+}
+
+APART_STEP float16 reach(const Steering *s, Hierarchy joints, Step step, float16 own)
+{
+    const Constraint constraint = s->of.constraints[step.index];
+    float4 places[LINKS_MOST];
+    walk(s, joints, constraint, own, places);
     float weight;
-    const float4 target = goal_of(s, constraint, places[0], &weight);
-    limb_turns(places[0], places[constraint.middle], places[constraint.link_count - 1], target,
-               transform_vector(own, constraint.axis), constraint.front, constraint.limits.x, &first_turn, &second_turn);
-    first_turn = part_of(weight > 0.0f ? first_turn : IDENTITY_TURN, weight);
-    second_turn = part_of(weight > 0.0f ? second_turn : IDENTITY_TURN, weight);
-    s.turns[step.turn] = second_turn;
-    s.turns[step.turn + 1] = constraint.keeps_end ? turn_back(turn_mul(second_turn, first_turn)) : IDENTITY_TURN;
-    return affine_turned(own, first_turn);
+    const float4 target = goal_of(s, constraint, places[0], &weight), middle = places[constraint.middle];
+    Quat first = quat_identity(), second = quat_identity();
+    if (weight > 0.0f) {
+        Limb limb = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+        limb = with_limb(limb, 0, middle - places[0], places[constraint.link_count - 1] - middle,
+                         transform_vector(own, constraint.axis), target - places[0]);
+        limb_turns(limb, constraint.front, constraint.limits.x, &first, &second);
+    }
+    if (weight < 1.0f) {
+        first = quat_part(first, weight);
+        second = quat_part(second, weight);
+    }
+    const Quat undone = quat_conjugate(quat_mul(second, first));
+    s->turns[step.turn] = turn_in(second, 0);
+    s->turns[step.turn + 1] = constraint.keeps_end ? turn_in(undone, 0) : IDENTITY_TURN;
+    return affine_turned(own, turn_in(first, 0));
 }

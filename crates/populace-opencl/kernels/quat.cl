@@ -16,6 +16,21 @@ INLINE Vec3 vec3_add(Vec3 a, Vec3 b)
     return v;
 }
 
+INLINE Real vec3_dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+INLINE Vec3 vec3_cross(Vec3 a, Vec3 b)
+{
+    const Vec3 v = { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+    return v;
+}
+
+/* a + b * k */
+INLINE Vec3 vec3_add_scaled(Vec3 a, Vec3 b, Real k)
+{
+    const Vec3 v = { a.x + b.x * k, a.y + b.y * k, a.z + b.z * k };
+    return v;
+}
+
 INLINE Vec3 vec3_mix(Vec3 a, Vec3 b, Real t)
 {
     const Vec3 v = { a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t };
@@ -72,6 +87,14 @@ INLINE Real inverse_sqrt(Real x)
     return y;
 }
 
+INLINE Real square_root(Real x) { return x > (Real)(1e-20f) ? x * inverse_sqrt(x) : (Real)(0.0f); }
+
+INLINE Vec3 vec3_unit_or(Vec3 a, Vec3 fallback)
+{
+    const Real squared = vec3_dot(a, a);
+    return vec3_choose(squared > (Real)(1e-20f), vec3_scale(a, inverse_sqrt(squared)), fallback);
+}
+
 INLINE Quat quat_normalize_or(Quat a, Quat fallback)
 {
     const Real length_squared = quat_dot(a, a);
@@ -99,7 +122,7 @@ INLINE Quat quat_mul(Quat a, Quat b)
 }
 
 /* A vector turned by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v). */
-INLINE Vec3 vec3_cross(Quat q, Vec3 a)
+INLINE Vec3 quat_cross(Quat q, Vec3 a)
 {
     const Vec3 v = { q.y * a.z - q.z * a.y, q.z * a.x - q.x * a.z, q.x * a.y - q.y * a.x };
     return v;
@@ -107,6 +130,12 @@ INLINE Vec3 vec3_cross(Quat q, Vec3 a)
 
 INLINE Vec3 quat_rotate(Quat q, Vec3 v)
 {
-    const Vec3 across = vec3_cross(q, v), once = vec3_add(across, across), twice = vec3_cross(q, once);
+    const Vec3 across = quat_cross(q, v), once = vec3_add(across, across), twice = quat_cross(q, once);
     return vec3_add(vec3_add(v, vec3_scale(once, q.w)), twice);
+}
+
+INLINE Vec3 quat_turned(Quat q, Vec3 v)
+{
+    const Vec3 axis = { q.x, q.y, q.z }, twice = vec3_scale(vec3_cross(axis, v), 2.0f);
+    return vec3_add(vec3_add_scaled(v, twice, q.w), vec3_cross(axis, twice));
 }

@@ -44,30 +44,30 @@ INLINE float16 override_model(Override given, float16 own)
 }
 
 /* Writes where a joint is in the world, for others to see. */
-INLINE void watch(Steering s, uint watched, float16 own)
+INLINE void watch(const Steering *s, uint watched, float16 own)
 {
-    const float4 place = s.control.place;
-    const float sine = s.control.facing.x * place.w, cosine = s.control.facing.y * place.w;
+    const float4 place = s->control.place;
+    const float sine = s->control.facing.x * place.w, cosine = s->control.facing.y * place.w;
     const float16 world_from_model = (float16)(cosine, 0.0f, sine, place.x, 0.0f, place.w, 0.0f, place.y,
                                                -sine, 0.0f, cosine, place.z, (float4)(0.0f));
     const float16 world = affine_mul(world_from_model, own);
-    __global float4 *rows = s.of.watched + watched * WATCHED_ELEMENTS;
+    __global float4 *rows = s->of.watched + watched * WATCHED_ELEMENTS;
     rows[0] = world.s0123;
     rows[1] = world.s4567;
     rows[2] = world.s89ab;
 }
 
 /* What a step makes of a joint's model transform. */
-APART_STEP float16 take_step(Steering s, Hierarchy joints, Step step, float16 own, float16 parent, bool has_parent)
+INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16 own, float16 parent, bool has_parent)
 {
     switch (step.kind) {
-    case STEP_TURN: return affine_turned(own, s.turns[step.turn]);
+    case STEP_TURN: return affine_turned(own, s->turns[step.turn]);
     case STEP_GAZE: return gaze(s, joints, step, own, parent, has_parent);
     case STEP_REACH: return reach(s, joints, step, own);
     case STEP_CHAIN: return chain(s, joints, step, own);
     case STEP_PELVIS: return pelvis(s, joints, step, own);
     case STEP_FOOT: return foot(s, joints, step, own);
-    case STEP_OVERRIDE: return override_model(s.of.overrides[step.index], own);
+    case STEP_OVERRIDE: return override_model(s->of.overrides[step.index], own);
     case STEP_WATCH: watch(s, step.index, own); return own;
     default: return own;
     }
@@ -76,10 +76,10 @@ APART_STEP float16 take_step(Steering s, Hierarchy joints, Step step, float16 ow
 #if LANES == 1
 
 /* What a member's steps make of one joint's model transform, where joints of a level are taken side by side. */
-INLINE float16 steer(Steering s, Hierarchy joints, uint joint, float16 own, float16 parent, bool has_parent)
+INLINE float16 steer(const Steering *s, Hierarchy joints, uint joint, float16 own, float16 parent, bool has_parent)
 {
-    for (uint i = 0; i < s.control.step_count; i++) {
-        const Step step = s.of.steps[s.control.step_first + i];
+    for (uint i = 0; i < s->control.step_count; i++) {
+        const Step step = s->of.steps[s->control.step_first + i];
         if (step.joint == joint) own = take_step(s, joints, step, own, parent, has_parent);
     }
     return own;

@@ -63,17 +63,17 @@ INLINE float target_weight(Target target, ulong tick)
 }
 
 /* Where a target is in model space, seen from a point there; nothing before it was ever seen. */
-INLINE float4 sight(Steering s, Target target, float4 from, float *weight)
+INLINE float4 sight(const Steering *s, Target target, float4 from, float *weight)
 {
-    *weight = target_weight(target, s.of.tick);
+    *weight = target_weight(target, s->of.tick);
     const float4 point = vec(target.point.x, target.point.y, target.point.z);
-    if (target.kind == TARGET_WORLD) return to_model(s.control, point);
-    if (target.kind == TARGET_DIRECTION) return add_scaled(from, direction_to_model(s.control, point), 1000.0f);
+    if (target.kind == TARGET_WORLD) return to_model(s->control, point);
+    if (target.kind == TARGET_DIRECTION) return add_scaled(from, direction_to_model(s->control, point), 1000.0f);
     if (target.kind == TARGET_WATCHED) {
-        __global const float4 *rows = s.of.watched_before + target.watched * WATCHED_ELEMENTS;
+        __global const float4 *rows = s->of.watched_before + target.watched * WATCHED_ELEMENTS;
         const float4 a = rows[0];
         const float4 place = vec(a.w + point.x, rows[1].w + point.y, rows[2].w + point.z);
-        if (a.x * a.x + a.y * a.y + a.z * a.z > 0.0f) return to_model(s.control, place);
+        if (a.x * a.x + a.y * a.y + a.z * a.z > 0.0f) return to_model(s->control, place);
         *weight = 0.0f;
         return from;
     }
@@ -81,13 +81,13 @@ INLINE float4 sight(Steering s, Target target, float4 from, float *weight)
 }
 
 /* The mean of all targets, weighted, and how much it weighs, at most 1. */
-INLINE float4 goal_of(Steering s, Constraint constraint, float4 from, float *weight)
+INLINE float4 goal_of(const Steering *s, Constraint constraint, float4 from, float *weight)
 {
     float4 sum = vec(0.0f, 0.0f, 0.0f);
     float total = 0.0f;
     for (uint t = 0; t < constraint.target_count; t++) {
         float own;
-        const float4 place = sight(s, s.of.targets[constraint.target_first + t], from, &own);
+        const float4 place = sight(s, s->of.targets[constraint.target_first + t], from, &own);
         if (own <= 0.0f) continue;
         sum = add_scaled(sum, place, own);
         total += own;
@@ -98,13 +98,12 @@ INLINE float4 goal_of(Steering s, Constraint constraint, float4 from, float *wei
     return from;
 }
 
-/* Where the joints of a chain are from link `start` on, as the clips have them, and the last one's model transform; `from`
- * is the model transform of the joint at `start`. */
-INLINE float16 walk(Steering s, Hierarchy joints, Constraint constraint, uint start, float16 from, float4 *places)
+/* Where the joints of a chain are, as the clips have them, and the last one's model transform; `from` is the first one's. */
+INLINE float16 walk(const Steering *s, Hierarchy joints, Constraint constraint, float16 from, float4 *places)
 {
-    places[start] = origin_of(from);
-    for (uint at = start + 1; at < constraint.link_count; at++) {
-        from = affine_mul(from, local_of(joints, s.of.links[constraint.link_first + at].joint));
+    places[0] = origin_of(from);
+    for (uint at = 1; at < constraint.link_count; at++) {
+        from = affine_mul(from, local_of(joints, s->of.links[constraint.link_first + at].joint));
         places[at] = origin_of(from);
     }
     return from;

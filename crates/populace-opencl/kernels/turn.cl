@@ -80,12 +80,11 @@ INLINE float4 turn_between(float4 from, float4 to, float4 about)
     return unit_or(across(about, from), any_across(from));
 }
 
-/* A turn taken in part. */
-INLINE float4 part_of(float4 turn, float k)
-{
-    const float4 near = turn * (turn.w < 0.0f ? -1.0f : 1.0f);
-    return turn_unit(IDENTITY_TURN + (near - IDENTITY_TURN) * k);
-}
+/* A turn taken in part, the way that its sign tells: beyond half a turn where w is below 0. */
+INLINE float4 part_as_told(float4 turn, float k) { return turn_unit(IDENTITY_TURN + (turn - IDENTITY_TURN) * k); }
+
+/* A turn taken in part, the short way. */
+INLINE float4 part_of(float4 turn, float k) { return part_as_told(turn * (turn.w < 0.0f ? -1.0f : 1.0f), k); }
 
 /* The angle from +X towards +Y, from -pi to pi. */
 INLINE float angle_of(float y, float x)
@@ -114,12 +113,6 @@ INLINE float2 sin_cos(float angle)
     const float cosine = 1.0f + s * (-0.5f + s * (1.0f / 24.0f + s * (-1.0f / 720.0f + s * (1.0f / 40320.0f
                          + s * (-1.0f / 3628800.0f + s * (1.0f / 479001600.0f))))));
     return (float2)(2.0f * sine * cosine, 1.0f - 2.0f * sine * sine);
-}
-
-INLINE float4 turn_about(float4 axis, float angle)
-{
-    const float2 half_angle = sin_cos(0.5f * angle);
-    return (float4)(axis.x * half_angle.x, axis.y * half_angle.x, axis.z * half_angle.x, half_angle.y);
 }
 
 /* Of an affine transform, three rows of four: where its origin goes, and the image of a direction. */

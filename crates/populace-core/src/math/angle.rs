@@ -47,14 +47,6 @@ pub fn sin_cos(angle: f32) -> (f32, f32) {
     (2.0 * sin * cos, 1.0 - 2.0 * sin * sin)
 }
 
-/// A turn by an angle from -2 pi to 2 pi about a unit vector.
-#[inline]
-#[must_use]
-pub fn turn_about(axis: [f32; 3], angle: f32) -> [f32; 4] {
-    let (sin, cos) = sin_cos(0.5 * angle);
-    [axis[0] * sin, axis[1] * sin, axis[2] * sin, cos]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

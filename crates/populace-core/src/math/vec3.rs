@@ -3,88 +3,95 @@
 use super::{Real, quat};
 
 /// A vector.
-pub type Vec3 = [f32; 3];
+pub type Vec3<R = f32> = [R; 3];
 
 /// Below this a squared length counts as none.
 const TINY: f32 = 1e-20;
 
 /// The sum of the products of the components.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn dot(a: Vec3, b: Vec3) -> f32 {
+pub fn dot<R: Real>(a: Vec3<R>, b: Vec3<R>) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The vector at a right angle to both.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
+pub fn cross<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The sum.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn add(a: Vec3, b: Vec3) -> Vec3 {
+pub fn add<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// What leads from `b` to `a`.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn sub(a: Vec3, b: Vec3) -> Vec3 {
+pub fn sub<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// Each component times `k`.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn scale(a: Vec3, k: f32) -> Vec3 {
+pub fn scale<R: Real>(a: Vec3<R>, k: R) -> Vec3<R> {
     [a[0] * k, a[1] * k, a[2] * k]
 }
 
 /// `a + b * k`.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn add_scaled(a: Vec3, b: Vec3, k: f32) -> Vec3 {
+pub fn add_scaled<R: Real>(a: Vec3<R>, b: Vec3<R>, k: R) -> Vec3<R> {
     [a[0] + b[0] * k, a[1] + b[1] * k, a[2] + b[2] * k]
 }
 
-/// The square root of what is not negative, by [`Real::inverse_sqrt`]: 0 below 1e-20.
-#[inline]
+/// `a` where chosen, else `b`.
+#[inline(always)]
 #[must_use]
-pub fn root(x: f32) -> f32 {
-    if x > TINY { x * x.inverse_sqrt() } else { 0.0 }
+pub fn choose<R: Real>(which: R::Choice, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
+    [R::choose(which, a[0], b[0]), R::choose(which, a[1], b[1]), R::choose(which, a[2], b[2])]
+}
+
+/// The square root of what is not negative, by [`Real::inverse_sqrt`]: 0 below 1e-20.
+#[inline(always)]
+#[must_use]
+pub fn root<R: Real>(x: R) -> R {
+    R::choose(R::splat(TINY).less(x), x * x.inverse_sqrt(), R::splat(0.0))
 }
 
 /// The length.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn length(a: Vec3) -> f32 {
+pub fn length<R: Real>(a: Vec3<R>) -> R {
     root(dot(a, a))
 }
 
 /// `a` divided by its length, or `fallback` where it has none.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn unit_or(a: Vec3, fallback: Vec3) -> Vec3 {
+pub fn unit_or<R: Real>(a: Vec3<R>, fallback: Vec3<R>) -> Vec3<R> {
     let squared = dot(a, a);
-    if squared > TINY { scale(a, squared.inverse_sqrt()) } else { fallback }
+    choose::<R>(R::splat(TINY).less(squared), scale(a, squared.inverse_sqrt()), fallback)
 }
 
 /// `a` less its part along the unit vector `axis`.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn across(a: Vec3, axis: Vec3) -> Vec3 {
+pub fn across<R: Real>(a: Vec3<R>, axis: Vec3<R>) -> Vec3<R> {
     add_scaled(a, axis, -dot(a, axis))
 }
 
 /// `v` turned by a unit quaternion.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn turned(q: [f32; 4], v: Vec3) -> Vec3 {
+pub fn turned<R: Real>(q: [R; 4], v: Vec3<R>) -> Vec3<R> {
     let axis = [q[0], q[1], q[2]];
-    let twice = scale(cross(axis, v), 2.0);
+    let twice = scale(cross(axis, v), R::splat(2.0));
     add(add_scaled(v, twice, q[3]), cross(axis, twice))
 }
 
@@ -109,12 +116,18 @@ pub fn any_across(a: Vec3) -> Vec3 {
     unit_or(across(along, a), [0.0, 0.0, 1.0])
 }
 
-/// A turn taken in part: `k` of 0 turns nothing, 1 turns it all.
-#[inline]
+/// A turn taken in part, the short way: `k` of 0 turns nothing, 1 turns it all.
+#[inline(always)]
 #[must_use]
-pub fn part_of(turn: [f32; 4], k: f32) -> [f32; 4] {
-    let near = quat::hemisphere(turn, quat::identity());
-    quat::normalize_or(quat::mix(quat::identity(), near, k), quat::identity())
+pub fn part_of<R: Real>(turn: [R; 4], k: R) -> [R; 4] {
+    part_as_told(quat::hemisphere(turn, quat::identity()), k)
+}
+
+/// A turn taken in part, the way that its sign tells: beyond half a turn where its `w` is below 0.
+#[inline(always)]
+#[must_use]
+pub fn part_as_told<R: Real>(turn: [R; 4], k: R) -> [R; 4] {
+    quat::normalize_or(quat::mix(quat::identity(), turn, k), quat::identity())
 }
 
 #[cfg(test)]

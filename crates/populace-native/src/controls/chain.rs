@@ -17,11 +17,12 @@ fn drawn(to: [f32; 3], from: [f32; 3], length: f32) -> [f32; 3] {
 }
 
 impl Steering<'_> {
+    #[inline(never)]
     pub(super) fn chain(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
         let own = models.model(joint);
-        let (places, _) = Self::walk(models, links, 0, own);
+        let (places, _) = Self::walk(models, links, own);
         let last = links.len() - 1;
         let mut lengths = [0.0; LINKS_MOST as usize];
         let mut total = 0.0;

@@ -4,11 +4,13 @@
 //! foot is planted: it stays where it came down, in the world, however the member is moved. Lifted again, it makes up for
 //! what it was held back.
 
-use populace_core::layout::{Constraint, Float4, Step};
-use populace_core::math::{quat, vec3};
+use populace_core::Affine;
+use populace_core::layout::{Constraint, FEET_MOST, Float4, Link, Step};
+use populace_core::math::{Real, quat, vec3};
 
 use super::limb::Limb;
 use super::{Models, Steering};
+use crate::lanes::Several;
 
 /// How fast a lifted foot makes up for what it was held back, in seconds for half of it at first.
 const RELEASE_SECS: f32 = 0.06;
@@ -19,10 +21,8 @@ const SINKS_MOST: f32 = 0.5;
 struct Footing {
     /// Its ankle, in model space.
     place: [f32; 3],
-    /// The ground's upward normal, in model space.
-    normal: [f32; 3],
-    /// How much the foot follows the ground's slope: 1 while planted, 0 when lifted.
-    follows: f32,
+    /// The ground's upward normal, in model space, and how much the foot follows its slope: 1 while planted, 0 when lifted.
+    follows: [f32; 4],
 }
 
 /// What a foot left behind.
@@ -30,6 +30,71 @@ struct Kept {
     /// In the world: where it is planted, or how far it is behind where the clip has it.
     vector: [f32; 3],
     planted: bool,
+}
+
+/// A leg as the clips have it, in model space.
+#[derive(Default)]
+struct Leg {
+    hip: [f32; 3],
+    knee: [f32; 3],
+    ankle: [f32; 3],
+    /// Where the knee bends to.
+    bend: [f32; 3],
+}
+
+/// A leg and where it goes: what a [`Limb`] is made of, and what its foot follows.
+#[derive(Clone, Copy, Default)]
+struct Stride {
+    upper: [f32; 3],
+    lower: [f32; 3],
+    bend: [f32; 3],
+    to: [f32; 3],
+    follows: [f32; 4],
+}
+
+impl Stride {
+    #[inline(always)]
+    fn new(leg: &Leg, goes_to: [f32; 3], follows: [f32; 4]) -> Self {
+        let (upper, lower) = (vec3::sub(leg.knee, leg.hip), vec3::sub(leg.ankle, leg.knee));
+        Self { upper, lower, bend: leg.bend, to: vec3::sub(goes_to, leg.hip), follows }
+    }
+}
+
+/// A member's legs side by side.
+const FEET: usize = FEET_MOST as usize;
+type Feet = Several<FEET>;
+
+struct Legs {
+    limb: Limb<Feet>,
+    /// As [`Footing::follows`].
+    follows: [Feet; 4],
+}
+
+impl Legs {
+    #[inline(always)]
+    fn new(strides: &[Stride; FEET]) -> Self {
+        let each = |of: fn(&Stride) -> &[f32; 3]| -> [Feet; 3] {
+            [0, 1, 2].map(|c: usize| Several::from_fn(|lane| of(&strides[lane])[c]))
+        };
+        let limb = Limb {
+            upper: each(|s| &s.upper),
+            lower: each(|s| &s.lower),
+            bend: each(|s| &s.bend),
+            to: each(|s| &s.to),
+        };
+        let follows = [0, 1, 2, 3].map(|c: usize| Several::from_fn(|lane| strides[lane].follows[c]));
+        Self { limb, follows }
+    }
+
+    /// How far the pelvis has to sink so that each leg gets where it goes.
+    #[inline(always)]
+    fn sinks(&self, soft: f32) -> Feet {
+        let length = vec3::length(self.limb.upper) + vec3::length(self.limb.lower);
+        let (reach, most) = (length * Feet::splat(1.0 - soft), length * Feet::splat(SINKS_MOST));
+        let [x, y, z] = self.limb.to;
+        let needed = -y - vec3::root(reach * reach - x * x - z * z);
+        Feet::choose(most.less(needed), most, needed)
+    }
 }
 
 impl Steering<'_> {
@@ -79,11 +144,11 @@ impl Steering<'_> {
             vec3::scale(kept.vector, 1.0 / (1.0 + self.elapsed_secs * (1.0 / RELEASE_SECS)))
         };
         behind[1] = 0.0;
-        let far = vec3::length(behind);
-        if far > 2.0 * held_most {
+        let (far, held) = (vec3::dot(behind, behind), held_most * held_most);
+        if far > 4.0 * held {
             ([0.0; 3], false) // the member was put elsewhere
-        } else if far > held_most {
-            (vec3::scale(behind, held_most / far), false)
+        } else if far > held {
+            (vec3::scale(behind, held_most * far.inverse_sqrt()), false)
         } else {
             (behind, kept.planted)
         }
@@ -111,56 +176,92 @@ impl Steering<'_> {
         let place = self.to_model([place[0], height + (rest / normal[1] + lift) * size, place[2]]);
         let [sin, cos, ..] = self.control.facing.0;
         let [x, y, z] = normal;
-        Footing { place, normal: [cos * x - sin * z, y, sin * x + cos * z], follows }
+        Footing { place, follows: [cos * x - sin * z, y, sin * x + cos * z, follows] }
     }
 
+    /// Down a leg's chain from link `start`, whose joint's model transform is `from`.
+    #[inline(always)]
+    fn walk_leg(models: &impl Models, links: &[Link], foot: &Constraint, start: usize, from: Affine) -> Leg {
+        let (mut leg, mut model) = (Leg::default(), from);
+        for (at, link) in links.iter().enumerate().skip(start) {
+            if at > start {
+                model = model.mul(&models.local(link.joint as usize));
+            }
+            if at == foot.upper as usize {
+                leg.hip = model.origin();
+                leg.bend = model.transform_vector(foot.axis.xyz());
+            }
+            if at == foot.middle as usize {
+                leg.knee = model.origin();
+            }
+        }
+        leg.ankle = model.origin();
+        leg
+    }
+
+    /// Solves legs, and writes the turns of hips, knees and ankles, three for each leg, of the first `count`.
+    #[inline(always)]
+    fn step_with(&mut self, legs: &Legs, constraint: &Constraint, turn: u32, count: usize) {
+        let [soft, weight, ..] = constraint.limits.0;
+        let [mut hip, mut knee] = legs.limb.turns(None, soft);
+        if weight < 1.0 {
+            [hip, knee] = [hip, knee].map(|turn| vec3::part_of(turn, Feet::splat(weight)));
+        }
+        // The ankle keeps the rotation that the clips give it, and follows the slope: the turn from upwards to the normal.
+        let [nx, ny, nz, follows] = legs.follows;
+        let tilt = [nz, Feet::splat(0.0), -nx, Feet::splat(1.0) + ny];
+        let slope = quat::normalize_or(tilt, quat::identity());
+        let slope = vec3::part_as_told(slope, follows * Feet::splat(weight));
+        let ankle = quat::mul(slope, quat::conjugate(quat::mul(knee, hip)));
+        let turns = self.turns[turn as usize..].as_chunks_mut::<3>().0;
+        for (lane, of_leg) in turns.iter_mut().take(count).enumerate() {
+            *of_leg = [hip, knee, ankle].map(|turn| turn.map(|component| component.0[lane]));
+        }
+    }
+
+    #[inline(always)]
     pub(super) fn pelvis(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
         let own = models.model(joint);
         let first = self.constraint(step);
-        let mut drop = 0.0;
-        for foot in 0..first.target_count {
+        let count = first.target_count as usize;
+        let mut strides = [Stride::default(); FEET];
+        for (foot, stride) in (0..first.target_count).zip(&mut strides) {
             let constraint = &self.tables.constraints().as_slice()[(step.index + foot) as usize];
-            let links = self.links(constraint);
-            let (places, _) = Self::walk(models, links, 0, own);
-            let (upper, middle) = (constraint.upper as usize, constraint.middle as usize);
-            let (hip, knee, ankle) = (places[upper], places[middle], places[links.len() - 1]);
-            let footing = self.footing(foot, constraint, ankle);
-            let length = vec3::length(vec3::sub(knee, hip)) + vec3::length(vec3::sub(ankle, knee));
-            let reach = length * (1.0 - constraint.limits.0[0]);
-            let [x, y, z] = vec3::sub(hip, footing.place);
-            let needed = y - vec3::root(reach * reach - x * x - z * z);
-            let needed = if needed > SINKS_MOST * length { SINKS_MOST * length } else { needed };
-            drop = if needed > drop { needed } else { drop };
-            let ([px, py, pz], [nx, ny, nz]) = (footing.place, footing.normal);
-            let turn = (step.turn + 2 * foot) as usize;
-            self.turns[turn] = [px, py, pz, 0.0];
-            self.turns[turn + 1] = [nx, ny, nz, footing.follows];
+            let leg = Self::walk_leg(models, self.links(constraint), constraint, 0, own);
+            let footing = self.footing(foot, constraint, leg.ankle);
+            *stride = Stride::new(&leg, footing.place, footing.follows);
+            let ([x, y, z], turn) = (footing.place, (step.turn + 3 * foot) as usize);
+            self.turns[turn] = [x, y, z, 0.0];
+            self.turns[turn + 1] = footing.follows;
         }
+        let mut legs = Legs::new(&strides);
+        let mut drop = 0.0;
+        for needed in &legs.sinks(first.limits.0[0]).0[..count] {
+            drop = if *needed > drop { *needed } else { drop };
+        }
+        drop = drop * first.limits.0[1];
         let mut rows = own.rows;
-        rows[1][3] -= drop * first.limits.0[1];
-        models.set(joint, populace_core::Affine { rows });
+        rows[1][3] = rows[1][3] - drop;
+        models.set(joint, Affine { rows });
+        if first.at_once != 0 {
+            legs.limb.to[1] = legs.limb.to[1] + Feet::splat(drop);
+            self.step_with(&legs, first, step.turn, count);
+        }
     }
 
+    /// A leg that something else moves after the pelvis: it goes where the pelvis found.
+    #[inline(never)]
     pub(super) fn foot(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
         let constraint = self.constraint(step);
-        let links = self.links(constraint);
         let own = models.model(joint);
-        let (upper, turn) = (constraint.upper as usize, step.turn as usize);
-        let (places, _) = Self::walk(models, links, upper, own);
-        let limb = Limb {
-            places: [places[upper], places[constraint.middle as usize], places[links.len() - 1]],
-            bend: own.transform_vector(constraint.axis.xyz()),
-            pole: None,
-            soft: constraint.limits.0[0],
-        };
-        let ([x, y, z, _], [nx, ny, nz, follows]) = (self.turns[turn], self.turns[turn + 1]);
-        let weight = constraint.limits.0[1];
-        let turns = limb.solve([x, y, z]).unwrap_or([quat::identity(); 2]).map(|t| vec3::part_of(t, weight));
-        let undone = quat::conjugate(quat::mul(turns[1], turns[0]));
-        let slope = vec3::between([0.0, 1.0, 0.0], [nx, ny, nz], [1.0, 0.0, 0.0]);
-        models.set(joint, own.turned(turns[0]));
-        self.turns[turn] = turns[1];
-        self.turns[turn + 1] = quat::mul(vec3::part_of(slope, follows * weight), undone);
+        let links = self.links(constraint);
+        let leg = Self::walk_leg(models, links, constraint, constraint.upper as usize, own);
+        let turn = step.turn as usize;
+        let [x, y, z, _] = self.turns[turn];
+        let mut strides = [Stride::default(); FEET];
+        strides[0] = Stride::new(&leg, [x, y, z], self.turns[turn + 1]);
+        self.step_with(&Legs::new(&strides), constraint, step.turn, 1);
+        models.set(joint, own.turned(self.turns[turn]));
     }
 }
 

@@ -1,7 +1,7 @@
-//! Two-bone inverse kinematics; the twin of `kernels/limb.cl`.
+//! Two-bone inverse kinematics, of one limb or of several side by side; the twin of `kernels/limb.cl`.
 
 use populace_core::layout::Step;
-use populace_core::math::{quat, vec3};
+use populace_core::math::{Real, quat, vec3};
 
 use super::{Models, Steering};
 
@@ -10,93 +10,146 @@ use super::{Models, Steering};
 const OWN_BEND: f32 = 0.05;
 
 /// A limb as the clips have it, in model space, and what is asked of it.
-pub(super) struct Limb {
-    /// First, middle and last joint.
-    pub(super) places: [[f32; 3]; 3],
+pub(super) struct Limb<R> {
+    /// From the first joint to the middle one.
+    pub(super) upper: [R; 3],
+    /// From the middle joint to the last one.
+    pub(super) lower: [R; 3],
     /// Where the middle joint bends to when the limb is straight.
-    pub(super) bend: [f32; 3],
-    /// Where the middle joint is drawn to.
-    pub(super) pole: Option<[f32; 3]>,
-    /// Part of the length in which the limb straightens.
-    pub(super) soft: f32,
+    pub(super) bend: [R; 3],
+    /// From the first joint to where the end is to be.
+    pub(super) to: [R; 3],
+}
+
+fn none<R: Real>() -> [R; 3] {
+    [R::splat(0.0); 3]
 }
 
 /// How far away the end of a chain that is `length` long, and cannot come nearer than `least`, goes for a target at
 /// `distance`: as far, but within the last `soft` of its length, and of what it can come nearer, ever more slowly.
-pub(super) fn soft_distance(distance: f32, length: f32, least: f32, soft: f32) -> f32 {
-    let (far, near) = (length - soft * length, least + soft * (length - least));
-    if distance > far {
-        let x = (distance - far) / (soft * length);
-        far + soft * length * (x / (1.0 + x))
-    } else if distance < near {
-        let x = (near - distance) / (near - least);
-        near - (near - least) * (x / (1.0 + x))
-    } else {
-        distance
-    }
+#[inline(always)]
+pub(super) fn soft_distance<R: Real>(distance: R, length: R, least: R, soft: f32) -> R {
+    let soft = R::splat(soft);
+    let (far, near) = (length - length * soft, least + (length - least) * soft);
+    let beyond = far.less(distance);
+    let over = R::choose(beyond, distance - far, near - distance);
+    let room = R::choose(beyond, length * soft, near - least);
+    let eased = room * over / (room + over);
+    R::choose(beyond, far + eased, R::choose(distance.less(near), near - eased, distance))
 }
 
-impl Limb {
-    /// The turns of the first and of the middle joint, the second as of after the first, that bring the end to a target;
-    /// `None` for a limb of no length.
-    pub(super) fn solve(&self, target: [f32; 3]) -> Option<[[f32; 4]; 2]> {
-        let [first, middle, end] = self.places;
-        let (upper, lower) = (vec3::sub(middle, first), vec3::sub(end, middle));
-        let (a, b) = (vec3::length(upper), vec3::length(lower));
-        let to = vec3::sub(target, first);
-        let distance = vec3::length(to);
-        if a < 1e-6 || b < 1e-6 || distance < 1e-6 {
-            return None;
+/// The shortest turn from one vector to another, of which `lengths` is the product of their lengths; where they are
+/// opposite, about an axis at right angles to them.
+#[inline(always)]
+fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -> [R; 4] {
+    let ([x, y, z], w) = (vec3::cross(from, to), lengths + vec3::dot(from, to));
+    let over = [about[0], about[1], about[2], R::splat(0.0)];
+    let turn = quat::choose::<R>((lengths * R::splat(1e-6)).less(w), [x, y, z, w], over);
+    quat::normalize_or(turn, quat::identity())
+}
+
+impl<R: Real> Limb<R> {
+    /// The axis about which the middle joint bends, of any length: across the limb's own bend. Little of that gives way to
+    /// where it is to bend. `shrinks` is the inverse of the upper bone's length.
+    #[inline(always)]
+    fn hinge(&self, shrinks: R) -> [R; 3] {
+        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|axis: [f32; 3]| axis.map(R::splat));
+        let upper = vec3::scale(self.upper, shrinks);
+        let chain = vec3::add(upper, vec3::scale(self.lower, shrinks));
+        let out = vec3::add_scaled(upper, vec3::unit_or(self.bend, none()), R::splat(OWN_BEND));
+        let hinge = vec3::cross(out, chain);
+        let stands = R::splat(1e-10).less(vec3::dot(hinge, hinge));
+        let leans = (upper[0] * upper[0]).less(R::splat(0.5));
+        vec3::choose::<R>(stands, hinge, vec3::cross(upper, vec3::choose::<R>(leans, x, y)))
+    }
+
+    /// What turns the first joint about where it is to be, so that the middle joint comes nearest to a pole.
+    #[inline(always)]
+    fn pole_turn(&self, first: [R; 4], hinge: [R; 3], pole: [R; 3]) -> [R; 4] {
+        let ahead = vec3::unit_or(self.to, [1.0, 0.0, 0.0].map(R::splat));
+        let upper = vec3::turned(first, self.upper);
+        let bend = vec3::cross(ahead, vec3::turned(first, hinge));
+        let out = vec3::unit_or(vec3::across(upper, ahead), bend);
+        let drawn = vec3::unit_or(vec3::across(pole, ahead), out);
+        swing_between(out, drawn, R::splat(1.0), ahead)
+    }
+
+    /// The turns of the first joint and, as of after that, of the middle one, which bring the end to where it is to be;
+    /// none for a limb of no length.
+    #[inline(always)]
+    pub(super) fn turns(&self, pole: Option<[f32; 3]>, soft: f32) -> [[R; 4]; 2] {
+        let (upper, lower) = (self.upper, self.lower);
+        let (zero, one, half, two) = (R::splat(0.0), R::splat(1.0), R::splat(0.5), R::splat(2.0));
+        let (aa, bb) = (vec3::dot(upper, upper), vec3::dot(lower, lower));
+        let (a, b, distance) = (vec3::root(aa), vec3::root(bb), vec3::length(self.to));
+        let shorter = R::choose(a.less(b), a, b);
+        let longer = R::choose(a.less(b), b, a);
+        let reach = soft_distance(distance, a + b, longer - shorter, soft);
+        // The lower bone turns about the hinge until both reach so far: what is along the hinge stays, and the product of
+        // both bones is a cosine of the turn. Times nn, the square of the hinge's length, nothing waits for that length.
+        let hinge = self.hinge(aa.inverse_sqrt());
+        let side = vec3::cross(hinge, lower);
+        let nn = vec3::dot(hinge, hinge);
+        let unit = nn.inverse_sqrt();
+        let along = vec3::dot(hinge, lower);
+        let still = vec3::dot(hinge, upper) * along;
+        let (p, q) = (vec3::dot(upper, lower) * nn - still, vec3::dot(upper, side));
+        let most = p * p + q * q * nn;
+        let k = most.inverse_sqrt();
+        let wanted = ((reach * reach - aa - bb) * half * nn - still) * k;
+        let below = R::choose(wanted.less(one), wanted, one);
+        let c = R::choose((-one).less(below), below, -one);
+        let s = vec3::root((one - c) * (one + c));
+        let (p, q) = (p * k, q * vec3::root(nn) * k);
+        let (cosine, sine) = (p * c - q * s, q * c + p * s);
+        // By half the angle, from whichever of its sine and cosine is the larger.
+        let back = cosine.less(zero);
+        let (x, w) = (R::choose(back, one - cosine, sine), R::choose(back, sine, one + cosine));
+        let half_unit = (x * x + w * w).inverse_sqrt();
+        // Then the whole, so long as that made it, swings to where it is to be.
+        let rest = vec3::scale(hinge, along * (unit * unit));
+        let level = vec3::add_scaled(lower, rest, -one);
+        let lower = vec3::add_scaled(vec3::add_scaled(rest, level, cosine), side, sine * unit);
+        let reached = vec3::root(aa + bb + (still + most * k * c) * (unit * unit) * two);
+        let axis = vec3::scale(hinge, unit);
+        let mut first = swing_between(vec3::add(upper, lower), self.to, reached * distance, axis);
+        if let Some(pole) = pole {
+            first = quat::mul(self.pole_turn(first, axis, pole.map(R::splat)), first);
         }
-        let least = if a < b { b - a } else { a - b };
-        let reach = soft_distance(distance, a + b, least, self.soft);
-        let ahead = vec3::scale(to, 1.0 / distance);
-        // The limb as a whole swings to where the target is.
-        let along = vec3::unit_or(vec3::sub(end, first), vec3::scale(upper, 1.0 / a));
-        let bend = vec3::unit_or(self.bend, vec3::any_across(along));
-        let swing = vec3::between(along, ahead, bend);
-        // Where the middle joint stands out then.
-        let own = vec3::across(vec3::turned(swing, upper), ahead);
-        let wish = vec3::unit_or(vec3::across(vec3::turned(swing, bend), ahead), vec3::any_across(ahead));
-        let mut out = vec3::unit_or(vec3::add_scaled(own, wish, OWN_BEND * a), wish);
-        let mut first_turn = swing;
-        if let Some(pole) = self.pole {
-            let drawn = vec3::unit_or(vec3::across(pole, ahead), out);
-            first_turn = quat::mul(vec3::between(out, drawn, ahead), swing);
-            out = drawn;
-        }
-        // The triangle of both bones and the reach.
-        let x = (reach * reach + a * a - b * b) * (0.5 / reach);
-        let y = vec3::root(a * a - x * x);
-        let bent = vec3::add_scaled(vec3::scale(ahead, x), out, y);
-        let upper_now = vec3::scale(vec3::turned(first_turn, upper), 1.0 / a);
-        let first_turn = quat::mul(vec3::between(upper_now, vec3::scale(bent, 1.0 / a), out), first_turn);
-        let lower_now = vec3::scale(vec3::turned(first_turn, lower), 1.0 / b);
-        let lower_then = vec3::unit_or(vec3::sub(vec3::scale(ahead, reach), bent), lower_now);
-        let second_turn = vec3::between(lower_now, lower_then, vec3::cross(ahead, out));
-        Some([first_turn, second_turn])
+        let bend = vec3::scale(vec3::turned(first, axis), x * half_unit);
+        let second = [bend[0], bend[1], bend[2], w * half_unit];
+        let stands = R::splat(1e-6).less(R::choose(shorter.less(distance), shorter, distance));
+        [first, second].map(|turn| quat::choose::<R>(stands, turn, quat::identity()))
     }
 }
 
 impl Steering<'_> {
+    #[inline(never)]
     pub(super) fn reach(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
         let own = models.model(joint);
-        let (places, _) = Self::walk(models, links, 0, own);
+        let (places, _) = Self::walk(models, links, own);
         let (target, weight) = self.goal(constraint, places[0]);
         let [x, y, z, has_pole] = constraint.front.0;
+        let middle = places[constraint.middle as usize];
         let limb = Limb {
-            places: [places[0], places[constraint.middle as usize], places[links.len() - 1]],
+            upper: vec3::sub(middle, places[0]),
+            lower: vec3::sub(places[links.len() - 1], middle),
             bend: own.transform_vector(constraint.axis.xyz()),
-            pole: (has_pole > 0.0).then_some([x, y, z]),
-            soft: constraint.limits.0[0],
+            to: vec3::sub(target, places[0]),
         };
-        let solved = if weight > 0.0 { limb.solve(target) } else { None };
-        let turns = solved.unwrap_or([quat::identity(); 2]).map(|turn| vec3::part_of(turn, weight));
-        let undone = quat::conjugate(quat::mul(turns[1], turns[0]));
-        models.set(joint, own.turned(turns[0]));
-        self.turns[step.turn as usize] = turns[1];
+        let mut turns = [quat::identity(); 2];
+        if weight > 0.0 {
+            turns = limb.turns((has_pole > 0.0).then_some([x, y, z]), constraint.limits.0[0]);
+        }
+        if weight < 1.0 {
+            turns = turns.map(|turn| vec3::part_of(turn, weight));
+        }
+        let [first, second] = turns;
+        let undone = quat::conjugate(quat::mul(second, first));
+        models.set(joint, own.turned(first));
+        self.turns[step.turn as usize] = second;
         self.turns[step.turn as usize + 1] =
             if constraint.keeps_end != 0 { undone } else { quat::identity() };
     }

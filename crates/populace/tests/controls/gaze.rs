@@ -146,7 +146,7 @@ fn a_gaze_eases_in_over_and_out() {
 fn a_member_looks_at_anothers_hand() {
     everywhere(|stage| {
         let (member, rest) = watcher(stage);
-        let other = stage.member(Placement::at([2.0, 0.7, 0.0]).facing(1.0));
+        let other = stage.member(Placement::at([1.8, 0.7, 0.0]).facing(1.0));
         let clip = stage.clip("sway");
         stage.crowd.play(other, clip, Play::looping()).expect("a clip that plays");
         let target = Target::Joint { member: other, joint: joint("leftHand") };

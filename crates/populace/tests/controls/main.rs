@@ -10,3 +10,4 @@ mod gaze;
 mod moves;
 mod overrides;
 mod reach;
+mod same;

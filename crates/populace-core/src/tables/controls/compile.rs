@@ -44,6 +44,11 @@ fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
     }
 }
 
+/// The tangent of an angle below a quarter of a turn, and beyond any other from there on.
+fn tangent(angle_rad: f32) -> f32 {
+    if angle_rad < std::f32::consts::FRAC_PI_2 { angle_rad.tan() } else { f32::MAX }
+}
+
 fn float4([x, y, z]: [f32; 3], w: f32) -> Float4 {
     Float4([x, y, z, w])
 }
@@ -64,6 +69,7 @@ impl Program {
             path(skeleton, joint, joint)?;
             program.step(joint, STEP_WATCH, watched, 0);
         }
+        program.solve_legs_at_once();
         if program.turns > TURNS_MOST as usize {
             let what = format!(
                 "a member's constraints would turn {} joints one after the other; {TURNS_MOST} at most can be",
@@ -132,9 +138,9 @@ impl Program {
             joints.iter().map(|joint| Link { joint: joint.0, share: share_of(joint) }).collect();
         let parent = skeleton.parent(first);
         let row = layout::Constraint {
-            axis: float4(in_joint(skeleton, Some(last), gaze.facing), 0.0),
-            front: float4(in_joint(skeleton, parent, [0.0, 0.0, 1.0]), 0.0),
-            up: float4(in_joint(skeleton, parent, [0.0, 1.0, 0.0]), 0.0),
+            axis: float4(in_joint(skeleton, Some(last), gaze.facing), tangent(limits.yaw_rad)),
+            front: float4(in_joint(skeleton, parent, [0.0, 0.0, 1.0]), tangent(limits.up_rad)),
+            up: float4(in_joint(skeleton, parent, [0.0, 1.0, 0.0]), tangent(limits.down_rad)),
             limits: Float4([limits.yaw_rad, limits.up_rad, limits.down_rad, 0.0]),
             ..layout::Constraint::default()
         };
@@ -209,19 +215,37 @@ impl Program {
         if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
             return bad("a member's feet are given twice");
         }
-        let turn = self.take_turns(2 * feet.feet.len());
+        let turn = self.take_turns(3 * feet.feet.len());
         let first = u32_from(self.constraints.len());
         for (nth, foot) in feet.feet.iter().enumerate() {
             let (row, links) = foot_row(skeleton, feet, foot)?;
             let row = layout::Constraint { target_count: u32_from(feet.feet.len()), ..row };
             let index = self.add(row, &links, &[])?;
-            let turn = turn + 2 * nth;
+            let turn = turn + 3 * nth;
             self.step(foot.hip, STEP_FOOT, index, turn);
-            self.step(foot.knee, STEP_TURN, index, turn);
-            self.step(foot.ankle, STEP_TURN, index, turn + 1);
+            self.step(foot.knee, STEP_TURN, index, turn + 1);
+            self.step(foot.ankle, STEP_TURN, index, turn + 2);
         }
         self.step(feet.pelvis, STEP_PELVIS, first, turn);
         Ok(())
+    }
+
+    /// Legs are solved with the pelvis, side by side, where nothing else moves them between it and the knees.
+    fn solve_legs_at_once(&mut self) {
+        let is_foot = |step: &&mut Step| step.kind == STEP_FOOT;
+        let chains = self.steps.iter().filter(|step| step.kind == STEP_FOOT).flat_map(|step| {
+            let foot = &self.constraints[step.index as usize];
+            &self.links[foot.link_first as usize..][..=foot.upper as usize]
+        });
+        let carriers: Vec<u32> = chains.map(|link| link.joint).collect();
+        let moves = |step: &Step| !matches!(step.kind, STEP_FOOT | STEP_PELVIS | STEP_WATCH);
+        if self.steps.iter().any(|step| moves(step) && carriers.contains(&step.joint)) {
+            return;
+        }
+        for step in self.steps.iter_mut().filter(is_foot) {
+            self.constraints[step.index as usize].at_once = 1;
+            step.kind = STEP_TURN;
+        }
     }
 
     fn overrides(&mut self, skeleton: &Skeleton, overrides: &[JointOverride]) -> Result<(), Error> {
