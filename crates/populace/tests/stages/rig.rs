@@ -94,8 +94,12 @@ fn stray(joint: &mut StageJoint) {
 }
 
 fn act(joint: &mut StageJoint) {
-    let functions = [(BEND, bend as fn(&mut StageJoint)), (LIFT, lift), (TELL, tell), (STRAY, stray)];
-    functions.iter().filter(|(what, _)| *what == joint.values[2]).for_each(|(_, function)| function(joint));
+    let what = joint.values[2];
+    for (own, function) in [(BEND, bend as fn(&mut StageJoint)), (LIFT, lift), (TELL, tell), (STRAY, stray)] {
+        if what == own {
+            function(joint);
+        }
+    }
 }
 
 /// After Pose turns, moves and stretches joints.
