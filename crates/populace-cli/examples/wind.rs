@@ -17,8 +17,7 @@ use populace::{Affine, After, Crowd, Device, Placement, StageJoint, StageUse, Tr
 const JOINTS: u16 = 6;
 const JOINT_M: f32 = 0.17;
 
-/// A gust is a hump of a wave that runs over the field, (x - x^3)^2 over a part x of its length. Parameters: its strength,
-/// its length in metres and its period in seconds. By + - * alone, so that both languages come to the same bits.
+/// A gust is a hump that runs over the field. Parameters: its strength, length in metres and period in seconds.
 const WIND: &str = "
 void wind(StageJoint *joint)
 {
@@ -40,7 +39,7 @@ fn wind(joint: &mut StageJoint) {
     joint.turn([x, y, z, 1.0 - 0.5 * lean * lean]);
 }
 
-/// A stalk of six joints in a row: three blades of a square each, and thick at the end.
+/// A stalk of six joints in a row, with rings of three around it, each of the joint at its height.
 fn stalk() -> Result<Character, populace::core::Error> {
     let joint = |at: u16| JointSource {
         name: format!("node{at}"),
@@ -53,7 +52,6 @@ fn stalk() -> Result<Character, populace::core::Error> {
     let palette: Vec<_> = skeleton.joints().map(entry).collect();
     let (mut positions, mut normals, mut colors) = (vec![], vec![], vec![]);
     let (mut entries, mut weights, mut indices) = (vec![], vec![], vec![]);
-    // Rings of three around the stalk: each belongs to the joint at its height.
     for (ring, width) in (0_u16..).zip([0.012, 0.011, 0.01, 0.009, 0.034, 0.03, 0.002]) {
         for [x, z] in [[0.0, 1.0], [0.87, -0.5], [-0.87, -0.5]] {
             positions.push([x * width, f32::from(ring).min(5.9) * JOINT_M, z * width]);
@@ -82,18 +80,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let wind = crowd.add_stage(After::Transform, UserStage::new("wind").opencl_c(WIND).rust(wind))?;
     crowd.set_stage_parameters(wind, &[0.13, 3.5, 4.0])?;
     for nth in 0..10_000_u16 {
-        // Spread evenly, and yet in no rows.
         let [a, b, c] = [0.754_877_7, 0.569_840_3, 0.347_296].map(|k| (f32::from(nth) * k).fract());
-        let place = Placement::at([12.0 * a - 6.0, 0.0, -9.0 * b]).scaled(0.85 + 0.3 * c);
-        let member = crowd.spawn(id, place.facing(6.28 * c))?;
+        let place = Placement::at([12.0 * a - 6.0, 0.0, -9.0 * b]).scaled(0.85 + 0.3 * c).facing(6.28 * c);
+        let member = crowd.spawn(id, place)?;
         crowd.use_stage(member, wind, StageUse::on_all().with_values([0.12 * c, 0.0, 0.0, 0.0]))?;
     }
-    crowd.update(1.5)?;
     let (path, points) = (shared::output("wind.png"), [[-3.2, 0.0, 0.0], [3.2, 1.3, -3.0]]);
     let mut pictures = Vec::new();
-    for device in [Device::native(), Device::best()] {
+    for (device, secs) in [(Device::native(), 1.5), (Device::best(), 0.0)] {
         crowd.move_to(device)?;
-        crowd.update(0.0)?;
+        crowd.update(secs)?;
         shared::draw(&mut crowd, &stalk, &points, &path)?;
         println!("10000 stalks in the wind on {}, drawn to {path}", crowd.device_name());
         pictures.push(std::fs::read(&path)?);

@@ -258,7 +258,7 @@ fn part_of_the_way(from: &Affine, to: &Affine, k: f32) -> Affine {
         let (old, new) = (vec3::length(column(from, c)), vec3::length(column(to, c)));
         let factor = if old > 1e-10 { 1.0 + (new / old - 1.0) * k } else { 1.0 };
         for row in &mut rows {
-            row[c] = row[c] * factor;
+            row[c] *= factor;
         }
     }
     for (row, (start, end)) in rows.iter_mut().zip(from.origin().into_iter().zip(to.origin())) {

@@ -19,19 +19,23 @@ pub(crate) enum Form {
 }
 
 impl Form {
-    /// OpenCL C as one string: the driver binding crashes when given a list. `stages` is what users' stages add to it, if
-    /// there are any.
-    pub(crate) fn source(self, stages: &str) -> String {
-        // A fused product would differ from the native stages in the last bit.
-        let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
-        let settings = match self {
+    fn settings(self) -> String {
+        match self {
             Self::Common => String::new(),
             Self::Staged => "#define LANES 1\n".into(),
             Self::Wide => "#define LANES 16\n#define FUSED __private\n".into(),
             Self::Grouped { group } => {
                 format!("#define LANES 1\n#define FUSED __local\n#define GROUP {group}u\n")
             }
-        };
+        }
+    }
+
+    /// OpenCL C as one string: the driver binding crashes when given a list. `stages` is what users' stages add to it, if
+    /// there are any.
+    pub(crate) fn source(self, stages: &str) -> String {
+        // A fused product would differ from the native stages in the last bit.
+        let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
+        let settings = self.settings();
         let arithmetic = [
             include_str!("../kernels/lanes.cl"),
             include_str!("../kernels/quat.cl"),

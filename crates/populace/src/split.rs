@@ -256,10 +256,11 @@ impl Backend for SplitBackend {
     fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
         for at in 0..self.parts.len() {
             if let Err(error) = self.parts[at].backend.set_stages(stages) {
-                // Those before it go on with what all had, which they still keep built.
-                let before = self.parts[..at].iter_mut();
-                let back = before.map(|part| part.backend.set_stages(&self.stages));
-                return back.fold(Err(error), |first, _| first);
+                for part in &mut self.parts[..at] {
+                    // It keeps what all had, or can build it again: it did before.
+                    let _kept = part.backend.set_stages(&self.stages);
+                }
+                return Err(error);
             }
         }
         self.stages = stages.to_vec();
