@@ -81,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     crowd.set_stage_parameters(wind, &[0.13, 3.5, 4.0])?;
     for nth in 0..10_000_u16 {
         let [a, b, c] = [0.754_877_7, 0.569_840_3, 0.347_296].map(|k| (f32::from(nth) * k).fract());
-        let place = Placement::at([12.0 * a - 6.0, 0.0, -9.0 * b]).scaled(0.85 + 0.3 * c).facing(6.28 * c);
+        let place = Placement::at([12.0 * a - 6.0, 0.0, -9.0 * b]).scaled(0.85 + 0.3 * c).facing(6.0 * c);
         let member = crowd.spawn(id, place)?;
         crowd.use_stage(member, wind, StageUse::on_all().with_values([0.12 * c, 0.0, 0.0, 0.0]))?;
     }
