@@ -35,6 +35,12 @@ fn layers() {
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
+fn wind() {
+    runs_and_draws("wind", &["10000 stalks in the wind on native", "both pictures are the same: true"]);
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
 fn blend_space() {
     runs_and_draws("blend_space", &["Walk stands at 1.", "0.0 m/s: Idle 100 %\n", "3.0 m/s: Run 100 %"]);
 }

@@ -1,7 +1,7 @@
 //! The trait that every device implements, and its errors.
 
 use crate::layout::Float4;
-use crate::{PaletteSource, Tables};
+use crate::{PaletteSource, Tables, UserStage};
 
 /// A step of a frame (Lister & Day 2012, section 4; design of evaluate: slots are closed-form).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -213,6 +213,24 @@ pub enum BackendError {
         /// How much there is.
         available: u64,
     },
+    /// A user's stage without the form that a device runs.
+    #[error("{device} cannot run the stage \"{stage}\": it needs {form}, and was given none")]
+    NoForm {
+        /// The device's name.
+        device: String,
+        /// The stage's name.
+        stage: String,
+        /// What is missing.
+        form: &'static str,
+    },
+    /// A user's stages that do not compile.
+    #[error("{device} cannot compile the user stages; each line is that of the stage's own text:\n{log}")]
+    BadStages {
+        /// The device's name.
+        device: String,
+        /// The compiler's own words.
+        log: String,
+    },
     /// A call that the device or its driver failed.
     #[error("{device} failed to {operation}: {cause}")]
     Failed {
@@ -244,6 +262,22 @@ pub trait Backend: PaletteSource + Send {
     ///
     /// Memory that cannot be had, or a failing device.
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError>;
+
+    /// Takes users' stages, by number, in place of those before; they run from the next [`update`](Self::update) on.
+    ///
+    /// # Errors
+    ///
+    /// [`BackendError::NoForm`], [`BackendError::BadStages`], or a failing device; what ran before then goes on.
+    fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
+        match stages.iter().flatten().next() {
+            None => Ok(()),
+            Some(stage) => Err(BackendError::NoForm {
+                device: self.device_name(),
+                stage: stage.name().into(),
+                form: "a device that runs users' stages",
+            }),
+        }
+    }
 
     /// Runs one stage for the frame's members, from what the stage before left.
     ///

@@ -5,7 +5,7 @@ use crate::layout::{
 };
 use crate::math::{quat, vec3};
 use crate::playback::ramp;
-use crate::{Error, JointIndex, Skeleton, Trs};
+use crate::{Error, JointIndex, Skeleton, StageUse, Trs};
 
 /// What a transform is relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -195,6 +195,8 @@ pub struct Controls {
     pub constraints: Vec<Constraint>,
     /// Overrides, at most one for each joint and space.
     pub overrides: Vec<JointOverride>,
+    /// Users' stages, which run in this order where they meet in a joint; each at most once.
+    pub stages: Vec<StageUse>,
     /// Joints that others look at, or that are read back, each with its place among what is watched.
     pub watches: Vec<(JointIndex, u32)>,
     /// Where in [`Tables::joint_scales`](crate::Tables::joint_scales) the lengths of its joints stand.
@@ -207,6 +209,7 @@ impl Controls {
     pub fn is_empty(&self) -> bool {
         self.constraints.is_empty()
             && self.overrides.is_empty()
+            && self.stages.is_empty()
             && self.watches.is_empty()
             && self.proportions.is_none()
     }

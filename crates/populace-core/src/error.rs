@@ -110,6 +110,14 @@ pub enum Error {
         /// What is wrong and what the rule is.
         what: String,
     },
+    /// A user's stage that cannot be one.
+    #[error("the stage \"{stage}\": {what}")]
+    BadStage {
+        /// The stage's name.
+        stage: String,
+        /// What is wrong and what the rule is.
+        what: String,
+    },
     /// Joint names that the skeleton does not have.
     #[error("{}", joints.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     UnknownJoints {

@@ -133,6 +133,12 @@ device_consts! {
     pub const STEP_OVERRIDE: u32 = 6;
     /// [`Step::kind`]: others look at this joint.
     pub const STEP_WATCH: u32 = 7;
+    /// [`Step::kind`]: a user's stage, with the member's values at `turn`.
+    pub const STEP_STAGE: u32 = 8;
+    /// The most stages of users.
+    pub const STAGES_MOST: u32 = 8;
+    /// Parameters of each.
+    pub const STAGE_PARAMETERS: u32 = 16;
     /// [`Target::kind`]: a point in the member's model space.
     pub const TARGET_MODEL: u32 = 0;
     /// [`Target::kind`]: a point in the world.
@@ -422,10 +428,10 @@ device_struct! {
         pub epoch: u32,
         /// Into `joint_scales`: a factor for the length of each joint's translation, padded, or [`NONE`].
         pub scale_first: u32,
-        /// Zero.
-        pub unused0: u32,
-        /// Zero.
-        pub unused1: u32,
+        /// Steps after those of `step_count`, by joint: users' stages that work on local transforms.
+        pub pose_step_count: u32,
+        /// The member's place.
+        pub member: u32,
     }
 }
 
@@ -436,9 +442,9 @@ device_struct! {
         pub joint: u32,
         /// A `STEP_` kind.
         pub kind: u32,
-        /// Into `constraints`, `overrides` or `watched`, by kind.
+        /// Into `constraints`, `overrides` or `watched`, or a stage's number, by kind.
         pub index: u32,
-        /// The first of the member's turns that it writes, or the one that it takes.
+        /// The first of the member's turns that it writes, or the one that it takes; [`STEP_STAGE`]: into `stage_values`.
         pub turn: u32,
     }
 }
@@ -625,6 +631,8 @@ pub fn device_structs() -> Vec<StructLayout> {
 pub fn opencl_prelude() -> String {
     let mut text: String = CONSTS.iter().map(|(name, value)| format!("#define {name} {value}u\n")).collect();
     text += &format!("#define TICK_SECS {:.12e}f\n", crate::playback::TICK_SECS);
+    text += &format!("#define TICKS_PER_SEC {}.0f\n", crate::playback::TICKS_PER_SEC);
+    text += &format!("#define FIRST_TICK {}ul\n", crate::playback::FIRST_TICK);
     for declaration in [
         Body::OPENCL_C,
         Entry::OPENCL_C,

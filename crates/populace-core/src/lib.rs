@@ -38,6 +38,7 @@ mod names;
 mod playback;
 mod retarget;
 mod skeleton;
+mod stage;
 mod tables;
 mod track;
 
@@ -59,7 +60,10 @@ pub use hand_over::{
 pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
 pub use math::{Affine, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
-pub use playback::{LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs};
+pub use playback::{
+    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs,
+};
 pub use skeleton::{JointIndex, JointSource, Skeleton};
+pub use stage::{After, StageFn, StageJoint, StageUse, UserStage};
 pub use tables::{BodyIndex, Ground, Table, Tables};
 pub use track::{ClipSource, Interpolation, Property, Track};

@@ -17,6 +17,9 @@ pub const MAX_LAYERS: usize = LAYERS_PER_MEMBER as usize;
 /// Ticks of the crowd's clock in a second: a multiple of the usual frame rates (24, 25, 30, 50, 60, 120, 144), so that
 /// whole frames are whole numbers of ticks.
 pub const TICKS_PER_SEC: u64 = 705_600;
+/// Where the clock of a crowd begins. Most of a year after 0: a clip that goes on at another speed is one that began at
+/// another time, maybe long before the crowd did.
+pub const FIRST_TICK: u64 = 1 << 44;
 /// One tick in seconds, rounded to single precision.
 pub(crate) const TICK_SECS: f32 = 1.0 / 705_600.0;
 

@@ -68,6 +68,7 @@ impl Tables {
         all.slots.expect(members.saturating_mul(slots_per_member));
         all.layers.expect(members.saturating_mul(LAYERS_PER_MEMBER as usize));
         all.ground.grow(1, crate::layout::Ground::default());
+        all.stage_values.grow(controls::PARAMETER_ELEMENTS, Float4::default());
         Self {
             slots_per_member,
             all,

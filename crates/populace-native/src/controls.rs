@@ -13,11 +13,13 @@ mod targets;
 
 use populace_core::layout::{
     Constraint, Control, Float4, LINKS_MOST, Link, NONE, STATES_PER_CONTROL, STEP_CHAIN, STEP_FOOT,
-    STEP_GAZE, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_TURN, STEP_WATCH, Step, TURNS_MOST,
+    STEP_GAZE, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST,
     WATCHED_ELEMENTS,
 };
 use populace_core::math::{quat, vec3};
 use populace_core::{Affine, Frame, Tables, Trs};
+
+use crate::stages::{self, Stages};
 
 /// What is kept from frame to frame.
 #[derive(Default)]
@@ -77,6 +79,7 @@ pub(crate) struct Steering<'a> {
     control: &'a Control,
     /// The control's index.
     index: u32,
+    clock: Clock<'a>,
     tick: u64,
     /// Since the frame before.
     elapsed_secs: f32,
@@ -85,16 +88,17 @@ pub(crate) struct Steering<'a> {
     turns: [[f32; 4]; TURNS_MOST as usize],
 }
 
-/// The clock of a frame.
+/// The clock of a frame, and the stages of users that run by it.
 #[derive(Clone, Copy)]
-pub(crate) struct Clock {
+pub(crate) struct Clock<'a> {
     pub(crate) tick: u64,
     pub(crate) elapsed_secs: f32,
+    pub(crate) stages: &'a Stages,
 }
 
-impl Clock {
-    pub(crate) fn of(frame: Frame) -> Self {
-        Self { tick: frame.tick, elapsed_secs: frame.elapsed_secs() }
+impl<'a> Clock<'a> {
+    pub(crate) fn of(frame: Frame, stages: &'a Stages) -> Self {
+        Self { tick: frame.tick, elapsed_secs: frame.elapsed_secs(), stages }
     }
 }
 
@@ -123,15 +127,15 @@ impl<'a> Steering<'a> {
     pub(crate) fn new(
         tables: &'a Tables,
         place: u32,
-        clock: Clock,
+        clock: Clock<'a>,
         before: Before<'a>,
         left: &'a mut Left,
     ) -> Option<Self> {
         let control = control_of(tables, place)?;
         let index = tables.members().as_slice()[place as usize].control;
         let turns = [quat::identity(); TURNS_MOST as usize];
-        let Clock { tick, elapsed_secs } = clock;
-        Some(Self { tables, control, index, tick, elapsed_secs, before, left, turns })
+        let Clock { tick, elapsed_secs, .. } = clock;
+        Some(Self { tables, control, index, clock, tick, elapsed_secs, before, left, turns })
     }
 
     /// Runs local transforms down a hierarchy, and takes the member's steps on the way.
@@ -162,6 +166,12 @@ impl<'a> Steering<'a> {
             STEP_PELVIS => self.pelvis(models, joint, step),
             STEP_FOOT => self.foot(models, joint, step),
             STEP_OVERRIDE => self.override_model(models, joint, step.index),
+            STEP_STAGE => {
+                let own = models.model(joint);
+                if let Some(model) = stages::model(self.tables, self.clock, step, self.control, own) {
+                    models.set(joint, model);
+                }
+            }
             STEP_WATCH => self.watch(models, joint, step.index),
             _ => {}
         }

@@ -17,6 +17,7 @@ use crate::pages::Pages;
 use crate::pose::member_layers;
 use crate::rows::Local;
 use crate::split;
+use crate::stages::Stages;
 
 /// Elements of a palette block.
 const BLOCK: usize = PALETTE_BLOCK as usize * 3;
@@ -44,7 +45,7 @@ pub(crate) fn scratch_of(scratch: &[Scratch]) -> MutexGuard<'_, Desk> {
 pub(crate) struct Evaluation<'a> {
     pub(crate) tables: &'a Tables,
     pub(crate) place: u32,
-    pub(crate) clock: Clock,
+    pub(crate) clock: Clock<'a>,
     pub(crate) before: Before<'a>,
 }
 
@@ -52,7 +53,7 @@ pub(crate) struct Evaluation<'a> {
 pub(crate) fn run(
     tables: &Tables,
     frame: Frame,
-    before: Before,
+    (stages, before): (&Stages, Before),
     dispatch: Dispatch,
     scratch: &[Scratch],
     pages: &mut Pages,
@@ -63,7 +64,7 @@ pub(crate) fn run(
         let blocks = &all[first..first + palettes.len() / BLOCK];
         split::for_each_member::<BLOCK, 1>(blocks, [palettes], &|place, _, [palette]| {
             if frame.evaluates(place) {
-                let member = Evaluation { tables, place, clock: Clock::of(frame), before };
+                let member = Evaluation { tables, place, clock: Clock::of(frame, stages), before };
                 dispatch.write_palette(member, &mut scratch_of(scratch), palette);
             }
         });
@@ -119,7 +120,7 @@ pub(crate) fn member_matrices(
     let (playing, layers) = (&playing[..count], member_layers(tables, place));
     for (block, matrices) in desk.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joint = block * LANES;
-        let local = Posing { tables, playing, layers, body, control, joint }.pose::<Lanes>();
+        let local = Posing { tables, playing, layers, body, control, joint, clock }.pose::<Lanes>();
         keep(joint, &local);
         let m = components(local.t, local.r, local.s);
         for (lane, matrix) in matrices.iter_mut().enumerate() {

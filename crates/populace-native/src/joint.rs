@@ -4,7 +4,9 @@ use populace_core::Tables;
 use populace_core::layout::{Body, Control, Layer, NONE, REST_SCALE, REST_TRANSLATION, SlotSample};
 use populace_core::math::{Real, quat};
 
+use crate::controls::Clock;
 use crate::rows::{Local, Width, load_quat, load_vec3, sample_joint};
+use crate::stages;
 
 /// A slot as it plays now.
 #[derive(Clone, Copy, Default)]
@@ -93,6 +95,7 @@ pub(crate) struct Posing<'a> {
     pub(crate) body: &'a Body,
     pub(crate) control: Option<&'a Control>,
     pub(crate) joint: usize,
+    pub(crate) clock: Clock<'a>,
 }
 
 impl Posing<'_> {
@@ -147,7 +150,7 @@ impl Posing<'_> {
         }
     }
 
-    /// What the member's proportions and its overrides in local space make of a pose.
+    /// What the member's proportions, its overrides in local space and users' stages make of a pose.
     #[inline(never)]
     fn adjust<R: Width>(&self, control: &Control, mut pose: Local<R>) -> Local<R> {
         let Self { tables, joint, .. } = *self;
@@ -172,6 +175,9 @@ impl Posing<'_> {
                 r: quat::choose::<R>(only, r, pose.r),
                 s: each3(|i| R::choose(only, if whole { s[i] } else { pose.s[i].mix(s[i], k) }, pose.s[i])),
             };
+        }
+        if control.pose_step_count > 0 {
+            pose = stages::locals(tables, self.clock, control, joint, pose);
         }
         pose
     }

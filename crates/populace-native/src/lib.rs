@@ -29,6 +29,7 @@ mod pose;
 mod reading;
 mod rows;
 mod split;
+mod stages;
 mod transform;
 mod turns;
 mod write_back;
@@ -39,7 +40,7 @@ use std::time::Instant;
 use populace_core::layout::{Float4, PAGE_ENTRIES, SlotSample};
 use populace_core::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
-    Stage, StageBuffer, Tables, TargetMark,
+    Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use crate::controls::{Clock, Keeping};
@@ -47,6 +48,7 @@ use crate::dispatch::Dispatch;
 use crate::fused::Scratch;
 use crate::pages::Pages;
 use crate::reading::Reading;
+use crate::stages::Stages;
 
 /// Evaluates crowds on the CPU.
 pub struct NativeBackend {
@@ -59,6 +61,9 @@ pub struct NativeBackend {
     reading: Option<Reading>,
     last: Frame,
     keeping: Keeping,
+    stages: Stages,
+    /// Those that run from the next update on.
+    next_stages: Option<Stages>,
     /// What was watched when it was last asked for, and the clock then.
     fetched: (Option<u64>, Vec<Float4>),
     frame_ms: Option<f64>,
@@ -109,6 +114,8 @@ impl NativeBackend {
             reading: None,
             last: Frame::of_all(0),
             keeping: Keeping::default(),
+            stages: Stages::default(),
+            next_stages: None,
             fetched: (None, Vec::new()),
             frame_ms: None,
             samples: Vec::new(),
@@ -208,12 +215,20 @@ impl Backend for NativeBackend {
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
         self.reading = None;
+        if let Some(stages) = self.next_stages.take() {
+            self.stages = stages;
+        }
         if self.is_staged() {
             self.grow_stage_buffers(tables)?;
         }
         grow(&mut self.keeping.states, tables.state_elements(), "what is kept of members")?;
         grow(&mut self.keeping.watched, tables.watched_elements(), "what is watched of members")?;
         self.pages.update(tables)
+    }
+
+    fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
+        self.next_stages = Some(Stages::new(stages)?);
+        Ok(())
     }
 
     fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
@@ -225,11 +240,13 @@ impl Backend for NativeBackend {
         if stage == Stage::Transform {
             self.forget_left();
         }
-        let Self { pool, samples, joints, models, pages, scratch, keeping, .. } = self;
+        let Self { pool, stages, samples, joints, models, pages, scratch, keeping, .. } = self;
         pool.install(|| match stage {
             Stage::Evaluate => evaluate::run(tables, frame.tick, samples),
-            Stage::Pose => pose::run(tables, frame, samples, joints),
-            Stage::Transform => transform::run(tables, frame, keeping.before(), joints, scratch, models),
+            Stage::Pose => pose::run(tables, frame, stages, samples, joints),
+            Stage::Transform => {
+                transform::run(tables, frame, (stages, keeping.before()), joints, scratch, models);
+            }
             Stage::WriteBack => write_back::run(tables, frame, models, pages),
         });
         if stage == Stage::Transform {
@@ -246,8 +263,10 @@ impl Backend for NativeBackend {
         } else {
             (self.last, self.reading) = (frame, None);
             self.forget_left();
-            let Self { pool, dispatch, scratch, pages, keeping, .. } = self;
-            pool.install(|| fused::run(tables, frame, keeping.before(), *dispatch, scratch, pages));
+            let Self { pool, dispatch, stages, scratch, pages, keeping, .. } = self;
+            pool.install(|| {
+                fused::run(tables, frame, (stages, keeping.before()), *dispatch, scratch, pages);
+            });
             self.exchange_left();
         }
         self.frame_ms = Some(start.elapsed().as_secs_f64() * 1e3);
@@ -264,7 +283,7 @@ impl Backend for NativeBackend {
         if !self.is_staged() && !is_kept(buffer) {
             // The member is evaluated from what it was evaluated from.
             self.exchange_left();
-            let of = (Clock::of(self.last), self.keeping.before());
+            let of = (Clock::of(self.last, &self.stages), self.keeping.before());
             let result = reading::read(&mut self.reading, tables, of, buffer, first, into);
             self.exchange_left();
             return result;

@@ -3,11 +3,19 @@
 use populace_core::layout::{Float4, JOINT_BLOCK, SlotSample};
 use populace_core::{Frame, MAX_SLOTS, Tables};
 
-use crate::controls::control_of;
+use crate::controls::{Clock, control_of};
 use crate::joint::{Playing, Posing};
+use crate::stages::Stages;
 use crate::{JointBuffer, split};
 
-pub(crate) fn run(tables: &Tables, frame: Frame, samples: &[SlotSample], joints: &mut JointBuffer) {
+pub(crate) fn run(
+    tables: &Tables,
+    frame: Frame,
+    stages: &Stages,
+    samples: &[SlotSample],
+    joints: &mut JointBuffer,
+) {
+    let clock = Clock::of(frame, stages);
     let arrays = [&mut joints.translations[..], &mut joints.rotations[..], &mut joints.scales[..]];
     let job = |place: u32, _, [translations, rotations, scales]: [&mut [Float4]; 3]| {
         if !frame.evaluates(place) {
@@ -24,7 +32,7 @@ pub(crate) fn run(tables: &Tables, frame: Frame, samples: &[SlotSample], joints:
         let (playing, layers) = (&playing[..slots.len()], member_layers(tables, place));
         let control = control_of(tables, place);
         for joint in 0..body.joint_count as usize {
-            let local = Posing { tables, playing, layers, body, control, joint }.pose::<f32>();
+            let local = Posing { tables, playing, layers, body, control, joint, clock }.pose::<f32>();
             translations[joint] = Float4::from_xyz(local.t);
             rotations[joint] = Float4(local.r);
             scales[joint] = Float4::from_xyz(local.s);

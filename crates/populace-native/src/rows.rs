@@ -32,6 +32,9 @@ pub(crate) trait Width: Real {
     /// From a table of floats, at the first joint's place.
     fn load(from: &[f32]) -> Self;
 
+    /// One of them.
+    fn lane(self, lane: usize) -> f32;
+
     /// Chooses one of them.
     fn only(lane: usize) -> Self::Choice;
 
@@ -128,6 +131,11 @@ impl Width for f32 {
     const COUNT: usize = 1;
 
     #[inline(always)]
+    fn lane(self, _lane: usize) -> f32 {
+        self
+    }
+
+    #[inline(always)]
     fn only(_lane: usize) -> bool {
         true
     }
@@ -184,6 +192,11 @@ impl Width for Lanes {
     type Columns<'a> = BlockColumns<'a>;
 
     const COUNT: usize = LANES;
+
+    #[inline(always)]
+    fn lane(self, lane: usize) -> f32 {
+        self.0[lane]
+    }
 
     #[inline(always)]
     fn only(lane: usize) -> [bool; LANES] {

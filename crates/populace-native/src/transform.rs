@@ -6,6 +6,7 @@ use populace_core::{Affine, Frame, Tables, Trs};
 
 use crate::controls::{self, Before, Clock, Models, Steering};
 use crate::fused::{Scratch, scratch_of};
+use crate::stages::Stages;
 use crate::{JointBuffer, ModelRows, split};
 
 const BLOCK: usize = JOINT_BLOCK as usize;
@@ -45,7 +46,7 @@ impl Models for Rows<'_> {
 pub(crate) fn run(
     tables: &Tables,
     frame: Frame,
-    before: Before,
+    (stages, before): (&Stages, Before),
     joints: &JointBuffer,
     scratch: &[Scratch],
     models: &mut ModelRows,
@@ -64,7 +65,9 @@ pub(crate) fn run(
             return controls::descend(&mut rows, parents);
         }
         let mut own = scratch_of(scratch);
-        if let Some(mut steering) = Steering::new(tables, place, Clock::of(frame), before, &mut own.left) {
+        if let Some(mut steering) =
+            Steering::new(tables, place, Clock::of(frame, stages), before, &mut own.left)
+        {
             steering.descend(&mut rows, parents);
         }
     };

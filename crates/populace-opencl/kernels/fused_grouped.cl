@@ -76,7 +76,7 @@ void fused_grouped(__global const Member *members, __global const Body *bodies, 
     const uint owner = page_members[get_group_id(0)];
     if (owner < place_first || owner >= place_end) return;
     const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
-    const Locals locals = { controls, overrides, joint_scales };
+    const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
     const Member member = members[owner];
     const Body body = bodies[member.body];
@@ -107,7 +107,7 @@ void fused_grouped_joints(__global const Member *members, __global const Body *b
     __local Playing playing[SLOTS_MOST];
     __local float4 turns[TURNS_MOST];
     const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
-    const Locals locals = { controls, overrides, joint_scales };
+    const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
     const Member member = members[owner];
     const Body body = bodies[member.body];

@@ -98,7 +98,7 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
                 __global float4 *restrict matrices)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
-    const Locals locals = { controls, overrides, joint_scales };
+    const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
     __global float16 *restrict models = (__global float16 *)matrices + get_global_id(0) * padded_most;
     const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
@@ -134,7 +134,7 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
                        __global float4 *matrices)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
-    const Locals locals = { controls, overrides, joint_scales };
+    const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
     const Member member = members[owner];
     const Body body = bodies[member.body];

@@ -105,6 +105,9 @@ typedef struct {
     __global const Control *controls;
     __global const Override *overrides;
     __global const float *joint_scales;
+#ifdef USER_STAGES
+    StageTables stages;
+#endif
 } Locals;
 
 /* What a member's proportions and its overrides in local space make of a pose. */
@@ -124,6 +127,9 @@ APART Trs adjust(Locals of, Control control, uint joint, Trs trs)
         trs.t = vec3_choose(only, whole ? there.t : vec3_mix(trs.t, there.t, t4.w), trs.t);
         trs.s = vec3_choose(only, whole ? there.s : vec3_mix(trs.s, there.s, t4.w), trs.s);
     }
+#ifdef USER_STAGES
+    trs = stage_locals(of.stages, control, joint, trs);
+#endif
     return trs;
 }
 

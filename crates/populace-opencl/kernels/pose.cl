@@ -1,6 +1,6 @@
 /* pose.cl - Pose: each member's slots, mixed layer by layer, as local transforms (Lister & Day 2012, section 4.1).
  * NDRange  (the joint buffer's places, padded to whole work-groups); 16 places are one block of one member's joints
- * Reads    member, samples, slots, layers, the clips' rows, stored poses, joint maps, masks; overrides in local space
+ * Reads    member, samples, slots, layers, the clips' rows, stored poses, joint maps, masks; overrides in local space; users' stages
  * Writes   translations, rotations, scales: every joint exactly once, padding untouched
  * Oracle   populace-testkit oracle/pose.rs; twin of populace-native pose.rs */
 
@@ -10,8 +10,9 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
                    __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *joint_maps, __global const uint *rows,
                    __global const float *poses, __global const float *masks, uint slots_per_member, uint place_count,
                    uint member_first, uint member_end, __global const Control *controls,
-                   __global const Override *overrides, __global const float *joint_scales, __global float4 *translations,
-                   __global float4 *rotations, __global float4 *scales)
+                   __global const Override *overrides, __global const float *joint_scales, __global const Step *steps,
+                   __global const float4 *stage_values, ulong tick, uint elapsed_ticks,
+                   __global float4 *translations, __global float4 *rotations, __global float4 *scales)
 {
     const uint place = (uint)get_global_id(0);
     if (place >= place_count || joint_blocks[place / JOINT_BLOCK] == NONE) return;
@@ -24,7 +25,7 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
 
     const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
     const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member };
-    const Locals locals = { controls, overrides, joint_scales };
+    const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Trs trs = pose_joint(of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
                                member.layer_count, body, joint);
     translations[place] = (float4)(trs.t.x, trs.t.y, trs.t.z, 0.0f);

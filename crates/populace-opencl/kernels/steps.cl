@@ -68,6 +68,12 @@ INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16
     case STEP_PELVIS: return pelvis(s, joints, step, own);
     case STEP_FOOT: return foot(s, joints, step, own);
     case STEP_OVERRIDE: return override_model(s->of.overrides[step.index], own);
+#ifdef USER_STAGES
+    case STEP_STAGE: {
+        const StageTables of = { s->of.steps, s->of.stage_values, s->of.tick, s->of.elapsed_secs };
+        return stage_model(of, step, s->control, own);
+    }
+#endif
     case STEP_WATCH: watch(s, step.index, own); return own;
     default: return own;
     }

@@ -13,6 +13,7 @@ typedef struct {
     __global const float *heights;
     __global const float4 *states_before, *watched_before; /* as the frame before left them */
     __global float4 *states, *watched;
+    __global const float4 *stage_values;
     ulong tick;
     float elapsed_secs;
 } Controls;
@@ -21,9 +22,10 @@ typedef struct {
 #define CONTROL_PARAMETERS __global const Control *controls, __global const Step *steps, __global const Override *overrides, \
     __global const Constraint *constraints, __global const Link *links, __global const Target *targets, \
     __global const Ground *ground, __global const float *heights, __global const float4 *states_before, \
-    __global const float4 *watched_before, __global float4 *states, __global float4 *watched, uint elapsed_ticks
+    __global const float4 *watched_before, __global float4 *states, __global float4 *watched, \
+    __global const float4 *stage_values, uint elapsed_ticks
 #define CONTROLS { controls, steps, overrides, constraints, links, targets, ground, heights, states_before, watched_before, \
-    states, watched, tick, (float)elapsed_ticks * TICK_SECS }
+    states, watched, stage_values, tick, (float)elapsed_ticks * TICK_SECS }
 
 /* A member's own, and the turns that its steps hand down. */
 typedef struct { Controls of; Control control; uint index; TURNS float4 *turns; } Steering;
@@ -73,7 +75,8 @@ INLINE float4 sight(const Steering *s, Target target, float4 from, float *weight
         __global const float4 *rows = s->of.watched_before + target.watched * WATCHED_ELEMENTS;
         const float4 a = rows[0];
         const float4 place = vec(a.w + point.x, rows[1].w + point.y, rows[2].w + point.z);
-        if (a.x * a.x + a.y * a.y + a.z * a.z > 0.0f) return to_model(s->control, place);
+        /* Written so that what is not finite counts as never seen. */
+        if (a.x * a.x + a.y * a.y + a.z * a.z > 0.0f && vec_dot(place, place) < 1e30f) return to_model(s->control, place);
         *weight = 0.0f;
         return from;
     }

@@ -9,7 +9,7 @@ use opencl3::kernel::Kernel;
 use populace_core::layout::Float4;
 use populace_core::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
-    Stage, StageBuffer, Tables, TargetMark,
+    Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use crate::fused::Fused;
@@ -21,6 +21,7 @@ use crate::program::Form;
 use crate::staged::{CPU_SHAPE, GPU_SHAPE, Shape, Staged};
 use crate::tables::DeviceTables;
 use crate::upload::{Copies, Uploader};
+use crate::user_stages::UserStages;
 use crate::{DeviceKind, OpenClDevice, waits};
 
 /// Evaluates crowds on an OpenCL device.
@@ -28,6 +29,7 @@ pub struct OpenClBackend {
     queue: Arc<CommandQueue>,
     schedule: Schedule,
     plan: Plan,
+    user_stages: UserStages,
     tables: DeviceTables,
     uploader: Uploader,
     keeping: Keeping,
@@ -84,11 +86,12 @@ impl OpenClBackend {
             }
         };
         let group = device.group_size(shape.group);
-        let floor = |name, float4s| Ok((device.kernel(Form::Common, name)?, float4s));
+        let floor = |name, float4s| Ok((device.kernel(Form::Common, "", name)?, float4s));
         Ok(Self {
             queue: Arc::new(device.queue()?),
             schedule,
             plan,
+            user_stages: UserStages::default(),
             tables: DeviceTables::new(device)?,
             uploader: Uploader::new(device, group)?,
             keeping: Keeping::new(device)?,
@@ -184,12 +187,26 @@ impl Backend for OpenClBackend {
             Plan::Fused(fused) => &mut fused.lists,
         };
         self.uploader.update(&self.device, &self.queue, tables, &mut [&mut self.tables, beside])?;
+        if let Some(kernels) = self.user_stages.next.take() {
+            match &mut self.plan {
+                Plan::Staged(staged) => staged.take_stages(kernels),
+                Plan::Fused(fused) => fused.take_stages(kernels),
+            }
+        }
         match &mut self.plan {
             Plan::Staged(staged) => staged.buffers.update(&self.device, tables)?,
             Plan::Fused(fused) => fused.update(&self.device, tables)?,
         }
         self.keeping.update(&self.device, &self.queue, tables)?;
         self.pages.update(&self.device, tables)
+    }
+
+    fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
+        let kernels = match &self.plan {
+            Plan::Staged(_) => Staged::STAGE_KERNELS,
+            Plan::Fused(fused) => fused.stage_kernels,
+        };
+        self.user_stages.set(&self.device, kernels, stages)
     }
 
     fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {

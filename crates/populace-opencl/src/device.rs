@@ -30,6 +30,9 @@ const NO_PLATFORM: i32 = -1001;
 /// `CL_DEVICE_NOT_FOUND`: a driver without any device.
 const NO_DEVICE: i32 = -1;
 
+/// Programs that a device keeps for crowds to come, before it forgets those with users' stages.
+const PROGRAMS_KEPT: usize = 16;
+
 /// What a device is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DeviceKind {
@@ -180,7 +183,8 @@ pub struct OpenClDevice {
     pub(crate) info: DeviceInfo,
     pub(crate) context: Context,
     pub(crate) device: Device,
-    programs: Mutex<HashMap<Form, Program>>,
+    /// By form, and by what users' stages add to it.
+    programs: Mutex<HashMap<(Form, String), Program>>,
     /// What the context shares with; declared last, since that must outlive the context.
     pub(crate) gl: Option<Arc<dyn GlContext>>,
 }
@@ -274,12 +278,19 @@ impl OpenClDevice {
         self.device.max_work_group_size().map_or(1, |most| most.clamp(1, wished))
     }
 
-    /// A kernel of a form's program, which is built the first time.
-    pub(crate) fn kernel(&self, form: Form, name: &str) -> Result<Kernel, BackendError> {
+    /// A kernel of a form's program with users' stages, or without where there are none; it is built the first time.
+    pub(crate) fn kernel(&self, form: Form, stages: &str, name: &str) -> Result<Kernel, BackendError> {
         let mut programs = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
-        let program = match programs.entry(form) {
+        if !stages.is_empty() && programs.len() >= PROGRAMS_KEPT {
+            // Kernels in use keep theirs.
+            programs.retain(|(_, stages), _| stages.is_empty());
+        }
+        let program = match programs.entry((form, stages.to_owned())) {
             Entry::Occupied(built) => built.into_mut(),
-            Entry::Vacant(place) => place.insert(self.build(&form.source())?),
+            Entry::Vacant(place) => {
+                let built = self.build(&form.source(stages));
+                place.insert(built.map_err(|error| if stages.is_empty() { error } else { in_stages(error) })?)
+            }
         };
         Kernel::create(program, name).map_err(|e| self.failed(&format!("find the kernel {name}"), &e))
     }
@@ -294,6 +305,14 @@ impl OpenClDevice {
 
     pub(crate) fn failed(&self, operation: &str, error: &ClError) -> BackendError {
         failed(&self.info.name, operation, error)
+    }
+}
+
+/// What is wrong with a program that is right without users' stages.
+fn in_stages(error: BackendError) -> BackendError {
+    match error {
+        BackendError::Failed { device, cause, .. } => BackendError::BadStages { device, log: cause },
+        other => other,
     }
 }
 

@@ -20,9 +20,14 @@ use spread::Spread;
 
 /// A matrix in Float4s: a float16 of its own.
 const MATRIX: usize = 4;
+/// The kernels of a whole frame, and of one member's joints.
+const WIDE: [&str; 2] = ["fused_wide", "fused_wide_joints"];
+const GROUPED: [&str; 2] = ["fused_grouped", "fused_grouped_joints"];
 
 /// The kernels, and what they keep beside the tables.
 pub(crate) struct Fused {
+    /// Kernels that run users' stages: those below.
+    pub(crate) stage_kernels: (Form, [&'static str; 2]),
     whole: Kernel,
     joints: Kernel,
     spread: Spread,
@@ -36,22 +41,29 @@ pub(crate) struct Fused {
 impl Fused {
     /// For CPUs: sixteen joints at a time.
     pub(crate) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
-        let kernel = |name| device.kernel(Form::Wide, name);
-        Ok(Self::of(kernel("fused_wide")?, kernel("fused_wide_joints")?, Spread::wide(device)?))
+        let kernel = |name| device.kernel(Form::Wide, "", name);
+        let kernels = [kernel(WIDE[0])?, kernel(WIDE[1])?];
+        Ok(Self::of((Form::Wide, WIDE), kernels, Spread::wide(device)?))
     }
 
     /// For GPUs: so many work-items for each member, or as many as the device allows.
     pub(crate) fn grouped(device: &OpenClDevice, wished: usize) -> Result<Self, BackendError> {
         let group = device.group_size(wished);
-        let kernel = |name| device.kernel(Form::Grouped { group }, name);
-        let whole = kernel("fused_grouped")?;
-        let spread = Spread::grouped(device, &whole, group)?;
-        Ok(Self::of(whole, kernel("fused_grouped_joints")?, spread))
+        let form = Form::Grouped { group };
+        let kernel = |name| device.kernel(form, "", name);
+        let kernels = [kernel(GROUPED[0])?, kernel(GROUPED[1])?];
+        let spread = Spread::grouped(device, &kernels[0], group)?;
+        Ok(Self::of((form, GROUPED), kernels, spread))
     }
 
-    fn of(whole: Kernel, joints: Kernel, spread: Spread) -> Self {
-        let (lists, events) = (DevicePages::new(), Vec::new());
-        Self { whole, joints, spread, lists, events, last: Frame::of_all(0), reading: None }
+    fn of(stage_kernels: (Form, [&'static str; 2]), [whole, joints]: [Kernel; 2], spread: Spread) -> Self {
+        let (lists, events, last) = (DevicePages::new(), Vec::new(), Frame::of_all(0));
+        Self { stage_kernels, whole, joints, spread, lists, events, last, reading: None }
+    }
+
+    /// Takes kernels of another program.
+    pub(crate) fn take_stages(&mut self, [whole, joints]: [Kernel; 2]) {
+        (self.whole, self.joints) = (whole, joints);
     }
 
     /// Makes room for the matrices of the largest body.

@@ -89,6 +89,7 @@ impl Keeping {
             .buffer("watched_before", &self.watched[before])
             .buffer("states", &self.states[self.now])
             .buffer("watched", &self.watched[self.now])
+            .buffer("stage_values", &tables.stage_values.buffer)
             .uint("elapsed_ticks", frame.elapsed_ticks)
     }
 

@@ -96,8 +96,10 @@ impl<'a> Launch<'a> {
         let (global, local) = (global.as_ptr(), local.as_ptr());
         // SAFETY: both sizes have the two dimensions named; every argument was set just now, and buffers are freed
         // only after the queue is done with them, since the driver counts references, and `LentPages` waits before it
-        // gives back memory that is not the driver's. Kernels stay inside their buffers: each compares its index with a count given as an argument, the backend refuses to run before its
-        // buffers hold what the tables do, and `Tables` takes only indices that point into itself.
+        // gives back memory that is not the driver's. Kernels stay inside their buffers: each compares its index with a
+        // count given as an argument, the backend refuses to run before its buffers hold what the tables do, and `Tables`
+        // takes only indices that point into itself. Users' stages are given a struct of their own and no buffer; that
+        // they stay within it is for those who write them, as `UserStage` says.
         unsafe { queue.enqueue_nd_range_kernel(self.kernel.get(), 2, ptr::null(), global, local, &[]) }
     }
 }

@@ -32,6 +32,7 @@ mod stage_buffers;
 mod staged;
 mod tables;
 mod upload;
+mod user_stages;
 mod waits;
 
 pub use backend::OpenClBackend;

@@ -1,5 +1,7 @@
 //! The texts of the programs: layouts and constants from `populace-core`, then the kernels.
 
+use populace_core::UserStage;
+
 /// What a program's kernels compute at once, and where the fused ones keep what a member plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Form {
@@ -17,18 +19,23 @@ pub(crate) enum Form {
 }
 
 impl Form {
-    /// OpenCL C as one string: the driver binding crashes when given a list.
-    pub(crate) fn source(self) -> String {
-        // A fused product would differ from the native stages in the last bit.
-        let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
-        let settings = match self {
+    fn settings(self) -> String {
+        match self {
             Self::Common => String::new(),
             Self::Staged => "#define LANES 1\n".into(),
             Self::Wide => "#define LANES 16\n#define FUSED __private\n".into(),
             Self::Grouped { group } => {
                 format!("#define LANES 1\n#define FUSED __local\n#define GROUP {group}u\n")
             }
-        };
+        }
+    }
+
+    /// OpenCL C as one string: the driver binding crashes when given a list. `stages` is what users' stages add to it, if
+    /// there are any.
+    pub(crate) fn source(self, stages: &str) -> String {
+        // A fused product would differ from the native stages in the last bit.
+        let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
+        let settings = self.settings();
         let arithmetic = [
             include_str!("../kernels/lanes.cl"),
             include_str!("../kernels/quat.cl"),
@@ -36,6 +43,7 @@ impl Form {
             include_str!("../kernels/rows.cl"),
             include_str!("../kernels/turns.cl"),
             include_str!("../kernels/playback.cl"),
+            include_str!("../kernels/stage.cl"),
             include_str!("../kernels/joint.cl"),
             include_str!("../kernels/affine.cl"),
             include_str!("../kernels/turn.cl"),
@@ -64,7 +72,14 @@ impl Form {
         };
         let arithmetic = if self == Self::Common { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();
-        let parts = [rules, &settings, &prelude].into_iter().chain(arithmetic.iter().copied());
-        parts.chain(kernels.iter().copied()).collect()
+        let (declared, tools) = if stages.is_empty() {
+            ("", "")
+        } else {
+            (UserStage::OPENCL_C, include_str!("../kernels/stage_tools.cl"))
+        };
+        let switch = if stages.is_empty() { "" } else { "#define USER_STAGES\n" };
+        let head = [rules, switch, &settings, &prelude, declared].into_iter();
+        let parts = head.chain(arithmetic.iter().copied()).chain(kernels.iter().copied());
+        parts.chain([tools, stages]).collect()
     }
 }

@@ -48,7 +48,7 @@ pub(crate) struct Staged {
 
 impl Staged {
     pub(crate) fn new(device: &OpenClDevice, shape: Shape) -> Result<Self, BackendError> {
-        let kernel = |name| device.kernel(Form::Staged, name);
+        let kernel = |name| device.kernel(Form::Staged, "", name);
         Ok(Self {
             evaluate: kernel("evaluate")?,
             pose: kernel("pose")?,
@@ -59,6 +59,14 @@ impl Staged {
             shape: Shape { group: device.group_size(shape.group), ..shape },
             events: Default::default(),
         })
+    }
+
+    /// Kernels that run users' stages.
+    pub(crate) const STAGE_KERNELS: (Form, [&str; 2]) = (Form::Staged, ["pose", "transform"]);
+
+    /// Takes those of another program.
+    pub(crate) fn take_stages(&mut self, kernels: [Kernel; 2]) {
+        [self.pose, self.transform] = kernels;
     }
 
     /// Enqueues a stage.
@@ -110,6 +118,10 @@ impl Staged {
             .buffer("controls", &on.tables.controls.buffer)
             .buffer("overrides", &on.tables.overrides.buffer)
             .buffer("joint_scales", &on.tables.joint_scales.buffer)
+            .buffer("steps", &on.tables.steps.buffer)
+            .buffer("stage_values", &on.tables.stage_values.buffer)
+            .ulong("tick", frame.tick)
+            .uint("elapsed_ticks", frame.elapsed_ticks)
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)

@@ -1,8 +1,8 @@
 //! The device's copies of the host's tables.
 
 use populace_core::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, Entry, Ground, Layer, Link, Member, Override,
-    RowBlock, Slot, Source, Step, Target,
+    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, Entry, Float4, Ground, Layer, Link, Member,
+    Override, RowBlock, Slot, Source, Step, Target,
 };
 use populace_core::{BackendError, Tables};
 

@@ -229,7 +229,7 @@ impl Uploader {
     /// `group` is the work-items in a group.
     pub(crate) fn new(device: &OpenClDevice, group: usize) -> Result<Self, BackendError> {
         Ok(Self {
-            kernel: device.kernel(Form::Common, "apply_changes")?,
+            kernel: device.kernel(Form::Common, "", "apply_changes")?,
             group,
             changes: Buffer::new(device, 0, "an empty list of changes")?,
             sent: VecDeque::new(),

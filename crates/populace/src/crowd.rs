@@ -10,6 +10,7 @@ mod readback;
 mod roles;
 mod room;
 mod spaces;
+mod stages;
 mod waiting;
 mod watches;
 
@@ -18,8 +19,8 @@ use std::sync::Arc;
 
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{
-    Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, Frame, GlContext, RoleMap, Schedule,
-    TICKS_PER_SEC, Tables, nearest_names,
+    Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, FIRST_TICK, Frame, GlContext, RoleMap,
+    Schedule, TICKS_PER_SEC, Tables, nearest_names,
 };
 
 use crate::device::{Engine, Opened};
@@ -28,12 +29,14 @@ use crate::{Devices, Error, Placement, Split};
 
 use room::Started;
 use spaces::{Space, Steered};
+use stages::UserStages;
 use waiting::Waiting;
 
 pub use builder::CrowdBuilder;
 use controls::{MemberControls, Watches};
 pub use events::{Event, EventKind};
 pub use spaces::SpaceId;
+pub use stages::StageId;
 pub use watches::{Sighting, Watch};
 
 /// A character of a crowd.
@@ -74,6 +77,14 @@ pub struct Member {
     generation: u32,
 }
 
+impl Member {
+    /// A number below the crowd's capacity: that of no other member while this one is there. Users' stages get it.
+    #[must_use]
+    pub const fn number(self) -> u32 {
+        self.place
+    }
+}
+
 /// A handle to a clip that was started on a member. It goes stale once another clip has taken its slot, which happens
 /// after it has faded out, and when it was to start later and something else was started in its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -104,10 +115,6 @@ struct Clock {
     tick: u64,
     left_over: f64,
 }
-
-/// Where the clock of a crowd begins. Most of a year after 0: a clip that goes on at another speed is one that began at
-/// another time, maybe long before the crowd did.
-const FIRST_TICK: u64 = 1 << 44;
 
 impl Default for Clock {
     fn default() -> Self {
@@ -149,6 +156,7 @@ pub struct Crowd {
     /// Of members that more than clips move, by place.
     controls: HashMap<u32, MemberControls>,
     watches: Watches,
+    stages: UserStages,
     /// Watches that bring joints to the host.
     readers: usize,
     /// Members of whom is told what happens.
@@ -225,10 +233,12 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A device that is not there or cannot be opened, or [`Error::BadDevices`]; the crowd then stays where it is.
+    /// A device that is not there or cannot be opened, or that cannot run a user's stage, or [`Error::BadDevices`]; the
+    /// crowd then stays where it is.
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
-        let opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;
+        let mut opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;
+        opened.backend_mut().set_stages(self.stages.as_slice())?;
         // A device that was lost keeps nothing any more: feet then come down anew.
         self.kept = Kept::read(self.opened.backend_mut(), &self.tables).ok();
         self.opened = opened;

@@ -40,22 +40,24 @@ mod device;
 mod error;
 mod play;
 mod split;
+mod stage;
 
 pub use populace_core as core;
 pub use populace_core::{
-    Affine, BackendError, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex, JointOverride, LayerMode,
-    LayerSettings, Mask, Schedule, Space, Trs, nearest_names,
+    Affine, After, BackendError, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex, JointOverride, LayerMode,
+    LayerSettings, Mask, Schedule, Space, StageJoint, Trs, UserStage, nearest_names,
 };
 
 pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Reach, Target, Weight};
 pub use crowd::{
     CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance, MaskId, Member, PlayId, Sighting,
-    SpaceId, Watch,
+    SpaceId, StageId, Watch,
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
 pub use play::{Placement, Play, Playing};
+pub use stage::StageUse;
 
 /// The library as the README shows it, compiled as a test.
 #[cfg(doctest)]

@@ -11,7 +11,7 @@ use std::thread::{self, ScopedJoinHandle};
 use populace_core::layout::{Float4, JOINT_BLOCK, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_core::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
-    Stage, StageBuffer, Tables, TargetMark,
+    Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use balance::Balance;
@@ -39,6 +39,8 @@ pub(crate) struct SplitBackend {
     page: Vec<Float4>,
     /// Whether a whole frame ran that `balance` does not know of yet.
     is_measurable: bool,
+    /// Users', as all devices have them.
+    stages: Vec<Option<UserStage>>,
 }
 
 /// A device, and what it evaluated last.
@@ -79,6 +81,7 @@ impl SplitBackend {
             is_gathered: true,
             page: Vec::new(),
             is_measurable: false,
+            stages: Vec::new(),
         }
     }
 
@@ -247,6 +250,20 @@ impl Backend for SplitBackend {
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
         self.parts.iter_mut().try_for_each(|part| part.backend.update(tables))?;
         self.places.update(tables);
+        Ok(())
+    }
+
+    fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
+        for at in 0..self.parts.len() {
+            if let Err(error) = self.parts[at].backend.set_stages(stages) {
+                for part in &mut self.parts[..at] {
+                    // It keeps what all had, or can build it again: it did before.
+                    let _kept = part.backend.set_stages(&self.stages);
+                }
+                return Err(error);
+            }
+        }
+        self.stages = stages.to_vec();
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 
 mod compile;
 mod ground;
+mod stages;
 
 use super::{Space, Table, Tables, u32_from};
 use crate::control::{Controls, Place};
@@ -11,6 +12,7 @@ use crate::{Error, Skeleton};
 use compile::Program;
 
 pub use ground::Ground;
+pub(super) use stages::PARAMETER_ELEMENTS;
 
 /// Where a member's runs stand: first element and length of each.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,6 +22,7 @@ struct Runs {
     constraints: (usize, usize),
     links: (usize, usize),
     targets: (usize, usize),
+    values: (usize, usize),
 }
 
 /// Places for controls, and for what they name.
@@ -31,6 +34,7 @@ pub(super) struct ControlSpaces {
     constraints: Space,
     links: Space,
     targets: Space,
+    values: Space,
     watched: Space,
     /// By control.
     runs: Vec<Runs>,
@@ -47,6 +51,7 @@ impl ControlSpaces {
             constraints: space(),
             links: space(),
             targets: space(),
+            values: stages::space(),
             watched: space(),
             runs: Vec::new(),
             epoch: 0,
@@ -106,6 +111,7 @@ impl Tables {
             ("the steps", spaces.steps.end_with(program.steps.len())),
             ("the overrides", spaces.overrides.end_with(program.overrides.len())),
             ("the links of chains", spaces.links.end_with(program.links.len())),
+            ("the values of stages", spaces.values.end_with(program.values.len())),
             ("the targets", spaces.targets.end_with(program.targets.len())),
             ("the controls", (spaces.controls.end_with(1) + 1).saturating_mul(STATES_PER_CONTROL as usize)),
         ] {
@@ -123,8 +129,14 @@ impl Tables {
         spaces.epoch = spaces.epoch.wrapping_add(1) & (u32::MAX >> 1);
         let standing = Place { position: [0.0; 3], sin_cos: [0.0, 1.0], scale: 1.0 };
         let [at, facing] = device_place(&standing);
-        let control =
-            Control { place: at, facing, epoch: spaces.epoch, scale_first: NONE, ..Control::default() };
+        let control = Control {
+            place: at,
+            facing,
+            epoch: spaces.epoch,
+            scale_first: NONE,
+            member: place,
+            ..Control::default()
+        };
         self.all.controls.grow(first + 1, control);
         self.all.controls.set(first, control);
         let mut member = self.all.members.as_slice()[place as usize];
@@ -154,24 +166,28 @@ impl Tables {
         refit(&mut spaces.constraints, &mut runs.constraints, program.constraints.len());
         refit(&mut spaces.links, &mut runs.links, program.links.len());
         refit(&mut spaces.targets, &mut runs.targets, program.targets.len());
+        refit(&mut spaces.values, &mut runs.values, program.values.len());
         self.all.steps.truncate(spaces.steps.end());
         self.all.overrides.truncate(spaces.overrides.end());
         self.all.constraints.truncate(spaces.constraints.end());
         self.all.links.truncate(spaces.links.end());
         self.all.targets.truncate(spaces.targets.end());
+        self.all.stage_values.truncate(spaces.values.end());
     }
 
     fn write_program(&mut self, control: usize, mut program: Program) {
         let runs = self.control_spaces.runs[control];
-        program.move_to(runs.overrides.0, runs.constraints.0, runs.links.0, runs.targets.0);
+        program.move_to(runs.overrides.0, runs.constraints.0, runs.links.0, runs.targets.0, runs.values.0);
         write(&mut self.all.steps, runs.steps.0, &program.steps);
         write(&mut self.all.overrides, runs.overrides.0, &program.overrides);
         write(&mut self.all.constraints, runs.constraints.0, &program.constraints);
         write(&mut self.all.links, runs.links.0, &program.links);
         write(&mut self.all.targets, runs.targets.0, &program.targets);
+        write(&mut self.all.stage_values, runs.values.0, &program.values);
         let row = Control {
             step_first: u32_from(runs.steps.0),
-            step_count: u32_from(program.steps.len()),
+            step_count: u32_from(program.steps.len() - program.pose_step_count),
+            pose_step_count: u32_from(program.pose_step_count),
             local_first: u32_from(runs.overrides.0),
             local_count: u32_from(program.local_count),
             scale_first: program.scale_first,

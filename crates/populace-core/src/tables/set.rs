@@ -2,8 +2,8 @@
 
 use super::{Table, Tables};
 use crate::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, Entry, Ground, Layer, Link, Member, Override,
-    RowBlock, Slot, Source, Step, Target,
+    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, Entry, Float4, Ground, Layer, Link, Member,
+    Override, RowBlock, Slot, Source, Step, Target,
 };
 
 /// Calls a macro with every table that all schedules read: its documentation, its name, and the type of its elements
@@ -71,6 +71,8 @@ macro_rules! with_tables {
             ground: Ground,
             /// Heights of the ground's grid.
             heights: f32,
+            /// Parameters of users' stages, four elements each, then values of the members that use them.
+            stage_values: Float4,
         }
     };
 }

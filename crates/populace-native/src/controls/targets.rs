@@ -31,8 +31,9 @@ impl Steering<'_> {
                 let first = (target.watched * WATCHED_ELEMENTS) as usize;
                 let rows = self.before.watched.get(first..first + WATCHED_ELEMENTS as usize);
                 let [a, b, c] = rows.map_or([[0.0; 4]; 3], |rows| [rows[0].0, rows[1].0, rows[2].0]);
-                let seen = a[0] * a[0] + a[1] * a[1] + a[2] * a[2] > 0.0;
                 let place = vec3::add([a[3], b[3], c[3]], point);
+                // Written so that what is not finite counts as never seen.
+                let seen = a[0] * a[0] + a[1] * a[1] + a[2] * a[2] > 0.0 && vec3::dot(place, place) < 1e30;
                 if seen { (self.to_model(place), weight) } else { (from, 0.0) }
             }
             _ => (point, weight),

@@ -26,7 +26,8 @@ fn shared_structs_are_laid_out_alike() {
             expected.push(u32::try_from(*offset).unwrap());
         }
     }
-    let source = format!("{}\n__kernel void probe(__global uint *out) {{\n{body}}}\n", Form::Staged.source());
+    let source =
+        format!("{}\n__kernel void probe(__global uint *out) {{\n{body}}}\n", Form::Staged.source(""));
     let device = device();
     let program = device.build(&source).unwrap();
     let (kernel, queue) = (Kernel::create(&program, "probe").unwrap(), device.queue().unwrap());

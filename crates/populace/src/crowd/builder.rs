@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use populace_core::{AnimationSet, GlContext, Schedule, Tables};
 
 use super::controls::Watches;
+use super::stages::UserStages;
 use super::waiting::Waiting;
 use super::{Clock, Crowd};
 use crate::{Device, Devices, Error, Split};
@@ -110,6 +111,7 @@ impl CrowdBuilder {
             members: Vec::new(),
             controls: HashMap::new(),
             watches: Watches::default(),
+            stages: UserStages::default(),
             readers: 0,
             listening: Vec::new(),
             marks: HashMap::new(),

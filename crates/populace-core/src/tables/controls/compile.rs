@@ -5,7 +5,7 @@ use crate::control::{
 };
 use crate::layout::{
     self, FEET_MOST, Float4, Link, NONE, Override, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_OVERRIDE,
-    STEP_PELVIS, STEP_REACH, STEP_TURN, STEP_WATCH, Step, TURNS_MOST, Target,
+    STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST, Target,
 };
 use crate::tables::u32_from;
 use crate::{Error, JointIndex, Skeleton, f64math};
@@ -21,13 +21,17 @@ const HELD_BACK: f32 = 0.5;
 /// All that one control has devices do. Indices count from the program's own first element until it is moved.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Program {
+    /// By joint, those of the way down the hierarchy first, then those after Pose.
     pub(super) steps: Vec<Step>,
+    pub(super) pose_step_count: usize,
     /// Those in local space first, then those in model space.
     pub(super) overrides: Vec<Override>,
     pub(super) local_count: usize,
     pub(super) constraints: Vec<layout::Constraint>,
     pub(super) links: Vec<Link>,
     pub(super) targets: Vec<Target>,
+    /// The member's own, of the stages that it uses.
+    pub(super) values: Vec<Float4>,
     pub(super) scale_first: u32,
     turns: usize,
 }
@@ -65,6 +69,7 @@ impl Program {
             }
         }
         program.overrides(skeleton, &controls.overrides)?;
+        let pose_steps = program.stages(skeleton, &controls.stages)?;
         for &(joint, watched) in &controls.watches {
             path(skeleton, joint, joint)?;
             program.step(joint, STEP_WATCH, watched, 0);
@@ -77,8 +82,10 @@ impl Program {
             );
             return bad(what);
         }
-        // Stable: constraints of one joint stay in order, then overrides, then what is watched.
+        // Stable: constraints of one joint stay in order, then stages, then overrides, then what is watched.
         program.steps.sort_by_key(|step| (step.joint, rank(step.kind)));
+        program.pose_step_count = pose_steps.len();
+        program.steps.extend(pose_steps);
         Ok(program)
     }
 
@@ -280,13 +287,23 @@ impl Program {
     }
 
     /// Makes indices count from where the tables hold the program.
-    pub(super) fn move_to(&mut self, overrides: usize, constraints: usize, links: usize, targets: usize) {
+    pub(super) fn move_to(
+        &mut self,
+        overrides: usize,
+        constraints: usize,
+        links: usize,
+        targets: usize,
+        values: usize,
+    ) {
         for step in &mut self.steps {
             step.index += match step.kind {
                 STEP_OVERRIDE => u32_from(overrides),
-                STEP_WATCH => 0,
+                STEP_WATCH | STEP_STAGE => 0,
                 _ => u32_from(constraints),
             };
+            if step.kind == STEP_STAGE {
+                step.turn += u32_from(values);
+            }
         }
         for constraint in &mut self.constraints {
             constraint.link_first += u32_from(links);
@@ -299,8 +316,9 @@ impl Program {
 fn rank(kind: u32) -> u32 {
     match kind {
         STEP_PELVIS => 0,
-        STEP_OVERRIDE => 2,
-        STEP_WATCH => 3,
+        STEP_STAGE => 2,
+        STEP_OVERRIDE => 3,
+        STEP_WATCH => 4,
         _ => 1,
     }
 }

@@ -1,0 +1,167 @@
+//! Users' stages: adding them, and which members use them.
+
+use std::collections::BTreeSet;
+
+use populace_core::layout::{STAGE_PARAMETERS, STAGES_MOST};
+use populace_core::{After, JointIndex, UserStage, layout};
+
+use super::{Crowd, Member, u32_from};
+use crate::error::finite;
+use crate::{Error, StageUse};
+
+/// A user's stage of a crowd. It goes stale when the stage is removed, and is then refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct StageId {
+    crowd: u32,
+    number: u32,
+    serial: u32,
+}
+
+/// The stages of a crowd, by number.
+#[derive(Debug, Default)]
+pub(super) struct UserStages {
+    /// As devices take them.
+    all: Vec<Option<UserStage>>,
+    /// When each runs, and the serial number of its id.
+    taken: Vec<Option<(After, u32)>>,
+    last_serial: u32,
+}
+
+impl UserStages {
+    pub(super) fn as_slice(&self) -> &[Option<UserStage>] {
+        &self.all
+    }
+}
+
+impl Crowd {
+    /// Adds a stage of the user's own to the pipeline: a function over one joint of one member, which runs for the members
+    /// that [`use_stage`](Self::use_stage) names. All others are computed as ever, to the bit.
+    ///
+    /// For OpenCL devices the kernels are built anew, which takes up to some seconds the first time, and none where
+    /// another crowd of the process has added the same.
+    ///
+    /// # Errors
+    ///
+    /// A stage that is none or lacks the form that a device in use runs, a ninth one, or a text that does not compile: the
+    /// error holds the compiler's words, with the lines of the user's own text. The crowd is then as it was.
+    pub fn add_stage(&mut self, after: After, stage: UserStage) -> Result<StageId, Error> {
+        stage.check()?;
+        let mut all = self.stages.all.clone();
+        let number = all.iter().position(Option::is_none).unwrap_or(all.len());
+        if number >= STAGES_MOST as usize {
+            let what = format!("the crowd has {STAGES_MOST} stages, the most there can be; remove one first");
+            return Err(populace_core::Error::BadStage { stage: stage.name().into(), what }.into());
+        }
+        if let Some(other) = all.iter().flatten().find(|other| collide(other, &stage)) {
+            let what = format!("another text defines \"{}\" too; name one of them otherwise", other.name());
+            return Err(populace_core::Error::BadStage { stage: stage.name().into(), what }.into());
+        }
+        all.resize(all.len().max(number + 1), None);
+        all[number] = Some(stage);
+        self.opened.backend_mut().set_stages(&all)?;
+        let stages = &mut self.stages;
+        stages.all = all;
+        stages.taken.resize(stages.all.len(), None);
+        stages.last_serial = stages.last_serial.wrapping_add(1);
+        stages.taken[number] = Some((after, stages.last_serial));
+        let number = u32_from(number);
+        self.tables.set_stage_parameters(number, &[0.0; STAGE_PARAMETERS as usize])?;
+        Ok(StageId { crowd: self.number, number, serial: self.stages.last_serial })
+    }
+
+    /// Removes a stage; its id goes stale, and members that used it go on without.
+    ///
+    /// # Errors
+    ///
+    /// A stage that is not there, or a failing device; the crowd is then as it was.
+    pub fn remove_stage(&mut self, id: StageId) -> Result<(), Error> {
+        self.stage_after(id)?;
+        let mut all = self.stages.all.clone();
+        all[id.number as usize] = None;
+        self.opened.backend_mut().set_stages(&all)?;
+        self.stages.all = all;
+        self.stages.taken[id.number as usize] = None;
+        let uses = |state: &super::MemberControls| state.controls.stages.iter().any(|u| u.stage == id.number);
+        let places = self.controls.iter().filter(|(_, state)| uses(state)).map(|(place, _)| *place);
+        for place in places.collect::<Vec<_>>() {
+            let generation = self.members[place as usize].generation;
+            self.forget_use(Member { crowd: self.number, place, generation }, id.number)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the numbers that a stage finds in its `parameters`, from the next update on: at most 16, the rest becomes 0.
+    /// A change costs no more than their 64 bytes, however many members use the stage.
+    ///
+    /// # Errors
+    ///
+    /// A stage that is not there, more than 16 numbers, or one that is not finite.
+    pub fn set_stage_parameters(&mut self, id: StageId, parameters: &[f32]) -> Result<(), Error> {
+        self.stage_after(id)?;
+        finite("a parameter of a stage", parameters)?;
+        let mut all = [0.0; STAGE_PARAMETERS as usize];
+        let Some(given) = all.get_mut(..parameters.len()) else {
+            let (what, value) = ("the number of a stage's parameters", parameters.len() as f32);
+            return Err(Error::BadValue { what, value, rule: "at most 16" });
+        };
+        given.copy_from_slice(parameters);
+        Ok(self.tables.set_stage_parameters(id.number, &all)?)
+    }
+
+    /// Lets a stage run for joints of a member, in place of those for which it ran. Where several stages meet in a joint,
+    /// they run in the order in which the member began to use them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], a stage or joint that is not there, or a value that is not finite; all is then as it was.
+    pub fn use_stage(&mut self, member: Member, id: StageId, how: StageUse) -> Result<(), Error> {
+        let after = self.stage_after(id)?;
+        let character = self.check(member)?;
+        finite("a member's value for a stage", &how.values)?;
+        let skeleton = &self.character_state(character)?.character.skeleton;
+        let all = || (0..u32_from(skeleton.joint_count())).map(JointIndex).collect();
+        // Each joint once, however often it is named.
+        let joints: BTreeSet<_> = how.joints.unwrap_or_else(all).into_iter().collect();
+        let joints = joints.into_iter().collect();
+        let stage = populace_core::StageUse { stage: id.number, after, joints, values: how.values };
+        self.change_controls(member, |controls| {
+            match controls.stages.iter_mut().find(|old| old.stage == stage.stage) {
+                Some(old) => *old = stage,
+                None => controls.stages.push(stage),
+            }
+            Ok(())
+        })
+    }
+
+    /// Lets a stage no longer run for a member.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or a stage that is not there.
+    pub fn leave_stage(&mut self, member: Member, id: StageId) -> Result<(), Error> {
+        self.stage_after(id)?;
+        self.forget_use(member, id.number)
+    }
+
+    fn forget_use(&mut self, member: Member, number: u32) -> Result<(), Error> {
+        self.change_controls(member, |controls| {
+            controls.stages.retain(|given| given.stage != number);
+            Ok(())
+        })
+    }
+
+    fn stage_after(&self, id: StageId) -> Result<After, Error> {
+        self.check_crowd("stage", id.crowd, id.number)?;
+        let taken = self.stages.taken.get(id.number as usize).copied().flatten();
+        let ours = taken.filter(|(_, serial)| *serial == id.serial);
+        ours.map(|(after, _)| after).ok_or(Error::UnknownId { what: "stage", index: id.number })
+    }
+}
+
+/// Whether two stages would define the same function twice.
+fn collide(a: &UserStage, b: &UserStage) -> bool {
+    let texts = a.opencl_c_text().zip(b.opencl_c_text());
+    a.name() == b.name() && texts.is_some_and(|(a, b)| a != b)
+}
+
+const _: () = assert!(layout::STAGE_PARAMETERS == 16, "the documentation says so");

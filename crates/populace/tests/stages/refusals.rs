@@ -1,0 +1,120 @@
+//! Stages that cannot be, and crowds that go on without them.
+
+use populace::{After, BackendError, Device, Error, Schedule, StageUse, UserStage};
+
+use crate::rig::{Swaying, at, everywhere, stage};
+
+#[cfg_attr(any(not(feature = "opencl"), skip_opencl), ignore = "there is no OpenCL")]
+#[test]
+fn a_text_that_does_not_compile_names_the_users_line() {
+    for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
+        let mut staged = Swaying::on(Device::opencl(0), schedule);
+        let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
+        let given = [0.0, 0.6, 0.0, 0.8, 1.0];
+        staged.crowd.set_stage_parameters(bend, &given).expect("parameters");
+        staged.crowd.use_stage(staged.members[2], bend, StageUse::on([at(4)])).expect("a use");
+        staged.update(0.1);
+        let before = staged.bits();
+        let broken = "void gust(StageJoint *joint)\n{\n    joint->row0.x += strength;\n}\n";
+        let missing = "void draught(StageJoint *joint) { }\n";
+        let clash = "void gust(StageJoint *joint)\n{\n    joint->row9 = 0;\n}\n#define members 3\n";
+        let names = ["stage gust:3:", "each stage's text defines the function of its name", "stage gust:3:"];
+        for (text, words) in [broken, missing, clash].into_iter().zip(names) {
+            let gust = UserStage::new("gust").opencl_c(text).rust(|_| ());
+            let error = staged.crowd.add_stage(After::Transform, gust).expect_err("it does not compile");
+            assert!(matches!(error, Error::Backend(BackendError::BadStages { .. })), "{error}");
+            assert!(error.to_string().contains(words), "{schedule}: {error}");
+        }
+        // As it was, and open to a better text under the same name.
+        staged.update(0.0);
+        assert_eq!(staged.bits(), before, "{schedule}");
+        let good = "#define member 3\nvoid gust(StageJoint *joint)\n{\n    joint->row1.w += 1.0f;\n}\n";
+        let gust = UserStage::new("gust").opencl_c(good);
+        let gust = staged.crowd.add_stage(After::Transform, gust).expect("a stage");
+        staged.crowd.use_stage(staged.members[0], gust, StageUse::on([at(0)])).expect("a use");
+        staged.update(0.0);
+        let after = staged.bits();
+        assert!(after[0] != before[0] && after[1..] == before[1..], "{schedule}");
+    }
+}
+
+#[cfg_attr(any(not(feature = "opencl"), skip_opencl), ignore = "there is no OpenCL")]
+#[test]
+fn a_device_without_its_form_refuses_by_name() {
+    let text_only =
+        || UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }");
+    let rust_only = || UserStage::new("gust").rust(|joint| joint.model.rows[1][3] += 1.0);
+    let both = [Device::Native { threads: 1 }, Device::opencl(0)];
+    let refused = |error: Error, words: &str| {
+        assert!(matches!(error, Error::Backend(BackendError::NoForm { .. })), "{error}");
+        let said = error.to_string();
+        assert!(said.contains(words) && said.contains("\"gust\""), "{said}");
+    };
+    let (in_rust, in_c) = ("the native device cannot run", "a text in OpenCL C");
+    let mut native = Swaying::on(Device::native(), Schedule::Fused);
+    refused(native.crowd.add_stage(After::Pose, text_only()).expect_err("no Rust"), in_rust);
+    let mut opencl = Swaying::on(Device::opencl(0), Schedule::Fused);
+    refused(opencl.crowd.add_stage(After::Pose, rust_only()).expect_err("no text"), in_c);
+    let mut split = Swaying::on(both, Schedule::Fused);
+    refused(split.crowd.add_stage(After::Pose, text_only()).expect_err("no Rust"), in_rust);
+    refused(split.crowd.add_stage(After::Pose, rust_only()).expect_err("no text"), in_c);
+    split.update(0.1);
+
+    // A crowd stays where its stages run, and takes them along where they do.
+    let gust = native.crowd.add_stage(After::Transform, rust_only()).expect("a stage");
+    native.crowd.use_stage(native.members[3], gust, StageUse::on([at(0)])).expect("a use");
+    native.update(0.1);
+    let before = native.bits();
+    refused(native.crowd.move_to(Device::opencl(0)).expect_err("no text"), in_c);
+    refused(native.crowd.move_to(both).expect_err("no text"), in_c);
+    assert_eq!(native.crowd.devices().as_slice(), [Device::native()]);
+    native.crowd.remove_stage(gust).expect("a stage");
+    let whole = UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }");
+    let whole = whole.rust(|joint| joint.model.rows[1][3] += 1.0);
+    let gust = native.crowd.add_stage(After::Transform, whole).expect("a stage");
+    native.crowd.use_stage(native.members[3], gust, StageUse::on([at(0)])).expect("a use");
+    native.crowd.move_to(both).expect("both forms");
+    native.update(0.0);
+    assert_eq!(native.bits(), before);
+}
+
+#[test]
+fn bad_values_are_refused_and_change_nothing() {
+    for (devices, schedule) in everywhere() {
+        let mut staged = Swaying::on(devices, schedule);
+        let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
+        let member = staged.members[0];
+        staged.crowd.use_stage(member, bend, StageUse::on([at(1)])).expect("a use");
+        staged.update(0.1);
+        let before = staged.bits();
+        let nan = StageUse::on([at(1)]).with_values([0.0, f32::NAN, 0.0, 0.0]);
+        for bad in [nan, StageUse::on([at(99)])] {
+            assert!(staged.crowd.use_stage(member, bend, bad).is_err());
+        }
+        assert!(staged.crowd.set_stage_parameters(bend, &[f32::INFINITY]).is_err());
+        assert!(staged.crowd.set_stage_parameters(bend, &[0.0; 17]).is_err());
+        for name in ["", "3d", "a-b", "gust()"] {
+            let error = staged.crowd.add_stage(After::Pose, UserStage::new(name).rust(|_| ()).opencl_c(""));
+            assert!(matches!(error, Err(Error::Data(_))), "{error:?}");
+        }
+        let other = stage().opencl_c("void act(StageJoint *joint) { }");
+        assert!(staged.crowd.add_stage(After::Pose, other).is_err(), "two texts define it");
+        assert!(staged.crowd.add_stage(After::Pose, UserStage::new("formless")).is_err());
+        staged.update(0.0);
+        assert_eq!(staged.bits(), before);
+    }
+}
+
+#[test]
+fn there_is_room_for_eight() {
+    let mut staged = Swaying::on(Device::native(), Schedule::Fused);
+    let lift = || UserStage::new("lift").rust(|joint| joint.model.rows[1][3] += 1.0);
+    let before = staged.models(0)[0].rows[1][3];
+    for _ in 0..8 {
+        let id = staged.crowd.add_stage(After::Transform, lift()).expect("room");
+        staged.crowd.use_stage(staged.members[0], id, StageUse::on([at(0)])).expect("a use");
+    }
+    assert!(staged.crowd.add_stage(After::Transform, lift()).is_err(), "a ninth");
+    staged.update(0.0);
+    assert!((staged.models(0)[0].rows[1][3] - before - 8.0).abs() < 1e-5);
+}
