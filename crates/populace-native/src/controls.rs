@@ -139,7 +139,7 @@ impl<'a> Steering<'a> {
     }
 
     /// Runs local transforms down a hierarchy, and takes the member's steps on the way.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn descend(&mut self, models: &mut impl Models, parents: &[u32]) {
         let first = self.control.step_first as usize;
         let steps = &self.tables.steps().as_slice()[first..first + self.control.step_count as usize];

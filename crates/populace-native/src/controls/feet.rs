@@ -180,7 +180,7 @@ impl Steering<'_> {
     }
 
     /// Down a leg's chain from link `start`, whose joint's model transform is `from`.
-    #[inline(always)]
+    #[inline(never)]
     fn walk_leg(models: &impl Models, links: &[Link], foot: &Constraint, start: usize, from: Affine) -> Leg {
         let (mut leg, mut model) = (Leg::default(), from);
         for (at, link) in links.iter().enumerate().skip(start) {
@@ -200,7 +200,7 @@ impl Steering<'_> {
     }
 
     /// Solves legs, and writes the turns of hips, knees and ankles, three for each leg, of the first `count`.
-    #[inline(always)]
+    #[inline(never)]
     fn step_with(&mut self, legs: &Legs, constraint: &Constraint, turn: u32, count: usize) {
         let [soft, weight, ..] = constraint.limits.0;
         let [mut hip, mut knee] = legs.limb.turns(None, soft);
@@ -219,7 +219,7 @@ impl Steering<'_> {
         }
     }
 
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn pelvis(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
         let own = models.model(joint);
         let first = self.constraint(step);

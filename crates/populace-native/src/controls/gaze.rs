@@ -117,7 +117,7 @@ impl Steering<'_> {
     }
 
     /// The turn from facing `start` to facing what is aimed at from a point, and how much that weighs.
-    #[inline(always)]
+    #[inline(never)]
     fn aim(&self, constraint: &Constraint, frame: &Frame, start: Sight, from: [f32; 3]) -> ([f32; 4], f32) {
         let (mut to, mut total, mut count) = (Sight::default(), 0.0, 0);
         for target in self.targets(constraint) {
@@ -145,7 +145,7 @@ impl Steering<'_> {
         (frame.turn(start, [side, ahead], [to.level, to.up]), weight)
     }
 
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn gaze(&mut self, models: &mut impl Models, joint: usize, parent: u32, step: &Step) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);

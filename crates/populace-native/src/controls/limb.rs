@@ -76,7 +76,7 @@ impl<R: Real> Limb<R> {
 
     /// The turns of the first joint and, as of after that, of the middle one, which bring the end to where it is to be;
     /// none for a limb of no length.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn turns(&self, pole: Option<[f32; 3]>, soft: f32) -> [[R; 4]; 2] {
         let (upper, lower) = (self.upper, self.lower);
         let (zero, one, half, two) = (R::splat(0.0), R::splat(1.0), R::splat(0.5), R::splat(2.0));
