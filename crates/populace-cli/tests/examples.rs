@@ -38,3 +38,12 @@ fn layers() {
 fn blend_space() {
     runs_and_draws("blend_space", &["Walk stands at 1.", "0.0 m/s: Idle 100 %\n", "3.0 m/s: Run 100 %"]);
 }
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn live_clip() {
+    runs_and_draws(
+        "live_clip",
+        &["0: shows 4.90 s of the stream, 0.10 s ago", "4: shows 4.30 s", "150 poses in 5.0 s"],
+    );
+}

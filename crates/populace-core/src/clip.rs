@@ -4,6 +4,7 @@ mod binding;
 mod curves;
 mod gap;
 mod ground;
+mod live;
 mod rows;
 mod storage;
 
@@ -11,6 +12,7 @@ use crate::layout::{JOINT_BLOCK, RowBlock};
 use crate::{ClipSource, Error, JointIndex, Property, Skeleton};
 pub use binding::Binding;
 pub(crate) use binding::Turn;
+pub use live::{LiveRing, LiveSettings, Streamed};
 use rows::Rows;
 pub(crate) use storage::Range;
 
@@ -31,6 +33,8 @@ pub struct Clip {
     skeleton: Skeleton,
     rows: Rows,
     ground_speed: Option<f32>,
+    /// Of a live clip.
+    ring: Option<LiveRing>,
 }
 
 /// What loading found out about a clip.
@@ -65,7 +69,7 @@ impl Clip {
         let curves = curves::Curves::new(&source, skeleton)?;
         let rows = Rows::new(&curves, skeleton);
         let ground_speed = ground::ground_speed(&rows, skeleton);
-        Ok(Self { source, skeleton: skeleton.clone(), rows, ground_speed })
+        Ok(Self { source, skeleton: skeleton.clone(), rows, ground_speed, ring: None })
     }
 
     /// The clip's name; may be empty.

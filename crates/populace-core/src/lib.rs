@@ -47,7 +47,7 @@ pub use character::{
     AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry, Part,
     SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
-pub use clip::{Binding, Clip, ClipStats};
+pub use clip::{Binding, Clip, ClipStats, LiveRing, LiveSettings, Streamed};
 pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Place, Space,
 };
@@ -61,5 +61,5 @@ pub use math::{Affine, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use playback::{LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ticks_from_secs};
 pub use skeleton::{JointIndex, JointSource, Skeleton};
-pub use tables::{BodyIndex, Ground, Table, Tables};
+pub use tables::{BodyIndex, Ground, LiveNewest, Table, Tables};
 pub use track::{ClipSource, Interpolation, Property, Track};

@@ -44,7 +44,7 @@ mod split;
 pub use populace_core as core;
 pub use populace_core::{
     Affine, BackendError, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex, JointOverride, LayerMode,
-    LayerSettings, Mask, Schedule, Space, Trs, nearest_names,
+    LayerSettings, LiveSettings, Mask, Schedule, Space, Streamed, Trs, nearest_names,
 };
 
 pub use blend_space::{BlendSpace, SpacePoint};
