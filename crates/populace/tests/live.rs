@@ -16,7 +16,8 @@ use std::cell::RefCell;
 use body::{Stage, everywhere, skeleton, stage};
 use glam::{DAffine3, DQuat, DVec3};
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, Property, Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side,
+    Skeleton, Track,
 };
 use populace::{
     Affine, ClipId, Device, LayerMode, LayerSettings, LiveSettings, Member, Placement, Play, Schedule,
@@ -339,10 +340,29 @@ fn other_body() -> Character {
         .expect("a character")
 }
 
+/// Roles of hips and legs, the only ones that the body has in full.
+fn legs(skeleton: &Skeleton) -> RoleMap {
+    let (left, right) = (Side::Left, Side::Right);
+    let roles = [
+        (Role::Hips, "hips"),
+        (Role::UpperLeg(left), "leftUpperLeg"),
+        (Role::LowerLeg(left), "leftLowerLeg"),
+        (Role::Foot(left), "leftFoot"),
+        (Role::UpperLeg(right), "rightUpperLeg"),
+        (Role::LowerLeg(right), "rightLowerLeg"),
+        (Role::Foot(right), "rightFoot"),
+    ];
+    RoleMap::from_names(skeleton, &roles).expect("names that are there")
+}
+
 #[test]
 fn a_live_clip_moves_other_bodies_by_their_roles() {
     everywhere(|stage| {
         let other = stage.crowd.add_character(other_body()).expect("room");
+        for character in [stage.body, other] {
+            let skeleton = stage.crowd.character(character).expect("a character").skeleton.clone();
+            stage.crowd.set_roles(character, legs(&skeleton)).expect("its roles");
+        }
         let (live, _) = followers(stage, 2.0, &[]);
         let clip = Clip::new(recording("recorded", 40), &skeleton()).expect("a clip");
         let clip = stage.crowd.add_clip(stage.body, &clip.into()).expect("room");
