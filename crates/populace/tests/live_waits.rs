@@ -3,6 +3,7 @@
 #![cfg(feature = "opencl")]
 #![expect(
     clippy::expect_used,
+    clippy::disallowed_methods,
     dead_code,
     reason = "a test that cannot go on fails; bodies are shared with others"
 )]
