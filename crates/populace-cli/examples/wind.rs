@@ -90,7 +90,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (device, secs) in [(Device::native(), 1.5), (Device::best(), 0.0)] {
         crowd.move_to(device)?;
         crowd.update(secs)?;
-        shared::draw(&mut crowd, &stalk, &points, &path)?;
+        shared::draw(&mut crowd, &[&stalk], &points, &path)?;
         println!("10000 stalks in the wind on {}, drawn to {path}", crowd.device_name());
         pictures.push(std::fs::read(&path)?);
     }

@@ -62,3 +62,12 @@ fn reach() {
 fn retarget() {
     runs_and_draws("retarget", &["hips 0.", "drawn to"]);
 }
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn live_clip() {
+    runs_and_draws(
+        "live_clip",
+        &["0: shows 4.90 s of the stream, 0.10 s ago", "4: shows 4.30 s", "150 poses in 5.0 s"],
+    );
+}

@@ -4,6 +4,7 @@ mod binding;
 mod curves;
 mod gap;
 mod ground;
+mod live;
 mod rows;
 mod storage;
 
@@ -13,6 +14,7 @@ pub use binding::Binding;
 pub(crate) use binding::Turn;
 use ground::Contacts;
 pub use ground::Footstep;
+pub use live::{LiveRing, LiveSettings, Streamed};
 use rows::Rows;
 pub(crate) use storage::Range;
 
@@ -33,6 +35,8 @@ pub struct Clip {
     skeleton: Skeleton,
     rows: Rows,
     contacts: Contacts,
+    /// Of a live clip.
+    ring: Option<LiveRing>,
 }
 
 /// What loading found out about a clip.
@@ -67,7 +71,7 @@ impl Clip {
         let curves = curves::Curves::new(&source, skeleton)?;
         let rows = Rows::new(&curves, skeleton);
         let contacts = Contacts::new(&rows, skeleton);
-        Ok(Self { source, skeleton: skeleton.clone(), rows, contacts })
+        Ok(Self { source, skeleton: skeleton.clone(), rows, contacts, ring: None })
     }
 
     /// The clip's name; may be empty.

@@ -94,6 +94,14 @@ pub enum Error {
         /// What was looked for.
         what: String,
     },
+    /// A live clip that cannot be, or cannot be used so.
+    #[error("the clip \"{clip}\" {what}")]
+    BadLive {
+        /// The clip's name.
+        clip: String,
+        /// What is wrong and what the rule is.
+        what: String,
+    },
     /// A mask that does not fit its skeleton.
     #[error(
         "a mask has {weights} weights for a skeleton of {joints} joints; one per joint is needed, each from 0 to 1"

@@ -89,6 +89,9 @@ device_consts! {
     pub const SLOT_ONCE: u32 = 1;
     /// [`Slot::mode`]: the clip stands at [`Slot::held_secs`] on its own axis.
     pub const SLOT_HELD: u32 = 2;
+    /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), as it stood [`Slot::phase_rate`] ticks ago; its oldest row holds
+    /// before that, its newest after.
+    pub const SLOT_LIVE: u32 = 3;
     /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
     pub const SLOT_MODE_BITS: u32 = 8;
     /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are laid over what lies
@@ -205,12 +208,18 @@ device_struct! {
 
 device_struct! {
     /// A clip's rows and where to find the row of a time.
+    ///
+    /// Of a live clip, which rows come into while it plays, they are a ring after the first row, which stays: additive layers
+    /// measure from it. Rows stand [`row_ticks`](Self::row_ticks) apart on the crowd's clock, the newest less than that after
+    /// the one before it. Devices count back from it in whole ticks, so nothing is lost however long the stream goes on.
     pub struct ClipRows {
+        /// Live clips: the clock at the newest row.
+        pub newest_tick: u64,
         /// Into `rows`, in words: the first row.
         pub row_first: u32,
         /// Words from one row to the next.
         pub row_stride: u32,
-        /// Rows, at least one.
+        /// Rows, at least one; of a live clip those of the ring that have come in.
         pub row_count: u32,
         /// Into `row_blocks`: one for each block of 16 columns.
         pub block_first: u32,
@@ -228,6 +237,18 @@ device_struct! {
         pub duration_secs: f32,
         /// Rows per second where they are evenly spaced, else 0.
         pub rows_per_sec: f32,
+        /// Rows of a live clip's ring; 0 for others.
+        pub ring_rows: u32,
+        /// Live clips: ticks from one row to the next.
+        pub row_ticks: u32,
+        /// Live clips: the newest row's place in the ring.
+        pub newest_row: u32,
+        /// Live clips: ticks from the row before the newest to that, 1 to [`row_ticks`](Self::row_ticks).
+        pub newest_ticks: u32,
+        /// Live clips: 1 divided by [`row_ticks`](Self::row_ticks).
+        pub per_row_tick: f32,
+        /// Live clips: 1 divided by [`newest_ticks`](Self::newest_ticks).
+        pub per_newest_tick: f32,
         /// Zero.
         pub unused: u32,
     }
@@ -361,7 +382,8 @@ device_struct! {
     pub struct Slot {
         /// The clock when the slot began.
         pub start_tick: u64,
-        /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays backwards.
+        /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays backwards. [`SLOT_LIVE`]: how many
+        /// ticks ago is shown.
         pub phase_rate: u64,
         /// The clock when the weight began to move.
         pub weight_tick: u64,

@@ -48,7 +48,7 @@ pub use character::{
     AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry, Part,
     SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
-pub use clip::{Binding, Clip, ClipStats, Footstep};
+pub use clip::{Binding, Clip, ClipStats, Footstep, LiveRing, LiveSettings, Streamed};
 pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Place, Space,
 };
@@ -65,5 +65,5 @@ pub use playback::{
 };
 pub use skeleton::{JointIndex, JointSource, Skeleton};
 pub use stage::{After, StageFn, StageJoint, StageUse, UserStage};
-pub use tables::{BodyIndex, Ground, Table, Tables};
+pub use tables::{BodyIndex, Ground, LiveNewest, Table, Tables};
 pub use track::{ClipSource, Interpolation, Property, Track};

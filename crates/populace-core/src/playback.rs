@@ -4,8 +4,8 @@ mod mask;
 mod pace;
 
 use crate::layout::{
-    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LOOP, SLOT_MODE_BITS, SLOT_ONCE,
-    SLOTS_MOST, Slot,
+    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MODE_BITS,
+    SLOT_ONCE, SLOTS_MOST, Slot,
 };
 
 pub use mask::Mask;
@@ -72,6 +72,12 @@ impl Slot {
     #[must_use]
     pub fn held(bound_clip: u32, tick: u64, held_secs: f32) -> Self {
         Self { start_phase: held_secs.to_bits(), ..Self::still(bound_clip, tick, SLOT_HELD) }
+    }
+
+    /// A slot that shows a live clip as it was so many ticks ago.
+    #[must_use]
+    pub fn live(bound_clip: u32, tick: u64, delay_ticks: u64) -> Self {
+        Self { phase_rate: delay_ticks, ..Self::still(bound_clip, tick, SLOT_LIVE) }
     }
 
     /// A slot that loops in a phase that others share: one of a blend space. `phase` is that at `tick`, in 2^-64 of a
@@ -153,7 +159,7 @@ impl Slot {
     }
 
     /// The time on the clip's own axis at a time of the clock that is not before the start, of a clip whose axis begins
-    /// at `start_secs`; the twin of `slot_time` in `kernels/evaluate.cl`.
+    /// at `start_secs`; of no meaning for live slots. The twin of `slot_time` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn time_at(&self, tick: u64, start_secs: f32, duration_secs: f32) -> f32 {

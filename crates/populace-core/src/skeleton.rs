@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::names::{UnknownName, nearest_names};
 use crate::{Affine, Error, Trs, f64math};
 
 /// Index of a joint in a [`Skeleton`]'s level order.
@@ -124,6 +125,29 @@ impl Skeleton {
     #[must_use]
     pub fn find(&self, name: &str) -> Option<JointIndex> {
         self.parts.by_name.get(name).copied()
+    }
+
+    /// The joints of these names, in their order.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnknownJoints`] with the nearest names.
+    pub fn find_all<N: AsRef<str>>(
+        &self,
+        names: impl IntoIterator<Item = N>,
+    ) -> Result<Vec<JointIndex>, Error> {
+        let (mut found, mut unknown) = (Vec::new(), Vec::new());
+        for name in names {
+            let name = name.as_ref();
+            match self.find(name) {
+                Some(joint) => found.push(joint),
+                None => unknown.push(UnknownName {
+                    name: name.to_owned(),
+                    nearest: nearest_names(name, self.joints().map(|joint| self.name(joint))),
+                }),
+            }
+        }
+        if unknown.is_empty() { Ok(found) } else { Err(Error::UnknownJoints { joints: unknown }) }
     }
 
     /// The parent, `None` for a root.

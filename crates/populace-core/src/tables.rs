@@ -2,6 +2,7 @@
 
 mod binding;
 mod controls;
+mod live;
 mod members;
 mod pages;
 mod set;
@@ -22,6 +23,7 @@ use set::{BlockTableSet, TableSet};
 use space::Space;
 
 pub use controls::Ground;
+pub use live::LiveNewest;
 pub use table::Table;
 
 #[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
@@ -204,14 +206,14 @@ impl Tables {
         self.all.poses.extend(planes)
     }
 
-    /// Adds a clip's rows and returns its index.
+    /// Adds a clip's rows and returns its index. A live clip gets the room that it asks for, and stands at rest until rows
+    /// come in.
     ///
     /// # Errors
     ///
     /// [`Error::TooLarge`] past 32-bit offsets.
     pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
-        let past_the_end = [0; JOINT_BLOCK as usize];
-        let row_first = self.all.rows.extend(clip.rows().iter().copied().chain(past_the_end))?;
+        let row_first = self.add_rows(clip)?;
         let block_first = self.all.row_blocks.extend(clip.row_blocks().iter().copied())?;
         let (buckets, buckets_per_sec) = clip.buckets();
         let times = if buckets.is_empty() { &[] } else { clip.row_times() };
@@ -229,7 +231,7 @@ impl Tables {
             start_secs: clip.start_secs(),
             duration_secs: clip.duration_secs(),
             rows_per_sec: clip.rows_per_sec(),
-            unused: 0,
+            ..live::new_ring(clip)
         }])
     }
 

@@ -1,7 +1,7 @@
 //! Evaluate: each slot's rows and weight from the clock; the twin of `kernels/evaluate.cl`.
 
 use populace_core::Tables;
-use populace_core::layout::{ClipRows, NONE, Slot, SlotSample};
+use populace_core::layout::{ClipRows, NONE, SLOT_LIVE, Slot, SlotSample};
 use rayon::prelude::*;
 
 pub(crate) fn run(tables: &Tables, tick: u64, samples: &mut [SlotSample]) {
@@ -17,9 +17,13 @@ pub(crate) fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
     if weight > 0.0 {
         let bound = tables.bound_clips().as_slice()[slot.bound_clip as usize];
         let clip = &tables.clips().as_slice()[bound.clip as usize];
-        let secs = slot.time_at(tick, clip.start_secs, clip.duration_secs);
-        let (row, between) = find_row(tables, clip, secs);
-        let next = if between > 0.0 { row + 1 } else { row };
+        let (row, next, between) = if slot.mode() == SLOT_LIVE {
+            find_live_row(clip, slot, tick)
+        } else {
+            let secs = slot.time_at(tick, clip.start_secs, clip.duration_secs);
+            let (row, between) = find_row(tables, clip, secs);
+            (row, if between > 0.0 { row + 1 } else { row }, between)
+        };
         let offset = |row: u32| clip.row_first + row * clip.row_stride;
         SlotSample { row0: offset(row), row1: offset(next), between, weight }
     } else {
@@ -53,6 +57,34 @@ fn find_row(tables: &Tables, clip: &ClipRows, secs: f32) -> (u32, f32) {
     }
     let (from, to) = (times[row as usize], times[row as usize + 1]);
     (row, ((secs - from) / (to - from)).max(0.0))
+}
+
+/// The rows of a live clip around the time that a slot shows, behind the one that additive layers measure from, and how far
+/// it is from the first to the second. All in whole ticks, back from the newest row.
+fn find_live_row(clip: &ClipRows, slot: &Slot, tick: u64) -> (u32, u32, f32) {
+    let back = clip.newest_tick.saturating_sub(tick.saturating_sub(slot.phase_rate));
+    let (newest, row_ticks) = (u64::from(clip.newest_ticks), u64::from(clip.row_ticks));
+    let older = back.saturating_sub(newest);
+    // Rows behind the newest, those between it and the one before it included.
+    let behind = u64::from(back > 0) + older.div_ceil(row_ticks);
+    let oldest = clip.row_count - 1;
+    let place = |behind: u32| {
+        let wraps = if behind > clip.newest_row { clip.ring_rows } else { 0 };
+        1 + (clip.newest_row + wraps - behind)
+    };
+    if behind > u64::from(oldest) || behind == 0 {
+        let row = place(if behind == 0 { 0 } else { oldest });
+        return (row, row, 0.0);
+    }
+    let (past, per_tick) = if older > 0 {
+        ((behind - 1) * row_ticks - older, clip.per_row_tick)
+    } else {
+        (newest - back, clip.per_newest_tick)
+    };
+    #[expect(clippy::cast_possible_truncation, reason = "not above the oldest row's")]
+    let row = behind as u32;
+    let next = if past > 0 { row - 1 } else { row };
+    (place(row), place(next), past as f32 * per_tick)
 }
 
 #[expect(

@@ -58,6 +58,29 @@ INLINE uint find_row(ClipRows clip, __global const float *row_times, __global co
     return row;
 }
 
+INLINE uint ring_place(ClipRows clip, uint behind)
+{
+    return 1 + (clip.newest_row + (behind > clip.newest_row ? clip.ring_rows : 0) - behind);
+}
+
+/* The rows of a live clip around the time that a slot shows, behind the one that additive layers measure from. All in whole
+ * ticks, back from the newest row. */
+INLINE uint find_live_row(ClipRows clip, Slot slot, ulong tick, uint *next, float *between)
+{
+    const ulong shown = tick > slot.phase_rate ? tick - slot.phase_rate : 0;
+    const ulong back = clip.newest_tick > shown ? clip.newest_tick - shown : 0;
+    const ulong older = back > clip.newest_ticks ? back - clip.newest_ticks : 0;
+    /* Rows behind the newest, those between it and the one before it included. */
+    const ulong behind = (back > 0 ? 1 : 0) + older / clip.row_ticks + (older % clip.row_ticks > 0 ? 1 : 0);
+    const uint oldest = clip.row_count - 1;
+    *between = 0.0f;
+    if (behind > oldest || behind == 0) return *next = ring_place(clip, behind == 0 ? 0 : oldest);
+    const ulong past = older > 0 ? (behind - 1) * clip.row_ticks - older : clip.newest_ticks - back;
+    *between = (float)(uint)past * (older > 0 ? clip.per_row_tick : clip.per_newest_tick);
+    *next = ring_place(clip, (uint)behind - (past > 0 ? 1 : 0));
+    return ring_place(clip, (uint)behind);
+}
+
 INLINE SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bound_clips, __global const ClipRows *clips,
                      __global const float *row_times, __global const uint *buckets)
 {
@@ -66,9 +89,15 @@ INLINE SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bou
     if (weight > 0.0f) {
         const ClipRows clip = clips[bound_clips[slot.bound_clip].clip];
         float between;
-        const uint row = find_row(clip, row_times, buckets, slot_time(slot, tick, clip), &between);
+        uint row, next;
+        if (slot_mode(slot) == SLOT_LIVE) {
+            row = find_live_row(clip, slot, tick, &next, &between);
+        } else {
+            row = find_row(clip, row_times, buckets, slot_time(slot, tick, clip), &between);
+            next = between > 0.0f ? row + 1 : row;
+        }
         sample.row0 = clip.row_first + row * clip.row_stride;
-        sample.row1 = sample.row0 + (between > 0.0f ? clip.row_stride : 0);
+        sample.row1 = clip.row_first + next * clip.row_stride;
         sample.between = between;
         sample.weight = weight;
     }

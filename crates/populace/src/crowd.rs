@@ -4,6 +4,7 @@ mod builder;
 mod controls;
 mod events;
 mod hand_over;
+mod live;
 mod people;
 mod playback;
 mod readback;
@@ -26,6 +27,7 @@ use populace_core::{
 use crate::device::{Engine, Opened};
 use crate::split::Kept;
 use crate::{Devices, Error, Placement, Split};
+use live::Stream;
 
 use room::Started;
 use spaces::{Space, Steered};
@@ -152,6 +154,8 @@ pub struct Crowd {
     bound_clips: HashMap<(BodyIndex, ClipIndex), u32>,
     /// Of the skeletons that clips were made for, where given.
     clip_roles: HashMap<ClipIndex, RoleMap>,
+    /// Of live clips that poses have come into.
+    streams: HashMap<ClipIndex, Stream>,
     members: Vec<MemberState>,
     /// Of members that more than clips move, by place.
     controls: HashMap<u32, MemberControls>,

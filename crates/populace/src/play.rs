@@ -22,6 +22,7 @@ pub(crate) enum Mode {
     Looping,
     Once,
     Held { secs: f32 },
+    Live { delay_secs: f32 },
 }
 
 impl Play {
@@ -45,6 +46,14 @@ impl Play {
     #[must_use]
     pub const fn held_at_secs(secs: f32) -> Self {
         Self::new(Mode::Held { secs })
+    }
+
+    /// A live clip as it was so many seconds ago, following what comes in; where nothing more comes its newest pose holds,
+    /// before its oldest that one. A delay of somewhat more than the time between poses, and what they are late by, shows
+    /// smooth motion. Speed and phase are not looked at.
+    #[must_use]
+    pub const fn live(delay_secs: f32) -> Self {
+        Self::new(Mode::Live { delay_secs })
     }
 
     /// Times the clip's own pace; negative plays backwards.
@@ -96,6 +105,9 @@ impl Play {
         if let Mode::Held { secs } = self.mode {
             finite("the time to hold a clip at", &[secs])?;
         }
+        if let Mode::Live { delay_secs } = self.mode {
+            check_secs("the delay of a live clip", delay_secs)?;
+        }
         check_weight("the weight of a clip", self.weight)?;
         check_layer(self.layer)?;
         check_secs("the time to fade in", self.fade_in_secs)?;
@@ -112,11 +124,12 @@ pub struct Playing {
     pub clip: ClipId,
     /// The layer that it is mixed in.
     pub layer: usize,
-    /// Where it stands, in seconds on the clip's own axis.
+    /// Where it stands, in seconds on the clip's own axis; of a live clip the stream's own time, as far as single precision
+    /// tells it.
     pub time_secs: f32,
     /// Its weight among the clips of its layer.
     pub weight: f32,
-    /// Times the clip's own pace; negative runs backwards, 0 stands.
+    /// Times the clip's own pace; negative runs backwards, 0 stands; 1 for a live clip.
     pub speed: f32,
     /// Seconds until a clip that plays once has ended, 0 from then on; `None` for others and for one that stands.
     pub ends_in_secs: Option<f64>,

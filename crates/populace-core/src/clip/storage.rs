@@ -120,6 +120,35 @@ impl Storage {
         stored
     }
 
+    /// One row that others will be written over, all that `moves`, per column and [`Property`], as floats.
+    pub(super) fn live(pose: Vec<Trs>, moves: &[[bool; 3]]) -> Self {
+        let range = |(trs, moves): (&Trs, &[bool; 3])| {
+            PROPERTIES.map(|property| Range {
+                step: if moves[property as usize] { 1.0 } else { 0.0 },
+                ..Range::still(property.of(trs))
+            })
+        };
+        let ranges: Vec<_> = pose.iter().zip(moves).map(range).collect();
+        let floats = vec![[true; 3]; ranges.len().div_ceil(BLOCK)];
+        let worst = vec![[0.0; 3]; ranges.len()];
+        Self { worst, ..Self::encode(&[pose], ranges, &floats) }
+    }
+
+    /// A pose as the words of a row of floats; what does not move is left out.
+    pub(super) fn row_of(&self, pose: &[Trs]) -> Vec<u32> {
+        let mut words = vec![0; self.stride];
+        for (column, trs) in pose.iter().enumerate().take(self.ranges.len()) {
+            for property in PROPERTIES.into_iter().filter(|p| self.ranges[column][*p as usize].step > 0.0) {
+                for (component, value) in property.of(trs).into_iter().take(property.width()).enumerate() {
+                    if let Place::Float(word) = self.place(column, property, component) {
+                        words[word] = value.to_bits();
+                    }
+                }
+            }
+        }
+        words
+    }
+
     fn put(&mut self, row: usize, column: usize, property: Property, values: &[f32]) {
         let range = self.ranges[column][property as usize];
         if range.step == 0.0 {

@@ -1,6 +1,5 @@
 //! Masks: how much of each joint a layer takes.
 
-use crate::names::{UnknownName, nearest_names};
 use crate::{Error, JointIndex, Skeleton};
 
 /// A weight per joint of one skeleton: 1 = affected, 0 = left alone.
@@ -55,7 +54,7 @@ impl Mask {
         skeleton: &Skeleton,
         names: impl IntoIterator<Item = N>,
     ) -> Result<Self, Error> {
-        Ok(Self::subtrees(skeleton, &find_all(skeleton, names)?))
+        Ok(Self::subtrees(skeleton, &skeleton.find_all(names)?))
     }
 
     /// Weight 1 for the joints of these names alone, 0 for the rest, also for what hangs on them.
@@ -68,7 +67,7 @@ impl Mask {
         names: impl IntoIterator<Item = N>,
     ) -> Result<Self, Error> {
         let mut weights = vec![0.0; skeleton.joint_count()];
-        for joint in find_all(skeleton, names)? {
+        for joint in skeleton.find_all(names)? {
             weights[joint.index()] = 1.0;
         }
         Ok(Self { weights })
@@ -144,24 +143,6 @@ impl Mask {
     pub fn weights(&self) -> &[f32] {
         &self.weights
     }
-}
-
-fn find_all<N: AsRef<str>>(
-    skeleton: &Skeleton,
-    names: impl IntoIterator<Item = N>,
-) -> Result<Vec<JointIndex>, Error> {
-    let (mut found, mut unknown) = (Vec::new(), Vec::new());
-    for name in names {
-        let name = name.as_ref();
-        match skeleton.find(name) {
-            Some(joint) => found.push(joint),
-            None => unknown.push(UnknownName {
-                name: name.to_owned(),
-                nearest: nearest_names(name, skeleton.joints().map(|joint| skeleton.name(joint))),
-            }),
-        }
-    }
-    if unknown.is_empty() { Ok(found) } else { Err(Error::UnknownJoints { joints: unknown }) }
 }
 
 #[cfg(test)]

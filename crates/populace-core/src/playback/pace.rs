@@ -1,7 +1,7 @@
 //! What only the host asks of a slot's closed form: how fast it runs, when it ends, and another speed from now on.
 
 use super::{TICKS_PER_SEC, once_rate, phase_rate, upper_half};
-use crate::layout::{SLOT_HELD, SLOT_LOOP, SLOT_MODE_BITS, SLOT_ONCE, Slot};
+use crate::layout::{SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MODE_BITS, SLOT_ONCE, Slot};
 
 /// A whole cycle, in the unit of phases.
 const CYCLE: u128 = 1 << 64;
@@ -15,10 +15,18 @@ impl Slot {
         (u64::from(self.start_phase) << 32).wrapping_add(elapsed.wrapping_mul(self.phase_rate))
     }
 
-    /// Times the pace of a clip of that length; negative runs backwards. 0 for one that stands.
+    /// Whether it has no speed of its own to run at: it is held, or live.
+    fn is_tied(&self) -> bool {
+        matches!(self.mode(), SLOT_HELD | SLOT_LIVE)
+    }
+
+    /// Times the pace of a clip of that length; negative runs backwards. 0 for one that stands, 1 for one that is live.
     #[must_use]
     pub fn speed(&self, duration_secs: f32) -> f32 {
-        let rate = if self.mode() == SLOT_HELD { 0 } else { self.phase_rate.cast_signed() };
+        if self.is_tied() {
+            return if self.mode() == SLOT_LIVE { 1.0 } else { 0.0 };
+        }
+        let rate = self.phase_rate.cast_signed();
         let cycles_per_tick = rate as f64 / CYCLE as f64;
         #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
         let speed = (cycles_per_tick * TICKS_PER_SEC as f64 * f64::from(duration_secs)) as f32;
@@ -26,11 +34,11 @@ impl Slot {
     }
 
     /// When a slot that plays once reaches its end, and one that loops, seen from `tick`, the next end of a cycle. `None`
-    /// for one that stands.
+    /// for one that stands, and for one that is live.
     #[must_use]
     pub fn end_tick(&self, tick: u64) -> Option<u64> {
         let rate = u128::from(self.phase_rate.cast_signed().unsigned_abs());
-        if rate == 0 || self.mode() == SLOT_HELD {
+        if rate == 0 || self.is_tied() {
             return None;
         }
         let (from, left) = match self.mode() {
@@ -42,12 +50,12 @@ impl Slot {
     }
 
     /// Runs at another speed from `tick` on, going on from the time at which the slot stands, to within one tick of it.
-    /// `once` says that the slot is one to run once, which a slot that stands at speed 0 cannot tell itself. Held slots
-    /// stay as they are.
+    /// `once` says that the slot is one to run once, which a slot that stands at speed 0 cannot tell itself. Held
+    /// and live slots stay as they are.
     ///
     /// A run that is begun again more slowly than would take it as long as the clock has run stands still.
     pub fn set_speed(&mut self, tick: u64, duration_secs: f32, speed: f32, once: bool) {
-        if self.mode() == SLOT_HELD {
+        if self.is_tied() {
             return;
         }
         if !once {

@@ -7,8 +7,8 @@ use super::table::Table;
 use super::{BodyIndex, Tables, u32_from};
 use crate::Error;
 use crate::layout::{
-    Body, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK,
-    SLOT_LOOP, Slot,
+    Body, BoundClip, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, Member, NONE, PAGE_ENTRIES,
+    PALETTE_BLOCK, SLOT_LIVE, SLOT_LOOP, Slot,
 };
 
 const EMPTY_SLOT: Slot = Slot {
@@ -152,6 +152,10 @@ impl Tables {
         let bound = self.all.bound_clips.as_slice().get(slot.bound_clip as usize);
         if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
             return bad("bound clip", slot.bound_clip);
+        }
+        let is_live = |bound: &BoundClip| self.all.clips.as_slice()[bound.clip as usize].ring_rows > 0;
+        if bound.is_some_and(|bound| is_live(bound) != (slot.mode() == SLOT_LIVE)) {
+            return bad("mode of such a clip", slot.mode());
         }
         self.all.slots.set(place as usize * self.slots_per_member + index, slot);
         self.use_layer(place, slot.layer());

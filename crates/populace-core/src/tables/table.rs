@@ -71,6 +71,12 @@ impl<T: bytemuck::Pod> Table<T> {
         self.touch(index);
     }
 
+    /// Writes neighbouring elements that there are.
+    pub(super) fn set_run(&mut self, first: usize, values: &[T]) {
+        self.data[first..first + values.len()].copy_from_slice(values);
+        (first..first + values.len()).for_each(|index| self.touch(index));
+    }
+
     fn touch(&mut self, index: usize) {
         if index >= self.known {
             return; // in the tail

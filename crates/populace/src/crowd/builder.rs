@@ -108,6 +108,7 @@ impl CrowdBuilder {
             characters: Vec::new(),
             bound_clips: HashMap::new(),
             clip_roles: HashMap::new(),
+            streams: HashMap::new(),
             members: Vec::new(),
             controls: HashMap::new(),
             watches: Watches::default(),

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use populace_core::layout::{NONE, SLOT_HELD, SLOT_ONCE, Slot};
+use populace_core::layout::{NONE, SLOT_LOOP, SLOT_ONCE, Slot};
 use populace_core::{ClipIndex, TICKS_PER_SEC};
 
 use super::{ClipId, Crowd, FIRST_TICK, Member};
@@ -117,7 +117,7 @@ impl Crowd {
         for &member in &listening {
             for index in self.tables.slot_range(member.place) {
                 let slot = self.tables.slots().as_slice()[index];
-                if slot.bound_clip != NONE && slot.mode() != SLOT_HELD && slot.start_tick <= until {
+                if slot.bound_clip != NONE && runs(&slot) && slot.start_tick <= until {
                     let clip = self.tables.bound_clips().as_slice()[slot.bound_clip as usize].clip;
                     self.events_of_slot(
                         member,
@@ -164,6 +164,11 @@ impl Crowd {
             tell(tick, EventKind::ClipEnd);
         }
     }
+}
+
+/// Whether a slot goes through a clip of a length that is known.
+fn runs(slot: &Slot) -> bool {
+    matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE)
 }
 
 /// Where in a clip a moment is, in 2^-64 of its length.

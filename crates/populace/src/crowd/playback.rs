@@ -1,6 +1,6 @@
 //! What members play: clips into slots, now or in time, and masks on layers.
 
-use populace_core::layout::{Layer, NONE, SLOT_HELD, SLOT_ONCE, Slot};
+use populace_core::layout::{Layer, NONE, SLOT_HELD, SLOT_LIVE, SLOT_ONCE, Slot};
 use populace_core::{Binding, ClipIndex, LayerSettings, Mask, TICKS_PER_SEC, ticks_from_secs};
 
 use super::room::{Plan, Started, faded_out};
@@ -38,7 +38,7 @@ impl Crowd {
     }
 
     /// The layer plays this clip once what it plays now has ended: at the end of a clip that plays once, of a cycle of
-    /// one that loops; at once where nothing plays, or a clip is held. What is queued further begins after this in turn.
+    /// one that loops; at once where nothing plays, or a clip is held or live. What is queued further begins after this in turn.
     /// [`Play::after_secs`] counts from that end. The clip before holds its end while this fades in.
     ///
     /// ```
@@ -122,7 +122,7 @@ impl Crowd {
     }
 
     /// Lets a clip run at another speed from now on, from where it stands; negative runs backwards, 0 stands. What is
-    /// queued after it keeps to its new end. Held clips stay as they are.
+    /// queued after it keeps to its new end. Held and live clips stay as they are.
     ///
     /// # Errors
     ///
@@ -164,11 +164,15 @@ impl Crowd {
         let rows = self.tables.clips().as_slice()[clip as usize];
         let started = self.started(member.place, index);
         let ends = slot.end_tick(tick).filter(|_| started.once);
+        let time_secs = match slot.mode() {
+            SLOT_LIVE => self.live_secs(clip, slot.phase_rate),
+            _ => slot.time_at(tick, rows.start_secs, rows.duration_secs),
+        };
         let playing = Playing {
             id: started.sample.is_none().then_some(PlayId { member, serial: started.serial }),
             clip: ClipId { crowd: self.number, index: ClipIndex(clip) },
             layer: slot.layer() as usize,
-            time_secs: slot.time_at(tick, rows.start_secs, rows.duration_secs),
+            time_secs,
             weight: slot.weight_at(tick),
             speed: slot.speed(rows.duration_secs),
             ends_in_secs: ends.map(|end| end.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64),
@@ -216,6 +220,7 @@ impl Crowd {
         let character = self.check(member)?;
         play.check()?;
         let bound = self.bind(character, clip)?;
+        self.check_mode(clip, play.mode)?;
         let action = Action::Clip { bound, alone };
         Ok(Start { serial: self.next_serial(), action, play, follows_after: None })
     }
@@ -284,6 +289,7 @@ impl Crowd {
             Mode::Looping => Slot::looping(bound, tick, duration, f64::from(phase), speed),
             Mode::Once => Slot::once(bound, tick, duration, speed),
             Mode::Held { secs } => Slot::held(bound, tick, secs),
+            Mode::Live { delay_secs } => Slot::live(bound, tick, ticks_from_secs(f64::from(delay_secs))),
         };
         let mut slot = slot.on_layer(u32_from(layer));
         slot.ramp_weight(tick, 0.0, start.play.weight, if first { 0.0 } else { secs });
@@ -367,13 +373,14 @@ impl Crowd {
         match mode {
             Mode::Once => self.end_of(&Slot::once(bound, due, duration, speed), due),
             Mode::Looping => self.end_of(&Slot::looping(bound, due, duration, f64::from(phase), speed), due),
-            Mode::Held { .. } => due,
+            Mode::Held { .. } | Mode::Live { .. } => due,
         }
     }
 
     /// When a slot ends, not before `tick`. One that stands at speed 0 never does, until it is set to run.
     fn end_of(&self, slot: &Slot, tick: u64) -> u64 {
-        let has_end = slot.mode() != SLOT_HELD && self.duration_secs(slot.bound_clip) > 0.0;
+        let has_end =
+            !matches!(slot.mode(), SLOT_HELD | SLOT_LIVE) && self.duration_secs(slot.bound_clip) > 0.0;
         if has_end { slot.end_tick(tick).unwrap_or(u64::MAX).max(tick) } else { tick }
     }
 

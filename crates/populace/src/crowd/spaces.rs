@@ -47,18 +47,27 @@ impl Steered {
     }
 }
 
+fn live_in_space(name: &str) -> Error {
+    Error::BadBlendSpace {
+        reason: format!("has the live clip \"{name}\"; its clips share a cycle, and that has none"),
+    }
+}
+
 impl Crowd {
     /// Adds a blend space for members to play.
     ///
     /// # Errors
     ///
-    /// A clip of another crowd.
+    /// A clip of another crowd, or [`Error::BadBlendSpace`] for a live one, which has no cycle.
     pub fn add_space(&mut self, space: BlendSpace) -> Result<SpaceId, Error> {
         let mut durations_secs = Vec::new();
         for clip in space.clips() {
             self.check_crowd("clip", clip.crowd, clip.index.0)?;
             let known = self.clips.get(clip.index);
             let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+            if known.ring().is_some() {
+                return Err(live_in_space(known.name()));
+            }
             durations_secs.push(known.duration_secs());
         }
         let id = SpaceId { crowd: self.number, index: u32_from(self.spaces.len()) };

@@ -1,0 +1,76 @@
+//! A motion-capture stream that comes in while people follow it: poses at about 30 Hz, never quite on time, into a live clip.
+//! The first of five people shows it a tenth of a second late, each of the others 0.15 s later still.
+//!
+//! `cargo run --example live_clip [PICTURE.png]`
+
+#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+
+mod shared;
+
+use std::error::Error;
+
+use glam::Quat;
+use populace::core::Skeleton;
+use populace::{Crowd, LiveSettings, Placement, Play, Streamed, Trs};
+use populace_cast::{Look, person};
+
+/// What the actor does: the right arm waves high, the left one swings, and the body sways.
+fn actor(skeleton: &Skeleton, secs: f32) -> Result<Vec<Trs>, populace::core::Error> {
+    let mut pose: Vec<Trs> = skeleton.joints().map(|joint| *skeleton.rest(joint)).collect();
+    let beat = (secs * 5.0).sin();
+    let turns = [
+        ("r_upper_arm", Quat::from_rotation_z(-1.0 + 1.3 * beat)),
+        ("r_forearm", Quat::from_rotation_z(-0.4 + 0.4 * beat)),
+        ("l_upper_arm", Quat::from_rotation_x(0.9 * beat)),
+        ("spine", Quat::from_rotation_z(0.12 * beat)),
+    ];
+    for (joint, (_, turn)) in skeleton.find_all(turns.map(|(name, _)| name))?.into_iter().zip(turns) {
+        let rest = Quat::from_array(skeleton.rest(joint).rotation);
+        pose[joint.index()].rotation = (turn * rest).to_array();
+    }
+    Ok(pose)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let woman = person(&Look::woman())?;
+    let mut crowd = Crowd::builder().build()?;
+    let id = crowd.add_character(woman.clone())?;
+    // Rotations alone: whoever follows keeps their own proportions. Two seconds are kept, older rows are written over.
+    let settings = LiveSettings {
+        rows_per_sec: 60.0,
+        secs: 2.0,
+        translations: Streamed::Nothing,
+        ..LiveSettings::default()
+    };
+    let live = crowd.add_live_clip(id, "Actor", &settings)?;
+    let mut followers = Vec::new();
+    for nth in 0..5_u8 {
+        let nth = f32::from(nth);
+        let member = crowd.spawn(id, Placement::at([nth * 1.1 - 2.2, 0.0, 0.0]).facing(0.2))?;
+        crowd.play(member, live, Play::live(0.1 + 0.15 * nth))?;
+        followers.push(member);
+    }
+    // Frames of 1/60 s; between them whatever has come in meanwhile, early or late by up to 10 ms.
+    let (mut poses, mut now) = (0_u16, 0.0_f32);
+    for _ in 0..300 {
+        loop {
+            let jitter = if poses == 0 { 0.0 } else { 0.01 * (f32::from(poses) * 2.4).sin() };
+            let at = f32::from(poses) / 30.0 + jitter;
+            if at > now {
+                break;
+            }
+            crowd.append(live, f64::from(at), &actor(&woman.skeleton, at)?)?;
+            poses += 1;
+        }
+        crowd.update(1.0 / 60.0)?;
+        now += 1.0 / 60.0;
+    }
+    for (nth, &member) in followers.iter().enumerate() {
+        let shown = crowd.playing(member)?[0].time_secs;
+        println!("{nth}: shows {shown:.2} s of the stream, {:.2} s ago", now - shown);
+    }
+    let path = shared::output("live_clip.png");
+    shared::draw(&mut crowd, &[&woman], &[[-2.9, -0.1, 0.4], [2.9, 2.2, 0.4]], &path)?;
+    println!("{poses} poses in {now:.1} s on {}, drawn to {path}", crowd.device_name());
+    Ok(())
+}

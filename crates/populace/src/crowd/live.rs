@@ -1,0 +1,317 @@
+//! Live clips: poses that come in while members play them.
+
+use std::sync::Arc;
+
+use populace_core::{
+    Clip, ClipIndex, LiveNewest, LiveRing, LiveSettings, TICKS_PER_SEC, Tables, Trs, ticks_from_secs,
+};
+
+use super::{CharacterId, ClipId, Crowd};
+use crate::Error;
+use crate::play::Mode;
+
+/// A stream's time runs at most this far from its first pose.
+const MAX_STREAM_SECS: f64 = 1e10;
+
+/// How far a live clip's stream has come. Its time is counted in ticks from the first pose on; rows stand at multiples of the
+/// ring's spacing, but for the newest, which is the newest pose itself.
+pub(crate) struct Stream {
+    ring: LiveRing,
+    /// The stream's own time at the first pose.
+    first_secs: f64,
+    /// The clock at the first pose.
+    first_tick: u64,
+    /// When the newest pose came, and that pose.
+    newest: u64,
+    pose: Vec<Trs>,
+    /// The next multiple of the spacing, not before the newest pose, and where in the ring it goes.
+    next: u64,
+    row: u32,
+    row_count: u32,
+}
+
+impl Stream {
+    /// Ticks from the first pose to a time of the stream.
+    fn ticks_at(&self, time_secs: f64) -> u64 {
+        ticks_from_secs(time_secs - self.first_secs)
+    }
+
+    fn step(&mut self) {
+        self.next += u64::from(self.ring.row_ticks);
+        self.row = if self.row + 1 == self.ring.rows { 0 } else { self.row + 1 };
+        self.row_count = self.ring.rows.min(self.row_count + 1);
+    }
+
+    /// Writes the rows that a pose makes known: those at multiples of the spacing since the one before, and itself.
+    fn take(
+        &mut self,
+        tables: &mut Tables,
+        index: u32,
+        clip: &Clip,
+        at: u64,
+        pose: Vec<Trs>,
+    ) -> Result<(), Error> {
+        let row_ticks = u64::from(self.ring.row_ticks);
+        // After a long pause only what the ring has room for.
+        let passed = at.saturating_sub(self.next).div_ceil(row_ticks);
+        let skipped = passed.saturating_sub(u64::from(self.ring.rows));
+        if skipped > 0 {
+            self.next += skipped * row_ticks;
+            self.row_count = self.ring.rows;
+        }
+        while self.next < at {
+            let between = (self.next - self.newest) as f64 / (at - self.newest) as f64;
+            let row: Vec<_> = self.pose.iter().zip(&pose).map(|(a, b)| mix(a, b, between)).collect();
+            tables.set_live_row(index, clip, Some(self.row), &row)?;
+            self.step();
+        }
+        tables.set_live_row(index, clip, Some(self.row), &pose)?;
+        (self.newest, self.pose) = (at, pose);
+        self.tell(tables, index)
+    }
+
+    /// Tells devices where the newest row stands.
+    fn tell(&self, tables: &mut Tables, index: u32) -> Result<(), Error> {
+        let early = self.next - self.newest;
+        let ticks = u64::from(self.ring.row_ticks) - early;
+        let newest = LiveNewest {
+            tick: self.first_tick.saturating_add(self.newest),
+            row: self.row,
+            row_count: self.row_count,
+            ticks: u32::try_from(ticks).unwrap_or(self.ring.row_ticks),
+        };
+        Ok(tables.set_live_newest(index, newest)?)
+    }
+}
+
+impl Crowd {
+    /// Adds a live clip for a character: one into which [`append`](Self::append) puts poses of the character's skeleton while
+    /// members play it by [`Play::live`](crate::Play::live). Other characters can play it as any other clip. One for a skeleton
+    /// that is no character's is made by [`Clip::live`] and added by [`add_clip`](Self::add_clip).
+    ///
+    /// ```
+    /// # use populace::{Crowd, Device, LiveSettings, Placement, Play, Trs};
+    /// # use populace::core::{CharacterSource, Character, JointSource, Skeleton};
+    /// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
+    /// # let knight = Character::new(CharacterSource { name: "knight".into(), palette: vec![], clips: vec![],
+    /// #     skeleton: Skeleton::new(&[joint])?, parts: vec![], materials: vec![], images: vec![], skins: vec![] })?;
+    /// # let mut crowd = Crowd::builder().device(Device::native()).build()?;
+    /// # let knight = crowd.add_character(knight)?;
+    /// # let member = crowd.spawn(knight, Placement::at([0.0; 3]))?;
+    /// let actor = crowd.add_live_clip(knight, "Actor", &LiveSettings::default())?;
+    /// crowd.play(member, actor, Play::live(0.1))?;
+    /// for frame in 0..60 {
+    ///     let pose = Trs { translation: [0.0, frame as f32 / 60.0, 0.0], ..Trs::IDENTITY };
+    ///     crowd.append(actor, f64::from(frame) / 60.0, &[pose])?;
+    ///     crowd.update(1.0 / 60.0)?;
+    /// }
+    /// let hips = crowd.model_from_joints(member)?[0];
+    /// assert!((hips.rows[1][3] - 0.9).abs() < 1e-3, "where they were 0.1 seconds ago");
+    /// # Ok::<(), populace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// A character of another crowd, settings out of their range, names of joints that are not there, or more data than
+    /// devices can address.
+    pub fn add_live_clip(
+        &mut self,
+        character: CharacterId,
+        name: &str,
+        settings: &LiveSettings,
+    ) -> Result<ClipId, Error> {
+        let clip = Clip::live(name, &self.character(character)?.skeleton, settings)?;
+        self.add_clip(character, &Arc::new(clip))
+    }
+
+    /// Takes in a pose of a live clip: local transforms of all joints of the clip's own skeleton, in its level order, metres.
+    /// `time_secs` is when it was, on the stream's own clock: any, but later than that of the pose before.
+    ///
+    /// The first pose is taken to be of the crowd's present, that of the last update; from then on a second of the stream is
+    /// one of the crowd's, and [`tie_live`](Self::tie_live) ties them anew. Poses may come unevenly, and several between two
+    /// updates or none: rows are interpolated between them, linearly, rotations on the shorter way. Nobody waits for a device.
+    ///
+    /// # Errors
+    ///
+    /// [`populace_core::Error::BadLive`] for a clip that is not live, a time that is not after the last, another number of
+    /// joints, numbers that are not finite, or a rotation of no length.
+    pub fn append(&mut self, clip: ClipId, time_secs: f64, pose: &[Trs]) -> Result<(), Error> {
+        let known = self.live_clip(clip)?;
+        let pose = checked(&known, pose)?;
+        self.append_checked(clip.index, &known, time_secs, pose)
+    }
+
+    /// As [`append`](Self::append), of the joints named alone: others stay as they last were, which is at rest to begin with.
+    ///
+    /// # Errors
+    ///
+    /// As for [`append`](Self::append), and [`populace_core::Error::UnknownJoints`] with the nearest names.
+    pub fn append_joints(
+        &mut self,
+        clip: ClipId,
+        time_secs: f64,
+        joints: &[(&str, Trs)],
+    ) -> Result<(), Error> {
+        let known = self.live_clip(clip)?;
+        let skeleton = known.skeleton();
+        let found = skeleton.find_all(joints.iter().map(|(name, _)| name))?;
+        let mut pose = match self.streams.get(&clip.index) {
+            Some(stream) => stream.pose.clone(),
+            None => skeleton.joints().map(|joint| *skeleton.rest(joint)).collect(),
+        };
+        for (joint, (_, transform)) in found.into_iter().zip(joints) {
+            pose[joint.index()] = *transform;
+        }
+        let pose = checked(&known, &pose)?;
+        self.append_checked(clip.index, &known, time_secs, pose)
+    }
+
+    /// Takes a live clip's `time_secs` to be the crowd's present from now on: after the crowd stood still while poses came
+    /// in, or where clocks ran apart. Who plays the clip goes over at once.
+    ///
+    /// # Errors
+    ///
+    /// [`populace_core::Error::BadLive`] for a clip that is not live or that nothing has come into yet, or a time that is not
+    /// finite or far from the stream's.
+    pub fn tie_live(&mut self, clip: ClipId, time_secs: f64) -> Result<(), Error> {
+        let known = self.live_clip(clip)?;
+        let tick = self.clock.tick;
+        let Some(stream) = self.streams.get_mut(&clip.index) else {
+            return refused(&known, "has no pose yet, and is tied to the crowd's clock by its first".into());
+        };
+        check_time(&known, time_secs, stream.first_secs)?;
+        let (after, before) = (stream.ticks_at(time_secs), ticks_from_secs(stream.first_secs - time_secs));
+        stream.first_tick = tick.saturating_add(before).saturating_sub(after);
+        stream.tell(&mut self.tables, clip.index.0)
+    }
+
+    fn append_checked(
+        &mut self,
+        index: ClipIndex,
+        clip: &Arc<Clip>,
+        time_secs: f64,
+        mut pose: Vec<Trs>,
+    ) -> Result<(), Error> {
+        let Some(stream) = self.streams.get_mut(&index) else {
+            check_time(clip, time_secs, time_secs)?;
+            let Some(ring) = clip.ring() else { return refused(clip, NOT_LIVE.into()) };
+            let mut stream = Stream {
+                ring,
+                first_secs: time_secs,
+                first_tick: self.clock.tick,
+                newest: 0,
+                pose: Vec::new(),
+                next: 0,
+                row: 0,
+                row_count: 1,
+            };
+            self.tables.set_live_row(index.0, clip, None, &pose)?;
+            stream.take(&mut self.tables, index.0, clip, 0, pose)?;
+            self.streams.insert(index, stream);
+            return Ok(());
+        };
+        check_time(clip, time_secs, stream.first_secs)?;
+        let at = stream.ticks_at(time_secs);
+        if at <= stream.newest {
+            let last = stream.first_secs + stream.newest as f64 / TICKS_PER_SEC as f64;
+            return refused(
+                clip,
+                format!("got a pose of {time_secs} s after one of {last} s; times must rise"),
+            );
+        }
+        for (now, before) in pose.iter_mut().zip(&stream.pose) {
+            let dot: f32 = now.rotation.iter().zip(before.rotation).map(|(a, b)| a * b).sum();
+            if dot < 0.0 {
+                now.rotation = now.rotation.map(|c| -c);
+            }
+        }
+        stream.take(&mut self.tables, index.0, clip, at, pose)
+    }
+
+    /// The time on a stream's own axis that is shown so many ticks late.
+    pub(super) fn live_secs(&self, clip: u32, delay_ticks: u64) -> f32 {
+        let Some(stream) = self.streams.get(&ClipIndex(clip)) else { return 0.0 };
+        let shown = self.clock.tick.saturating_sub(delay_ticks).saturating_sub(stream.first_tick);
+        let row_ticks = u64::from(stream.ring.row_ticks);
+        let oldest = (stream.next + row_ticks).saturating_sub(u64::from(stream.row_count) * row_ticks);
+        let shown = shown.max(oldest).min(stream.newest);
+        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+        let secs = (stream.first_secs + shown as f64 / TICKS_PER_SEC as f64) as f32;
+        secs
+    }
+
+    /// Refuses to play a live clip as others are played, and others as live ones.
+    pub(super) fn check_mode(&self, clip: ClipId, mode: Mode) -> Result<(), Error> {
+        let Some(known) = self.clips.get(clip.index) else {
+            return Err(Error::UnknownId { what: "clip", index: clip.index.0 });
+        };
+        match (known.ring(), mode) {
+            (None, Mode::Live { .. }) => refused(known, NOT_LIVE.into()),
+            (Some(_), Mode::Looping | Mode::Once | Mode::Held { .. }) => {
+                refused(known, "is live; it has no end and no cycle, and is played by Play::live".into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn live_clip(&self, clip: ClipId) -> Result<Arc<Clip>, Error> {
+        self.check_crowd("clip", clip.crowd, clip.index.0)?;
+        let known = self.clips.get(clip.index);
+        let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+        if known.ring().is_some() { Ok(Arc::clone(known)) } else { refused(known, NOT_LIVE.into()) }
+    }
+}
+
+const NOT_LIVE: &str = "is not live; Crowd::add_live_clip and Clip::live make those that are";
+
+fn refused<T>(clip: &Clip, what: String) -> Result<T, Error> {
+    Err(populace_core::Error::BadLive { clip: clip.name().to_owned(), what }.into())
+}
+
+fn check_time(clip: &Clip, time_secs: f64, first_secs: f64) -> Result<(), Error> {
+    if time_secs.is_finite() && (time_secs - first_secs).abs() <= MAX_STREAM_SECS {
+        return Ok(());
+    }
+    refused(
+        clip,
+        format!("got the time {time_secs} s; it must be finite and within 1e10 s of the first pose's"),
+    )
+}
+
+/// A pose with rotations of length 1, where it is one of the clip's skeleton.
+fn checked(clip: &Clip, pose: &[Trs]) -> Result<Vec<Trs>, Error> {
+    let skeleton = clip.skeleton();
+    if pose.len() != skeleton.joint_count() {
+        let (has, joints) = (pose.len(), skeleton.joint_count());
+        return refused(clip, format!("got a pose of {has} joints; its skeleton has {joints}"));
+    }
+    let one = |(joint, trs): (_, &Trs)| {
+        let length = trs.rotation.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
+        let finite = trs.translation.iter().chain(&trs.scale).all(|c| c.is_finite());
+        if !(finite && length.is_finite() && length > 1e-6) {
+            let name = skeleton.name(joint);
+            let rule = "numbers must be finite, and rotations have a length";
+            return refused(clip, format!("got {trs:?} for the joint \"{name}\"; {rule}"));
+        }
+        Ok(Trs { rotation: trs.rotation.map(|c| single(f64::from(c) / length)), ..*trs })
+    };
+    skeleton.joints().zip(pose).map(one).collect()
+}
+
+/// Part of the way from one pose of a joint to another, whose rotation lies on the same side.
+fn mix(a: &Trs, b: &Trs, between: f64) -> Trs {
+    let one = |(a, b): (f32, f32)| f64::from(a) * (1.0 - between) + f64::from(b) * between;
+    let three = |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|i| single(one((a[i], b[i]))));
+    let turned: [f64; 4] = std::array::from_fn(|i| one((a.rotation[i], b.rotation[i])));
+    let length = turned.iter().map(|c| c * c).sum::<f64>().sqrt();
+    Trs {
+        translation: three(a.translation, b.translation),
+        rotation: turned.map(|c| single(c / length)),
+        scale: three(a.scale, b.scale),
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+fn single(x: f64) -> f32 {
+    x as f32
+}
