@@ -239,9 +239,9 @@ impl Steering<'_> {
         for needed in &legs.sinks(first.limits.0[0]).0[..count] {
             drop = if *needed > drop { *needed } else { drop };
         }
-        drop = drop * first.limits.0[1];
+        drop *= first.limits.0[1];
         let mut rows = own.rows;
-        rows[1][3] = rows[1][3] - drop;
+        rows[1][3] -= drop;
         models.set(joint, Affine { rows });
         if first.at_once != 0 {
             legs.limb.to[1] = legs.limb.to[1] + Feet::splat(drop);

@@ -47,11 +47,11 @@ fn constrain(stage: &mut Stage, member: Member, number: u8, watched: Option<Memb
     crowd.look_with(member, &gaze, target, weight).expect("a gaze");
     crowd.plant_with(member, &feet(if number % 5 == 4 { 0.6 } else { 1.0 })).expect("feet");
     let hand = [0.3 * x.sin() + 0.2, 1.2 + 0.4 * (x * 0.6).cos(), 0.4];
-    if number % 2 == 0 {
+    if number.is_multiple_of(2) {
         let reach = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
         crowd.reach(member, reach, Target::InModel(hand), at_once()).expect("a limb that reaches");
     }
-    if number % 3 == 0 {
+    if number.is_multiple_of(3) {
         let transform = Trs { translation: [0.0, 0.1, 0.05], ..Trs::IDENTITY };
         let given = JointOverride { joint: joint("leftEye"), space: Space::Model, transform, weight: 0.4 };
         crowd.override_joints(member, &[given]).expect("an override");
