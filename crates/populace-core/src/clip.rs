@@ -5,6 +5,7 @@ mod curves;
 mod gap;
 mod ground;
 mod live;
+mod motion;
 mod rows;
 mod storage;
 
@@ -15,6 +16,7 @@ pub(crate) use binding::Turn;
 use ground::Contacts;
 pub use ground::Footstep;
 pub use live::{LiveRing, LiveSettings, Streamed};
+pub use motion::{MotionSettings, MotionSource, RootMotion};
 use rows::Rows;
 pub(crate) use storage::Range;
 
@@ -37,6 +39,8 @@ pub struct Clip {
     contacts: Contacts,
     /// Of a live clip.
     ring: Option<LiveRing>,
+    /// Taken out of the pose.
+    motion: Option<RootMotion>,
 }
 
 /// What loading found out about a clip.
@@ -71,7 +75,7 @@ impl Clip {
         let curves = curves::Curves::new(&source, skeleton)?;
         let rows = Rows::new(&curves, skeleton);
         let contacts = Contacts::new(&rows, skeleton);
-        Ok(Self { source, skeleton: skeleton.clone(), rows, contacts, ring: None })
+        Ok(Self { source, skeleton: skeleton.clone(), rows, contacts, ring: None, motion: None })
     }
 
     /// The clip's name; may be empty.

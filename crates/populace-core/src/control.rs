@@ -201,6 +201,8 @@ pub struct Controls {
     pub watches: Vec<(JointIndex, u32)>,
     /// Where in [`Tables::joint_scales`](crate::Tables::joint_scales) the lengths of its joints stand.
     pub proportions: Option<u32>,
+    /// Set where clips move the whole body: another number lets it begin anew where the member stands.
+    pub motion: Option<u32>,
 }
 
 impl Controls {
@@ -212,6 +214,7 @@ impl Controls {
             && self.stages.is_empty()
             && self.watches.is_empty()
             && self.proportions.is_none()
+            && self.motion.is_none()
     }
 }
 

@@ -102,6 +102,14 @@ pub enum Error {
         /// What is wrong and what the rule is.
         what: String,
     },
+    /// A clip that has no root motion to take out.
+    #[error("the clip \"{clip}\" {what}")]
+    NoMotion {
+        /// The clip's name.
+        clip: String,
+        /// What is in the way.
+        what: String,
+    },
     /// A mask that does not fit its skeleton.
     #[error(
         "a mask has {weights} weights for a skeleton of {joints} joints; one per joint is needed, each from 0 to 1"

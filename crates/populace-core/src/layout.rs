@@ -138,6 +138,12 @@ device_consts! {
     pub const STEP_WATCH: u32 = 7;
     /// [`Step::kind`]: a user's stage, with the member's values at `turn`.
     pub const STEP_STAGE: u32 = 8;
+    /// [`Step::kind`]: clips move the whole body, on from where the frame before left it if `turn` is still the same.
+    pub const STEP_MOTION: u32 = 9;
+    /// Of a member's state, the first of two elements that say where its clips have moved it.
+    pub const MOTION_STATE: u32 = FEET_MOST;
+    /// Elements of a row of root motion: a shift, then sine and cosine of a heading.
+    pub const MOTION_ELEMENTS: u32 = 2;
     /// The most stages of users.
     pub const STAGES_MOST: u32 = 8;
     /// Parameters of each.
@@ -249,8 +255,12 @@ device_struct! {
         pub per_row_tick: f32,
         /// Live clips: 1 divided by [`newest_ticks`](Self::newest_ticks).
         pub per_newest_tick: f32,
-        /// Zero.
-        pub unused: u32,
+        /// Into `motions`: the first row of its root motion.
+        pub motion_first: u32,
+        /// Rows of its root motion; 0 where it has none.
+        pub motion_count: u32,
+        /// Such rows per second.
+        pub motion_rows_per_sec: f32,
     }
 }
 
@@ -318,6 +328,8 @@ device_struct! {
         /// Into `bound_clips`: the turn that what was sampled goes through next, or [`NONE`]. A turn is a bound clip whose
         /// ranges are those of [`TURN_PLANES`]; blocks that have no [`BLOCK_TURNED`] do not look at it.
         pub next: u32,
+        /// How far root motion takes the body, in parts of how far it takes that of the clip.
+        pub motion_scale: f32,
     }
 }
 

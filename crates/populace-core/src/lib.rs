@@ -48,7 +48,10 @@ pub use character::{
     AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry, Part,
     SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
-pub use clip::{Binding, Clip, ClipStats, Footstep, LiveRing, LiveSettings, Streamed};
+pub use clip::{
+    Binding, Clip, ClipStats, Footstep, LiveRing, LiveSettings, MotionSettings, MotionSource, RootMotion,
+    Streamed,
+};
 pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Place, Space,
 };

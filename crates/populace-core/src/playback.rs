@@ -180,6 +180,23 @@ impl Slot {
         // The upper 24 bits are exact in single precision and never round up to a whole cycle.
         start_secs + (phase >> 40) as f32 * (1.0 / 16_777_216.0) * duration_secs
     }
+
+    /// How often a looping slot passes an end of its clip from one time of the clock, not before its start, to a later one;
+    /// 0 for other slots. The twin of `slot_cycles` in `kernels/slot.cl`.
+    #[inline]
+    #[must_use]
+    pub fn cycles_between(&self, from_tick: u64, to_tick: u64) -> u64 {
+        if self.mode() != SLOT_LOOP {
+            return 0;
+        }
+        let backwards = self.phase_rate >> 63 != 0;
+        let rate = if backwards { self.phase_rate.wrapping_neg() } else { self.phase_rate };
+        let (elapsed, phase) = (to_tick.wrapping_sub(from_tick), self.phase_at(from_tick));
+        let whole = (u128::from(elapsed) * u128::from(rate)) >> 64;
+        let part = elapsed.wrapping_mul(rate);
+        let passes = if backwards { part > phase } else { phase.wrapping_add(part) < part };
+        u64::try_from(whole).unwrap_or(u64::MAX) + u64::from(passes)
+    }
 }
 
 const fn upper_half(phase: u64) -> u32 {

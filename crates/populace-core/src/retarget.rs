@@ -130,6 +130,11 @@ impl<'a> Common<'a> {
         common
     }
 
+    /// How far the target goes, in parts of how far the source does.
+    pub(crate) fn motion_scale(&self) -> f32 {
+        f64math::to_f32([self.scale])[0]
+    }
+
     /// The joint of the target whose turn from rest to the common pose a joint shares before its own is added: its parent,
     /// or what it follows where it hangs elsewhere.
     fn guide(&self, joint: JointIndex) -> Option<JointIndex> {

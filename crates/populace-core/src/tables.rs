@@ -13,10 +13,10 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::layout::{
-    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, NONE, PAGE_ENTRIES,
-    PALETTE_BLOCK, POSE_PLANES,
+    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MOTION_ELEMENTS, NONE,
+    PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
 };
-use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, Skeleton, StageBuffer, Trs};
+use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, RootMotion, Skeleton, StageBuffer, Trs};
 use controls::ControlSpaces;
 use pages::PageLists;
 use set::{BlockTableSet, TableSet};
@@ -219,7 +219,13 @@ impl Tables {
         let times = if buckets.is_empty() { &[] } else { clip.row_times() };
         let time_first = self.all.row_times.extend(times.iter().copied())?;
         let bucket_first = self.all.buckets.extend(buckets.iter().copied())?;
+        let motion_first = self.all.motions.len() / MOTION_ELEMENTS as usize;
+        let motion = clip.root_motion();
+        self.all.motions.extend(motion.into_iter().flat_map(RootMotion::device_rows))?;
         self.all.clips.extend([ClipRows {
+            motion_first: u32_from(motion_first),
+            motion_count: u32_from(motion.map_or(0, RootMotion::row_count)),
+            motion_rows_per_sec: motion.map_or(0.0, RootMotion::rows_per_sec),
             row_first,
             row_stride: u32_from(clip.row_stride()),
             row_count: u32_from(clip.row_count()),

@@ -9,12 +9,13 @@ mod chain;
 mod feet;
 mod gaze;
 mod limb;
+mod motion;
 mod targets;
 
 use populace_core::layout::{
     Constraint, Control, Float4, LINKS_MOST, Link, NONE, STATES_PER_CONTROL, STEP_CHAIN, STEP_FOOT,
-    STEP_GAZE, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST,
-    WATCHED_ELEMENTS,
+    STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step,
+    TURNS_MOST, WATCHED_ELEMENTS,
 };
 use populace_core::math::{quat, vec3};
 use populace_core::{Affine, Frame, Tables, Trs};
@@ -93,12 +94,14 @@ pub(crate) struct Steering<'a> {
 pub(crate) struct Clock<'a> {
     pub(crate) tick: u64,
     pub(crate) elapsed_secs: f32,
+    pub(crate) elapsed_ticks: u32,
     pub(crate) stages: &'a Stages,
 }
 
 impl<'a> Clock<'a> {
     pub(crate) fn of(frame: Frame, stages: &'a Stages) -> Self {
-        Self { tick: frame.tick, elapsed_secs: frame.elapsed_secs(), stages }
+        let Frame { tick, elapsed_ticks, .. } = frame;
+        Self { tick, elapsed_secs: frame.elapsed_secs(), elapsed_ticks, stages }
     }
 }
 
@@ -173,6 +176,7 @@ impl<'a> Steering<'a> {
                 }
             }
             STEP_WATCH => self.watch(models, joint, step.index),
+            STEP_MOTION => self.moves(models, joint, step),
             _ => {}
         }
     }

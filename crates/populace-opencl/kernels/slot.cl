@@ -35,6 +35,17 @@ INLINE float slot_time(Slot slot, ulong tick, ClipRows clip)
     return clip.start_secs + (float)(uint)(phase >> 40) * (1.0f / 16777216.0f) * clip.duration_secs;
 }
 
+/* How often a looping slot passes an end of its clip from one time of the clock, not before its start, to a later one. */
+INLINE ulong slot_cycles(Slot slot, ulong from_tick, ulong to_tick)
+{
+    if (slot_mode(slot) != SLOT_LOOP) return 0;
+    const bool backwards = (slot.phase_rate >> 63) != 0;
+    const ulong rate = backwards ? -slot.phase_rate : slot.phase_rate, elapsed = to_tick - from_tick;
+    const ulong part = elapsed * rate, phase = ((ulong)slot.start_phase << 32) + (from_tick - slot.start_tick) * slot.phase_rate;
+    const bool passes = backwards ? part > phase : phase + part < part;
+    return mul_hi(elapsed, rate) + (passes ? 1 : 0);
+}
+
 /* The last row at or before a time; *between is how far it is to the next. */
 INLINE uint find_row(ClipRows clip, __global const float *row_times, __global const uint *buckets, float secs, float *between)
 {

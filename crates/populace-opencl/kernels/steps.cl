@@ -74,6 +74,7 @@ INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16
         return stage_model(of, step, s->control, own);
     }
 #endif
+    case STEP_MOTION: return moves(s, step, own);
     case STEP_WATCH: watch(s, step.index, own); return own;
     default: return own;
     }

@@ -13,8 +13,17 @@ typedef struct {
     __global const float *heights;
     __global const float4 *states_before, *watched_before; /* as the frame before left them */
     __global float4 *states, *watched;
-    __global const float4 *stage_values;
+    __global const float4 *stage_values, *motions;
+    /* What members play, for root motion. */
+    __global const Member *members;
+    __global const Slot *slots;
+    __global const Layer *layers;
+    __global const BoundClip *bound_clips;
+    __global const ClipRows *clips;
+    __global const float *masks;
+    uint slots_per_member;
     ulong tick;
+    uint elapsed_ticks;
     float elapsed_secs;
 } Controls;
 
@@ -23,9 +32,10 @@ typedef struct {
     __global const Constraint *constraints, __global const Link *links, __global const Target *targets, \
     __global const Ground *ground, __global const float *heights, __global const float4 *states_before, \
     __global const float4 *watched_before, __global float4 *states, __global float4 *watched, \
-    __global const float4 *stage_values, uint elapsed_ticks
+    __global const float4 *stage_values, __global const float4 *motions, uint elapsed_ticks
 #define CONTROLS { controls, steps, overrides, constraints, links, targets, ground, heights, states_before, watched_before, \
-    states, watched, stage_values, tick, (float)elapsed_ticks * TICK_SECS }
+    states, watched, stage_values, motions, members, slots, layers, bound_clips, clips, masks, slots_per_member, tick, \
+    elapsed_ticks, (float)elapsed_ticks * TICK_SECS }
 
 /* A member's own, and the turns that its steps hand down. */
 typedef struct { Controls of; Control control; uint index; TURNS float4 *turns; } Steering;

@@ -9,7 +9,9 @@
 __kernel void transform(__global const Member *members, __global const Body *bodies, __global const uint *parents,
                         __global const uint *levels, uint level, uint member_first, uint member_end,
                         __global const float4 *translations, __global const float4 *rotations,
-                        __global const float4 *scales, ulong tick, CONTROL_PARAMETERS, __global float4 *turns,
+                        __global const float4 *scales, __global const Slot *slots, __global const Layer *layers,
+                        __global const BoundClip *bound_clips, __global const ClipRows *clips,
+                        __global const float *masks, uint slots_per_member, ulong tick, CONTROL_PARAMETERS, __global float4 *turns,
                         __global float4 *row0, __global float4 *row1, __global float4 *row2)
 {
     const uint owner = member_first + (uint)get_global_id(1);

@@ -90,6 +90,7 @@ impl Keeping {
             .buffer("states", &self.states[self.now])
             .buffer("watched", &self.watched[self.now])
             .buffer("stage_values", &tables.stage_values.buffer)
+            .buffer("motions", &tables.motions.buffer)
             .uint("elapsed_ticks", frame.elapsed_ticks)
     }
 

@@ -53,6 +53,7 @@ impl Form {
             include_str!("../kernels/limb.cl"),
             include_str!("../kernels/chain.cl"),
             include_str!("../kernels/feet.cl"),
+            include_str!("../kernels/motion.cl"),
             include_str!("../kernels/steps.cl"),
         ];
         let kernels: &[&str] = match self {

@@ -149,6 +149,12 @@ impl Staged {
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
+            .buffer("slots", &on.tables.slots.buffer)
+            .buffer("layers", &on.tables.layers.buffer)
+            .buffer("bound_clips", &on.tables.bound_clips.buffer)
+            .buffer("clips", &on.tables.clips.buffer)
+            .buffer("masks", &on.tables.masks.buffer)
+            .uint("slots_per_member", narrow(on.host.slots_per_member()))
             .ulong("tick", frame.tick);
         on.keeping
             .parameters(launch, on.tables, frame)

@@ -5,6 +5,7 @@ mod controls;
 mod events;
 mod hand_over;
 mod live;
+mod motion;
 mod people;
 mod playback;
 mod readback;
@@ -179,6 +180,8 @@ pub struct Crowd {
     /// Beside each slot of the tables.
     started: Vec<Started>,
     last_serial: u32,
+    /// How often a member's motion has begun.
+    motions: u32,
     waiting: Waiting,
     spaces: Vec<Space>,
     /// The blend space that a member plays, by its place.
@@ -369,7 +372,7 @@ impl Crowd {
         self.member_count
     }
 
-    /// Places a member.
+    /// Places a member. If its clips move it, they do so from there on.
     ///
     /// # Errors
     ///
@@ -377,11 +380,12 @@ impl Crowd {
     pub fn place(&mut self, member: Member, placement: Placement) -> Result<(), Error> {
         self.check(member)?;
         placement.check()?;
+        self.begin_motion_anew(member)?;
         self.members[member.place as usize].placement = placement;
         self.stand(member)
     }
 
-    /// Where a member stands.
+    /// Where a member was placed; [`moved`](Self::moved) tells where its clips have moved it from there.
     ///
     /// # Errors
     ///

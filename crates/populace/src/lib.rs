@@ -45,7 +45,8 @@ mod stage;
 pub use populace_core as core;
 pub use populace_core::{
     Affine, After, BackendError, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex, JointOverride, LayerMode,
-    LayerSettings, LiveSettings, Mask, Schedule, Space, StageJoint, Streamed, Trs, UserStage, nearest_names,
+    LayerSettings, LiveSettings, Mask, MotionSettings, MotionSource, Schedule, Space, StageJoint, Streamed,
+    Trs, UserStage, nearest_names,
 };
 
 pub use blend_space::{BlendSpace, SpacePoint};

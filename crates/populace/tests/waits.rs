@@ -43,6 +43,7 @@ fn frames(stage: &mut body::Stage) {
             crowd.play(member, clips[(frame + n) % 2], Play::looping().fade_in_secs(0.2)).expect("a clip");
             crowd.set_layer(member, 1, LayerSettings::default(), None).expect("a layer");
             crowd.place(member, Placement::at([n as f32, 0.0, x * 0.001])).expect("a place");
+            crowd.move_by_clips(member, true).expect("a member");
             let target = Target::Point([x.sin(), 1.2, 1.0]);
             crowd.reach(member, Reach::with(joint("leftHand")), target, Weight::FULL).expect("a limb");
             crowd.plant_with(member, &feet()).expect("feet");

@@ -26,6 +26,8 @@ pub struct Binding {
     ranges: Vec<[Range; 3]>,
     turns: Vec<Vec<Turn>>,
     bound_joint_count: usize,
+    /// How far root motion takes the body, in parts of how far it takes the clip's own.
+    motion_scale: f32,
 }
 
 /// What a joint's pose goes through where a clip is retargeted; see [`TURN_PLANES`](crate::layout::TURN_PLANES).
@@ -57,11 +59,15 @@ impl Turn {
 }
 
 impl Binding {
+    fn empty(motion_scale: f32) -> Self {
+        let (joint_map, ranges, turns) = (Vec::new(), Vec::new(), Vec::new());
+        Self { joint_map, ranges, turns, bound_joint_count: 0, motion_scale }
+    }
+
     /// Binds by name.
     #[must_use]
     pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
-        let mut binding =
-            Self { joint_map: Vec::new(), ranges: Vec::new(), turns: Vec::new(), bound_joint_count: 0 };
+        let mut binding = Self::empty(1.0);
         for joint in skeleton.joints() {
             let column = clip.skeleton.find(skeleton.name(joint)).map(|joint| joint.0);
             let column = column.filter(|&column| clip.rows.drives(column));
@@ -145,8 +151,7 @@ impl Binding {
             return refused("it drives no joint with a humanoid role that both bodies have".into());
         }
         common.keep_above_ground(clip.rows.some_poses(&clip.skeleton));
-        let mut binding =
-            Self { joint_map: Vec::new(), ranges: Vec::new(), turns: Vec::new(), bound_joint_count };
+        let mut binding = Self { bound_joint_count, ..Self::empty(common.motion_scale()) };
         let motion = |joint: JointIndex| clip.rows.motion(joint);
         for joint in skeleton.joints() {
             binding.push(clip, skeleton.rest(joint), common.chain(joint, &motion));
@@ -212,6 +217,11 @@ impl Binding {
     /// What poses go through one after the other, of all joints each; empty where the clip is bound by name.
     pub(crate) fn turns(&self) -> &[Vec<Turn>] {
         &self.turns
+    }
+
+    /// How far root motion takes the body, in parts of how far it takes that of the clip.
+    pub(crate) fn motion_scale(&self) -> f32 {
+        self.motion_scale
     }
 
     /// Joints that the clip drives, moving or not.

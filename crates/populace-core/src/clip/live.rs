@@ -77,7 +77,8 @@ impl Clip {
             tolerance_m: 0.0,
         };
         let source = ClipSource { name: name.to_owned(), tracks: Vec::new() };
-        Ok(Self { source, skeleton: skeleton.clone(), rows, contacts: Contacts::default(), ring: Some(ring) })
+        let (skeleton, contacts) = (skeleton.clone(), Contacts::default());
+        Ok(Self { source, skeleton, rows, contacts, ring: Some(ring), motion: None })
     }
 
     /// The ring of a live clip's rows; `None` for other clips.

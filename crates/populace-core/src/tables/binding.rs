@@ -71,7 +71,8 @@ impl Tables {
             (self.rest_flags(&body_row, range_first, first) & !moved) | (u32::from(*turned) * BLOCK_TURNED)
         });
         let flags = flags.collect();
-        let bound = BoundClip { clip, range_first, body: body.0, next, ..BoundClip::default() };
+        let motion_scale = binding.motion_scale();
+        let bound = BoundClip { clip, range_first, body: body.0, next, motion_scale, ..BoundClip::default() };
         self.add_bound(bound, binding.joint_map(), flags)
     }
 

@@ -27,6 +27,8 @@ macro_rules! with_tables {
             poses: f32,
             /// Clips.
             clips: ClipRows,
+            /// Rows of the root motion of clips, `MOTION_ELEMENTS` each: `x y z 0`, sine and cosine of the heading.
+            motions: Float4,
             /// Rows of all clips, and at the end of each what 16 lanes may read past it.
             rows: u32,
             /// Times of the rows of clips that are not evenly spaced, on each clip's own axis.

@@ -124,6 +124,7 @@ impl CrowdBuilder {
             clock: Clock::default(),
             started: Vec::new(),
             last_serial: 0,
+            motions: 0,
             waiting: Waiting::default(),
             spaces: Vec::new(),
             steered: HashMap::new(),

@@ -26,6 +26,8 @@ pub(crate) struct Watches(HashMap<(Member, JointIndex), (u32, usize)>);
 #[derive(Debug, Default)]
 pub(crate) struct MemberControls {
     pub(super) controls: Controls,
+    /// The clock when its motion began.
+    pub(super) motion_tick: u64,
     watching: Vec<(Member, JointIndex)>,
 }
 

@@ -4,8 +4,8 @@ use crate::control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
 };
 use crate::layout::{
-    self, FEET_MOST, Float4, Link, NONE, Override, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_OVERRIDE,
-    STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST, Target,
+    self, FEET_MOST, Float4, Link, NONE, Override, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION,
+    STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST, Target,
 };
 use crate::tables::u32_from;
 use crate::{Error, JointIndex, Skeleton, f64math};
@@ -68,6 +68,9 @@ impl Program {
                 Constraint::Feet(feet) => program.feet(skeleton, feet)?,
             }
         }
+        for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
+            controls.motion.into_iter().for_each(|epoch| program.step(root, STEP_MOTION, 0, epoch as usize));
+        }
         program.overrides(skeleton, &controls.overrides)?;
         let pose_steps = program.stages(skeleton, &controls.stages)?;
         for &(joint, watched) in &controls.watches {
@@ -82,7 +85,7 @@ impl Program {
             );
             return bad(what);
         }
-        // Stable: constraints of one joint stay in order, then stages, then overrides, then what is watched.
+        // Stable: what moves the whole body comes first; constraints of one joint stay in order, then stages, then overrides, then what is watched.
         program.steps.sort_by_key(|step| (step.joint, rank(step.kind)));
         program.pose_step_count = pose_steps.len();
         program.steps.extend(pose_steps);
@@ -245,7 +248,7 @@ impl Program {
             &self.links[foot.link_first as usize..][..=foot.upper as usize]
         });
         let carriers: Vec<u32> = chains.map(|link| link.joint).collect();
-        let moves = |step: &Step| !matches!(step.kind, STEP_FOOT | STEP_PELVIS | STEP_WATCH);
+        let moves = |step: &Step| !matches!(step.kind, STEP_FOOT | STEP_PELVIS | STEP_WATCH | STEP_MOTION);
         if self.steps.iter().any(|step| moves(step) && carriers.contains(&step.joint)) {
             return;
         }
@@ -298,7 +301,7 @@ impl Program {
         for step in &mut self.steps {
             step.index += match step.kind {
                 STEP_OVERRIDE => u32_from(overrides),
-                STEP_WATCH | STEP_STAGE => 0,
+                STEP_WATCH | STEP_STAGE | STEP_MOTION => 0,
                 _ => u32_from(constraints),
             };
             if step.kind == STEP_STAGE {
@@ -315,11 +318,12 @@ impl Program {
 /// Among the steps of one joint.
 fn rank(kind: u32) -> u32 {
     match kind {
-        STEP_PELVIS => 0,
-        STEP_STAGE => 2,
-        STEP_OVERRIDE => 3,
-        STEP_WATCH => 4,
-        _ => 1,
+        STEP_MOTION => 0,
+        STEP_PELVIS => 1,
+        STEP_STAGE => 3,
+        STEP_OVERRIDE => 4,
+        STEP_WATCH => 5,
+        _ => 2,
     }
 }
 

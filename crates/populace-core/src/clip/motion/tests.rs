@@ -1,0 +1,130 @@
+use glam::DAffine3;
+
+use super::*;
+use crate::{JointSource, Skeleton, Trs};
+
+const SECS: f32 = 1.5;
+
+/// A root that is turned and scaled and stands still, hips that walk and turn on it, and a leg.
+fn walker() -> Skeleton {
+    let tilted = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2).to_array();
+    let joint = |name: &str, parent, rest| JointSource { name: name.into(), parent, rest };
+    let root = Trs { translation: [0.1, 0.2, 0.3], rotation: f64math::to_f32(tilted), scale: [0.01; 3] };
+    let up = |y: f32| Trs { translation: [0.0, y, 0.0], ..Trs::IDENTITY };
+    Skeleton::new(&[
+        joint("armature", None, root),
+        joint("hips", Some(0), up(90.0)),
+        joint("leg", Some(1), up(-40.0)),
+    ])
+    .unwrap()
+}
+
+/// A walk in a curve, and a swing of the leg.
+fn curve(skeleton: &Skeleton) -> Clip {
+    let keys = 31_u8;
+    let times: Vec<f32> = (0..keys).map(|key| SECS * f32::from(key) / 30.0).collect();
+    let at = |secs: f64| {
+        let yaw = 1.2 * secs;
+        let place = DVec3::new(80.0 * (1.0 - yaw.cos()), 6.0 * (9.0 * secs).sin(), 80.0 * yaw.sin());
+        // Up is +Z where the armature lies on its back.
+        let back = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+        (
+            back * (place + DVec3::Y * 90.0),
+            back * DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(0.2 * (7.0 * secs).sin()),
+        )
+    };
+    let poses: Vec<_> = times.iter().map(|secs| at(f64::from(*secs))).collect();
+    let track = |joint: &str, property, values| Track {
+        joint: joint.into(),
+        property,
+        interpolation: Interpolation::Linear,
+        times: times.clone(),
+        values,
+    };
+    let swing = |secs: &f32| f64math::to_f32(DQuat::from_rotation_x(f64::from(*secs)).to_array());
+    let tracks = vec![
+        track(
+            "hips",
+            Property::Translation,
+            poses.iter().flat_map(|p| f64math::to_f32(p.0.to_array())).collect(),
+        ),
+        track(
+            "hips",
+            Property::Rotation,
+            poses.iter().flat_map(|p| f64math::to_f32(p.1.to_array())).collect(),
+        ),
+        track("leg", Property::Rotation, times.iter().flat_map(swing).collect()),
+    ];
+    Clip::new(ClipSource { name: "curve".into(), tracks }, skeleton).unwrap()
+}
+
+fn models(clip: &Clip, secs: f64) -> Vec<DAffine3> {
+    let curves = Curves::new(&clip.source, &clip.skeleton).unwrap();
+    let locals = clip.skeleton.joints().map(|j| curves.local(j, secs, Side::After).affine());
+    f64math::model_from_joints(&parents(&clip.skeleton), locals)
+}
+
+fn settings(turns: bool, rises: bool) -> MotionSettings {
+    MotionSettings { turns, rises, ..MotionSettings::default() }
+}
+
+#[test]
+fn what_is_taken_out_and_what_is_left_are_the_motion() {
+    let skeleton = walker();
+    let clip = curve(&skeleton);
+    for settings in
+        [settings(true, false), settings(true, true), settings(false, false), settings(false, true)]
+    {
+        let moved = clip.with_root_motion(&settings).unwrap();
+        let motion = moved.root_motion().unwrap();
+        let mut worst: f64 = 0.0;
+        for step in 0..=300 {
+            let secs = f64::from(SECS) * f64::from(step) / 300.0;
+            let rigid = motion.rigid(secs);
+            let carried = DAffine3::from_rotation_translation(rigid.turn(), rigid.shift);
+            // What the hips hang on is carried along.
+            for (left, whole) in models(&moved, secs).iter().zip(models(&clip, secs)).skip(1) {
+                worst = worst.max(((carried * *left).translation - whole.translation).length());
+            }
+        }
+        // Straight lines between 60 rows a second, of a curve of 0.8 m.
+        assert!(worst < 4e-4, "{settings:?}: {worst} m");
+    }
+}
+
+#[test]
+fn the_pose_that_is_left_stays_in_place() {
+    let clip = curve(&walker());
+    let moved = clip.with_root_motion(&settings(true, false)).unwrap();
+    let hips = |secs: f64| models(&moved, secs)[1];
+    for step in 0..=30 {
+        let now = hips(f64::from(step) * 0.05);
+        let drift = now.translation - hips(0.0).translation;
+        assert!(drift.x.hypot(drift.z) < 1e-4, "{drift}");
+        let ahead =
+            now.transform_vector3(DVec3::X).normalize() - hips(0.0).transform_vector3(DVec3::X).normalize();
+        assert!(ahead.length() < 1e-3, "{ahead}");
+    }
+    // What is not asked for stays in the pose.
+    let rises = |secs: f64| hips(secs).translation.y - hips(0.0).translation.y;
+    assert!((rises(0.17) - 0.06).abs() < 0.01, "{}", rises(0.17));
+    let (end, yaw) = moved.root_motion().unwrap().at(SECS);
+    assert!((yaw - 1.8).abs() < 1e-3 && end[1] == 0.0 && end[2] > 0.7, "{end:?} {yaw}");
+}
+
+#[test]
+fn nothing_to_take_out_is_said() {
+    let skeleton = walker();
+    let clip = curve(&skeleton);
+    let of =
+        |name: &str| MotionSettings { from: MotionSource::Joint(name.into()), ..MotionSettings::default() };
+    let refused = |result: Result<Clip, Error>| result.unwrap_err().to_string();
+    assert!(refused(clip.with_root_motion(&of("leg"))).contains("moves \"hips\", on which \"leg\" hangs"));
+    assert!(refused(clip.with_root_motion(&of("hip"))).contains("hips"), "the nearest name");
+    let moved = clip.with_root_motion(&of("hips")).unwrap();
+    assert!(refused(moved.with_root_motion(&of("hips"))).contains("taken out already"));
+    let feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
+    assert!(refused(clip.with_root_motion(&feet)).contains("plants no foot"));
+    let still = Clip::new(ClipSource::default(), &skeleton).unwrap();
+    assert!(refused(still.with_root_motion(&MotionSettings::default())).contains("MotionSource::Feet"));
+}

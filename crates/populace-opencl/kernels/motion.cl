@@ -1,0 +1,139 @@
+/* motion.cl - root motion: where its clips move a member, frame after frame. Each clip says how far it moves the body between
+ * the last frame and this one, seen from where it had it; these moves are mixed as poses are, and the mix goes on from where the
+ * member was. Twin of populace-native controls/motion.rs. */
+
+/* A turn about +Y, then a shift; s and c are sine and cosine. */
+typedef struct { float x, y, z, s, c; } Move;
+
+#define NO_MOVE { 0.0f, 0.0f, 0.0f, 0.0f, 1.0f }
+
+INLINE Move move_of(float x, float y, float z, float s, float c)
+{
+    const float squared = s * s + c * c;
+    const float k = squared > 1e-20f ? inverse_root(squared) : 0.0f;
+    const Move move = { x, y, z, squared > 1e-20f ? s * k : 0.0f, squared > 1e-20f ? c * k : 1.0f };
+    return move;
+}
+
+/* `next` first, then `first`. */
+INLINE Move move_then(Move first, Move next)
+{
+    return move_of(first.x + (first.c * next.x + first.s * next.z), first.y + next.y,
+                   first.z + (first.c * next.z - first.s * next.x), first.s * next.c + first.c * next.s,
+                   first.c * next.c - first.s * next.s);
+}
+
+INLINE Move move_undone(Move m)
+{
+    const Move back = { (m.c * m.x + -m.s * m.z) * -1.0f, m.y * -1.0f, (m.c * m.z - -m.s * m.x) * -1.0f, -m.s, m.c };
+    return back;
+}
+
+/* So many times. */
+INLINE Move move_times(Move m, ulong count)
+{
+    Move all = NO_MOVE;
+    for (; count > 0; count >>= 1) {
+        if (count & 1) all = move_then(all, m);
+        m = move_then(m, m);
+    }
+    return all;
+}
+
+INLINE float between(float from, float to, float part) { return from + (to - from) * part; }
+
+INLINE Move move_mix(Move a, Move b, float part)
+{
+    return move_of(between(a.x, b.x, part), between(a.y, b.y, part), between(a.z, b.z, part), between(a.s, b.s, part),
+                   between(a.c, b.c, part));
+}
+
+INLINE Move motion_row(__global const float4 *motions, ClipRows clip, uint row)
+{
+    __global const float4 *at = motions + (clip.motion_first + row) * MOTION_ELEMENTS;
+    const Move move = { at[0].x, at[0].y, at[0].z, at[1].x, at[1].y };
+    return move;
+}
+
+/* Where a clip has its body at a time. */
+INLINE Move motion_at(__global const float4 *motions, ClipRows clip, float secs)
+{
+    const float last = (float)(clip.motion_count - 1), wanted = (secs - clip.start_secs) * clip.motion_rows_per_sec;
+    const float place = wanted > 0.0f ? (wanted < last ? wanted : last) : 0.0f;
+    const uint row = (uint)place, next = row + 1 < clip.motion_count ? row + 1 : row;
+    return move_mix(motion_row(motions, clip, row), motion_row(motions, clip, next), place - (float)row);
+}
+
+/* How far a slot's clip moves its own body since the frame before, seen from where it had it. */
+INLINE Move move_of_slot(Controls of, Slot slot, ClipRows clip)
+{
+    const Move none = NO_MOVE;
+    const ulong before = of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0;
+    const ulong from_tick = before > slot.start_tick ? before : slot.start_tick;
+    const uint mode = slot_mode(slot);
+    if (clip.motion_count == 0 || from_tick >= of.tick || (mode != SLOT_LOOP && mode != SLOT_ONCE)) return none;
+    const Move from = motion_at(of.motions, clip, slot_time(slot, from_tick, clip));
+    const Move to = motion_at(of.motions, clip, slot_time(slot, of.tick, clip));
+    const Move cycle = motion_at(of.motions, clip, clip.start_secs + clip.duration_secs);
+    const bool backwards = (slot.phase_rate >> 63) != 0;
+    const Move whole = move_times(backwards ? move_undone(cycle) : cycle, slot_cycles(slot, from_tick, of.tick));
+    return move_then(move_undone(from), move_then(whole, to));
+}
+
+/* The weighted mean of what a layer's slots do; *total is how much they weigh. */
+INLINE Move move_of_layer(Controls of, uint owner, uint layer, float *total)
+{
+    float x = 0.0f, y = 0.0f, z = 0.0f, sine = 0.0f, cosine = 0.0f, sum = 0.0f;
+    for (uint i = 0; i < of.slots_per_member; i++) {
+        const Slot slot = of.slots[owner * of.slots_per_member + i];
+        const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, of.tick);
+        if (weight <= 0.0f || slot_layer(slot) != layer) continue;
+        const BoundClip bound = of.bound_clips[slot.bound_clip];
+        const Move move = move_of_slot(of, slot, of.clips[bound.clip]);
+        const float far = weight * bound.motion_scale;
+        x += move.x * far;
+        y += move.y * far;
+        z += move.z * far;
+        sine += move.s * weight;
+        cosine += move.c * weight;
+        sum += weight;
+    }
+    *total = sum;
+    const float k = 1.0f / sum;
+    return move_of(x * k, y * k, z * k, sine * k, cosine * k);
+}
+
+/* The mix of what all clips do since the frame before. Layers that add to what lies beneath move nobody. */
+INLINE Move move_of_frame(Controls of, uint owner)
+{
+    float total;
+    Move moved = NO_MOVE;
+    const Move lowest = move_of_layer(of, owner, 0, &total);
+    if (total > 1e-3f) moved = lowest;
+    const uint layer_count = of.members[owner].layer_count;
+    for (uint l = 1; l < layer_count; l++) {
+        const Layer layer = of.layers[owner * LAYERS_PER_MEMBER + l];
+        const Move above = move_of_layer(of, owner, l, &total);
+        if (total <= 0.0f || (layer.mask_and_mode & LAYER_ADDITIVE) != 0) continue;
+        const uint mask = layer.mask_and_mode & LAYER_MASK;
+        const float weight = mask == LAYER_MASK ? layer.weight : layer.weight * of.masks[mask];
+        moved = move_mix(moved, above, weight * (total < 1.0f ? total : 1.0f));
+    }
+    return moved;
+}
+
+/* Moves a root to where clips have moved the member. */
+APART_STEP float16 moves(const Steering *s, Step step, float16 own)
+{
+    const uint state = s->index * STATES_PER_CONTROL + MOTION_STATE;
+    const float4 place = s->of.states_before[state], heading = s->of.states_before[state + 1];
+    const Move none = NO_MOVE, kept = { place.x, place.y, place.z, heading.x, heading.y };
+    const Move last = as_uint(place.w) == step.turn ? kept : none;
+    const Move now = move_then(last, move_of_frame(s->of, s->control.member));
+    if (step.joint == 0) {
+        s->of.states[state] = (float4)(now.x, now.y, now.z, as_float(step.turn));
+        s->of.states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
+    }
+    const float16 carried = (float16)(now.c, 0.0f, now.s, now.x, 0.0f, 1.0f, 0.0f, now.y, -now.s, 0.0f, now.c, now.z, (float4)(0.0f));
+    return affine_mul(carried, own);
+}

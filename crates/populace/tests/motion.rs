@@ -1,0 +1,304 @@
+//! Root motion: members that their clips move, on every device and schedule.
+#![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
+#![expect(
+    clippy::expect_used,
+    dead_code,
+    reason = "a test that cannot go on fails; bodies are shared with others"
+)]
+#![expect(clippy::print_stdout, reason = "what is measured is for those who run tests with --nocapture")]
+
+#[path = "controls/body.rs"]
+mod body;
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use body::{Stage, character, distance, everywhere, joint};
+use populace::core::{Clip, ClipSource, Interpolation, Property, Track};
+use populace::{
+    Affine, ClipId, Crowd, Device, LayerMode, LayerSettings, Mask, Member, MotionSettings, MotionSource,
+    Placement, Play, Split,
+};
+
+const SECS: f32 = 1.0;
+/// Metres and radians of one cycle of the curve.
+const RADIUS: f32 = 2.0;
+const TURN: f32 = 0.7;
+
+/// A walk in a curve to the left: the root goes along a circle, and the legs swing.
+fn curve() -> ClipSource {
+    let times: Vec<f32> = (0..=40_u8).map(|key| SECS * f32::from(key) / 40.0).collect();
+    let yaw = |secs: &f32| TURN * secs / SECS;
+    let place = |secs: &f32| [RADIUS * (1.0 - yaw(secs).cos()), 0.0, RADIUS * yaw(secs).sin()];
+    let turn = |secs: &f32| [0.0, (yaw(secs) / 2.0).sin(), 0.0, (yaw(secs) / 2.0).cos()];
+    let track = |property, values| Track {
+        joint: "root".into(),
+        property,
+        interpolation: Interpolation::Linear,
+        times: times.clone(),
+        values,
+    };
+    let mut source = body::swing(
+        "curve",
+        SECS,
+        &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0), ("spine", [0.0, 1.0, 0.0], 0.3, 0.2)],
+    );
+    source.tracks.push(track(Property::Translation, times.iter().flat_map(place).collect()));
+    source.tracks.push(track(Property::Rotation, times.iter().flat_map(turn).collect()));
+    source
+}
+
+/// Straight ahead at a speed.
+fn straight(name: &str, metres: f32) -> ClipSource {
+    let mut source = body::swing(name, SECS, &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0)]);
+    source.tracks.push(Track {
+        joint: "root".into(),
+        property: Property::Translation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, SECS],
+        values: vec![0.0, 0.0, 0.0, 0.0, 0.0, metres],
+    });
+    source
+}
+
+fn add(stage: &mut Stage, source: ClipSource) -> (ClipId, ClipId) {
+    let whole = Clip::new(source, &character().skeleton).expect("a good clip");
+    let taken = whole.with_root_motion(&MotionSettings::default()).expect("a root that moves");
+    let mut add = |clip| stage.crowd.add_clip(stage.body, &Arc::new(clip)).expect("room");
+    (add(whole), add(taken))
+}
+
+/// What so many cycles of the curve do, and a part of one.
+fn carried(cycles: f32) -> Affine {
+    let yaw = TURN * cycles;
+    let (sin, cos) = yaw.sin_cos();
+    Affine {
+        rows: [[cos, 0.0, sin, RADIUS * (1.0 - cos)], [0.0, 1.0, 0.0, 0.0], [-sin, 0.0, cos, RADIUS * sin]],
+    }
+}
+
+fn apart(a: &[Affine], b: &[Affine]) -> f32 {
+    let joints = a.iter().zip(b).map(|(a, b)| {
+        // Where a point away from the joint goes tells turns too.
+        distance(a.transform_point([0.2, 0.1, 0.3]), b.transform_point([0.2, 0.1, 0.3]))
+    });
+    joints.fold(0.0, f32::max)
+}
+
+#[test]
+fn members_go_where_the_whole_clip_would_take_them_cycle_after_cycle() {
+    everywhere(|stage| {
+        let (whole, taken) = add(stage, curve());
+        let at = Placement::at([3.0, 0.0, -2.0]).facing(0.8).scaled(1.1);
+        let [plain, moved] = [stage.member(at), stage.member(at)];
+        stage.crowd.play(plain, whole, Play::looping().phase(0.25)).expect("a clip");
+        stage.crowd.play(moved, taken, Play::looping().phase(0.25)).expect("a clip");
+        stage.crowd.move_by_clips(moved, true).expect("a member");
+        let mut worst: f32 = 0.0;
+        for frame in 1..=200_u8 {
+            stage.update(0.02);
+            let cycles = 0.25 + f32::from(frame) * 0.02 / SECS;
+            // The plain one is back at the clip's start in each cycle; both began a quarter in.
+            let since = carried(-0.25).mul(&carried(cycles.floor()));
+            let wanted: Vec<_> = stage.models(plain).iter().map(|model| since.mul(model)).collect();
+            worst = worst.max(apart(&wanted, &stage.models(moved)));
+        }
+        println!("{:?}: {:.2} mm in four cycles, 200 frames", stage.crowd.schedule(), worst * 1e3);
+        assert!(worst < 2e-3, "{worst} m");
+        let now = stage.crowd.moved(moved).expect("a member");
+        let end = at.world_from_model().mul(&carried(-0.25).mul(&carried(4.25)));
+        assert!(distance(now.position(), end.origin()) < 5e-3, "{now:?} {end:?}");
+        assert!((now.yaw_rad() - 0.8 - 4.0 * TURN).abs() % std::f32::consts::TAU < 1e-3, "{now:?}");
+        assert_eq!(stage.crowd.placement(moved), Ok(at));
+    });
+}
+
+#[test]
+fn long_steps_runs_that_end_and_runs_backwards_arrive_where_short_ones_do() {
+    everywhere(|stage| {
+        let (_, taken) = add(stage, curve());
+        let plays =
+            [Play::looping().phase(0.5), Play::looping().speed(-1.3), Play::once(), Play::once().speed(-0.6)];
+        let cycles = [7.2, -7.2 * 1.3, 1.0, -1.0];
+        let members = plays.map(|play| {
+            let member = stage.member(Placement::at([0.0; 3]));
+            stage.crowd.play(member, taken, play).expect("a clip");
+            stage.crowd.move_by_clips(member, true).expect("a member");
+            member
+        });
+        stage.update(7.2 * SECS);
+        for ((member, cycles), start) in members.into_iter().zip(cycles).zip([0.5_f32, 1.0, 0.0, 1.0]) {
+            let wanted = carried(-start).mul(&carried(start + cycles));
+            let found = stage.crowd.moved(member).expect("a member").world_from_model();
+            assert!(apart(&[wanted], &[found]) < 3e-3, "{cycles} cycles: {found:?} is not {wanted:?}");
+        }
+        // What has ended, and what stands, stays.
+        let before = stage.crowd.moved(members[2]);
+        stage.update(1.0);
+        assert_eq!(stage.crowd.moved(members[2]), before);
+    });
+}
+
+/// How far a member goes in a frame.
+fn step_of(stage: &mut Stage, member: Member, secs: f32) -> f32 {
+    let before = stage.crowd.moved(member).expect("a member").position();
+    stage.update(secs);
+    distance(stage.crowd.moved(member).expect("a member").position(), before)
+}
+
+#[test]
+fn motion_is_mixed_as_poses_are() {
+    everywhere(|stage| {
+        let (_, fast) = add(stage, straight("fast", 2.0));
+        let (_, slow) = add(stage, straight("slow", 0.5));
+        let still = stage.clip("sway");
+        let member = stage.member(Placement::at([0.0; 3]));
+        let close =
+            |found: f32, wanted: f32| assert!((found - wanted).abs() < 2e-5, "{found} m is not {wanted} m");
+        stage.crowd.play(member, fast, Play::looping()).expect("a clip");
+        stage.crowd.move_by_clips(member, true).expect("a member");
+        close(step_of(stage, member, 0.01), 0.02);
+        stage.crowd.crossfade(member, slow, 1.0).expect("a clip");
+        stage.update(0.49);
+        close(step_of(stage, member, 0.01), 0.0125);
+        stage.update(0.51);
+        close(step_of(stage, member, 0.01), 0.005);
+        // Layers: through a mask without the root, for the whole body by half, and adding.
+        let legs = Mask::of_subtrees(&character().skeleton, ["leftUpperLeg"]).expect("a joint");
+        let legs = stage.crowd.add_mask(stage.body, &legs).expect("room");
+        let settings = LayerSettings::default();
+        stage.crowd.set_layer(member, 1, settings, Some(legs)).expect("a layer");
+        stage.crowd.play(member, still, Play::looping().on_layer(1)).expect("a clip");
+        close(step_of(stage, member, 0.01), 0.005);
+        stage.crowd.set_layer(member, 1, LayerSettings { weight: 0.5, ..settings }, None).expect("a layer");
+        close(step_of(stage, member, 0.01), 0.0025);
+        stage
+            .crowd
+            .set_layer(member, 1, LayerSettings { mode: LayerMode::Additive, ..settings }, None)
+            .expect("a layer");
+        stage.crowd.play(member, fast, Play::looping().on_layer(1)).expect("a clip");
+        close(step_of(stage, member, 0.01), 0.005);
+    });
+}
+
+#[test]
+fn members_are_placed_let_go_and_moved_on() {
+    everywhere(|stage| {
+        let (_, walk) = add(stage, straight("walk ahead", 1.0));
+        let member = stage.member(Placement::at([5.0, 0.0, 0.0]).facing(std::f32::consts::FRAC_PI_2));
+        stage.crowd.play(member, walk, Play::looping()).expect("a clip");
+        let at = |stage: &mut Stage, wanted: [f32; 3]| {
+            let hips = stage.models(member)[joint("hips").index()].origin();
+            let drawn =
+                stage.crowd.placement(member).expect("a member").world_from_model().transform_point(hips);
+            let ([x, _, z], [a, _, b]) = (drawn, wanted);
+            assert!((x - a).abs() < 1e-4 && (z - b).abs() < 1e-4, "{drawn:?} is not at {wanted:?}");
+        };
+        stage.update(0.5);
+        at(stage, [5.0, 0.0, 0.0]);
+        assert_eq!(stage.crowd.is_moved_by_clips(member), Ok(false));
+        stage.crowd.move_by_clips(member, true).expect("a member");
+        stage.update(0.5);
+        at(stage, [5.5, 0.0, 0.0]);
+        let placed = stage.crowd.place_where_moved(member).expect("a member");
+        assert!(distance(placed.position(), [5.5, 0.0, 0.0]) < 1e-4, "{placed:?}");
+        stage.update(0.25);
+        at(stage, [5.75, 0.0, 0.0]);
+        stage.crowd.place(member, Placement::at([0.0, 0.0, 7.0])).expect("a place");
+        stage.update(0.25);
+        at(stage, [0.0, 0.0, 7.25]);
+        stage.crowd.move_by_clips(member, false).expect("a member");
+        stage.update(0.25);
+        at(stage, [0.0, 0.0, 7.0]);
+        // A newcomer does not go on where one who left was.
+        stage.crowd.move_by_clips(member, true).expect("a member");
+        stage.update(0.5);
+        stage.crowd.despawn(member).expect("a member");
+        assert!(stage.crowd.move_by_clips(member, true).is_err());
+        let next = stage.member(Placement::at([0.0; 3]));
+        stage.crowd.play(next, walk, Play::looping()).expect("a clip");
+        stage.crowd.move_by_clips(next, true).expect("a member");
+        assert_eq!(step_of(stage, next, 0.0), 0.0);
+        assert!((step_of(stage, next, 0.125) - 0.125).abs() < 1e-5);
+    });
+}
+
+#[test]
+fn feet_that_walk_in_place_set_the_pace() {
+    let skeleton = character().skeleton.clone();
+    let clip = character().clips.iter().find(|clip| clip.name() == "walk").map(Arc::clone).expect("a walk");
+    let settings = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
+    let moved = clip.with_root_motion(&settings).expect("feet that are known by name");
+    let speed = moved.stats().ground_speed_m_per_sec.expect("a speed");
+    let (end, yaw) = moved.root_motion().expect("a motion").at(SECS);
+    assert_eq!((end[0], end[1], yaw), (0.0, 0.0, 0.0));
+    assert!((end[2] - speed * moved.duration_secs()).abs() < 1e-5 && speed.abs() > 0.1, "{end:?} {speed}");
+    assert_eq!(moved.skeleton().joint_count(), skeleton.joint_count());
+}
+
+/// Twelve members in as many curves and speeds.
+fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
+    let mut crowd = crowd;
+    let body = crowd.add_character(character()).expect("room");
+    let mut stage = Stage { crowd, body };
+    let (_, curve) = add(&mut stage, curve());
+    let (_, walk) = add(&mut stage, straight("walk ahead", 1.3));
+    let members: Vec<_> = (0..12_u8)
+        .map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]).facing(f32::from(n))))
+        .collect();
+    for (n, &member) in (0_u8..).zip(&members) {
+        let play = Play::looping().phase(f32::from(n) * 0.07).speed(1.5 - 0.3 * f32::from(n));
+        stage.crowd.play(member, curve, play).expect("a clip");
+        stage.crowd.crossfade(member, walk, 0.1 * f32::from(n)).expect("a clip");
+        stage.crowd.move_by_clips(member, true).expect("a member");
+    }
+    (stage, members)
+}
+
+fn step(stage: &mut Stage, members: &[Member]) -> Vec<u32> {
+    stage.update(1.0 / 60.0);
+    let palettes = members.iter().flat_map(|&member| stage.crowd.palette(member).expect("a palette"));
+    palettes.flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
+}
+
+fn alone(device: Device) -> Crowd {
+    Crowd::builder().device(device).capacity(16).build().expect("a crowd")
+}
+
+#[test]
+fn every_device_and_schedule_moves_members_to_the_same_bits() {
+    let first: RefCell<Option<Vec<Vec<u32>>>> = RefCell::new(None);
+    everywhere(|stage| {
+        let (device, schedule) = (stage.crowd.devices().clone(), stage.crowd.schedule());
+        let crowd =
+            Crowd::builder().devices(device).schedule(schedule).capacity(16).build().expect("a crowd");
+        let (mut stage, members) = walkers(crowd);
+        let bits: Vec<_> = (0..90).map(|_| step(&mut stage, &members)).collect();
+        let mut first = first.borrow_mut();
+        assert!(*first.get_or_insert_with(|| bits.clone()) == bits, "{schedule} differs");
+    });
+}
+
+#[cfg(feature = "opencl")]
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn members_go_on_where_they_are_on_another_device_and_on_several() {
+    let shared = Crowd::builder()
+        .devices([Device::native(), Device::opencl(0)])
+        .capacity(16)
+        .build()
+        .expect("a crowd");
+    let ((mut moved, moving), (mut split, several), (mut twin, twins)) =
+        (walkers(alone(Device::native())), walkers(shared), walkers(alone(Device::native())));
+    for frame in 0..60 {
+        if frame % 20 == 10 {
+            let device = if frame % 40 == 10 { Device::opencl(0) } else { Device::native() };
+            moved.crowd.move_to(device).expect("a device");
+        }
+        let share = f64::from(frame % 7 + 1) / 9.0;
+        split.crowd.set_split(&Split::Fixed(vec![share, 1.0 - share])).expect("shares");
+        let wanted = step(&mut twin, &twins);
+        assert!(step(&mut moved, &moving) == wanted, "moved, frame {frame}");
+        assert!(step(&mut split, &several) == wanted, "split, frame {frame}");
+    }
+}
