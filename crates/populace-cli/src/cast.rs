@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use populace::core::{Binding, Character, Clip, RoleMap};
-use populace::{CharacterId, ClipId, Crowd};
+use populace::core::{Binding, Character, Clip, RoleMap, RootMotion};
+use populace::{CharacterId, ClipId, Crowd, MotionSettings, MotionSource};
 
 use crate::failure::Failure;
-use crate::staging::with_ground_speed;
 
+/// Slower clips are taken to stand still.
+const WALKING_M_PER_SEC: f32 = 0.1;
 /// Heights that are believed to be metres in a crowd of mixed characters; others are in some other unit.
 const BELIEVED_M: std::ops::Range<f32> = 0.5..2.2;
 /// What a character of some other unit becomes, if it stands upright.
@@ -20,10 +21,25 @@ const FOUR_LEGGED_M: f32 = 0.8;
 pub(crate) struct Role {
     pub(crate) id: CharacterId,
     pub(crate) character: Arc<Character>,
-    /// Clips to choose from, each with its ground speed in the character's own metres per second; empty where the
-    /// character has none.
-    pub(crate) clips: Vec<(ClipId, f32)>,
+    /// Clips to choose from; empty where the character has none.
+    pub(crate) clips: Vec<Moving>,
     pub(crate) scale: f32,
+}
+
+/// A clip, and how it moves who plays it.
+pub(crate) struct Moving {
+    pub(crate) id: ClipId,
+    /// Its root motion, and in parts of that how far the character goes.
+    pub(crate) motion: Option<(RootMotion, f32)>,
+}
+
+/// What characters are to play.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Wanted<'a> {
+    /// The clip of this name; else the usual ones.
+    pub(crate) clip: Option<&'a str>,
+    /// Whether what moves the body is taken out of the pose, to move the member.
+    pub(crate) root_motion: bool,
 }
 
 /// Loads the inputs into the crowd: files, or built-in people as `@people` or one by name as `@child`. Files without
@@ -32,7 +48,7 @@ pub(crate) fn load(
     crowd: &mut Crowd,
     inputs: &[String],
     lenders: &[PathBuf],
-    clip: Option<&str>,
+    wanted: Wanted,
     height_m: Option<f32>,
 ) -> Result<Vec<Role>, Failure> {
     let mut drawn = Vec::new();
@@ -59,7 +75,7 @@ pub(crate) fn load(
     let mixed = drawn.len() > 1;
     let role = |character: Arc<Character>| {
         let scale = scale(&character, height_m, mixed);
-        Ok(Role { scale, ..role(crowd, character, &lent, clip)? })
+        Ok(Role { scale, ..role(crowd, character, &lent, wanted)? })
     };
     drawn.into_iter().map(role).collect()
 }
@@ -96,7 +112,7 @@ pub(crate) fn role(
     crowd: &mut Crowd,
     character: Arc<Character>,
     lent: &[Arc<Clip>],
-    clip: Option<&str>,
+    wanted: Wanted,
 ) -> Result<Role, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
     for lent in lent {
@@ -104,7 +120,7 @@ pub(crate) fn role(
         let binding = Binding::fitting(lent, clip_roles.as_ref(), &character.skeleton, own.as_ref());
         if binding.is_ok_and(|binding| binding.bound_joint_count() > 0) {
             crowd.add_clip(id, lent)?;
-        } else if clip == Some(lent.name()) {
+        } else if wanted.clip == Some(lent.name()) {
             let what = format!(
                 "the clip \"{}\" moves no joint of \"{}\": no name fits, and no humanoid roles",
                 lent.name(),
@@ -113,12 +129,38 @@ pub(crate) fn role(
             return Err(Failure::usage(what));
         }
     }
-    let clips = match clip {
+    let clips = match wanted.clip {
         Some(name) => vec![crowd.clip(id, name)?],
         None => usual_clips(crowd, id)?,
     };
-    let clips = clips.into_iter().map(|clip| with_ground_speed(crowd, id, clip)).collect::<Result<_, _>>()?;
+    let clips = clips.into_iter().map(|clip| moving(crowd, id, clip, wanted)).collect::<Result<_, _>>()?;
     Ok(Role { id, character, clips, scale: 1.0 })
+}
+
+/// A clip with its root motion: what its root does where that is asked for, else what the feet of one that walks in place
+/// tell.
+fn moving(crowd: &mut Crowd, role: CharacterId, clip: ClipId, wanted: Wanted) -> Result<Moving, Failure> {
+    let Some((_, plain)) = crowd.clips(role)?.into_iter().find(|(id, _)| *id == clip) else {
+        return Ok(Moving { id: clip, motion: None });
+    };
+    let walks = plain.stats().ground_speed_m_per_sec.is_some_and(|speed| speed > WALKING_M_PER_SEC);
+    let by_feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
+    let taken = match (wanted.root_motion, walks) {
+        (true, _) => plain.with_root_motion(&MotionSettings::default()).map_err(Some),
+        (false, true) => plain.with_root_motion(&by_feet).map_err(Some),
+        (false, false) => Err(None),
+    };
+    let taken = match taken {
+        Ok(taken) => Arc::new(taken),
+        Err(Some(error)) if wanted.clip.is_some() => return Err(Failure::usage(error.to_string())),
+        Err(_) => return Ok(Moving { id: clip, motion: None }),
+    };
+    let skeleton = &crowd.character(role)?.skeleton;
+    let [clip_roles, own] = [taken.skeleton(), skeleton].map(RoleMap::detect);
+    let part = Binding::fitting(&taken, clip_roles.as_ref(), skeleton, own.as_ref())
+        .map_or(1.0, |binding| binding.motion_scale());
+    let motion = taken.root_motion().cloned().map(|motion| (motion, part));
+    Ok(Moving { id: crowd.add_clip(role, &taken)?, motion })
 }
 
 /// The height asked for; in a crowd of mixed characters a sensible one.

@@ -111,6 +111,9 @@ pub(crate) struct RenderArgs {
     /// Clip that all members play [default: a walk or an idle, whichever are found by name, else any]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
+    /// Let the motion of a clip's root carry members on, cycle after cycle. Clips that walk in place do so without it
+    #[arg(long)]
+    pub(crate) root_motion: bool,
     /// Leave out the parts of a node, by its name; can be repeated
     #[arg(long, value_name = "NODE")]
     pub(crate) hide: Vec<String>,

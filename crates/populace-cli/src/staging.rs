@@ -1,34 +1,30 @@
-//! A crowd on its ground: who stands where, playing what, and how it moves on from frame to frame.
+//! A crowd on its ground: who stands where, playing what, and where that takes them.
 
-use populace::{ClipId, Crowd, Member, Placement, Play};
+use populace::core::RootMotion;
+use populace::{Crowd, Placement, Play};
 
 use crate::cast::Role;
 use crate::failure::Failure;
 use crate::placement::{Random, places};
 use crate::skin::skinned;
 
-/// Slower clips are taken to stand still, or to move their root themselves.
-const WALKING_M_PER_SEC: f32 = 0.1;
 /// How much further apart members stand than they are wide.
 const ELBOW_ROOM: f32 = 1.3;
 
-/// A member that walks on: an in-place clip moves its legs, and this its ground place.
+/// A member and where it goes.
 struct Walker {
-    member: Member,
-    position: [f32; 3],
-    yaw_rad: f32,
-    scale: f32,
-    speed_m_per_sec: f32,
+    placement: Placement,
+    /// Root motion of its clip, in parts of that how far it goes, and where in the clip it begins.
+    motion: Option<(RootMotion, f32, f32)>,
 }
 
 impl Walker {
     /// Where the member is after so many seconds.
     fn after(&self, secs: f32) -> [f32; 3] {
-        let (sin, cos) = f64::from(self.yaw_rad).sin_cos();
-        let way = f64::from(self.speed_m_per_sec * secs);
-        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
-        let (dx, dz) = ((sin * way) as f32, (cos * way) as f32);
-        [self.position[0] + dx, self.position[1], self.position[2] + dz]
+        let way = self.motion.as_ref().map_or([0.0; 3], |(motion, part, phase)| {
+            motion.looped(*phase, secs).0.map(|metres| metres * part)
+        });
+        self.placement.world_from_model().transform_point(way)
     }
 }
 
@@ -65,16 +61,17 @@ impl Staging {
             let role = &roles[if index < roles.len() { index } else { random.below(roles.len()) }];
             let away = if random.below(100) < plan.away_percent { std::f32::consts::PI } else { 0.0 };
             let yaw_rad = away + random.signed() * 0.5;
-            let scale = role.scale;
-            let member = crowd.spawn(role.id, Placement::at(position).facing(yaw_rad).scaled(scale))?;
+            let placement = Placement::at(position).facing(yaw_rad).scaled(role.scale);
+            let member = crowd.spawn(role.id, placement)?;
             let phase = random.unit();
-            let mut speed_m_per_sec = 0.0;
+            let mut motion = None;
             if !role.clips.is_empty() {
-                let (clip, ground_speed) = role.clips[random.below(role.clips.len())];
-                crowd.play(member, clip, Play::looping().phase(phase))?;
-                speed_m_per_sec = ground_speed * scale;
+                let clip = &role.clips[random.below(role.clips.len())];
+                crowd.play(member, clip.id, Play::looping().phase(phase))?;
+                motion = clip.motion.clone().map(|(motion, part)| (motion, part, phase));
             }
-            walkers.push(Walker { member, position, yaw_rad, scale, speed_m_per_sec });
+            crowd.move_by_clips(member, motion.is_some())?;
+            walkers.push(Walker { placement, motion });
         }
         Ok(Self { walkers, height, spacing })
     }
@@ -87,45 +84,25 @@ impl Staging {
     /// The same of the member in the middle of the first row.
     pub(crate) fn closest(&self, secs: f32) -> Vec<[f32; 3]> {
         let first_row = self.walkers.iter().take(6);
-        let middle = first_row.min_by(|a, b| a.position[0].abs().total_cmp(&b.position[0].abs()));
+        let middle = first_row
+            .min_by(|a, b| a.placement.position()[0].abs().total_cmp(&b.placement.position()[0].abs()));
         middle.into_iter().flat_map(|walker| self.around(walker, secs)).collect()
     }
 
     fn around(&self, walker: &Walker, secs: f32) -> impl Iterator<Item = [f32; 3]> + use<> {
         let (height, half) = (self.height, self.spacing / 2.0);
-        [walker.position, walker.after(secs)].into_iter().flat_map(move |[x, _, z]| {
+        [walker.placement.position(), walker.after(secs)].into_iter().flat_map(move |[x, _, z]| {
             [[x, height, z], [x - half, 0.0, z], [x + half, 0.0, z], [x, 0.0, z + half]]
         })
     }
-
-    /// Moves the clock and all walkers on.
-    pub(crate) fn advance(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Failure> {
-        for walker in self.walkers.iter_mut().filter(|w| w.speed_m_per_sec > 0.0) {
-            walker.position = walker.after(dt_secs);
-            let placement = Placement::at(walker.position).facing(walker.yaw_rad).scaled(walker.scale);
-            crowd.place(walker.member, placement)?;
-        }
-        Ok(crowd.update(dt_secs)?)
-    }
-}
-
-/// A clip with the speed at which its ground passes; 0 for one that stands or moves its root itself.
-pub(crate) fn with_ground_speed(
-    crowd: &Crowd,
-    role: populace::CharacterId,
-    clip: ClipId,
-) -> Result<(ClipId, f32), Failure> {
-    let clips = crowd.clips(role)?;
-    let speed = clips.iter().find(|(id, _)| *id == clip).and_then(|(_, c)| c.stats().ground_speed_m_per_sec);
-    Ok((clip, speed.filter(|s| *s > WALKING_M_PER_SEC).unwrap_or(0.0)))
 }
 
 /// How much ground a member takes: the larger side of what it shows, playing its first clip. Many rest with their arms
 /// spread, which says nothing of how they stand, so a member is posed and looked at.
 fn footprint_m(crowd: &mut Crowd, role: &Role, hide: &[String]) -> Result<f32, Failure> {
     let member = crowd.spawn(role.id, Placement::at([0.0; 3]))?;
-    if let Some((clip, _)) = role.clips.first() {
-        crowd.play(member, *clip, Play::looping())?;
+    if let Some(clip) = role.clips.first() {
+        crowd.play(member, clip.id, Play::looping())?;
     }
     crowd.update(0.0)?;
     let palette = crowd.palette(member)?;

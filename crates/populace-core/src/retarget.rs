@@ -130,8 +130,8 @@ impl<'a> Common<'a> {
         common
     }
 
-    /// How far the target goes, in parts of how far the source does.
-    pub(crate) fn motion_scale(&self) -> f32 {
+    /// How long the target's legs are, in parts of the source's.
+    pub(crate) fn legs(&self) -> f32 {
         f64math::to_f32([self.scale])[0]
     }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 use populace::Crowd;
 use populace_render::{Camera, Renderer};
 
-use crate::cast::{built_in, role};
+use crate::cast::{Wanted, built_in, role};
 use crate::cli::DemoArgs;
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
@@ -31,18 +31,18 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     let people = built_in("people")?;
     let roles = people
         .into_iter()
-        .map(|person| role(&mut crowd, person, &[], None))
+        .map(|person| role(&mut crowd, person, &[], Wanted::default()))
         .collect::<Result<Vec<_>, _>>()?;
     let plan = Plan { members, seed: args.seed, hide: &[], away_percent: 15 };
-    let mut staging = Staging::new(&mut crowd, &roles, &plan)?;
-    let frame_ms = time_frames(&mut crowd, &mut staging)?;
+    let staging = Staging::new(&mut crowd, &roles, &plan)?;
+    let frame_ms = time_frames(&mut crowd)?;
     let devices = devices_and_shares(&crowd);
     crate::report::talk!(
         "evaluating all of them on {devices} takes {frame_ms:.2} ms a frame, the median of {FRAMES}"
     );
 
     let [width, height] = args.size.0;
-    let camera = Camera::framing(staging.framed(0.0), width as f32 / height as f32);
+    let camera = Camera::framing(staging.framed(FRAMES as f32 * FRAME_SECS), width as f32 / height as f32);
     let renderer = renderer.inspect_err(|_| {
         crate::report::talk!("the crowd was evaluated, but there is nothing to draw it with:");
     })?;
@@ -55,13 +55,13 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
 }
 
 /// The median time of a frame in milliseconds: members walk on, the device evaluates every joint.
-fn time_frames(crowd: &mut Crowd, staging: &mut Staging) -> Result<f64, Failure> {
+fn time_frames(crowd: &mut Crowd) -> Result<f64, Failure> {
     let mut times = Vec::with_capacity(FRAMES);
-    staging.advance(crowd, 0.0)?;
+    crowd.update(0.0)?;
     crowd.finish()?;
     for _ in 0..FRAMES {
         let start = Instant::now();
-        staging.advance(crowd, FRAME_SECS)?;
+        crowd.update(FRAME_SECS)?;
         crowd.finish()?;
         times.push(start.elapsed().as_secs_f64() * 1e3);
     }

@@ -2,7 +2,7 @@
 
 use populace_render::{Camera, Renderer};
 
-use crate::cast::{self, Role};
+use crate::cast::{self, Role, Wanted};
 use crate::cli::{RenderArgs, View};
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
@@ -15,16 +15,17 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let renderer = Renderer::headless(args.size.0);
     let builder = args.device.crowd().capacity(args.members as usize).slots_per_member(1);
     let mut crowd = drawn_with(builder, &renderer).build()?;
-    let roles = cast::load(&mut crowd, &args.inputs, &args.clips, args.clip.as_deref(), args.height)?;
+    let wanted = Wanted { clip: args.clip.as_deref(), root_motion: args.root_motion };
+    let roles = cast::load(&mut crowd, &args.inputs, &args.clips, wanted, args.height)?;
     check_hidden(&roles, &args.hide)?;
     let plan = Plan { members: args.members, seed: args.seed, hide: &args.hide, away_percent: 0 };
-    let mut staging = Staging::new(&mut crowd, &roles, &plan)?;
+    let staging = Staging::new(&mut crowd, &roles, &plan)?;
     let camera = camera(args, &staging);
     let mut studio = Studio::new(renderer?, &mut crowd, &roles, &args.hide, camera)?;
-    staging.advance(&mut crowd, 0.0)?;
+    crowd.update(0.0)?;
     studio.shoot(&mut crowd, &first)?;
     for frame in 1..args.frames.unwrap_or(1) {
-        staging.advance(&mut crowd, 1.0 / args.fps)?;
+        crowd.update(1.0 / args.fps)?;
         studio.shoot(&mut crowd, &frame_path(&args.out, frame))?;
     }
     let written = match args.frames {

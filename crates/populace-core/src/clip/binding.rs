@@ -150,8 +150,11 @@ impl Binding {
         if bound_joint_count == 0 {
             return refused("it drives no joint with a humanoid role that both bodies have".into());
         }
-        common.keep_above_ground(clip.rows.some_poses(&clip.skeleton));
-        let mut binding = Self { bound_joint_count, ..Self::empty(common.motion_scale()) };
+        let poses: Vec<_> = clip.rows.some_poses(&clip.skeleton).collect();
+        common.keep_above_ground(&poses);
+        let by_feet = clip.motion.as_ref().is_some_and(|motion| motion.by_feet);
+        let motion_scale = if by_feet { common.pace(&poses) } else { common.legs() };
+        let mut binding = Self { bound_joint_count, ..Self::empty(motion_scale) };
         let motion = |joint: JointIndex| clip.rows.motion(joint);
         for joint in skeleton.joints() {
             binding.push(clip, skeleton.rest(joint), common.chain(joint, &motion));
@@ -220,7 +223,8 @@ impl Binding {
     }
 
     /// How far root motion takes the body, in parts of how far it takes that of the clip.
-    pub(crate) fn motion_scale(&self) -> f32 {
+    #[must_use]
+    pub fn motion_scale(&self) -> f32 {
         self.motion_scale
     }
 
@@ -261,7 +265,7 @@ impl Rows {
         self.driven[column as usize].iter().any(|driven| *driven)
     }
 
-    /// Local transforms of all joints at some hundred rows, or all of fewer.
+    /// Some hundred rows, or all of fewer.
     fn some_poses<'a>(&'a self, skeleton: &'a Skeleton) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
         let every = self.times.len().div_ceil(GROUND_POSES).max(1);
         let pose = move |row| skeleton.joints().map(|joint| self.local(joint, row, 0.0).affine()).collect();

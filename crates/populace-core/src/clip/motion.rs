@@ -57,6 +57,17 @@ impl Rigid {
         DQuat::from_rotation_y(self.heading[0].atan2(self.heading[1]))
     }
 
+    /// `next` first, then this one.
+    fn then(&self, next: &Self) -> Self {
+        let ([s, c], [t, d]) = (self.heading, next.heading);
+        Self { shift: self.shift + self.turn() * next.shift, heading: [s * d + c * t, c * d - s * t] }
+    }
+
+    fn undone(&self) -> Self {
+        let back = Self { shift: DVec3::ZERO, heading: [-self.heading[0], self.heading[1]] };
+        Self { shift: -(back.turn() * self.shift), ..back }
+    }
+
     /// Part of the way to another, as devices go it.
     fn mix(&self, to: &Self, part: f64) -> Self {
         let [sin, cos] = [0, 1].map(|i| self.heading[i] + (to.heading[i] - self.heading[i]) * part);
@@ -70,6 +81,8 @@ impl Rigid {
 pub struct RootMotion {
     rows: Vec<Rigid>,
     duration_secs: f64,
+    /// Whether feet tell it: those of other bodies then tell how fast these go.
+    pub(super) by_feet: bool,
 }
 
 impl RootMotion {
@@ -77,9 +90,22 @@ impl RootMotion {
     /// own model space, and its heading about +Y in radians.
     #[must_use]
     pub fn at(&self, secs: f32) -> ([f32; 3], f32) {
-        let rigid = self.rigid(f64::from(secs));
-        let [yaw] = f64math::to_f32([rigid.heading[0].atan2(rigid.heading[1])]);
-        (f64math::to_f32(rigid.shift.to_array()), yaw)
+        told(&self.rigid(f64::from(secs)))
+    }
+
+    /// As [`at`](Self::at), after playing the clip over and over for so many seconds, of a body that began at a part of the
+    /// clip, 0 to 1.
+    #[must_use]
+    pub fn looped(&self, phase: f32, secs: f32) -> ([f32; 3], f32) {
+        let begun = f64::from(phase) * self.duration_secs;
+        let end = begun + f64::from(secs).max(0.0);
+        let cycles = if self.duration_secs > 0.0 { (end / self.duration_secs).floor() } else { 0.0 };
+        let (mut moved, cycle) = (self.rigid(begun).undone(), self.rigid(self.duration_secs));
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
+        for _ in 0..cycles as u64 {
+            moved = moved.then(&cycle);
+        }
+        told(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
     }
 
     fn rigid(&self, secs: f64) -> Rigid {
@@ -109,6 +135,12 @@ impl RootMotion {
     }
 }
 
+/// As numbers for people: metres, radians.
+fn told(rigid: &Rigid) -> ([f32; 3], f32) {
+    let [yaw] = f64math::to_f32([rigid.heading[0].atan2(rigid.heading[1])]);
+    (f64math::to_f32(rigid.shift.to_array()), yaw)
+}
+
 impl Clip {
     /// The same motion with what moves the whole body taken out of its pose: members that are moved by their clips go where
     /// it goes, others play it in place.
@@ -135,7 +167,11 @@ impl Clip {
         )]
         let last = (duration * ROWS_PER_SEC).ceil().max(1.0) as usize;
         let times = (0..=last).map(|row| start + duration * row as f64 / last as f64);
-        let motion = RootMotion { rows: carrier.rows(times.clone(), settings), duration_secs: duration };
+        let motion = RootMotion {
+            rows: carrier.rows(times.clone(), settings),
+            duration_secs: duration,
+            by_feet: false,
+        };
         let tracks = carrier.in_place(&motion, times, settings.turns);
         let of_joint = |track: &&Track| track.joint == self.skeleton.name(joint);
         let replaced = |track: &Track| tracks.iter().any(|new| new.property == track.property);
@@ -163,7 +199,7 @@ impl Clip {
         };
         let duration_secs = f64::from(self.duration_secs());
         let end = Rigid { shift: DVec3::new(0.0, 0.0, f64::from(speed) * duration_secs), ..Rigid::NONE };
-        let motion = RootMotion { rows: vec![Rigid::NONE, end], duration_secs };
+        let motion = RootMotion { rows: vec![Rigid::NONE, end], duration_secs, by_feet: true };
         Ok(Self { motion: Some(motion), ..self.clone() })
     }
 

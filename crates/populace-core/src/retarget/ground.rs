@@ -1,4 +1,4 @@
-//! How far feet would sink into the ground.
+//! How feet of the target meet the ground: how far they would sink into it, and how fast they pass over it.
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -10,23 +10,68 @@ use crate::{JointIndex, f64math};
 /// who lies or swims is meant to.
 const SINKS: f64 = 0.004;
 const MOST: f64 = 0.02;
+const SIDES: [Side; 2] = [Side::Left, Side::Right];
+/// A pace that is further from what the length of legs says is none.
+const LIKELY: std::ops::Range<f64> = 0.4..2.5;
+
+/// What of the target touches the ground: a foot, or its toes.
+struct Sole {
+    /// In model space.
+    place: DVec3,
+    /// How far it is below where it rests.
+    depth: f64,
+}
+
+/// How far the ground passes under feet: each moment has the place of one or none for each side.
+fn passed(moments: &[[Option<DVec3>; 2]]) -> f64 {
+    let passes = moments.windows(2).map(|pair| {
+        let both = pair[0].iter().zip(pair[1]).filter_map(|(before, now)| Some(((*before)?, now?)));
+        let bears = both.min_by(|(a, b), (c, d)| (a.y + b.y).total_cmp(&(c.y + d.y)));
+        bears.map_or(0.0, |(before, now)| before.z - now.z)
+    });
+    passes.sum()
+}
 
 impl Common<'_> {
     /// Lifts the hips where the thighs of one body are longer against the shins than those of the other, so that feet would
-    /// sink. `poses` are local transforms of the source's joints.
-    pub(crate) fn keep_above_ground(&mut self, poses: impl Iterator<Item = Vec<DAffine3>>) {
-        let parents: Vec<_> = self.source.skeleton.joints().map(|j| self.source.skeleton.parent(j)).collect();
-        let mut deepest: f64 = 0.0;
-        for pose in poses {
-            let turns: Vec<DQuat> =
-                f64math::turns(&parents, pose.iter().map(|local| local.to_scale_rotation_translation().1));
-            let models = f64math::model_from_joints(&parents, pose.into_iter());
-            for side in [Side::Left, Side::Right] {
-                deepest = deepest.max(self.depth(side, &turns, &models));
-            }
-        }
+    /// sink. `poses` are local transforms of the source's joints, one after the other.
+    pub(crate) fn keep_above_ground(&mut self, poses: &[Vec<DAffine3>]) {
+        let depth = |pose: &Vec<DAffine3>| {
+            let (turns, models) = self.source_models(pose);
+            let soles = SIDES.into_iter().flat_map(|side| self.soles(side, &turns, &models));
+            soles.map(|sole| sole.depth).fold(0.0, f64::max)
+        };
+        let deepest = poses.iter().map(depth).fold(0.0, f64::max);
         let size = f64::from(self.target.skeleton.size_m());
         self.lift += (deepest - SINKS * size).clamp(0.0, MOST * size);
+    }
+
+    /// How fast the ground passes under the target's feet, in parts of how fast it passes under the source's; as long as its
+    /// legs are against the source's where nothing is planted.
+    pub(crate) fn pace(&self, poses: &[Vec<DAffine3>]) -> f32 {
+        // The last of a leg bears it: toes where there are any.
+        let last = |side| {
+            let roles = &self.source.roles;
+            roles.joint(Role::Toes(side)).or_else(|| roles.joint(Role::Foot(side)))
+        };
+        let (mut source, mut target) = (Vec::new(), Vec::new());
+        for pose in poses {
+            let (turns, models) = self.source_models(pose);
+            let place = |joint: JointIndex| models[joint.index()].translation;
+            source.push(SIDES.map(|side| last(side).map(place)));
+            target.push(SIDES.map(|side| self.soles(side, &turns, &models).pop().map(|sole| sole.place)));
+        }
+        let (source, target) = (passed(&source), passed(&target));
+        let pace = target / source;
+        let likely = LIKELY.contains(&(pace / self.scale));
+        f64math::to_f32([if likely { pace } else { self.scale }])[0]
+    }
+
+    /// How the source's joints are turned, and where they are, in model space.
+    fn source_models(&self, pose: &[DAffine3]) -> (Vec<DQuat>, Vec<DAffine3>) {
+        let parents: Vec<_> = self.source.skeleton.joints().map(|j| self.source.skeleton.parent(j)).collect();
+        let turns = pose.iter().map(|local| local.to_scale_rotation_translation().1);
+        (f64math::turns(&parents, turns), f64math::model_from_joints(&parents, pose.iter().copied()))
     }
 
     /// Where the hips are, carried by the root where both bodies have one.
@@ -50,12 +95,12 @@ impl Common<'_> {
         root_place + guide * (self.place_of(hips) - self.place_of(root)) + self.scale * own
     }
 
-    /// How far below their rest the foot or the toes of a side are.
-    fn depth(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> f64 {
+    /// The foot and the toes of a side.
+    fn soles(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> Vec<Sole> {
         let roles =
             [Role::Hips, Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side), Role::Toes(side)];
         let mut at: Option<(JointIndex, DVec3)> = None;
-        let mut depth: f64 = 0.0;
+        let mut soles = Vec::new();
         for role in roles {
             let Some((joint, partner)) =
                 self.target.roles.joint(role).and_then(|joint| Some((joint, self.partner(joint)?)))
@@ -72,10 +117,11 @@ impl Common<'_> {
                 }
             };
             if matches!(role, Role::Foot(_) | Role::Toes(_)) {
-                depth = depth.max(self.target.place(joint).y - place.y);
+                let depth = self.target.place(joint).y - place.y;
+                soles.push(Sole { place, depth });
             }
             at = Some((joint, place));
         }
-        depth
+        soles
     }
 }

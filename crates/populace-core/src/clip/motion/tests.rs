@@ -113,6 +113,17 @@ fn the_pose_that_is_left_stays_in_place() {
 }
 
 #[test]
+fn cycles_follow_each_other() {
+    let clip = curve(&walker()).with_root_motion(&settings(true, false)).unwrap();
+    let motion = clip.root_motion().unwrap();
+    assert_eq!(motion.looped(0.0, 0.7), motion.at(0.7));
+    // 1.8 radians a cycle, about a place 0.8 m to the side of the hips, which stand beside the body's own origin.
+    let ([x, _, z], yaw) = motion.looped(0.5, 2.5 * SECS);
+    assert!((yaw - (2.5 * 1.8 - std::f32::consts::TAU)).abs() < 1e-3, "{yaw}");
+    assert!((x.hypot(z) - 2.0 * 0.9_f32.hypot(0.3) * 2.25_f32.sin()).abs() < 5e-3, "{x} {z}");
+}
+
+#[test]
 fn nothing_to_take_out_is_said() {
     let skeleton = walker();
     let clip = curve(&skeleton);
