@@ -76,22 +76,22 @@ impl Staging {
         Ok(Self { walkers, height, spacing })
     }
 
-    /// Feet, heads and elbows of all members, now and after so many seconds of walking, for the camera.
-    pub(crate) fn framed(&self, secs: f32) -> Vec<[f32; 3]> {
+    /// Feet, heads and elbows of all members at two times in seconds, for the camera.
+    pub(crate) fn framed(&self, secs: [f32; 2]) -> Vec<[f32; 3]> {
         self.walkers.iter().flat_map(|walker| self.around(walker, secs)).collect()
     }
 
     /// The same of the member in the middle of the first row.
-    pub(crate) fn closest(&self, secs: f32) -> Vec<[f32; 3]> {
+    pub(crate) fn closest(&self, secs: [f32; 2]) -> Vec<[f32; 3]> {
         let first_row = self.walkers.iter().take(6);
         let middle = first_row
             .min_by(|a, b| a.placement.position()[0].abs().total_cmp(&b.placement.position()[0].abs()));
         middle.into_iter().flat_map(|walker| self.around(walker, secs)).collect()
     }
 
-    fn around(&self, walker: &Walker, secs: f32) -> impl Iterator<Item = [f32; 3]> + use<> {
+    fn around(&self, walker: &Walker, secs: [f32; 2]) -> impl Iterator<Item = [f32; 3]> + use<> {
         let (height, half) = (self.height, self.spacing / 2.0);
-        [walker.placement.position(), walker.after(secs)].into_iter().flat_map(move |[x, _, z]| {
+        secs.map(|secs| walker.after(secs)).into_iter().flat_map(move |[x, _, z]| {
             [[x, height, z], [x - half, 0.0, z], [x + half, 0.0, z], [x, 0.0, z + half]]
         })
     }

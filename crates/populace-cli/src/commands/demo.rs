@@ -42,7 +42,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     );
 
     let [width, height] = args.size.0;
-    let camera = Camera::framing(staging.framed(FRAMES as f32 * FRAME_SECS), width as f32 / height as f32);
+    let camera =
+        Camera::framing(staging.framed([FRAMES as f32 * FRAME_SECS; 2]), width as f32 / height as f32);
     let renderer = renderer.inspect_err(|_| {
         crate::report::talk!("the crowd was evaluated, but there is nothing to draw it with:");
     })?;

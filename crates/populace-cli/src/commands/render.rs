@@ -45,7 +45,7 @@ fn camera(args: &RenderArgs, staging: &Staging) -> Camera {
     let [width, height] = args.size.0;
     let aspect = width as f32 / height as f32;
     // The whole film must show what it is about, and walkers walk.
-    let film_secs = args.frames.map_or(0.0, |frames| (frames - 1) as f32 / args.fps);
+    let film_secs = [0.0, args.frames.map_or(0.0, |frames| (frames - 1) as f32 / args.fps)];
     match args.camera {
         View::Crowd => Camera::framing(staging.framed(film_secs), aspect),
         View::Close => Camera::framing(staging.closest(film_secs), aspect),
