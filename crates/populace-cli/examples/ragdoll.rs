@@ -68,6 +68,7 @@ fn draw(renderer: &mut Renderer, crowd: &mut Crowd, known: &[CharacterHandle], f
     let drawn = crowd.instances().map(|i| Instance {
         character: known[i.character.index()],
         world_from_model: i.world_from_model,
+        moved: i.moved,
         palette_first: i.palette_first,
         tint: [1.0; 3],
     });

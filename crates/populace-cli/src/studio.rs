@@ -47,6 +47,7 @@ impl Studio {
             .map(|i| Instance {
                 character: self.handles[i.character.index()],
                 world_from_model: i.world_from_model,
+                moved: i.moved,
                 palette_first: i.palette_first,
                 tint: [1.0; 3],
             })

@@ -47,6 +47,12 @@ fn blend_space() {
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
+fn root_motion() {
+    runs_and_draws("root_motion", &["was placed once, and has gone 7.", "drawn to"]);
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
 fn gaze() {
     runs_and_draws("gaze", &["0: the head is turned by", "drawn to"]);
 }

@@ -132,7 +132,8 @@ mod tests {
     fn instance(character: usize, palette_first: u32, z: f32) -> Instance {
         let mut world_from_model = Affine::IDENTITY;
         world_from_model.rows[2][3] = z;
-        Instance { character: CharacterHandle(character), world_from_model, palette_first, tint: [1.0; 3] }
+        let (moved, tint) = ([0.0; 3], [1.0; 3]);
+        Instance { character: CharacterHandle(character), world_from_model, moved, palette_first, tint }
     }
 
     fn batches(instances: &[Instance], characters: &[CharacterFacts]) -> Result<Batches, Error> {

@@ -17,6 +17,7 @@
 //!     character: knight,
 //!     world_from_model: Affine::IDENTITY,
 //!     palette_first: 0,
+//!     moved: [0.0; 3],
 //!     tint: [1.0; 3],
 //! };
 //! let camera = Camera::framing([[-1.0, 0.0, -1.0], [1.0, 1.8, 1.0]], 1280.0 / 720.0);

@@ -292,7 +292,7 @@ fn ball(models: &[Model], instance: &Instance) -> Option<Ball> {
     let world = &instance.world_from_model;
     let column = |c: usize| Vec3::from(world.rows.map(|row| row[c])).length();
     let radius = radius * column(0).max(column(1)).max(column(2));
-    let middle = Vec3::from(world.transform_point(middle.to_array()));
+    let middle = Vec3::from(world.transform_point(middle.to_array())) + Vec3::from(instance.moved);
     (middle.is_finite() && radius.is_finite()).then_some(Ball { middle, radius })
 }
 

@@ -15,6 +15,8 @@ pub struct Instance {
     pub character: CharacterHandle,
     /// Where.
     pub world_from_model: Affine,
+    /// How far from there its palette has it, in metres of the world: shadows reach as far.
+    pub moved: [f32; 3],
     /// Its first palette entry: page times [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES) plus the place within
     /// the page, as in [`Member`](populace_core::layout::Member).
     pub palette_first: u32,

@@ -29,6 +29,7 @@ use crate::device::{Engine, Opened};
 use crate::split::Kept;
 use crate::{Devices, Error, Placement, Split};
 use live::Stream;
+use motion::Moving;
 
 use room::Started;
 use spaces::{Space, Steered};
@@ -103,8 +104,11 @@ pub struct Instance {
     pub member: Member,
     /// Its character.
     pub character: CharacterId,
-    /// Where it stands.
+    /// Where it was placed.
     pub world_from_model: Affine,
+    /// How far from there its clips have moved it, in metres of the world, as far as was known when palettes were last taken:
+    /// the palette has it there already.
+    pub moved: [f32; 3],
     /// Its first palette entry: page times [`PAGE_ENTRIES`] plus the place within the page.
     pub palette_first: u32,
 }
@@ -182,6 +186,8 @@ pub struct Crowd {
     last_serial: u32,
     /// How often a member's motion has begun.
     motions: u32,
+    /// Members that their clips move, by place.
+    moving: HashMap<u32, Moving>,
     waiting: Waiting,
     spaces: Vec<Space>,
     /// The blend space that a member plays, by its place.
@@ -355,6 +361,7 @@ impl Crowd {
     /// [`Error::StaleMember`].
     pub fn despawn(&mut self, member: Member) -> Result<(), Error> {
         self.check(member)?;
+        self.forget_motion(member);
         self.forget_controls(member);
         self.tables.remove_member(member.place);
         self.waiting.retain(member.place, |_| false);
@@ -456,6 +463,7 @@ impl Crowd {
                 member: Member { crowd: self.number, place, generation: state.generation },
                 character: state.character?,
                 world_from_model: state.placement.world_from_model(),
+                moved: self.moving.get(&place).map_or([0.0; 3], |moving| moving.moved),
                 palette_first: member.palette_first,
             })
         })

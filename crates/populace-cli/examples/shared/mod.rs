@@ -29,6 +29,7 @@ pub(crate) fn draw(
     let instance = |i: populace::Instance| Instance {
         character: handles[i.character.index()],
         world_from_model: i.world_from_model,
+        moved: i.moved,
         palette_first: i.palette_first,
         tint: [1.0; 3],
     };

@@ -112,6 +112,7 @@ impl Stage {
         let instance = |i: populace::Instance| Instance {
             character: self.handles[i.character.index()],
             world_from_model: i.world_from_model,
+            moved: i.moved,
             palette_first: i.palette_first,
             tint: [1.0; 3],
         };

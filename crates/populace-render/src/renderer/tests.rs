@@ -80,8 +80,13 @@ fn a_frame_waits_for_the_draw_that_reads_where_it_goes() {
     let character = renderer.add_character(&glass(), &|_| false).unwrap();
     let mut device = Still::default();
     renderer.link_palettes(&mut device).unwrap();
-    let instance =
-        Instance { character, world_from_model: Affine::IDENTITY, palette_first: 0, tint: [1.0; 3] };
+    let instance = Instance {
+        character,
+        world_from_model: Affine::IDENTITY,
+        moved: [0.0; 3],
+        palette_first: 0,
+        tint: [1.0; 3],
+    };
     let camera = Camera::framing([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 1.0);
     let scene = Scene { camera, ..Scene::default() };
     renderer.take_palettes(&mut device).unwrap();

@@ -62,7 +62,7 @@ pub(crate) fn flat_scene() -> Scene {
 
 /// An instance that is not tinted.
 pub(crate) fn instance(character: CharacterHandle, world_from_model: Affine, palette_first: u32) -> Instance {
-    Instance { character, world_from_model, palette_first, tint: [1.0; 3] }
+    Instance { character, world_from_model, moved: [0.0; 3], palette_first, tint: [1.0; 3] }
 }
 
 pub(crate) struct Picture(pub(crate) Image);

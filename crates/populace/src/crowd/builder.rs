@@ -125,6 +125,7 @@ impl CrowdBuilder {
             started: Vec::new(),
             last_serial: 0,
             motions: 0,
+            moving: HashMap::new(),
             waiting: Waiting::default(),
             spaces: Vec::new(),
             steered: HashMap::new(),

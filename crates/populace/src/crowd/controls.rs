@@ -20,14 +20,12 @@ const BENT: f32 = 0.01;
 
 /// What is watched of members, by place and joint, with how many look at it.
 #[derive(Debug, Default)]
-pub(crate) struct Watches(HashMap<(Member, JointIndex), (u32, usize)>);
+pub(crate) struct Watches(pub(super) HashMap<(Member, JointIndex), (u32, usize)>);
 
 /// A member's controls, and what its targets watch.
 #[derive(Debug, Default)]
 pub(crate) struct MemberControls {
     pub(super) controls: Controls,
-    /// The clock when its motion began.
-    pub(super) motion_tick: u64,
     watching: Vec<(Member, JointIndex)>,
 }
 

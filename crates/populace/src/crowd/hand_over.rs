@@ -26,10 +26,13 @@ impl PaletteSource for Crowd {
     }
 
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        self.opened.backend_mut().hand_over()
+        let handed = self.opened.backend_mut().hand_over()?;
+        self.look_where_moved()?;
+        Ok(handed)
     }
 
     fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
-        self.opened.backend_mut().with_page(page, reader)
+        self.opened.backend_mut().with_page(page, reader)?;
+        self.look_where_moved()
     }
 }

@@ -1,19 +1,28 @@
 //! Members that their clips move over the ground.
 
-use populace_core::StageBuffer;
-use populace_core::layout::{Float4, MOTION_STATE, NONE, STATES_PER_CONTROL};
+use populace_core::layout::{Float4, MOTION_STATE, NONE, STATES_PER_CONTROL, WATCHED_ELEMENTS};
+use populace_core::{BackendError, JointIndex, StageBuffer};
 
-use super::controls::MemberControls;
-use super::{Crowd, Member};
+use super::{Crowd, Member, Watch};
 use crate::{Error, Placement};
+
+/// A member that its clips move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moving {
+    /// The clock when it began.
+    since: u64,
+    /// Its root, brought to the host.
+    watch: Watch,
+    /// How far that was from the member's placement when palettes were last taken.
+    pub(super) moved: [f32; 3],
+}
 
 impl Crowd {
     /// Lets the root motion of its clips ([`Clip::with_root_motion`](populace_core::Clip::with_root_motion)) move a member
     /// from where it was placed, from now on, or no longer: it then stands where it was placed.
     ///
-    /// The device moves it, and nothing comes to the host: [`placement`](Self::placement) and [`instances`](Self::instances)
-    /// still tell where it was placed, and its joints and palette where it is. Constraints, gazes and watches see it where it
-    /// is. Motion is mixed as poses are, by the weights of slots and layers and what masks let through at the first joint;
+    /// The device moves it, and nobody waits for that: [`placement`](Self::placement) still tells where it was placed, and its
+    /// joints and palette where it is. Constraints, gazes and watches see it where it is. Motion is mixed as poses are, by the weights of slots and layers and what masks let through at the first joint;
     /// layers that add move nobody.
     ///
     /// # Errors
@@ -25,8 +34,45 @@ impl Crowd {
             controls.motion = motion;
             Ok(())
         })?;
-        self.controls.entry(member.place).or_default().motion_tick = self.clock.tick;
+        match self.moving.remove(&member.place) {
+            Some(old) if !moves => self.unwatch(old.watch),
+            Some(Moving { watch, .. }) => self.note_moving(member, watch),
+            None if moves => {
+                let root = self.watch(member, JointIndex(0))?;
+                self.note_moving(member, root);
+            }
+            None => {}
+        }
         Ok(())
+    }
+
+    fn note_moving(&mut self, member: Member, watch: Watch) {
+        let moving = Moving { since: self.clock.tick, watch, moved: [0.0; 3] };
+        self.moving.insert(member.place, moving);
+    }
+
+    /// Takes over where members were when what last came to the host was so.
+    pub(super) fn look_where_moved(&mut self) -> Result<(), BackendError> {
+        if self.moving.is_empty() {
+            return Ok(());
+        }
+        let Some((tick, elements)) = self.opened.backend_mut().fetched()? else { return Ok(()) };
+        for (place, moving) in self.moving.iter_mut().filter(|(_, moving)| moving.since < tick) {
+            let Some((watched, _)) = self.watches.0.get(&moving.watch.key()) else { continue };
+            let first = (*watched * WATCHED_ELEMENTS) as usize;
+            let placed = self.members[*place as usize].placement.position();
+            if let Some(rows) = elements.get(first..first + WATCHED_ELEMENTS as usize) {
+                moving.moved = std::array::from_fn(|axis| rows[axis].0[3] - placed[axis]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets go of what is known of the motion of a member that leaves.
+    pub(super) fn forget_motion(&mut self, member: Member) {
+        if let Some(moving) = self.moving.remove(&member.place) {
+            self.unwatch(moving.watch);
+        }
     }
 
     /// Whether the root motion of its clips moves a member.
@@ -48,9 +94,8 @@ impl Crowd {
     pub fn moved(&mut self, member: Member) -> Result<Placement, Error> {
         let placement = self.placement(member)?;
         let control = self.tables.members().as_slice()[member.place as usize].control;
-        let has_moved = |state: &&MemberControls| state.motion_tick < self.clock.tick && control != NONE;
-        let Some(motion) = self.controls.get(&member.place).filter(has_moved).and_then(|s| s.controls.motion)
-        else {
+        let begun = self.moving.get(&member.place).is_some_and(|moving| moving.since < self.clock.tick);
+        let Some(motion) = self.motion_of(member).filter(|_| begun && control != NONE) else {
             return Ok(placement);
         };
         let mut state = [Float4::default(); 2];

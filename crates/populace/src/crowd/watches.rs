@@ -22,6 +22,12 @@ pub struct Sighting {
     pub world_from_joint: Affine,
 }
 
+impl Watch {
+    pub(super) fn key(self) -> (Member, JointIndex) {
+        (self.member, self.joint)
+    }
+}
+
 impl Crowd {
     /// Lets a member's joint be brought to the host after each frame from the next on, without anyone waiting for it.
     ///

@@ -1,0 +1,58 @@
+//! Two files of people set out from one place each: they walk, then run, and their clips carry them over the ground. The
+//! program places nobody after the start. Then one of them is asked where she is.
+//!
+//! `cargo run --example root_motion [PICTURE.png]`
+
+#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+
+mod shared;
+
+use std::error::Error;
+use std::sync::Arc;
+
+use populace::{Crowd, MotionSettings, MotionSource, Placement, Play};
+use populace_cast::{Look, person};
+
+/// Between one who sets out and the next.
+const GAP_FRAMES: u16 = 38;
+/// Before each runs.
+const WALK_FRAMES: u16 = 150;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (woman, man) = (person(&Look::woman())?, person(&Look::man())?);
+    let mut crowd = Crowd::builder().build()?;
+    let ids = [crowd.add_character(woman.clone())?, crowd.add_character(man.clone())?];
+    // These clips walk in place: their planted feet tell how fast.
+    let by_feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
+    let mut people = Vec::new();
+    for (&id, x) in ids.iter().zip([-4.5, -4.0]) {
+        let mut moving = |name: &str| -> Result<_, Box<dyn Error>> {
+            let clip = crowd.clip(id, name)?;
+            let (_, plain) =
+                crowd.clips(id)?.into_iter().find(|(known, _)| *known == clip).ok_or("a clip")?;
+            Ok(crowd.add_clip(id, &Arc::new(plain.with_root_motion(&by_feet)?))?)
+        };
+        let (walk, run) = (moving("Walk")?, moving("Run")?);
+        for nth in 0..7_u16 {
+            let member = crowd.spawn(id, Placement::at([x, 0.0, -2.5 * (x + 4.5)]).facing(1.5))?;
+            crowd.move_by_clips(member, true)?;
+            let sets_out = nth * GAP_FRAMES;
+            crowd.play(member, walk, Play::looping().after_secs(f32::from(sets_out) / 60.0))?;
+            people.push((member, run, sets_out + WALK_FRAMES));
+        }
+    }
+    for frame in 0..250_u16 {
+        for &(member, run, _) in people.iter().filter(|(_, _, runs_at)| *runs_at == frame) {
+            crowd.crossfade(member, run, 0.5)?;
+        }
+        crowd.update(1.0 / 60.0)?;
+    }
+    let first = people[0].0;
+    let (from, now) = (crowd.placement(first)?.position(), crowd.moved(first)?.position());
+    let metres = (now[0] - from[0]).hypot(now[2] - from[2]);
+    println!("the first was placed once, and has gone {metres:.2} m");
+    let path = shared::output("root_motion.png");
+    shared::draw(&mut crowd, &[&woman, &man], &[[-5.2, -0.3, 1.5], [4.4, 2.0, 0.0]], &path)?;
+    println!("on {}, drawn to {path}", crowd.device_name());
+    Ok(())
+}
