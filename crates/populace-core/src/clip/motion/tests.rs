@@ -120,7 +120,7 @@ fn cycles_follow_each_other() {
     // 1.8 radians a cycle, about a place 0.8 m to the side of the hips, which stand beside the body's own origin.
     let ([x, _, z], yaw) = motion.looped(0.5, 2.5 * SECS);
     assert!((yaw - (2.5 * 1.8 - std::f32::consts::TAU)).abs() < 1e-3, "{yaw}");
-    assert!((x.hypot(z) - 2.0 * 0.9_f32.hypot(0.3) * 2.25_f32.sin()).abs() < 5e-3, "{x} {z}");
+    assert!((f64::from(x.hypot(z)) - 2.0 * 0.9_f64.hypot(0.3) * 2.25_f64.sin()).abs() < 5e-3, "{x} {z}");
 }
 
 #[test]
