@@ -1,5 +1,6 @@
 //! The crowd: members of characters, playing clips on a device.
 
+mod attach;
 mod builder;
 mod controls;
 mod events;
@@ -27,6 +28,7 @@ use populace_core::{
 use crate::device::{Engine, Opened};
 use crate::split::Kept;
 use crate::{Devices, Error, Placement, Split};
+use attach::Attached;
 use live::Stream;
 
 use room::Started;
@@ -160,6 +162,8 @@ pub struct Crowd {
     /// Of members that more than clips move, by place.
     controls: HashMap<u32, MemberControls>,
     watches: Watches,
+    /// Of members that are attached to others or bear some, by place.
+    attachments: HashMap<u32, Attached>,
     stages: UserStages,
     /// Watches that bring joints to the host.
     readers: usize,
@@ -345,13 +349,13 @@ impl Crowd {
         Ok(Member { crowd: self.number, place, generation: state.generation })
     }
 
-    /// Removes a member; its handle goes stale.
+    /// Removes a member; its handle goes stale. What is attached to it falls off.
     ///
     /// # Errors
     ///
     /// [`Error::StaleMember`].
     pub fn despawn(&mut self, member: Member) -> Result<(), Error> {
-        self.check(member)?;
+        self.detach_all(member)?;
         self.forget_controls(member);
         self.tables.remove_member(member.place);
         self.waiting.retain(member.place, |_| false);
@@ -369,16 +373,19 @@ impl Crowd {
         self.member_count
     }
 
-    /// Places a member.
+    /// Places a member, and what is attached to it.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], or a placement that is not finite.
+    /// [`Error::StaleMember`], a placement that is not finite, or [`Error::BadAttachment`] for a member that is attached to
+    /// another.
     pub fn place(&mut self, member: Member, placement: Placement) -> Result<(), Error> {
         self.check(member)?;
         placement.check()?;
+        self.check_placeable(member)?;
         self.members[member.place as usize].placement = placement;
-        self.stand(member)
+        self.stand(member)?;
+        self.bring_props(member)
     }
 
     /// Where a member stands.
