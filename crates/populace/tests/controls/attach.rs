@@ -51,6 +51,12 @@ fn a_prop_is_where_its_joint_is_in_the_same_frame() {
         }
         attach(stage, first, bearer, "leftHand");
         attach(stage, second, bearer, "leftHand");
+        // Roots have transforms of their own.
+        let transform = Trs { translation: [0.3, 0.0, 0.1], scale: [0.8, 1.1, 1.0], ..OFFSET };
+        let given = JointOverride { joint: joint("root"), space: Space::Local, transform, weight: 1.0 };
+        for member in [first, second, alike] {
+            stage.crowd.override_joints(member, &[given]).expect("an override");
+        }
         let mut last = [0.0; 3];
         for frame in 0..12_u8 {
             let x = f32::from(frame);
