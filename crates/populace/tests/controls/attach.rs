@@ -163,8 +163,8 @@ fn props_are_the_same_to_the_bit_on_every_device_and_schedule() {
     });
 }
 
-fn on(crowd: Crowd) -> (Stage, Vec<Member>) {
-    let mut crowd = crowd;
+#[cfg(all(feature = "opencl", not(skip_opencl)))]
+fn on(mut crowd: Crowd) -> (Stage, Vec<Member>) {
     let body = crowd.add_character(character()).expect("room");
     let mut stage = Stage { crowd, body };
     let members = jugglers(&mut stage);
@@ -180,7 +180,7 @@ fn alone(device: Device) -> Crowd {
 fn props_and_bearers_may_be_on_different_devices_and_move() {
     for schedule in [populace::Schedule::Staged, populace::Schedule::Fused] {
         let devices = [Device::native(), Device::opencl(0)];
-        let shared = Crowd::builder().devices(devices.clone()).schedule(schedule).capacity(32).build();
+        let shared = Crowd::builder().devices(devices).schedule(schedule).capacity(32).build();
         let (mut stage, members) = on(shared.expect("a crowd"));
         let (mut twin, twins) = on(alone(Device::native()));
         for frame in 0..24 {
@@ -189,7 +189,7 @@ fn props_and_bearers_may_be_on_different_devices_and_move() {
                 let split = populace::Split::Fixed(vec![share, 1.0 - share]);
                 stage.crowd.set_split(&split).expect("shares");
             } else {
-                stage.crowd.move_to(devices[usize::from(frame % 2)].clone()).expect("a device");
+                stage.crowd.move_to(devices[usize::from(frame % 2)]).expect("a device");
             }
             let (frames, wanted) = (step(&mut stage, &members, frame), step(&mut twin, &twins, frame));
             assert!(frames == wanted, "frame {frame}, {schedule:?}");
