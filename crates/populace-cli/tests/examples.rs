@@ -65,6 +65,12 @@ fn reach() {
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
+fn attach() {
+    runs_and_draws("attach", &["6: the torch is 0.000 m from the fist", "drawn to"]);
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
 fn retarget() {
     runs_and_draws("retarget", &["hips 0.", "drawn to"]);
 }

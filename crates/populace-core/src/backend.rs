@@ -1,6 +1,8 @@
 //! The trait that every device implements, and its errors.
 
-use crate::layout::Float4;
+use std::ops::Range;
+
+use crate::layout::{Float4, Member};
 use crate::{PaletteSource, Tables, UserStage};
 
 /// A step of a frame (Lister & Day 2012, section 4; design of evaluate: slots are closed-form).
@@ -55,7 +57,7 @@ pub enum StageBuffer {
     /// What is kept of members with controls from frame to frame,
     /// [`STATES_PER_CONTROL`](crate::layout::STATES_PER_CONTROL) for each control.
     States,
-    /// What others look at: three rows of `world_from_joint` for each.
+    /// What others look at: three rows of `world_from_joint` for each; of what others are attached to, of `model_from_joint`.
     Watched,
 }
 
@@ -123,6 +125,9 @@ impl std::str::FromStr for Schedule {
 }
 
 /// One frame's arguments.
+///
+/// Members that are attached to others are evaluated after those, in the next phase. All phases of a frame can run at
+/// once, or one after the other: the first begins the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     /// The crowd's clock.
@@ -133,19 +138,31 @@ pub struct Frame {
     pub place_first: u32,
     /// The end of those places.
     pub place_end: u32,
+    /// The first phase to run.
+    pub phase_first: u32,
+    /// The end of those phases.
+    pub phase_end: u32,
 }
 
 impl Frame {
     /// A frame of all members.
     #[must_use]
     pub const fn of_all(tick: u64) -> Self {
-        Self { tick, elapsed_ticks: 0, place_first: 0, place_end: u32::MAX }
+        let (place_end, phase_end) = (u32::MAX, u32::MAX);
+        Self { tick, elapsed_ticks: 0, place_first: 0, place_end, phase_first: 0, phase_end }
     }
 
     /// With the time since the frame before, which what moves on from frame to frame needs.
     #[must_use]
     pub const fn after_ticks(mut self, elapsed_ticks: u32) -> Self {
         self.elapsed_ticks = elapsed_ticks;
+        self
+    }
+
+    /// One phase of it.
+    #[must_use]
+    pub const fn of_phase(mut self, phase: u32) -> Self {
+        (self.phase_first, self.phase_end) = (phase, phase + 1);
         self
     }
 
@@ -160,6 +177,37 @@ impl Frame {
     #[must_use]
     pub const fn evaluates(self, place: u32) -> bool {
         self.place_first <= place && place < self.place_end
+    }
+
+    /// Whether a member's phase is one of the frame's.
+    #[inline]
+    #[must_use]
+    pub const fn reaches(self, member: &Member) -> bool {
+        self.phase_first <= member.phase() && member.phase() < self.phase_end
+    }
+
+    /// Whether these phases are the first ones of the frame.
+    #[inline]
+    #[must_use]
+    pub const fn begins(self) -> bool {
+        self.phase_first == 0
+    }
+
+    /// The phases of these that some member is evaluated in.
+    #[must_use]
+    pub fn phases(self, tables: &Tables) -> Range<u32> {
+        self.phase_first..self.phase_end.min(tables.phase_count())
+    }
+
+    /// Whether a stage runs with these phases. What comes before Transform runs with the first for all members, what comes
+    /// after it with the last.
+    #[must_use]
+    pub fn runs(self, stage: Stage, tables: &Tables) -> bool {
+        match stage {
+            Stage::Evaluate | Stage::Pose => self.begins(),
+            Stage::Transform => true,
+            Stage::WriteBack => self.phase_end >= tables.phase_count(),
+        }
     }
 }
 
@@ -279,14 +327,15 @@ pub trait Backend: PaletteSource + Send {
         }
     }
 
-    /// Runs one stage for the frame's members, from what the stage before left.
+    /// Runs one stage for the frame's members, from what the stage before left. Of a frame's phases only
+    /// [`Stage::Transform`] makes a difference.
     ///
     /// # Errors
     ///
     /// A failing device, or a schedule other than [`Schedule::Staged`], which has no stages of its own.
     fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError>;
 
-    /// Runs a whole frame: slots to palettes.
+    /// Runs a frame's phases: slots to palettes.
     ///
     /// # Errors
     ///

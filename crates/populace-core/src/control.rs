@@ -199,6 +199,10 @@ pub struct Controls {
     pub stages: Vec<StageUse>,
     /// Joints that others look at, or that are read back, each with its place among what is watched.
     pub watches: Vec<(JointIndex, u32)>,
+    /// Joints that other members are attached to, each with its place there.
+    pub carries: Vec<(JointIndex, u32)>,
+    /// What the member itself is attached to: the place of that joint, and where the member's roots are from there.
+    pub attached: Option<(u32, Trs)>,
     /// Where in [`Tables::joint_scales`](crate::Tables::joint_scales) the lengths of its joints stand.
     pub proportions: Option<u32>,
     /// Set where clips move the whole body: another number lets it begin anew where the member stands.
@@ -213,6 +217,8 @@ impl Controls {
             && self.overrides.is_empty()
             && self.stages.is_empty()
             && self.watches.is_empty()
+            && self.carries.is_empty()
+            && self.attached.is_none()
             && self.proportions.is_none()
             && self.motion.is_none()
     }

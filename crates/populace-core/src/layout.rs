@@ -103,6 +103,10 @@ device_consts! {
     pub const SLOTS_MOST: u32 = 8;
     /// Layers of each member.
     pub const LAYERS_PER_MEMBER: u32 = 4;
+    /// The bits of [`Member::layers_and_phase`] that count layers; the phase stands above them.
+    pub const MEMBER_LAYER_BITS: u32 = 8;
+    /// Phases of a frame at most: members attached to nothing, and four levels of what is attached to others.
+    pub const PHASES_MOST: u32 = 5;
     /// Flag in a joint map: the rotation comes from the clip's rows.
     pub const MAP_ROTATION: u32 = 1 << 31;
     /// Flag in a joint map: the translation comes from the clip's rows.
@@ -138,8 +142,12 @@ device_consts! {
     pub const STEP_WATCH: u32 = 7;
     /// [`Step::kind`]: a user's stage, with the member's values at `turn`.
     pub const STEP_STAGE: u32 = 8;
+    /// [`Step::kind`]: members of the next phases are attached to this joint.
+    pub const STEP_CARRY: u32 = 9;
+    /// [`Step::kind`]: a root follows the joint that the member is attached to.
+    pub const STEP_ATTACH: u32 = 10;
     /// [`Step::kind`]: clips move the whole body, on from where the frame before left it if `turn` is still the same.
-    pub const STEP_MOTION: u32 = 9;
+    pub const STEP_MOTION: u32 = 11;
     /// Of a member's state, the first of two elements that say where its clips have moved it.
     pub const MOTION_STATE: u32 = FEET_MOST;
     /// Elements of a row of root motion: a shift, then sine and cosine of a heading.
@@ -164,7 +172,8 @@ device_consts! {
     pub const FEET_MOST: u32 = 4;
     /// Elements of a member's state.
     pub const STATES_PER_CONTROL: u32 = 8;
-    /// Elements of what is watched of a joint: three rows of its matrix in the world.
+    /// Elements of what is watched of a joint: three rows of its matrix, in the world, or in model space for what is attached
+    /// to it.
     pub const WATCHED_ELEMENTS: u32 = 3;
     /// The bits of a joint map that name the clip's column.
     pub const MAP_COLUMN: u32 = (1 << 29) - 1;
@@ -436,8 +445,9 @@ device_struct! {
         pub joint_first: u32,
         /// The member's first palette entry: page times [`PAGE_ENTRIES`] plus the place within the page.
         pub palette_first: u32,
-        /// Layers in use, 1 to [`LAYERS_PER_MEMBER`].
-        pub layer_count: u32,
+        /// Layers in use, 1 to [`LAYERS_PER_MEMBER`], in the lower [`MEMBER_LAYER_BITS`]; above them the phase in which the
+        /// member is evaluated: 0, or one after that of the member that it is attached to.
+        pub layers_and_phase: u32,
         /// Into `controls`, or [`NONE`] where nothing but clips moves the member.
         pub control: u32,
     }
@@ -478,7 +488,8 @@ device_struct! {
         pub kind: u32,
         /// Into `constraints`, `overrides` or `watched`, or a stage's number, by kind.
         pub index: u32,
-        /// The first of the member's turns that it writes, or the one that it takes; [`STEP_STAGE`]: into `stage_values`.
+        /// The first of the member's turns that it writes, or the one that it takes; [`STEP_STAGE`]: into `stage_values`;
+        /// [`STEP_ATTACH`]: into `overrides`.
         pub turn: u32,
     }
 }
@@ -700,7 +711,7 @@ mod tests {
     fn the_opencl_text_declares_what_rust_declares() {
         assert_eq!(
             Member::OPENCL_C,
-            "typedef struct { uint body; uint joint_first; uint palette_first; uint layer_count; uint control; } \
+            "typedef struct { uint body; uint joint_first; uint palette_first; uint layers_and_phase; uint control; } \
              Member;\n"
         );
         assert!(opencl_prelude().contains("#define JOINT_BLOCK 16u\n"));

@@ -14,7 +14,7 @@ use std::collections::BinaryHeap;
 
 use crate::layout::{
     Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MOTION_ELEMENTS, NONE,
-    PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
+    PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, POSE_PLANES,
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, RootMotion, Skeleton, StageBuffer, Trs};
 use controls::ControlSpaces;
@@ -51,6 +51,8 @@ pub struct Tables {
     joint_space: Space,
     palette_space: Space,
     control_spaces: ControlSpaces,
+    /// Members of each phase.
+    phase_members: [usize; PHASES_MOST as usize],
 }
 
 impl Tables {
@@ -81,6 +83,7 @@ impl Tables {
             joint_space: Space::new(usize::MAX),
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
             control_spaces: ControlSpaces::new(),
+            phase_members: [0; PHASES_MOST as usize],
         }
     }
 

@@ -13,33 +13,43 @@ mod motion;
 mod targets;
 
 use populace_core::layout::{
-    Constraint, Control, Float4, LINKS_MOST, Link, NONE, STATES_PER_CONTROL, STEP_CHAIN, STEP_FOOT,
-    STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step,
-    TURNS_MOST, WATCHED_ELEMENTS,
+    Constraint, Control, Float4, LINKS_MOST, Link, NONE, STATES_PER_CONTROL, STEP_ATTACH, STEP_CARRY,
+    STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE,
+    STEP_TURN, STEP_WATCH, Step, TURNS_MOST, WATCHED_ELEMENTS,
 };
 use populace_core::math::{quat, vec3};
 use populace_core::{Affine, Frame, Tables, Trs};
 
 use crate::stages::{self, Stages};
 
-/// What is kept from frame to frame.
+/// What is kept from frame to frame: as the last frame left it, and what that was evaluated from.
 #[derive(Default)]
 pub(crate) struct Keeping {
+    pub(crate) now: Kept,
+    before: Kept,
+}
+
+/// States of members, and what is watched of joints.
+#[derive(Default)]
+pub(crate) struct Kept {
     pub(crate) states: Vec<Float4>,
     pub(crate) watched: Vec<Float4>,
 }
 
 impl Keeping {
-    pub(crate) fn before(&self) -> Before<'_> {
-        Before { states: &self.states, watched: &self.watched }
+    /// Begins a frame: what the last one left is what this one is evaluated from, and stays where this one writes nothing.
+    pub(crate) fn begin_frame(&mut self) {
+        self.before.states.clone_from(&self.now.states);
+        self.before.watched.clone_from(&self.now.watched);
     }
 
-    /// Takes over what members left; `left` then holds what stood there before.
-    pub(crate) fn exchange(&mut self, left: &mut Left) {
-        for (kept, left) in [(&mut self.states, &mut left.states), (&mut self.watched, &mut left.watched)] {
-            for (index, value) in left {
-                if let Some(kept) = kept.get_mut(*index as usize) {
-                    std::mem::swap(kept, value);
+    /// Takes over what members left.
+    pub(crate) fn take_over(&mut self, left: &mut Left) {
+        let Kept { states, watched } = &mut self.now;
+        for (kept, left) in [(states, &mut left.states), (watched, &mut left.watched)] {
+            for (index, value) in left.drain(..) {
+                if let Some(kept) = kept.get_mut(index as usize) {
+                    *kept = value;
                 }
             }
         }
@@ -67,13 +77,6 @@ pub(crate) struct Left {
     pub(crate) watched: Vec<(u32, Float4)>,
 }
 
-/// What stood there after the frame before.
-#[derive(Clone, Copy)]
-pub(crate) struct Before<'a> {
-    pub(crate) states: &'a [Float4],
-    pub(crate) watched: &'a [Float4],
-}
-
 /// A member's way down its hierarchy.
 pub(crate) struct Steering<'a> {
     tables: &'a Tables,
@@ -84,7 +87,7 @@ pub(crate) struct Steering<'a> {
     tick: u64,
     /// Since the frame before.
     elapsed_secs: f32,
-    before: Before<'a>,
+    keeping: &'a Keeping,
     left: &'a mut Left,
     turns: [[f32; 4]; TURNS_MOST as usize],
 }
@@ -131,14 +134,14 @@ impl<'a> Steering<'a> {
         tables: &'a Tables,
         place: u32,
         clock: Clock<'a>,
-        before: Before<'a>,
+        keeping: &'a Keeping,
         left: &'a mut Left,
     ) -> Option<Self> {
         let control = control_of(tables, place)?;
         let index = tables.members().as_slice()[place as usize].control;
         let turns = [quat::identity(); TURNS_MOST as usize];
         let Clock { tick, elapsed_secs, .. } = clock;
-        Some(Self { tables, control, index, clock, tick, elapsed_secs, before, left, turns })
+        Some(Self { tables, control, index, clock, tick, elapsed_secs, keeping, left, turns })
     }
 
     /// Runs local transforms down a hierarchy, and takes the member's steps on the way.
@@ -175,7 +178,12 @@ impl<'a> Steering<'a> {
                     models.set(joint, model);
                 }
             }
-            STEP_WATCH => self.watch(models, joint, step.index),
+            STEP_WATCH => {
+                let world = self.world_from_model().mul(&models.model(joint));
+                self.keep_watched(step.index, world);
+            }
+            STEP_CARRY => self.keep_watched(step.index, models.model(joint)),
+            STEP_ATTACH => self.attach(models, joint, step),
             STEP_MOTION => self.moves(models, joint, step),
             _ => {}
         }
@@ -211,19 +219,33 @@ impl<'a> Steering<'a> {
         (places, model)
     }
 
-    #[inline(never)]
-    fn override_model(&self, models: &mut impl Models, joint: usize, index: u32) {
+    /// A transform that the host gave, and its weight.
+    fn given(&self, index: u32) -> (Affine, f32) {
         let given = &self.tables.overrides().as_slice()[index as usize];
         let [x, y, z, weight] = given.translation_and_weight.0;
         let trs = Trs { translation: [x, y, z], rotation: given.rotation.0, scale: given.scale.xyz() };
-        let to = Affine::from_trs(&trs);
+        (Affine::from_trs(&trs), weight)
+    }
+
+    #[inline(never)]
+    fn override_model(&self, models: &mut impl Models, joint: usize, index: u32) {
+        let (to, weight) = self.given(index);
         models
             .set(joint, if weight >= 1.0 { to } else { part_of_the_way(&models.model(joint), &to, weight) });
     }
 
-    fn watch(&mut self, models: &impl Models, joint: usize, watched: u32) {
-        let rows = self.world_from_model().mul(&models.model(joint)).rows;
-        for (element, row) in (watched * WATCHED_ELEMENTS..).zip(rows) {
+    /// Brings a root to the joint that the member is attached to, where an earlier phase of this frame left that.
+    #[inline(never)]
+    fn attach(&self, models: &mut impl Models, joint: usize, step: &Step) {
+        let first = (step.index * WATCHED_ELEMENTS) as usize;
+        if let Some([a, b, c]) = self.keeping.now.watched.get(first..first + WATCHED_ELEMENTS as usize) {
+            let carrier = Affine { rows: [a.0, b.0, c.0] };
+            models.set(joint, carrier.mul(&self.given(step.turn).0).mul(&models.model(joint)));
+        }
+    }
+
+    fn keep_watched(&mut self, watched: u32, joint: Affine) {
+        for (element, row) in (watched * WATCHED_ELEMENTS..).zip(joint.rows) {
             self.left.watched.push((element, Float4(row)));
         }
     }
@@ -245,7 +267,7 @@ impl<'a> Steering<'a> {
     /// An element of the state that the frame before left.
     fn state(&self, element: u32) -> Float4 {
         let index = self.index * STATES_PER_CONTROL + element;
-        self.before.states.get(index as usize).copied().unwrap_or_default()
+        self.keeping.before.states.get(index as usize).copied().unwrap_or_default()
     }
 
     fn keep_state(&mut self, element: u32, value: Float4) {

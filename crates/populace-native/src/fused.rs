@@ -8,7 +8,7 @@ use populace_core::layout::{Body, Float4, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_core::math::components;
 use populace_core::{Affine, Frame, MAX_SLOTS, Tables};
 
-use crate::controls::{self, Before, Clock, Left, Models, Steering, control_of};
+use crate::controls::{self, Clock, Keeping, Left, Models, Steering, control_of};
 use crate::dispatch::Dispatch;
 use crate::evaluate::evaluate;
 use crate::joint::{Playing, Posing};
@@ -30,7 +30,7 @@ pub(crate) type Scratch = Mutex<Desk>;
 pub(crate) struct Desk {
     /// `model_from_joint` of the member that it is at.
     pub(crate) models: Vec<Affine>,
-    /// What the members of the frame leave behind.
+    /// What the members of a phase leave behind.
     pub(crate) left: Left,
 }
 
@@ -46,25 +46,25 @@ pub(crate) struct Evaluation<'a> {
     pub(crate) tables: &'a Tables,
     pub(crate) place: u32,
     pub(crate) clock: Clock<'a>,
-    pub(crate) before: Before<'a>,
+    pub(crate) keeping: &'a Keeping,
 }
 
 /// Writes the palettes of the frame's members.
 pub(crate) fn run(
     tables: &Tables,
     frame: Frame,
-    (stages, before): (&Stages, Before),
+    (stages, keeping): (&Stages, &Keeping),
     dispatch: Dispatch,
     scratch: &[Scratch],
     pages: &mut Pages,
 ) {
-    let all = tables.palette_blocks().as_slice();
-    for (page, palettes) in pages.begin_frame().enumerate() {
+    let (all, members) = (tables.palette_blocks().as_slice(), tables.members().as_slice());
+    for (page, palettes) in pages.iter_mut().enumerate() {
         let first = page * (PAGE_ENTRIES / PALETTE_BLOCK) as usize;
         let blocks = &all[first..first + palettes.len() / BLOCK];
         split::for_each_member::<BLOCK, 1>(blocks, [palettes], &|place, _, [palette]| {
-            if frame.evaluates(place) {
-                let member = Evaluation { tables, place, clock: Clock::of(frame, stages), before };
+            if frame.evaluates(place) && frame.reaches(&members[place as usize]) {
+                let member = Evaluation { tables, place, clock: Clock::of(frame, stages), keeping };
                 dispatch.write_palette(member, &mut scratch_of(scratch), palette);
             }
         });
@@ -112,7 +112,7 @@ pub(crate) fn member_matrices(
     desk: &mut Desk,
     mut keep: impl FnMut(usize, &Local<Lanes>),
 ) {
-    let Evaluation { tables, place, clock, before } = member;
+    let Evaluation { tables, place, clock, keeping } = member;
     let (body, control) = (body_of(tables, place), control_of(tables, place));
     desk.models.resize(body.padded_count as usize, Affine::IDENTITY);
     let mut playing = [Playing::default(); MAX_SLOTS];
@@ -131,7 +131,7 @@ pub(crate) fn member_matrices(
     let first = body.joint_first as usize;
     let parents = &tables.parents().as_slice()[first..first + body.joint_count as usize];
     let mut models = InPlace(&mut desk.models);
-    match Steering::new(tables, place, clock, before, &mut desk.left) {
+    match Steering::new(tables, place, clock, keeping, &mut desk.left) {
         Some(mut steering) => steering.descend(&mut models, parents),
         None => controls::descend(&mut models, parents),
     }

@@ -136,19 +136,25 @@ impl NativeBackend {
         self.schedule == Schedule::Staged
     }
 
-    /// Forgets what the members of the last frame left.
-    fn forget_left(&mut self) {
-        for desk in &mut self.scratch {
-            let left = &mut desk.get_mut().unwrap_or_else(PoisonError::into_inner).left;
-            left.states.clear();
-            left.watched.clear();
+    /// Runs what is done phase by phase: members that are attached to others find where those are in this frame.
+    fn run_phases(&mut self, tables: &Tables, frame: Frame) {
+        if frame.begins() {
+            self.keeping.begin_frame();
         }
-    }
-
-    /// Exchanges what is kept with what the members of the last frame left, there and back.
-    fn exchange_left(&mut self) {
-        for desk in &mut self.scratch {
-            self.keeping.exchange(&mut desk.get_mut().unwrap_or_else(PoisonError::into_inner).left);
+        let staged = self.is_staged();
+        let Self { pool, dispatch, stages, joints, models, pages, scratch, keeping, .. } = self;
+        for phase in frame.phases(tables) {
+            let (frame, from) = (frame.of_phase(phase), (&*stages, &*keeping));
+            pool.install(|| {
+                if staged {
+                    transform::run(tables, frame, from, joints, scratch, models);
+                } else {
+                    fused::run(tables, frame, from, *dispatch, scratch, pages);
+                }
+            });
+            for desk in &mut *scratch {
+                keeping.take_over(&mut desk.get_mut().unwrap_or_else(PoisonError::into_inner).left);
+            }
         }
     }
 
@@ -171,8 +177,8 @@ impl NativeBackend {
             StageBuffer::ModelRow0 => &mut self.models.0[0],
             StageBuffer::ModelRow1 => &mut self.models.0[1],
             StageBuffer::ModelRow2 => &mut self.models.0[2],
-            StageBuffer::States => &mut self.keeping.states,
-            StageBuffer::Watched => &mut self.keeping.watched,
+            StageBuffer::States => &mut self.keeping.now.states,
+            StageBuffer::Watched => &mut self.keeping.now.watched,
             StageBuffer::Palette => {
                 let page = self.pages.get_mut(first / PAGE_ELEMENTS).unwrap_or(&mut []);
                 return page.get_mut(first % PAGE_ELEMENTS..).unwrap_or(&mut []);
@@ -221,8 +227,8 @@ impl Backend for NativeBackend {
         if self.is_staged() {
             self.grow_stage_buffers(tables)?;
         }
-        grow(&mut self.keeping.states, tables.state_elements(), "what is kept of members")?;
-        grow(&mut self.keeping.watched, tables.watched_elements(), "what is watched of members")?;
+        grow(&mut self.keeping.now.states, tables.state_elements(), "what is kept of members")?;
+        grow(&mut self.keeping.now.watched, tables.watched_elements(), "what is watched of members")?;
         self.pages.update(tables)
     }
 
@@ -237,39 +243,36 @@ impl Backend for NativeBackend {
             return Err(failed(&operation, "a fused schedule has no stages; run the staged one"));
         }
         let start = Instant::now();
-        if stage == Stage::Transform {
-            self.forget_left();
-        }
-        let Self { pool, stages, samples, joints, models, pages, scratch, keeping, .. } = self;
-        pool.install(|| match stage {
-            Stage::Evaluate => evaluate::run(tables, frame.tick, samples),
-            Stage::Pose => pose::run(tables, frame, stages, samples, joints),
-            Stage::Transform => {
-                transform::run(tables, frame, (stages, keeping.before()), joints, scratch, models);
+        let Self { pool, stages, samples, joints, models, pages, .. } = self;
+        match stage {
+            Stage::Evaluate => pool.install(|| evaluate::run(tables, frame.tick, samples)),
+            Stage::Pose => pool.install(|| pose::run(tables, frame, stages, samples, joints)),
+            Stage::Transform => self.run_phases(tables, frame),
+            Stage::WriteBack => {
+                pages.begin_frame();
+                pool.install(|| write_back::run(tables, frame, models, pages));
             }
-            Stage::WriteBack => write_back::run(tables, frame, models, pages),
-        });
-        if stage == Stage::Transform {
-            self.exchange_left();
         }
-        self.times_ms[stage as usize] = start.elapsed().as_secs_f64() * 1e3;
+        let goes_on = stage == Stage::Transform && !frame.begins();
+        let before_ms = if goes_on { self.times_ms[stage as usize] } else { 0.0 };
+        self.times_ms[stage as usize] = before_ms + start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
 
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
         let start = Instant::now();
         if self.is_staged() {
-            Stage::ALL.into_iter().try_for_each(|stage| self.run_stage(tables, frame, stage))?;
+            let mut stages = Stage::ALL.into_iter().filter(|stage| frame.runs(*stage, tables));
+            stages.try_for_each(|stage| self.run_stage(tables, frame, stage))?;
         } else {
             (self.last, self.reading) = (frame, None);
-            self.forget_left();
-            let Self { pool, dispatch, stages, scratch, pages, keeping, .. } = self;
-            pool.install(|| {
-                fused::run(tables, frame, (stages, keeping.before()), *dispatch, scratch, pages);
-            });
-            self.exchange_left();
+            if frame.begins() {
+                self.pages.begin_frame();
+            }
+            self.run_phases(tables, frame);
         }
-        self.frame_ms = Some(start.elapsed().as_secs_f64() * 1e3);
+        let before_ms = self.frame_ms.filter(|_| !frame.begins()).unwrap_or(0.0);
+        self.frame_ms = Some(before_ms + start.elapsed().as_secs_f64() * 1e3);
         Ok(())
     }
 
@@ -281,12 +284,8 @@ impl Backend for NativeBackend {
         mut into: &mut [Float4],
     ) -> Result<(), BackendError> {
         if !self.is_staged() && !is_kept(buffer) {
-            // The member is evaluated from what it was evaluated from.
-            self.exchange_left();
-            let of = (Clock::of(self.last, &self.stages), self.keeping.before());
-            let result = reading::read(&mut self.reading, tables, of, buffer, first, into);
-            self.exchange_left();
-            return result;
+            let of = (Clock::of(self.last, &self.stages), &self.keeping);
+            return reading::read(&mut self.reading, tables, of, buffer, first, into);
         }
         while !into.is_empty() {
             let from = self.elements(buffer, first);
@@ -331,7 +330,7 @@ impl Backend for NativeBackend {
         let (kept_at, watched) = &mut self.fetched;
         *kept_at = Some(tick);
         watched.clear();
-        watched.extend_from_slice(self.keeping.watched.get(..tables.watched_elements()).unwrap_or(&[]));
+        watched.extend_from_slice(self.keeping.now.watched.get(..tables.watched_elements()).unwrap_or(&[]));
         Ok(())
     }
 
@@ -357,8 +356,8 @@ impl Backend for NativeBackend {
 
     fn memory_bytes(&self) -> usize {
         let elements = self.samples.len()
-            + self.keeping.states.len()
-            + self.keeping.watched.len()
+            + self.keeping.now.states.len() * 2
+            + self.keeping.now.watched.len() * 2
             + self.joints.translations.len() * 3
             + self.models.0[0].len() * 3
             + self.pages.capacity();

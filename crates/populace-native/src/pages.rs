@@ -74,15 +74,20 @@ impl Pages {
         all.get_mut(..end)
     }
 
-    /// The pages to write a frame into, up to the last entry in use: never those that OpenGL draws from.
-    pub(crate) fn begin_frame(&mut self) -> impl Iterator<Item = &mut [Float4]> {
+    /// Begins a frame: it goes into pages that OpenGL does not draw from.
+    pub(crate) fn begin_frame(&mut self) {
+        if let Some(lent) = &mut self.lent
+            && std::mem::take(&mut lent.handed_over)
+        {
+            lent.current = (lent.current + 1) % PAGE_SETS;
+        }
+    }
+
+    /// The pages to write the frame into, up to the last entry in use.
+    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut [Float4]> {
         let Self { lengths, own, lent, .. } = self;
-        let lent = lent.iter_mut().flat_map(|lent| {
-            if std::mem::take(&mut lent.handed_over) {
-                lent.current = (lent.current + 1) % PAGE_SETS;
-            }
-            lent.sets[lent.current].iter_mut().map(|page| page.elements())
-        });
+        let lent =
+            lent.iter_mut().flat_map(|lent| lent.sets[lent.current].iter_mut().map(|page| page.elements()));
         let all = own.iter_mut().map(Vec::as_mut_slice).chain(lent);
         all.zip(lengths).filter_map(|(page, length)| page.get_mut(..*length * 3))
     }

@@ -43,6 +43,6 @@ pub(crate) fn run(
 
 /// The layers that a member uses.
 pub(crate) fn member_layers(tables: &Tables, place: u32) -> &[populace_core::layout::Layer] {
-    let in_use = tables.members().as_slice()[place as usize].layer_count as usize;
+    let in_use = tables.members().as_slice()[place as usize].layer_count() as usize;
     &tables.layers().as_slice()[tables.layer_range(place)][..in_use]
 }

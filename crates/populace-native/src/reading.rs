@@ -3,7 +3,7 @@
 use populace_core::layout::{Float4, SlotSample};
 use populace_core::{Affine, BackendError, StageBuffer, Tables};
 
-use crate::controls::{Before, Clock};
+use crate::controls::{Clock, Keeping};
 use crate::evaluate::evaluate;
 use crate::fused::{Desk, Evaluation};
 use crate::{failed, fused};
@@ -58,7 +58,7 @@ impl Reading {
 pub(crate) fn read(
     last: &mut Option<Reading>,
     tables: &Tables,
-    (clock, before): (Clock, Before),
+    (clock, keeping): (Clock, &Keeping),
     buffer: StageBuffer,
     first: usize,
     into: &mut [Float4],
@@ -68,7 +68,7 @@ pub(crate) fn read(
     let (place, at) = tables.place_of(buffer, first).ok_or_else(past_the_end)?;
     let reading = match last.take() {
         Some(reading) if reading.place == place => reading,
-        _ => Reading::new(Evaluation { tables, place, clock, before }),
+        _ => Reading::new(Evaluation { tables, place, clock, keeping }),
     };
     for (offset, element) in into.iter_mut().enumerate() {
         *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;

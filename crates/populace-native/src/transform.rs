@@ -4,7 +4,7 @@
 use populace_core::layout::{Float4, JOINT_BLOCK};
 use populace_core::{Affine, Frame, Tables, Trs};
 
-use crate::controls::{self, Before, Clock, Models, Steering};
+use crate::controls::{self, Clock, Keeping, Models, Steering};
 use crate::fused::{Scratch, scratch_of};
 use crate::stages::Stages;
 use crate::{JointBuffer, ModelRows, split};
@@ -46,17 +46,17 @@ impl Models for Rows<'_> {
 pub(crate) fn run(
     tables: &Tables,
     frame: Frame,
-    (stages, before): (&Stages, Before),
+    (stages, keeping): (&Stages, &Keeping),
     joints: &JointBuffer,
     scratch: &[Scratch],
     models: &mut ModelRows,
 ) {
     let arrays = models.0.each_mut().map(Vec::as_mut_slice);
     let job = |place: u32, first: usize, rows: [&mut [Float4]; 3]| {
-        if !frame.evaluates(place) {
+        let member = &tables.members().as_slice()[place as usize];
+        if !frame.evaluates(place) || !frame.reaches(member) {
             return;
         }
-        let member = &tables.members().as_slice()[place as usize];
         let body = &tables.bodies().as_slice()[member.body as usize];
         let first_parent = body.joint_first as usize;
         let parents = &tables.parents().as_slice()[first_parent..first_parent + body.joint_count as usize];
@@ -66,7 +66,7 @@ pub(crate) fn run(
         }
         let mut own = scratch_of(scratch);
         if let Some(mut steering) =
-            Steering::new(tables, place, Clock::of(frame, stages), before, &mut own.left)
+            Steering::new(tables, place, Clock::of(frame, stages), keeping, &mut own.left)
         {
             steering.descend(&mut rows, parents);
         }

@@ -11,7 +11,7 @@ use crate::pages::Pages;
 const GRAIN: usize = 4096;
 
 pub(crate) fn run(tables: &Tables, frame: Frame, models: &ModelRows, pages: &mut Pages) {
-    for (page, palettes) in pages.begin_frame().enumerate() {
+    for (page, palettes) in pages.iter_mut().enumerate() {
         palettes.par_chunks_mut(GRAIN * 3).enumerate().for_each(|(chunk, palettes)| {
             let first = page * PAGE_ENTRIES as usize + chunk * GRAIN;
             for (place, matrix) in palettes.as_chunks_mut::<3>().0.iter_mut().enumerate() {

@@ -1,9 +1,9 @@
 /* fused_grouped.cl - the whole frame of a member in one work-group of GROUP, for GPUs: work-items share out the slots, then
  * the joints from rows to local transforms, then level by level down the hierarchy, then the rows of the palette. Nothing
  * between clip and palette leaves the group's local memory.
- * NDRange  (members of one page x GROUP), a group for each member
- * Reads    the page's members; slots, layers, rows and all that they point at
- * Writes   palette: every entry of the members in [place_first, place_end) exactly once, padding untouched
+ * NDRange  (members of one page x GROUP), a group for each member; one enqueue for each phase
+ * Reads    the page's members; slots, layers, rows and all that they point at; what earlier phases wrote of what is watched
+ * Writes   palette: every entry of the phase's members in [place_first, place_end) exactly once, padding untouched
  * Oracle   populace-testkit; the same arithmetic as populace-native fused.rs */
 
 /* What a member plays, for the whole group. Slots that weigh nothing stay where they are: what mixes passes them over. */
@@ -69,22 +69,22 @@ void fused_grouped(__global const Member *members, __global const Body *bodies, 
                    __global const uint *levels, __global const uint *joint_maps, ulong tick, uint slots_per_member,
                    __global const float *joint_scales, CONTROL_PARAMETERS,
                    __global const uint *page_members, __global const Entry *entries, uint place_first, uint place_end,
-                   uint page_first, __global float4 *restrict palette, uint stride, __local float4 *model_rows)
+                   uint phase, uint page_first, __global float4 *restrict palette, uint stride, __local float4 *model_rows)
 {
     __local Playing playing[SLOTS_MOST];
     __local float4 turns[TURNS_MOST];
     const uint owner = page_members[get_group_id(0)];
-    if (owner < place_first || owner >= place_end) return;
+    const Member member = members[owner];
+    if (owner < place_first || owner >= place_end || member_phase(member) != phase) return;
     const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
-    const Member member = members[owner];
     const Body body = bodies[member.body];
     const Playback playback =
         play_all(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
     const Hierarchy models = { model_rows, stride };
     const Descent down = { steering, member.control, turns, models };
-    member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body,
+    member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
                   parents + body.joint_first, levels + body.level_first, 0);
     __global float4 *to = palette + 3 * (size_t)(member.palette_first - page_first);
     for (uint i = (uint)get_local_id(0); i < 3 * body.entry_count; i += GROUP) {
@@ -116,7 +116,7 @@ void fused_grouped_joints(__global const Member *members, __global const Body *b
     for (uint s = (uint)get_local_id(0); s < slots_per_member; s += GROUP) samples[s] = playing[s].at;
     const Hierarchy models = { model_rows, stride };
     const Descent down = { steering, member.control, turns, models };
-    member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member.layer_count, body,
+    member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
                   parents + body.joint_first, levels + body.level_first, planes);
     for (uint joint = (uint)get_local_id(0); joint < body.joint_count; joint += GROUP)
         vstore16(model_of(models, joint), joint, (__global float *)matrices);

@@ -1,10 +1,11 @@
 /* fused_wide.cl - the whole frame of a member in one work-item, for CPUs: sixteen joints at a time from rows to local
  * transforms, transposed into one matrix each, then parents first down the hierarchy and out to the palette. Nothing
  * between clip and palette leaves the core's caches.
- * NDRange  (runs of members of one page), groups of one
- * Reads    the page's members; slots, layers, rows, controls and all that they point at
- * Writes   palette: every entry of the members in [place_first, place_end) exactly once; matrices of its own run as scratch;
- *          states of those members, and what of them is watched
+ * NDRange  (runs of members of one page), groups of one; one enqueue for each phase
+ * Reads    the page's members; slots, layers, rows, controls and all that they point at; what earlier phases wrote of what is
+ *          watched
+ * Writes   palette: every entry of the phase's members in [place_first, place_end) exactly once; matrices of its own run as
+ *          scratch; states of those members, and what of them is watched
  * Oracle   populace-testkit; twin of populace-native fused.rs */
 
 /* Two rows of a matrix in memory, where matrices stand 48 bytes apart. */
@@ -94,7 +95,7 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
                 __global const uint *source_lanes, ulong tick, uint slots_per_member,
                 __global const float *joint_scales, CONTROL_PARAMETERS,
                 __global const uint *page_members, __global const Entry *entries, uint place_first, uint place_end,
-                uint page_first, __global float4 *restrict palette, uint member_count, uint run, uint padded_most,
+                uint phase, uint page_first, __global float4 *restrict palette, uint member_count, uint run, uint padded_most,
                 __global float4 *restrict matrices)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
@@ -106,12 +107,13 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
         const uint owner = page_members[index];
         if (owner < place_first || owner >= place_end) continue;
         const Member member = members[owner];
+        if (member_phase(member) != phase) continue;
         const Body body = bodies[member.body];
         Playing playing[SLOTS_MOST];
         const uint count = play_all(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
         const Playback playback = { playing, count };
         member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
-                        member.layer_count, body, parents + body.joint_first, models, 0);
+                        member_layers(member), body, parents + body.joint_first, models, 0);
         __global const Entry *entry = entries + body.entry_first;
         __global float *to = (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first));
         for (uint e = 0; e < body.entry_count; e++, entry++, to += 12) {
@@ -145,5 +147,5 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     const uint count = play_all(mine, slots_per_member, tick, of, row_times, buckets, playing);
     const Playback playback = { playing, count };
     member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
-                    member.layer_count, body, parents + body.joint_first, (__global float16 *)matrices, planes);
+                    member_layers(member), body, parents + body.joint_first, (__global float16 *)matrices, planes);
 }

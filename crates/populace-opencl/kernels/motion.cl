@@ -110,7 +110,7 @@ INLINE Move move_of_frame(Controls of, uint owner)
     Move moved = NO_MOVE;
     const Move lowest = move_of_layer(of, owner, 0, &total);
     if (total > 1e-3f) moved = lowest;
-    const uint layer_count = of.members[owner].layer_count;
+    const uint layer_count = member_layers(of.members[owner]);
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = of.layers[owner * LAYERS_PER_MEMBER + l];
         const Move above = move_of_layer(of, owner, l, &total);

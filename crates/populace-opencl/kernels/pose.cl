@@ -27,7 +27,7 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
     const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Trs trs = pose_joint(of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
-                               member.layer_count, body, joint);
+                               member_layers(member), body, joint);
     translations[place] = (float4)(trs.t.x, trs.t.y, trs.t.z, 0.0f);
     rotations[place] = (float4)(trs.r.x, trs.r.y, trs.r.z, trs.r.w);
     scales[place] = (float4)(trs.s.x, trs.s.y, trs.s.z, 0.0f);

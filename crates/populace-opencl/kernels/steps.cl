@@ -1,4 +1,5 @@
-/* steps.cl - what beside clips moves a member on the way down its hierarchy: constraints, overrides, and what others watch.
+/* steps.cl - what beside clips moves a member on the way down its hierarchy: constraints, overrides, what others watch, and
+ * what members are attached to.
  * Constraints turn joints in model space, each about its own place, once the joint's parent has its final transform. One is
  * solved at the first joint of its chain, from the chain's local transforms, and hands turns down to the others. Twin of
  * populace-native controls.rs. */
@@ -32,29 +33,47 @@ APART_STEP float16 part_of_the_way(float16 from, float16 to, float k)
     return m;
 }
 
-INLINE float16 override_model(Override given, float16 own)
+/* A transform that the host gave. */
+INLINE float16 given_transform(Override given)
 {
     const float4 q = given.rotation, t = given.translation_and_weight, s = given.scale;
     const float x = q.x, y = q.y, z = q.z, w = q.w;
-    const float16 to = (float16)((1.0f - 2.0f * (y * y + z * z)) * s.x, (2.0f * (x * y - w * z)) * s.y, (2.0f * (x * z + w * y)) * s.z, t.x,
-                                 (2.0f * (x * y + w * z)) * s.x, (1.0f - 2.0f * (x * x + z * z)) * s.y, (2.0f * (y * z - w * x)) * s.z, t.y,
-                                 (2.0f * (x * z - w * y)) * s.x, (2.0f * (y * z + w * x)) * s.y, (1.0f - 2.0f * (x * x + y * y)) * s.z, t.z,
-                                 (float4)(0.0f));
-    return t.w >= 1.0f ? to : part_of_the_way(own, to, t.w);
+    return (float16)((1.0f - 2.0f * (y * y + z * z)) * s.x, (2.0f * (x * y - w * z)) * s.y, (2.0f * (x * z + w * y)) * s.z, t.x,
+                     (2.0f * (x * y + w * z)) * s.x, (1.0f - 2.0f * (x * x + z * z)) * s.y, (2.0f * (y * z - w * x)) * s.z, t.y,
+                     (2.0f * (x * z - w * y)) * s.x, (2.0f * (y * z + w * x)) * s.y, (1.0f - 2.0f * (x * x + y * y)) * s.z, t.z,
+                     (float4)(0.0f));
 }
 
-/* Writes where a joint is in the world, for others to see. */
-INLINE void watch(const Steering *s, uint watched, float16 own)
+INLINE float16 override_model(Override given, float16 own)
+{
+    const float16 to = given_transform(given);
+    const float weight = given.translation_and_weight.w;
+    return weight >= 1.0f ? to : part_of_the_way(own, to, weight);
+}
+
+/* Where a member's model space lies in the world. */
+INLINE float16 world_from_model(const Steering *s)
 {
     const float4 place = s->control.place;
     const float sine = s->control.facing.x * place.w, cosine = s->control.facing.y * place.w;
-    const float16 world_from_model = (float16)(cosine, 0.0f, sine, place.x, 0.0f, place.w, 0.0f, place.y,
-                                               -sine, 0.0f, cosine, place.z, (float4)(0.0f));
-    const float16 world = affine_mul(world_from_model, own);
+    return (float16)(cosine, 0.0f, sine, place.x, 0.0f, place.w, 0.0f, place.y, -sine, 0.0f, cosine, place.z, (float4)(0.0f));
+}
+
+/* Writes where a joint is, for others to see. */
+INLINE void keep_watched(const Steering *s, uint watched, float16 joint)
+{
     __global float4 *rows = s->of.watched + watched * WATCHED_ELEMENTS;
-    rows[0] = world.s0123;
-    rows[1] = world.s4567;
-    rows[2] = world.s89ab;
+    rows[0] = joint.s0123;
+    rows[1] = joint.s4567;
+    rows[2] = joint.s89ab;
+}
+
+/* Brings a root to the joint that the member is attached to, where an earlier phase of this frame left that. */
+APART_STEP float16 attach(const Steering *s, Step step, float16 own)
+{
+    __global const float4 *rows = s->of.watched + step.index * WATCHED_ELEMENTS;
+    const float16 carrier = (float16)(rows[0], rows[1], rows[2], (float4)(0.0f));
+    return affine_mul(affine_mul(carrier, given_transform(s->of.overrides[step.turn])), own);
 }
 
 /* What a step makes of a joint's model transform. */
@@ -75,7 +94,9 @@ INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16
     }
 #endif
     case STEP_MOTION: return moves(s, step, own);
-    case STEP_WATCH: watch(s, step.index, own); return own;
+    case STEP_WATCH: keep_watched(s, step.index, affine_mul(world_from_model(s), own)); return own;
+    case STEP_CARRY: keep_watched(s, step.index, own); return own;
+    case STEP_ATTACH: return attach(s, step, own);
     default: return own;
     }
 }

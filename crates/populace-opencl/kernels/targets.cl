@@ -12,7 +12,7 @@ typedef struct {
     __global const Ground *ground;
     __global const float *heights;
     __global const float4 *states_before, *watched_before; /* as the frame before left them */
-    __global float4 *states, *watched;
+    __global float4 *states, *watched; /* as this one does */
     __global const float4 *stage_values, *motions;
     /* What members play, for root motion. */
     __global const Member *members;

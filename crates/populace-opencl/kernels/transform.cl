@@ -1,13 +1,14 @@
 /* transform.cl - Transform: one level of local transforms down the hierarchy (Lister & Day 2012, section 4.2).
  * NDRange  (joints of the widest level at this depth, a run of members padded to whole work-groups), one enqueue for
- *          each level and run
- * Reads    translations, rotations, scales; the rows that the level above wrote; controls and all that they point at
+ *          each phase, level and run; members of other phases are passed over
+ * Reads    translations, rotations, scales; the rows that the level above wrote; controls and all that they point at; what
+ *          earlier phases wrote of what is watched
  * Writes   row0, row1, row2 of model_from_joint: a rotated child under non-uniform scale shears, so rows, not T R S; turns
  *          for the levels below; states and what is watched
  * Oracle   populace-testkit oracle/transform.rs; twin of populace-native transform.rs */
 
 __kernel void transform(__global const Member *members, __global const Body *bodies, __global const uint *parents,
-                        __global const uint *levels, uint level, uint member_first, uint member_end,
+                        __global const uint *levels, uint level, uint member_first, uint member_end, uint phase,
                         __global const float4 *translations, __global const float4 *rotations,
                         __global const float4 *scales, __global const Slot *slots, __global const Layer *layers,
                         __global const BoundClip *bound_clips, __global const ClipRows *clips,
@@ -17,6 +18,7 @@ __kernel void transform(__global const Member *members, __global const Body *bod
     const uint owner = member_first + (uint)get_global_id(1);
     if (owner >= member_end || members[owner].body == NONE) return;
     const Member member = members[owner];
+    if (member_phase(member) != phase) return;
     const Body body = bodies[member.body];
     if (level >= body.level_count) return;
     const uint joint = levels[body.level_first + level] + (uint)get_global_id(0);

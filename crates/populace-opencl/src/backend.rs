@@ -147,7 +147,7 @@ impl OpenClBackend {
             events.push(launch.run(&self.queue, [items, 1], [group, 1])?);
         }
         waits::for_queue(&self.queue)?;
-        Ok(time_ms(&events).unwrap_or(0.0))
+        Ok(time_ms(&[events]).unwrap_or(0.0))
     }
 }
 
@@ -157,11 +157,15 @@ impl Shape {
     }
 }
 
-/// Device time of events, from the start of the first to the end of the last, in milliseconds.
-fn time_ms(events: &[Event]) -> Option<f64> {
-    let start = events.first()?.profiling_command_start().ok()?;
-    let end = events.last()?.profiling_command_end().ok()?;
-    Some(end.saturating_sub(start) as f64 * 1e-6)
+/// Device time of runs, each from the start of its first event to the end of its last, in milliseconds.
+fn time_ms(runs: &[Vec<Event>]) -> Option<f64> {
+    runs.first()?;
+    let time = |run: &Vec<Event>| {
+        let start = run.first()?.profiling_command_start().ok()?;
+        let end = run.last()?.profiling_command_end().ok()?;
+        Some(end.saturating_sub(start) as f64 * 1e-6)
+    };
+    runs.iter().map(time).sum()
 }
 
 /// Counts that tables hold below 2^32.
@@ -223,7 +227,7 @@ impl Backend for OpenClBackend {
         if stage == Stage::WriteBack {
             self.pages.begin_frame().map_err(|e| self.device.failed(operation, &e))?;
         }
-        if stage == Stage::Transform {
+        if stage == Stage::Transform && frame.begins() {
             self.keeping.begin_frame(&self.queue).map_err(|e| self.device.failed(operation, &e))?;
         }
         self.enqueue(tables, operation, |plan, on| match plan {
@@ -234,12 +238,15 @@ impl Backend for OpenClBackend {
 
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
         if matches!(self.plan, Plan::Staged(_)) {
-            return Stage::ALL.into_iter().try_for_each(|stage| self.run_stage(tables, frame, stage));
+            let mut stages = Stage::ALL.into_iter().filter(|stage| frame.runs(*stage, tables));
+            return stages.try_for_each(|stage| self.run_stage(tables, frame, stage));
         }
         const OPERATION: &str = "run a frame";
         self.check_updated(tables, OPERATION)?;
-        let begun = self.pages.begin_frame().and_then(|()| self.keeping.begin_frame(&self.queue));
-        begun.map_err(|e| self.device.failed(OPERATION, &e))?;
+        if frame.begins() {
+            let begun = self.pages.begin_frame().and_then(|()| self.keeping.begin_frame(&self.queue));
+            begun.map_err(|e| self.device.failed(OPERATION, &e))?;
+        }
         self.enqueue(tables, OPERATION, |plan, on| match plan {
             Plan::Staged(_) => Ok(()),
             Plan::Fused(fused) => fused.run(on, frame),

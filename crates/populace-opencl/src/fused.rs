@@ -33,7 +33,8 @@ pub(crate) struct Fused {
     spread: Spread,
     /// The members of each page.
     pub(crate) lists: DevicePages,
-    events: Vec<Event>,
+    /// Of the last frame's runs.
+    events: Vec<Vec<Event>>,
     last: Frame,
     reading: Option<Reading>,
 }
@@ -81,7 +82,7 @@ impl Fused {
         self.spread.bytes() + self.lists.bytes()
     }
 
-    pub(crate) fn events(&self) -> &[Event] {
+    pub(crate) fn events(&self) -> &[Vec<Event>] {
         &self.events
     }
 
@@ -90,16 +91,22 @@ impl Fused {
         self.whole.function_name().unwrap_or_default()
     }
 
-    /// Enqueues a frame.
+    /// Enqueues a frame's phases.
     pub(crate) fn run(&mut self, on: &On, frame: Frame) -> Result<(), ClError> {
-        self.events.clear();
+        if frame.begins() {
+            self.events.clear();
+        }
         (self.last, self.reading) = (frame, None);
-        for (page, palette) in on.pages.iter().enumerate() {
-            let count = on.host.page_members(page).as_slice().len();
-            if count > 0 {
-                self.events.push(self.run_page(on, frame, (page, palette), count)?);
+        let mut events = Vec::new();
+        for phase in frame.phases(on.host) {
+            for (page, palette) in on.pages.iter().enumerate() {
+                let count = on.host.page_members(page).as_slice().len();
+                if count > 0 {
+                    events.push(self.run_page(on, frame.of_phase(phase), (page, palette), count)?);
+                }
             }
         }
+        self.events.push(events);
         Ok(())
     }
 
@@ -116,6 +123,7 @@ impl Fused {
             .buffer("entries", &on.tables.entries.buffer)
             .uint("place_first", frame.place_first)
             .uint("place_end", frame.place_end)
+            .uint("phase", frame.phase_first)
             .uint("page_first", narrow(page * PAGE_ENTRIES as usize))
             .buffer("palette", palette);
         let (launch, (global, local)) = self.spread.frame(launch, on.host, count);

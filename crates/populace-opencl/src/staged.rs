@@ -42,8 +42,8 @@ pub(crate) struct Staged {
     pub(crate) blocks: DeviceBlockTables,
     pub(crate) buffers: StageBuffers,
     shape: Shape,
-    /// The events of the last run of each stage.
-    events: [Vec<Event>; Stage::ALL.len()],
+    /// The events of the last frame's runs of each stage.
+    events: [Vec<Vec<Event>>; Stage::ALL.len()],
 }
 
 impl Staged {
@@ -71,12 +71,17 @@ impl Staged {
 
     /// Enqueues a stage.
     pub(crate) fn run(&mut self, on: &On, frame: Frame, stage: Stage) -> Result<(), ClError> {
-        self.events[stage as usize] = self.enqueue(on, frame, stage)?;
+        let events = self.enqueue(on, frame, stage)?;
+        let runs = &mut self.events[stage as usize];
+        if stage != Stage::Transform || frame.begins() {
+            runs.clear();
+        }
+        runs.push(events);
         Ok(())
     }
 
-    /// The events of the last run of a stage.
-    pub(crate) fn events(&self, stage: Stage) -> &[Event] {
+    /// The events of the last frame's runs of a stage.
+    pub(crate) fn events(&self, stage: Stage) -> &[Vec<Event>] {
         &self.events[stage as usize]
     }
 
@@ -146,6 +151,7 @@ impl Staged {
             .uint("level", narrow(level))
             .uint("member_first", narrow(members.start))
             .uint("member_end", narrow(members.end))
+            .uint("phase", frame.phase_first)
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
@@ -167,6 +173,17 @@ impl Staged {
                 [width.next_multiple_of(local[0]), members.len().next_multiple_of(local[1])],
                 local,
             )
+    }
+
+    fn transform(&self, on: &On, frame: Frame, mut events: Vec<Event>) -> Result<Vec<Event>, ClError> {
+        let end = on.host.member_places().min(frame.place_end as usize);
+        for first in (frame.place_first as usize..end).step_by(self.shape.members) {
+            let members = first..first.saturating_add(self.shape.members).min(end);
+            for (level, &width) in on.host.level_widths().iter().enumerate() {
+                events.push(self.transform_level(on, frame, (level, width), members.clone())?);
+            }
+        }
+        Ok(events)
     }
 
     fn write_back_page(
@@ -201,16 +218,8 @@ impl Staged {
             Stage::Evaluate => Ok(vec![self.evaluate(on, frame)?]),
             Stage::Pose => Ok(vec![self.pose(on, frame)?]),
             Stage::Transform => {
-                let widths = on.host.level_widths();
-                let end = on.host.member_places().min(frame.place_end as usize);
-                let mut events = Vec::new();
-                for first in (frame.place_first as usize..end).step_by(self.shape.members) {
-                    let members = first..first.saturating_add(self.shape.members).min(end);
-                    for (level, &width) in widths.iter().enumerate() {
-                        events.push(self.transform_level(on, frame, (level, width), members.clone())?);
-                    }
-                }
-                Ok(events)
+                let mut phases = frame.phases(on.host);
+                phases.try_fold(Vec::new(), |events, phase| self.transform(on, frame.of_phase(phase), events))
             }
             Stage::WriteBack => {
                 let pages = on.host.page_lengths().zip(on.pages.iter()).enumerate();

@@ -1,5 +1,6 @@
 //! The crowd: members of characters, playing clips on a device.
 
+mod attach;
 mod builder;
 mod controls;
 mod events;
@@ -28,6 +29,7 @@ use populace_core::{
 use crate::device::{Engine, Opened};
 use crate::split::Kept;
 use crate::{Devices, Error, Placement, Split};
+use attach::Attached;
 use live::Stream;
 use motion::Moving;
 
@@ -165,6 +167,8 @@ pub struct Crowd {
     /// Of members that more than clips move, by place.
     controls: HashMap<u32, MemberControls>,
     watches: Watches,
+    /// Of members that are attached to others or bear some, by place.
+    attachments: HashMap<u32, Attached>,
     stages: UserStages,
     /// Watches that bring joints to the host.
     readers: usize,
@@ -354,13 +358,13 @@ impl Crowd {
         Ok(Member { crowd: self.number, place, generation: state.generation })
     }
 
-    /// Removes a member; its handle goes stale.
+    /// Removes a member; its handle goes stale. What is attached to it falls off.
     ///
     /// # Errors
     ///
     /// [`Error::StaleMember`].
     pub fn despawn(&mut self, member: Member) -> Result<(), Error> {
-        self.check(member)?;
+        self.detach_all(member)?;
         self.forget_motion(member);
         self.forget_controls(member);
         self.tables.remove_member(member.place);
@@ -379,17 +383,20 @@ impl Crowd {
         self.member_count
     }
 
-    /// Places a member. If its clips move it, they do so from there on.
+    /// Places a member, and what is attached to it. If its clips move it, they do so from there on.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], or a placement that is not finite.
+    /// [`Error::StaleMember`], a placement that is not finite, or [`Error::BadAttachment`] for a member that is attached to
+    /// another.
     pub fn place(&mut self, member: Member, placement: Placement) -> Result<(), Error> {
         self.check(member)?;
         placement.check()?;
+        self.check_placeable(member)?;
         self.begin_motion_anew(member)?;
         self.members[member.place as usize].placement = placement;
-        self.stand(member)
+        self.stand(member)?;
+        self.bring_props(member)
     }
 
     /// Where a member was placed; [`moved`](Self::moved) tells where its clips have moved it from there.
@@ -463,7 +470,7 @@ impl Crowd {
                 member: Member { crowd: self.number, place, generation: state.generation },
                 character: state.character?,
                 world_from_model: state.placement.world_from_model(),
-                moved: self.moving.get(&place).map_or([0.0; 3], |moving| moving.moved),
+                moved: self.shift_of(place),
                 palette_first: member.palette_first,
             })
         })

@@ -66,6 +66,12 @@ pub enum Error {
         /// What is wrong and how to mend it.
         reason: String,
     },
+    /// Members that cannot be attached so, or one that is.
+    #[error("{reason}")]
+    BadAttachment {
+        /// What is wrong and how to mend it.
+        reason: String,
+    },
     /// An id that is not of this crowd.
     #[error("there is no {what} {index} in this crowd")]
     UnknownId {

@@ -144,7 +144,7 @@ impl SplitBackend {
     }
 
     /// Lets every device have what each keeps of its members, and what of them is watched: a member's next frame may be
-    /// another device's, and so may those that look at it. This waits for all devices, and nothing is done where there is
+    /// another device's, and so may those that look at it, or that are attached to it in the next phase. This waits for all devices, and nothing is done where there is
     /// nothing to share.
     fn share_kept(&mut self, tables: &Tables) -> Result<(), BackendError> {
         let mut all = Kept::default();
@@ -272,17 +272,30 @@ impl Backend for SplitBackend {
             self.divide();
         }
         self.is_gathered = false;
-        self.parts.iter_mut().try_for_each(|part| part.backend.run_stage(tables, part.own(frame), stage))?;
-        if stage == Stage::Transform { self.share_kept(tables) } else { Ok(()) }
+        let run = |parts: &mut [Part], frame| {
+            parts.iter_mut().try_for_each(|part| part.backend.run_stage(tables, part.own(frame), stage))
+        };
+        if stage != Stage::Transform {
+            return run(&mut self.parts, frame);
+        }
+        for phase in frame.phases(tables) {
+            run(&mut self.parts, frame.of_phase(phase))?;
+            self.share_kept(tables)?;
+        }
+        Ok(())
     }
 
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
         self.divide();
-        // First those that need only be told.
-        self.at_work(true).try_for_each(|part| part.run(tables, frame))?;
-        run_together(self.at_work(false), tables, frame)?;
+        for phase in frame.phases(tables) {
+            let frame = frame.of_phase(phase);
+            // First those that need only be told.
+            self.at_work(true).try_for_each(|part| part.run(tables, frame))?;
+            run_together(self.at_work(false), tables, frame)?;
+            self.share_kept(tables)?;
+        }
         self.is_measurable = true;
-        self.share_kept(tables)
+        Ok(())
     }
 
     fn runs_ahead(&self) -> bool {

@@ -30,6 +30,7 @@ fn feet() -> Feet {
 fn frames(stage: &mut body::Stage) {
     let clips = ["sway", "walk"].map(|name| stage.clip(name));
     let members: Vec<_> = (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
+    let hats: Vec<_> = members.iter().map(|_| stage.member(Placement::at([0.0; 3]))).collect();
     let mut watch = None;
     let mut waited = 0;
     for frame in 0..60_usize {
@@ -50,6 +51,11 @@ fn frames(stage: &mut body::Stage) {
             let transform = Trs { rotation: quat::identity(), ..Trs::IDENTITY };
             let o = JointOverride { joint: joint("head"), space: Space::Local, transform, weight: 0.5 };
             crowd.override_joints(member, &[o]).expect("an override");
+            let to = if frame % 2 == 0 { "head" } else { "leftHand" };
+            crowd.attach(hats[n], member, joint(to), Trs::IDENTITY).expect("a hat");
+            if (frame + n) % 5 == 0 {
+                crowd.detach(hats[n]).expect("a hat");
+            }
         }
         if frame == 2 {
             watch = Some(stage.crowd.watch(members[7], joint("leftHand")).expect("a joint"));

@@ -84,8 +84,8 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member, [`Error::BadConstraint`] for what cannot be solved,
-    /// [`Error::TooLarge`] past 32-bit offsets; all is then as it was.
+    /// [`Error::BadPlayback`] for a place without a member or among what is watched that was not given out,
+    /// [`Error::BadConstraint`] for what cannot be solved, [`Error::TooLarge`] past 32-bit offsets; all is then as it was.
     pub fn set_controls(
         &mut self,
         place: u32,
@@ -96,6 +96,11 @@ impl Tables {
         if controls.is_empty() {
             self.remove_control(place);
             return Ok(());
+        }
+        let watched = controls.watches.iter().chain(&controls.carries).map(|(_, place)| *place);
+        let unknown = |place: &u32| *place as usize >= self.control_spaces.watched.end();
+        if let Some(value) = watched.chain(controls.attached.map(|(place, _)| place)).find(unknown) {
+            return Err(Error::BadPlayback { what: "watched joint", value });
         }
         let program = Program::compile(skeleton, controls)?;
         self.check_control_room(&program)?;

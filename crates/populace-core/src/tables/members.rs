@@ -7,8 +7,8 @@ use super::table::Table;
 use super::{BodyIndex, Tables, u32_from};
 use crate::Error;
 use crate::layout::{
-    Body, BoundClip, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, Member, NONE, PAGE_ENTRIES,
-    PALETTE_BLOCK, SLOT_LIVE, SLOT_LOOP, Slot,
+    Body, BoundClip, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, MEMBER_LAYER_BITS, Member, NONE,
+    PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, SLOT_LIVE, SLOT_LOOP, Slot,
 };
 
 const EMPTY_SLOT: Slot = Slot {
@@ -23,8 +23,24 @@ const EMPTY_SLOT: Slot = Slot {
     end_weight: 0.0,
 };
 const FREE_PLACE: Member =
-    Member { body: NONE, joint_first: 0, palette_first: 0, layer_count: 0, control: NONE };
+    Member { body: NONE, joint_first: 0, palette_first: 0, layers_and_phase: 0, control: NONE };
 const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask_and_mode: LAYER_MASK };
+
+impl Member {
+    /// Layers in use.
+    #[inline]
+    #[must_use]
+    pub const fn layer_count(&self) -> u32 {
+        self.layers_and_phase & ((1 << MEMBER_LAYER_BITS) - 1)
+    }
+
+    /// The phase of a frame in which it is evaluated.
+    #[inline]
+    #[must_use]
+    pub const fn phase(&self) -> u32 {
+        self.layers_and_phase >> MEMBER_LAYER_BITS
+    }
+}
 
 impl Tables {
     /// Gives a member of a body a place, without any clip; returns the place.
@@ -54,10 +70,11 @@ impl Tables {
                 body: body.0,
                 joint_first: u32_from(joint_block.0 * JOINT_BLOCK as usize),
                 palette_first: u32_from(palette_block.0 * PALETTE_BLOCK as usize),
-                layer_count: 1,
+                layers_and_phase: 1,
                 control: NONE,
             },
         );
+        self.phase_members[0] += 1;
         if entry_count > 0 {
             self.page_lists.add(page_of(palette_block), place);
         }
@@ -104,6 +121,7 @@ impl Tables {
         let palette = ((member.palette_first / PALETTE_BLOCK) as usize, palette_block_count(entry_count));
         fill(&mut self.blocks.joint_blocks, joints, NONE);
         fill(&mut self.blocks.palette_blocks, palette, NONE);
+        self.phase_members[member.phase() as usize] -= 1;
         self.joint_space.give_back(joints);
         self.palette_space.give_back(palette);
         if entry_count > 0 {
@@ -189,10 +207,36 @@ impl Tables {
 
     fn use_layer(&mut self, place: u32, layer: u32) {
         let mut member = self.all.members.as_slice()[place as usize];
-        if member.layer_count <= layer {
-            member.layer_count = layer + 1;
+        if member.layer_count() <= layer {
+            member.layers_and_phase += layer + 1 - member.layer_count();
             self.all.members.set(place as usize, member);
         }
+    }
+
+    /// Says in which phase of a frame a member is evaluated: one that is attached to another, in one after that one's.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadPlayback`] for a place without a member, or a phase of [`PHASES_MOST`] or above.
+    pub fn set_phase(&mut self, place: u32, phase: u32) -> Result<(), Error> {
+        let mut member = self.taken(place)?;
+        if phase >= PHASES_MOST {
+            return Err(Error::BadPlayback { what: "phase", value: phase });
+        }
+        if phase == member.phase() {
+            return Ok(());
+        }
+        self.phase_members[member.phase() as usize] -= 1;
+        self.phase_members[phase as usize] += 1;
+        member.layers_and_phase = phase << MEMBER_LAYER_BITS | member.layer_count();
+        self.all.members.set(place as usize, member);
+        Ok(())
+    }
+
+    /// Phases of a frame, up to the last that some member is evaluated in; at least one.
+    #[must_use]
+    pub fn phase_count(&self) -> u32 {
+        u32_from(self.phase_members.iter().rposition(|members| *members > 0).map_or(1, |last| last + 1))
     }
 
     /// Where a member's slots stand in [`Tables::slots`].
@@ -305,6 +349,26 @@ mod tests {
     }
 
     #[test]
+    fn there_are_as_many_phases_as_members_need() {
+        let (mut tables, bodies) = tables(&[(1, 1)]);
+        assert_eq!(tables.phase_count(), 1);
+        let [first, second] = [(); 2].map(|()| tables.add_member(bodies[0]).unwrap());
+        tables.set_phase(second, 3).unwrap();
+        tables
+            .set_layer(second, 2, Layer { weight: 0.5, mask_and_mode: LAYER_MASK })
+            .expect("a layer that there is");
+        let row = tables.members().as_slice()[second as usize];
+        assert_eq!((row.phase(), row.layer_count(), tables.phase_count()), (3, 3, 4));
+        tables.set_phase(first, 1).unwrap();
+        tables.remove_member(second);
+        assert_eq!(tables.phase_count(), 2);
+        tables.set_phase(first, 0).unwrap();
+        assert_eq!(tables.phase_count(), 1);
+        tables.set_phase(first, PHASES_MOST).unwrap_err();
+        tables.set_phase(second, 0).unwrap_err();
+    }
+
+    #[test]
     fn a_new_member_plays_nothing_of_the_one_before_it() {
         let (mut tables, bodies) = tables(&[(1, 1)]);
         let place = tables.add_member(bodies[0]).unwrap();
@@ -313,7 +377,7 @@ mod tests {
         tables.mark_clean();
         tables.remove_member(place);
         assert_eq!(tables.add_member(bodies[0]), Ok(place));
-        assert_eq!(tables.members().as_slice()[place as usize].layer_count, 1);
+        assert_eq!(tables.members().as_slice()[place as usize].layers_and_phase, 1);
         assert!(tables.layers().as_slice()[tables.layer_range(place)].iter().all(|l| *l == PLAIN_LAYER));
         assert!(tables.slots().as_slice()[tables.slot_range(place)].iter().all(|s| *s == EMPTY_SLOT));
         // It stands where a device has the old one.

@@ -29,7 +29,7 @@ impl Steering<'_> {
             }
             TARGET_WATCHED => {
                 let first = (target.watched * WATCHED_ELEMENTS) as usize;
-                let rows = self.before.watched.get(first..first + WATCHED_ELEMENTS as usize);
+                let rows = self.keeping.before.watched.get(first..first + WATCHED_ELEMENTS as usize);
                 let [a, b, c] = rows.map_or([[0.0; 4]; 3], |rows| [rows[0].0, rows[1].0, rows[2].0]);
                 let place = vec3::add([a[3], b[3], c[3]], point);
                 // Written so that what is not finite counts as never seen.

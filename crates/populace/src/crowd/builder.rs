@@ -112,6 +112,7 @@ impl CrowdBuilder {
             members: Vec::new(),
             controls: HashMap::new(),
             watches: Watches::default(),
+            attachments: HashMap::new(),
             stages: UserStages::default(),
             readers: 0,
             listening: Vec::new(),

@@ -68,6 +68,19 @@ impl Crowd {
         Ok(())
     }
 
+    /// How far a member, or what it is attached to, was moved by its clips when palettes were last taken.
+    pub(super) fn shift_of(&self, mut place: u32) -> [f32; 3] {
+        loop {
+            if let Some(moving) = self.moving.get(&place) {
+                return moving.moved;
+            }
+            match self.bearer_place(place) {
+                Some(bearer) => place = bearer,
+                None => return [0.0; 3],
+            }
+        }
+    }
+
     /// Lets go of what is known of the motion of a member that leaves.
     pub(super) fn forget_motion(&mut self, member: Member) {
         if let Some(moving) = self.moving.remove(&member.place) {

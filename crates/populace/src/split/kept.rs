@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use populace_core::layout::{Float4, Member, NONE, STATES_PER_CONTROL, STEP_WATCH, WATCHED_ELEMENTS};
+use populace_core::layout::{
+    Float4, Member, NONE, STATES_PER_CONTROL, STEP_CARRY, STEP_WATCH, WATCHED_ELEMENTS,
+};
 use populace_core::{Backend, BackendError, StageBuffer, Tables};
 
 /// States of all controls, and what is watched.
@@ -39,7 +41,7 @@ impl Kept {
         let control = &tables.controls().as_slice()[member.control as usize];
         let first = control.step_first as usize;
         let steps = &tables.steps().as_slice()[first..first + control.step_count as usize];
-        for step in steps.iter().filter(|step| step.kind == STEP_WATCH) {
+        for step in steps.iter().filter(|step| matches!(step.kind, STEP_WATCH | STEP_CARRY)) {
             copy(&mut self.watched, &from.watched, elements(step.index, WATCHED_ELEMENTS));
         }
     }

@@ -4,6 +4,7 @@
 #![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
 #![expect(clippy::print_stdout, reason = "what is measured is for those who run tests with --nocapture")]
 
+mod attach;
 mod body;
 mod feet;
 mod gaze;

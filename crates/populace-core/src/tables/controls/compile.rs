@@ -4,11 +4,12 @@ use crate::control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
 };
 use crate::layout::{
-    self, FEET_MOST, Float4, Link, NONE, Override, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION,
-    STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST, Target,
+    self, FEET_MOST, Float4, Link, NONE, Override, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE,
+    STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST,
+    Target,
 };
 use crate::tables::u32_from;
-use crate::{Error, JointIndex, Skeleton, f64math};
+use crate::{Error, JointIndex, Skeleton, Trs, f64math};
 
 /// Part of a leg's length in which it straightens. Little, for straight legs are what clips of standing people have.
 const FOOT_SOFT: f32 = 0.005;
@@ -24,7 +25,7 @@ pub(super) struct Program {
     /// By joint, those of the way down the hierarchy first, then those after Pose.
     pub(super) steps: Vec<Step>,
     pub(super) pose_step_count: usize,
-    /// Those in local space first, then those in model space.
+    /// Those in local space first, then those in model space, and last where the member is attached.
     pub(super) overrides: Vec<Override>,
     pub(super) local_count: usize,
     pub(super) constraints: Vec<layout::Constraint>,
@@ -46,6 +47,21 @@ fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
     } else {
         bad(format!("{what} has a number that is not finite"))
     }
+}
+
+/// A transform that the host gives.
+fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
+    let length: f32 = given.rotation.iter().map(|v| v * v).sum();
+    if !given.is_finite() || !(0.9..1.1).contains(&length) {
+        return bad(format!("{what} needs finite numbers and a rotation of length 1"));
+    }
+    let [x, y, z] = given.translation;
+    Ok(Override {
+        translation_and_weight: Float4([x, y, z, weight]),
+        rotation: Float4(f64math::normalized(given.rotation)),
+        scale: Float4::from_xyz(given.scale),
+        ..Override::default()
+    })
 }
 
 /// The tangent of an angle below a quarter of a turn, and beyond any other from there on.
@@ -73,10 +89,13 @@ impl Program {
         }
         program.overrides(skeleton, &controls.overrides)?;
         let pose_steps = program.stages(skeleton, &controls.stages)?;
-        for &(joint, watched) in &controls.watches {
-            path(skeleton, joint, joint)?;
-            program.step(joint, STEP_WATCH, watched, 0);
+        for (kind, watches) in [(STEP_WATCH, &controls.watches), (STEP_CARRY, &controls.carries)] {
+            for &(joint, watched) in watches {
+                path(skeleton, joint, joint)?;
+                program.step(joint, kind, watched, 0);
+            }
         }
+        program.attach(skeleton, controls.attached)?;
         program.solve_legs_at_once();
         if program.turns > TURNS_MOST as usize {
             let what = format!(
@@ -85,7 +104,8 @@ impl Program {
             );
             return bad(what);
         }
-        // Stable: what moves the whole body comes first; constraints of one joint stay in order, then stages, then overrides, then what is watched.
+        // Stable: what moves the whole body comes first, then where a root is attached; constraints of one joint stay in order,
+        // then stages, then overrides, then what is watched.
         program.steps.sort_by_key(|step| (step.joint, rank(step.kind)));
         program.pose_step_count = pose_steps.len();
         program.steps.extend(pose_steps);
@@ -248,7 +268,9 @@ impl Program {
             &self.links[foot.link_first as usize..][..=foot.upper as usize]
         });
         let carriers: Vec<u32> = chains.map(|link| link.joint).collect();
-        let moves = |step: &Step| !matches!(step.kind, STEP_FOOT | STEP_PELVIS | STEP_WATCH | STEP_MOTION);
+        let moves = |step: &Step| {
+            !matches!(step.kind, STEP_FOOT | STEP_PELVIS | STEP_WATCH | STEP_CARRY | STEP_MOTION)
+        };
         if self.steps.iter().any(|step| moves(step) && carriers.contains(&step.joint)) {
             return;
         }
@@ -263,28 +285,28 @@ impl Program {
         for given in of(Space::Local).chain(of(Space::Model)) {
             path(skeleton, given.joint, given.joint)?;
             let name = skeleton.name(given.joint);
-            let length: f32 = given.transform.rotation.iter().map(|v| v * v).sum();
-            if !given.transform.is_finite()
-                || !(0.9..1.1).contains(&length)
-                || !(0.0..=1.0).contains(&given.weight)
-            {
-                return bad(format!(
-                    "the override of joint \"{name}\" needs finite numbers, a rotation of length 1, and a weight from 0 to 1"
-                ));
+            if !(0.0..=1.0).contains(&given.weight) {
+                return bad(format!("the override of joint \"{name}\" needs a weight from 0 to 1"));
             }
-            let [x, y, z] = given.transform.translation;
-            self.overrides.push(Override {
-                translation_and_weight: Float4([x, y, z, given.weight]),
-                rotation: Float4(f64math::normalized(given.transform.rotation)),
-                scale: Float4::from_xyz(given.transform.scale),
-                joint: given.joint.0,
-                ..Override::default()
-            });
+            let row =
+                transform(&format!("the override of joint \"{name}\""), &given.transform, given.weight)?;
+            self.overrides.push(Override { joint: given.joint.0, ..row });
             if given.space == Space::Model {
                 self.step(given.joint, STEP_OVERRIDE, u32_from(self.overrides.len() - 1), 0);
             } else {
                 self.local_count += 1;
             }
+        }
+        Ok(())
+    }
+
+    /// Lets all roots follow the joint that the member is attached to.
+    fn attach(&mut self, skeleton: &Skeleton, attached: Option<(u32, Trs)>) -> Result<(), Error> {
+        let Some((watched, offset)) = attached else { return Ok(()) };
+        let at = self.overrides.len();
+        self.overrides.push(transform("the offset of what is attached", &offset, 1.0)?);
+        for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
+            self.step(root, STEP_ATTACH, watched, at);
         }
         Ok(())
     }
@@ -301,12 +323,14 @@ impl Program {
         for step in &mut self.steps {
             step.index += match step.kind {
                 STEP_OVERRIDE => u32_from(overrides),
-                STEP_WATCH | STEP_STAGE | STEP_MOTION => 0,
+                STEP_WATCH | STEP_CARRY | STEP_ATTACH | STEP_STAGE | STEP_MOTION => 0,
                 _ => u32_from(constraints),
             };
-            if step.kind == STEP_STAGE {
-                step.turn += u32_from(values);
-            }
+            step.turn += match step.kind {
+                STEP_STAGE => u32_from(values),
+                STEP_ATTACH => u32_from(overrides),
+                _ => 0,
+            };
         }
         for constraint in &mut self.constraints {
             constraint.link_first += u32_from(links);
@@ -319,11 +343,12 @@ impl Program {
 fn rank(kind: u32) -> u32 {
     match kind {
         STEP_MOTION => 0,
-        STEP_PELVIS => 1,
-        STEP_STAGE => 3,
-        STEP_OVERRIDE => 4,
-        STEP_WATCH => 5,
-        _ => 2,
+        STEP_ATTACH => 1,
+        STEP_PELVIS => 2,
+        STEP_STAGE => 4,
+        STEP_OVERRIDE => 5,
+        STEP_WATCH | STEP_CARRY => 6,
+        _ => 3,
     }
 }
 
