@@ -1,5 +1,6 @@
 //! Masks: how much of each joint a layer takes.
 
+use crate::humanoid::{Role, RoleMap};
 use crate::{Error, JointIndex, Skeleton};
 
 /// A weight per joint of one skeleton: 1 = affected, 0 = left alone.
@@ -69,6 +70,35 @@ impl Mask {
         let mut weights = vec![0.0; skeleton.joint_count()];
         for joint in skeleton.find_all(names)? {
             weights[joint.index()] = 1.0;
+        }
+        Ok(Self { weights })
+    }
+
+    /// Weight 1 for the joints of these humanoid roles, 0 for those of others. A joint without a role counts with the nearest
+    /// above it that has one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadRole`] for a role that the body has no joint of, [`Error::BadMask`] for the roles of another skeleton.
+    pub fn of_roles(
+        skeleton: &Skeleton,
+        map: &RoleMap,
+        roles: impl IntoIterator<Item = Role>,
+    ) -> Result<Self, Error> {
+        if map.joint_count() != skeleton.joint_count() {
+            return Err(Error::BadMask { weights: map.joint_count(), joints: skeleton.joint_count() });
+        }
+        let mut own = vec![None; skeleton.joint_count()];
+        map.iter().for_each(|(_, joint)| own[joint.index()] = Some(0.0));
+        for role in roles {
+            let what = "the body has no joint of it; RoleMap::joint tells which it has";
+            let missing = || Error::BadRole { role: role.to_string(), what: what.into() };
+            own[map.joint(role).ok_or_else(missing)?.index()] = Some(1.0);
+        }
+        let mut weights = vec![0.0; skeleton.joint_count()];
+        for joint in skeleton.joints() {
+            let inherited = skeleton.parent(joint).map_or(0.0, |p| weights[p.index()]);
+            weights[joint.index()] = own[joint.index()].unwrap_or(inherited);
         }
         Ok(Self { weights })
     }
@@ -187,6 +217,50 @@ mod tests {
         let arm = Mask::subtree(&s, s.find("arm").unwrap());
         assert_eq!(arm.and(&Mask::of_joints(&s, ["leg"]).unwrap()).unwrap(), trees);
         assert_weights(&Mask::subtree(&s, JointIndex(99)), &[]);
+    }
+
+    #[test]
+    fn regions_of_the_body_are_found_by_role() {
+        use crate::humanoid::Side::{Left, Right};
+        let joint = |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
+        let names = ["hips", "spine", "head", "hat", "leftUpperArm", "twist", "leftLowerArm", "leftHand"];
+        let parents = [None, Some(0), Some(1), Some(2), Some(1), Some(4), Some(5), Some(6)];
+        let mut joints: Vec<_> =
+            names.into_iter().zip(parents).map(|(name, parent)| joint(name, parent)).collect();
+        for side in ["left", "right"] {
+            for (part, parent) in [("UpperLeg", 0), ("LowerLeg", joints.len()), ("Foot", joints.len() + 1)] {
+                joints.push(joint(&format!("{side}{part}"), Some(parent)));
+            }
+        }
+        let s = Skeleton::new(&joints).unwrap();
+        let mut roles = vec![(Role::Hips, "hips"), (Role::Spine, "spine"), (Role::Head, "head")];
+        roles.extend([
+            (Role::UpperArm(Left), "leftUpperArm"),
+            (Role::LowerArm(Left), "leftLowerArm"),
+            (Role::Hand(Left), "leftHand"),
+        ]);
+        roles.extend([
+            (Role::UpperLeg(Left), "leftUpperLeg"),
+            (Role::LowerLeg(Left), "leftLowerLeg"),
+            (Role::Foot(Left), "leftFoot"),
+        ]);
+        roles.extend([
+            (Role::UpperLeg(Right), "rightUpperLeg"),
+            (Role::LowerLeg(Right), "rightLowerLeg"),
+            (Role::Foot(Right), "rightFoot"),
+        ]);
+        let map = RoleMap::from_names(&s, &roles).unwrap();
+        let weigh = |mask: Mask| -> Vec<String> {
+            let joints = s.joints().filter(|joint| mask.weights()[joint.index()] == 1.0);
+            joints.map(|joint| s.name(joint).to_owned()).collect()
+        };
+        // What has no role goes with what it hangs on.
+        assert_eq!(weigh(Mask::of_roles(&s, &map, [Role::Head]).unwrap()), ["head", "hat"]);
+        let arm = Mask::of_roles(&s, &map, [Role::UpperArm(Left), Role::Hand(Left)]).unwrap();
+        assert_eq!(weigh(arm), ["leftUpperArm", "twist", "leftHand"]);
+        let missing = Mask::of_roles(&s, &map, [Role::Hand(Right)]).unwrap_err().to_string();
+        assert!(missing.contains("the body has no joint of it"), "{missing}");
+        assert!(matches!(Mask::of_roles(&skeleton(), &map, []), Err(Error::BadMask { .. })));
     }
 
     #[test]
