@@ -13,6 +13,7 @@ use crate::dispatch::Dispatch;
 use crate::evaluate::evaluate;
 use crate::joint::{Playing, Posing};
 use crate::lanes::{LANES, Lanes};
+use crate::machines::slot_now;
 use crate::pages::Pages;
 use crate::pose::member_layers;
 use crate::rows::Local;
@@ -47,13 +48,15 @@ pub(crate) struct Evaluation<'a> {
     pub(crate) place: u32,
     pub(crate) clock: Clock<'a>,
     pub(crate) before: Before<'a>,
+    /// Where state machines are.
+    pub(crate) running: &'a [Float4],
 }
 
 /// Writes the palettes of the frame's members.
 pub(crate) fn run(
     tables: &Tables,
     frame: Frame,
-    (stages, before): (&Stages, Before),
+    (stages, before, running): (&Stages, Before, &[Float4]),
     dispatch: Dispatch,
     scratch: &[Scratch],
     pages: &mut Pages,
@@ -64,7 +67,7 @@ pub(crate) fn run(
         let blocks = &all[first..first + palettes.len() / BLOCK];
         split::for_each_member::<BLOCK, 1>(blocks, [palettes], &|place, _, [palette]| {
             if frame.evaluates(place) {
-                let member = Evaluation { tables, place, clock: Clock::of(frame, stages), before };
+                let member = Evaluation { tables, place, clock: Clock::of(frame, stages), before, running };
                 dispatch.write_palette(member, &mut scratch_of(scratch), palette);
             }
         });
@@ -112,11 +115,11 @@ pub(crate) fn member_matrices(
     desk: &mut Desk,
     mut keep: impl FnMut(usize, &Local<Lanes>),
 ) {
-    let Evaluation { tables, place, clock, before } = member;
+    let Evaluation { tables, place, clock, before, .. } = member;
     let (body, control) = (body_of(tables, place), control_of(tables, place));
     desk.models.resize(body.padded_count as usize, Affine::IDENTITY);
     let mut playing = [Playing::default(); MAX_SLOTS];
-    let count = play(tables, place, clock.tick, &mut playing);
+    let count = play(member, &mut playing);
     let (playing, layers) = (&playing[..count], member_layers(tables, place));
     for (block, matrices) in desk.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joint = block * LANES;
@@ -142,10 +145,12 @@ pub(crate) fn body_of(tables: &Tables, place: u32) -> &Body {
 }
 
 /// The member's slots that weigh anything now, in order; returns how many.
-fn play(tables: &Tables, place: u32, tick: u64, playing: &mut [Playing; MAX_SLOTS]) -> usize {
-    let mut count = 0;
-    for slot in &tables.slots().as_slice()[tables.slot_range(place)] {
-        let at = evaluate(tables, slot, tick);
+fn play(member: Evaluation, playing: &mut [Playing; MAX_SLOTS]) -> usize {
+    let Evaluation { tables, running, .. } = member;
+    let (tick, mut count) = (member.clock.tick, 0);
+    for slot in &tables.slots().as_slice()[tables.slot_range(member.place)] {
+        let slot = slot_now(tables, running, slot, tick);
+        let at = evaluate(tables, &slot, tick);
         if at.weight > 0.0 {
             playing[count] = Playing { at, bound_clip: slot.bound_clip, layer: slot.layer() };
             count += 1;

@@ -24,6 +24,7 @@ mod floor;
 mod fused;
 mod joint;
 mod lanes;
+mod machines;
 mod pages;
 mod pose;
 mod reading;
@@ -61,6 +62,8 @@ pub struct NativeBackend {
     reading: Option<Reading>,
     last: Frame,
     keeping: Keeping,
+    /// Where state machines are.
+    running: Vec<Float4>,
     stages: Stages,
     /// Those that run from the next update on.
     next_stages: Option<Stages>,
@@ -114,6 +117,7 @@ impl NativeBackend {
             reading: None,
             last: Frame::of_all(0),
             keeping: Keeping::default(),
+            running: Vec::new(),
             stages: Stages::default(),
             next_stages: None,
             fetched: (None, Vec::new()),
@@ -173,6 +177,7 @@ impl NativeBackend {
             StageBuffer::ModelRow2 => &mut self.models.0[2],
             StageBuffer::States => &mut self.keeping.states,
             StageBuffer::Watched => &mut self.keeping.watched,
+            StageBuffer::Running => &mut self.running,
             StageBuffer::Palette => {
                 let page = self.pages.get_mut(first / PAGE_ELEMENTS).unwrap_or(&mut []);
                 return page.get_mut(first % PAGE_ELEMENTS..).unwrap_or(&mut []);
@@ -184,7 +189,10 @@ impl NativeBackend {
 
 /// Whether every schedule keeps a buffer.
 fn is_kept(buffer: StageBuffer) -> bool {
-    matches!(buffer, StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched)
+    matches!(
+        buffer,
+        StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running
+    )
 }
 
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
@@ -223,6 +231,7 @@ impl Backend for NativeBackend {
         }
         grow(&mut self.keeping.states, tables.state_elements(), "what is kept of members")?;
         grow(&mut self.keeping.watched, tables.watched_elements(), "what is watched of members")?;
+        grow(&mut self.running, tables.running_elements(), "where state machines are")?;
         self.pages.update(tables)
     }
 
@@ -240,10 +249,13 @@ impl Backend for NativeBackend {
         if stage == Stage::Transform {
             self.forget_left();
         }
-        let Self { pool, stages, samples, joints, models, pages, scratch, keeping, .. } = self;
+        let Self { pool, stages, samples, joints, models, pages, scratch, keeping, running, .. } = self;
         pool.install(|| match stage {
-            Stage::Evaluate => evaluate::run(tables, frame.tick, samples),
-            Stage::Pose => pose::run(tables, frame, stages, samples, joints),
+            Stage::Evaluate => {
+                machines::advance(tables, frame.tick, running);
+                evaluate::run(tables, running, frame.tick, samples);
+            }
+            Stage::Pose => pose::run(tables, frame, stages, (running, samples), joints),
             Stage::Transform => {
                 transform::run(tables, frame, (stages, keeping.before()), joints, scratch, models);
             }
@@ -263,9 +275,10 @@ impl Backend for NativeBackend {
         } else {
             (self.last, self.reading) = (frame, None);
             self.forget_left();
-            let Self { pool, dispatch, stages, scratch, pages, keeping, .. } = self;
+            let Self { pool, dispatch, stages, scratch, pages, keeping, running, .. } = self;
             pool.install(|| {
-                fused::run(tables, frame, (stages, keeping.before()), *dispatch, scratch, pages);
+                machines::advance(tables, frame.tick, running);
+                fused::run(tables, frame, (stages, keeping.before(), running), *dispatch, scratch, pages);
             });
             self.exchange_left();
         }
@@ -283,7 +296,7 @@ impl Backend for NativeBackend {
         if !self.is_staged() && !is_kept(buffer) {
             // The member is evaluated from what it was evaluated from.
             self.exchange_left();
-            let of = (Clock::of(self.last, &self.stages), self.keeping.before());
+            let of = (Clock::of(self.last, &self.stages), self.keeping.before(), self.running.as_slice());
             let result = reading::read(&mut self.reading, tables, of, buffer, first, into);
             self.exchange_left();
             return result;
@@ -359,6 +372,7 @@ impl Backend for NativeBackend {
         let elements = self.samples.len()
             + self.keeping.states.len()
             + self.keeping.watched.len()
+            + self.running.len()
             + self.joints.translations.len() * 3
             + self.models.0[0].len() * 3
             + self.pages.capacity();

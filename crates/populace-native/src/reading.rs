@@ -6,6 +6,7 @@ use populace_core::{Affine, BackendError, StageBuffer, Tables};
 use crate::controls::{Before, Clock};
 use crate::evaluate::evaluate;
 use crate::fused::{Desk, Evaluation};
+use crate::machines::slot_now;
 use crate::{failed, fused};
 
 /// Of one member, evaluated once more.
@@ -18,9 +19,10 @@ pub(crate) struct Reading {
 
 impl Reading {
     fn new(member: Evaluation) -> Self {
-        let Evaluation { tables, place, clock, .. } = member;
+        let Evaluation { tables, place, clock, running, .. } = member;
         let slots = &tables.slots().as_slice()[tables.slot_range(place)];
-        let samples = slots.iter().map(|slot| evaluate(tables, slot, clock.tick)).collect();
+        let sample = |slot| evaluate(tables, &slot_now(tables, running, slot, clock.tick), clock.tick);
+        let samples = slots.iter().map(sample).collect();
         let joint_count = fused::body_of(tables, place).joint_count as usize;
         let (mut desk, mut locals) = (Desk::default(), vec![[Float4::default(); 3]; joint_count]);
         fused::member_matrices(member, &mut desk, |first, local| {
@@ -49,7 +51,7 @@ impl Reading {
             StageBuffer::ModelRow0 => row(0),
             StageBuffer::ModelRow1 => row(1),
             StageBuffer::ModelRow2 => row(2),
-            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched => None,
+            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running => None,
         }
     }
 }
@@ -58,7 +60,7 @@ impl Reading {
 pub(crate) fn read(
     last: &mut Option<Reading>,
     tables: &Tables,
-    (clock, before): (Clock, Before),
+    (clock, before, running): (Clock, Before, &[Float4]),
     buffer: StageBuffer,
     first: usize,
     into: &mut [Float4],
@@ -68,7 +70,7 @@ pub(crate) fn read(
     let (place, at) = tables.place_of(buffer, first).ok_or_else(past_the_end)?;
     let reading = match last.take() {
         Some(reading) if reading.place == place => reading,
-        _ => Reading::new(Evaluation { tables, place, clock, before }),
+        _ => Reading::new(Evaluation { tables, place, clock, before, running }),
     };
     for (offset, element) in into.iter_mut().enumerate() {
         *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;

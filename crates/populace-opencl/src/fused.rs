@@ -93,6 +93,7 @@ impl Fused {
     /// Enqueues a frame.
     pub(crate) fn run(&mut self, on: &On, frame: Frame) -> Result<(), ClError> {
         self.events.clear();
+        self.events.extend(on.machines.advance(on, frame)?);
         (self.last, self.reading) = (frame, None);
         for (page, palette) in on.pages.iter().enumerate() {
             let count = on.host.page_members(page).as_slice().len();
@@ -130,6 +131,8 @@ impl Fused {
             .buffer("bodies", &tables.bodies.buffer)
             .buffer("parents", &tables.parents.buffer)
             .buffer("slots", &tables.slots.buffer)
+            .buffer("machine_states", &tables.machine_states.buffer)
+            .buffer("running", &on.machines.running)
             .buffer("layers", &tables.layers.buffer)
             .buffer("bound_clips", &tables.bound_clips.buffer)
             .buffer("bound_blocks", &tables.bound_blocks.buffer)

@@ -40,6 +40,7 @@ impl Form {
             include_str!("../kernels/lanes.cl"),
             include_str!("../kernels/quat.cl"),
             include_str!("../kernels/slot.cl"),
+            include_str!("../kernels/machines.cl"),
             include_str!("../kernels/rows.cl"),
             include_str!("../kernels/turns.cl"),
             include_str!("../kernels/playback.cl"),
@@ -60,15 +61,22 @@ impl Form {
                 &[include_str!("../kernels/apply_changes.cl"), include_str!("../kernels/floor.cl")]
             }
             Self::Staged => &[
+                include_str!("../kernels/advance.cl"),
                 include_str!("../kernels/evaluate.cl"),
                 include_str!("../kernels/pose.cl"),
                 include_str!("../kernels/transform.cl"),
                 include_str!("../kernels/write_back.cl"),
             ],
-            Self::Wide => &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_wide.cl")],
-            Self::Grouped { .. } => {
-                &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_grouped.cl")]
-            }
+            Self::Wide => &[
+                include_str!("../kernels/advance.cl"),
+                include_str!("../kernels/fused.cl"),
+                include_str!("../kernels/fused_wide.cl"),
+            ],
+            Self::Grouped { .. } => &[
+                include_str!("../kernels/advance.cl"),
+                include_str!("../kernels/fused.cl"),
+                include_str!("../kernels/fused_grouped.cl"),
+            ],
         };
         let arithmetic = if self == Self::Common { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();

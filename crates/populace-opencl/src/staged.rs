@@ -84,6 +84,8 @@ impl Staged {
         let count = on.host.member_places() * on.host.slots_per_member();
         Launch::of(&self.evaluate)
             .buffer("slots", &on.tables.slots.buffer)
+            .buffer("machine_states", &on.tables.machine_states.buffer)
+            .buffer("running", &on.machines.running)
             .buffer("bound_clips", &on.tables.bound_clips.buffer)
             .buffer("clips", &on.tables.clips.buffer)
             .buffer("row_times", &on.tables.row_times.buffer)
@@ -101,6 +103,8 @@ impl Staged {
             .buffer("joint_blocks", &self.blocks.joint_blocks.buffer)
             .buffer("bodies", &on.tables.bodies.buffer)
             .buffer("slots", &on.tables.slots.buffer)
+            .buffer("machine_states", &on.tables.machine_states.buffer)
+            .buffer("running", &on.machines.running)
             .buffer("samples", &self.buffers.samples)
             .buffer("layers", &on.tables.layers.buffer)
             .buffer("bound_clips", &on.tables.bound_clips.buffer)
@@ -192,7 +196,10 @@ impl Staged {
             return Ok(Vec::new());
         }
         match stage {
-            Stage::Evaluate => Ok(vec![self.evaluate(on, frame)?]),
+            Stage::Evaluate => {
+                let advanced = on.machines.advance(on, frame)?;
+                Ok(advanced.into_iter().chain([self.evaluate(on, frame)?]).collect())
+            }
             Stage::Pose => Ok(vec![self.pose(on, frame)?]),
             Stage::Transform => {
                 let widths = on.host.level_widths();

@@ -66,6 +66,12 @@ pub enum Error {
         /// What is wrong and how to mend it.
         reason: String,
     },
+    /// A state machine that cannot be, or cannot be run so.
+    #[error("the state machine {reason}")]
+    BadStateMachine {
+        /// What is wrong and how to mend it.
+        reason: String,
+    },
     /// An id that is not of this crowd.
     #[error("there is no {what} {index} in this crowd")]
     UnknownId {
