@@ -189,10 +189,7 @@ impl NativeBackend {
 
 /// Whether every schedule keeps a buffer.
 fn is_kept(buffer: StageBuffer) -> bool {
-    matches!(
-        buffer,
-        StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running
-    )
+    matches!(buffer, StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running)
 }
 
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;

@@ -49,7 +49,12 @@ impl Machines {
     }
 
     /// Reads elements of which each runner has three, and waits.
-    pub(crate) fn read(&self, queue: &CommandQueue, first: usize, into: &mut [Float4]) -> Result<(), ClError> {
+    pub(crate) fn read(
+        &self,
+        queue: &CommandQueue,
+        first: usize,
+        into: &mut [Float4],
+    ) -> Result<(), ClError> {
         let mut rows = vec![Running::zeroed(); runners(first, into.len())?.len()];
         self.running.read(queue, first / EACH, &mut rows)?;
         into.copy_from_slice(bytemuck::cast_slice(&rows));
@@ -57,7 +62,12 @@ impl Machines {
     }
 
     /// Writes such elements, and waits.
-    pub(crate) fn write(&mut self, queue: &CommandQueue, first: usize, from: &[Float4]) -> Result<(), ClError> {
+    pub(crate) fn write(
+        &mut self,
+        queue: &CommandQueue,
+        first: usize,
+        from: &[Float4],
+    ) -> Result<(), ClError> {
         self.running.write(queue, runners(first, from.len())?.start, bytemuck::cast_slice(from))
     }
 

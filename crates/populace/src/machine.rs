@@ -221,9 +221,13 @@ impl StateMachine {
             Ok(match condition {
                 Condition::Above(name, value) => populace_core::Condition::Above(parameter(name)?, *value),
                 Condition::Below(name, value) => populace_core::Condition::Below(parameter(name)?, *value),
-                Condition::AfterSecs(secs) => populace_core::Condition::After(ticks_from_secs((*secs).into())),
+                Condition::AfterSecs(secs) => {
+                    populace_core::Condition::After(ticks_from_secs((*secs).into()))
+                }
                 // A clip that does not play once has no end.
-                Condition::Ended if state.play.mode != Mode::Once => populace_core::Condition::After(u64::MAX),
+                Condition::Ended if state.play.mode != Mode::Once => {
+                    populace_core::Condition::After(u64::MAX)
+                }
                 Condition::Ended => populace_core::Condition::After(end_ticks),
             })
         };

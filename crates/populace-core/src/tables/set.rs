@@ -2,8 +2,8 @@
 
 use super::{Table, Tables};
 use crate::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground, Layer, Link,
-    MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target, Transition,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground, Layer,
+    Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target, Transition,
 };
 
 /// Calls a macro with every table that all schedules read: its documentation, its name, and the type of its elements

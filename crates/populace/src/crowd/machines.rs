@@ -154,7 +154,8 @@ impl Crowd {
         let running = slots.filter(|(_, slot)| slot.layer() as usize == layer && !faded_out(slot, tick));
         let runners = running.filter_map(|(index, slot)| Some((index, slot.runner()?)));
         let newest = runners.max_by_key(|(index, _)| self.started(place, *index).serial);
-        let none = || bad(&format!("to ask for the state of is not there: the member runs none in layer {layer}"));
+        let none =
+            || bad(&format!("to ask for the state of is not there: the member runs none in layer {layer}"));
         let (_, index) = newest.ok_or_else(none)?;
         let (runner, at) = (self.tables.runner(index)?, self.running(index)?);
         // One that no frame has run yet is where it begins.
@@ -222,5 +223,66 @@ impl Crowd {
             self.fill_slot(place, slot, started, tick)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use populace_core::layout::NONE;
+    use populace_testkit::Rng;
+
+    use super::*;
+    use crate::{ClipId, Device, Placement, StateMachine};
+
+    fn run(slots: usize, mut look: impl FnMut(&Crowd, u32)) {
+        let builder = Crowd::builder().device(Device::native()).slots_per_member(slots);
+        let mut crowd = builder.build().unwrap();
+        let lift = crowd.add_character(super::super::tests::lift()).unwrap();
+        let clip: ClipId = crowd.clips(lift).unwrap()[0].0;
+        let machine = StateMachine::new().state("lifts", clip, Play::looping());
+        let machine = crowd.add_machine(&machine).unwrap();
+        let member = crowd.spawn(lift, Placement::at([0.0; 3])).unwrap();
+        crowd.play(member, clip, Play::looping()).unwrap();
+        let mut random = Rng::new(slots as u64);
+        for _ in 0..6000 {
+            let secs = u8::try_from(2 + random.below(4)).map_or(0.2, |tenths| f32::from(tenths) / 10.0);
+            let play = Play::looping().fade_in_secs(secs);
+            match random.below(20) {
+                0 => drop(crowd.play(member, clip, play).unwrap()),
+                1 => drop(crowd.run_machine(member, machine, play).unwrap()),
+                _ => {}
+            }
+            crowd.update(0.01).unwrap();
+            look(&crowd, member.place);
+        }
+    }
+
+    #[test]
+    fn both_slots_of_a_machine_weigh_the_same_and_all_of_a_layer_what_it_did() {
+        for slots in [4, 5, 8] {
+            let mut most = 0;
+            run(slots, |crowd, place| {
+                let tick = crowd.clock.tick;
+                let ramp = |s: &Slot| (s.weight_tick, s.start_weight, s.weight_rate, s.end_weight);
+                // What weighs as little is free, one slot at a time.
+                let taken = |slot: &&Slot| slot.bound_clip != NONE && slot.weight_at(tick) > 2e-3;
+                let all = crowd.slots(place);
+                for slot in all.iter().filter(taken).filter(|slot| slot.runner().is_some()) {
+                    let is_mate = |other: &&Slot| {
+                        other.runner() == slot.runner() && other.bound_clip != slot.bound_clip
+                    };
+                    assert_eq!(
+                        all.iter().find(is_mate).map(ramp),
+                        Some(ramp(slot)),
+                        "{slots} slots: {all:?}"
+                    );
+                }
+                let total: f32 = all.iter().filter(taken).map(|slot| slot.weight_at(tick)).sum();
+                // Fades that others cut short leave less.
+                assert!(total > 0.7 && total < 1.03, "{total} of {slots} slots: {all:?}");
+                most = most.max(all.iter().filter(taken).count());
+            });
+            assert!(most >= slots.min(5), "{most} of {slots} slots were taken at once");
+        }
     }
 }

@@ -96,7 +96,8 @@ impl Crowd {
         let (mut victims, others) = self.by_strength(place, &shares, &plans);
         let smoothly = victims.len() >= missing;
         victims.extend(others);
-        let splits = victims.get(missing - 1).and_then(|last| self.mate(place, *last)) == victims.get(missing).copied();
+        let splits = victims.get(missing - 1).and_then(|last| self.mate(place, *last))
+            == victims.get(missing).copied();
         victims.truncate(missing + usize::from(splits));
         if secs <= 0.0 || !smoothly {
             for index in victims {
