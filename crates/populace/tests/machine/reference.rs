@@ -115,3 +115,20 @@ fn a_machine_that_waits_takes_parameters_and_begins_on_its_tick() {
     stage.crowd.update(0.1).unwrap();
     assert_eq!(&*stage.crowd.state_of(member, 0).unwrap(), "walk");
 }
+
+#[test]
+fn a_machine_in_the_place_of_one_that_is_gone_begins_anew() {
+    for builder in everywhere() {
+        let mut stage = Stage::new(&builder);
+        let gone = stage.runner(0);
+        stage.crowd.set_parameter(gone, "speed", 1.0).unwrap();
+        stage.frame();
+        assert_eq!(&*stage.crowd.state_of(gone, 0).unwrap(), "walk");
+        stage.crowd.despawn(gone).unwrap();
+        let (machine, hand) = (stage.runner(0), stage.member(0));
+        play(&mut stage, hand, "idle", 0.0);
+        stage.frame();
+        assert_eq!(&*stage.crowd.state_of(machine, 0).unwrap(), "idle");
+        assert_eq!(stage.bits(machine), stage.bits(hand));
+    }
+}
