@@ -85,14 +85,14 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut walkers = Vec::new();
     for (nth, id) in (0..7_u8).zip(ids.iter().cycle()) {
-        let (x, z) = (f32::from(nth) * 1.1 - 3.3, -4.5);
+        let (x, z) = (f32::from(nth) * 1.0 - 3.0, -4.0);
         let yaw_rad = std::f32::consts::FRAC_PI_2;
         let member = crowd.spawn(*id, Placement::at([x, 0.0, z]).facing(yaw_rad))?;
         crowd.run_machine(member, gait, Play::looping())?;
-        let waits = u16::from(nth) * 35;
+        let waits = u16::from(nth) * 32;
         walkers.push(Walker { member, x, z, yaw_rad, speed_m_per_sec: 0.0, waits });
     }
-    for _ in 0..205 {
+    for _ in 0..233 {
         for walker in &mut walkers {
             walker.step(&mut crowd, speeds)?;
         }
@@ -100,11 +100,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     for (nth, walker) in walkers.iter().enumerate() {
         let state = crowd.state_of(walker.member, 0)?;
-        println!("{nth}: {state} at {:.1} m/s, {:.1} m away", walker.speed_m_per_sec, -walker.z);
+        println!("{nth}: {state} at {:.1} m/s, {:.1} m away", walker.speed_m_per_sec, walker.z.abs());
     }
     let path = shared::output("machine.png");
     let drawn: Vec<_> = people.iter().collect();
-    shared::draw(&mut crowd, &drawn, &[[-3.9, -0.1, 0.3], [3.9, 2.0, 0.0]], &path)?;
+    shared::draw(&mut crowd, &drawn, &[[-3.3, -0.1, 0.3], [3.3, 1.9, 0.0]], &path)?;
     println!("all on {}, drawn to {path}", crowd.device_name());
     Ok(())
 }

@@ -75,5 +75,8 @@ fn live_clip() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn machine() {
-    runs_and_draws("machine", &["0: idle at 0.0 m/s, 0.", ": walk at", ": run at", ": turn at", "drawn to"]);
+    runs_and_draws(
+        "machine",
+        &["0: idle at 0.0 m/s, 0.0 m away", ": walk at", ": run at", "6: turn at", "drawn to"],
+    );
 }
