@@ -1,8 +1,5 @@
 //! State machines: where each is, kept from frame to frame, and the kernel that moves it on.
 
-use std::ops::Range;
-
-use bytemuck::Zeroable;
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
@@ -55,10 +52,7 @@ impl Machines {
         first: usize,
         into: &mut [Float4],
     ) -> Result<(), ClError> {
-        let mut rows = vec![Running::zeroed(); runners(first, into.len())?.len()];
-        self.running.read(queue, first / EACH, &mut rows)?;
-        into.copy_from_slice(bytemuck::cast_slice(&rows));
-        Ok(())
+        self.running.read(queue, first_runner(first, into.len())?, bytemuck::cast_slice_mut(into))
     }
 
     /// Writes such elements, and waits.
@@ -68,7 +62,7 @@ impl Machines {
         first: usize,
         from: &[Float4],
     ) -> Result<(), ClError> {
-        self.running.write(queue, runners(first, from.len())?.start, bytemuck::cast_slice(from))
+        self.running.write(queue, first_runner(first, from.len())?, bytemuck::cast_slice(from))
     }
 
     /// Enqueues a step of all machines; nothing where there are none.
@@ -90,10 +84,10 @@ impl Machines {
     }
 }
 
-/// The runners of which elements from `first` on are; they are read and written whole.
-fn runners(first: usize, count: usize) -> Result<Range<usize>, ClError> {
+/// The runner whose elements begin at `first`; runners are read and written whole.
+fn first_runner(first: usize, count: usize) -> Result<usize, ClError> {
     if first.is_multiple_of(EACH) && count.is_multiple_of(EACH) {
-        return Ok(first / EACH..(first + count) / EACH);
+        return Ok(first / EACH);
     }
     Err(ClError(INVALID_VALUE))
 }
