@@ -14,8 +14,8 @@ mod body;
 use body::{joint, stage};
 use populace::core::math::quat;
 use populace::{
-    Condition, Device, Feet, Foot, JointOverride, LayerSettings, Placement, Play, Reach, Schedule, Space,
-    StateMachine, Target, Trs, Weight,
+    ClipId, Condition, Device, Feet, Foot, JointOverride, LayerSettings, Member, Placement, Play, Reach,
+    Schedule, Space, StateMachine, Target, Trs, Weight,
 };
 
 fn feet() -> Feet {
@@ -27,9 +27,8 @@ fn feet() -> Feet {
     Feet { pelvis: joint("hips"), feet: vec![foot("left"), foot("right")], weight: 1.0 }
 }
 
-fn frames(stage: &mut body::Stage) {
-    let clips = ["sway", "walk"].map(|name| stage.clip(name));
-    let members: Vec<_> = (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
+/// All sway or walk in a layer above, by a parameter.
+fn run_machines(stage: &mut body::Stage, clips: [ClipId; 2], members: &[Member]) {
     let sways = StateMachine::new()
         .parameter("swap", 0.0)
         .state("sway", clips[0], Play::looping())
@@ -37,9 +36,15 @@ fn frames(stage: &mut body::Stage) {
         .transition("sway", "walk", 0.1, &[Condition::above("swap", 0.5)])
         .transition("walk", "sway", 0.1, &[Condition::below("swap", 0.5)]);
     let sways = stage.crowd.add_machine(&sways).expect("a machine");
-    for &member in &members {
+    for &member in members {
         stage.crowd.run_machine(member, sways, Play::looping().on_layer(1)).expect("slots");
     }
+}
+
+fn frames(stage: &mut body::Stage) {
+    let clips = ["sway", "walk"].map(|name| stage.clip(name));
+    let members: Vec<_> = (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
+    run_machines(stage, clips, &members);
     let mut watch = None;
     let mut waited = 0;
     for frame in 0..60_usize {

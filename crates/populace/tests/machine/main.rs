@@ -3,7 +3,6 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 #![expect(
     clippy::cast_possible_truncation,
-    clippy::disallowed_methods,
     dead_code,
     reason = "scenes may be rounded as they come: each is made once for the device and for what judges it; arms are shared"
 )]
