@@ -83,3 +83,12 @@ fn live_clip() {
         &["0: shows 4.90 s of the stream, 0.10 s ago", "4: shows 4.30 s", "150 poses in 5.0 s"],
     );
 }
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn machine() {
+    runs_and_draws(
+        "machine",
+        &["0: idle at 0.0 m/s, 0.0 m away", ": walk at", ": run at", "6: turn at", "drawn to"],
+    );
+}

@@ -59,11 +59,13 @@ pub enum StageBuffer {
     States,
     /// What others look at: three rows of `world_from_joint` for each; of what others are attached to, of `model_from_joint`.
     Watched,
+    /// Where state machines are: a [`Running`](crate::layout::Running) in three elements for each runner.
+    Running,
 }
 
 impl StageBuffer {
     /// All buffers.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Samples,
         Self::Translations,
         Self::Rotations,
@@ -74,6 +76,7 @@ impl StageBuffer {
         Self::Palette,
         Self::States,
         Self::Watched,
+        Self::Running,
     ];
 }
 

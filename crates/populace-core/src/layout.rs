@@ -92,6 +92,9 @@ device_consts! {
     /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), as it stood [`Slot::phase_rate`] ticks ago; its oldest row holds
     /// before that, its newest after.
     pub const SLOT_LIVE: u32 = 3;
+    /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is twice its runner, and which of the two;
+    /// each has half the machine's weight, and what it plays and how much of it stands in [`Running`].
+    pub const SLOT_MACHINE: u32 = 4;
     /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
     pub const SLOT_MODE_BITS: u32 = 8;
     /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are laid over what lies
@@ -175,6 +178,16 @@ device_consts! {
     /// Elements of what is watched of a joint: three rows of its matrix, in the world, or in model space for what is attached
     /// to it.
     pub const WATCHED_ELEMENTS: u32 = 3;
+    /// Elements of a [`Running`].
+    pub const RUNNING_ELEMENTS: u32 = 3;
+    /// Parameters of a state machine.
+    pub const MACHINE_PARAMETERS: u32 = 8;
+    /// [`Condition::kind`]: the parameter is above the value.
+    pub const CONDITION_ABOVE: u32 = 0;
+    /// [`Condition::kind`]: the parameter is below the value.
+    pub const CONDITION_BELOW: u32 = 1;
+    /// [`Condition::kind`]: the state was entered so many ticks ago, or more.
+    pub const CONDITION_AFTER: u32 = 2;
     /// The bits of a joint map that name the clip's column.
     pub const MAP_COLUMN: u32 = (1 << 29) - 1;
 }
@@ -426,6 +439,99 @@ device_struct! {
 }
 
 device_struct! {
+    /// A state of a machine, for members of one body: what of a [`Slot`] is the same whenever the state is entered.
+    pub struct MachineState {
+        /// As [`Slot::phase_rate`].
+        pub phase_rate: u64,
+        /// As [`Slot::start_phase`].
+        pub start_phase: u32,
+        /// Into `bound_clips`.
+        pub bound_clip: u32,
+        /// A `SLOT_` mode.
+        pub mode: u32,
+        /// Into `transitions`: those that lead out of the state, the first that holds is taken.
+        pub transition_first: u32,
+        /// How many those are.
+        pub transition_count: u32,
+        /// Zero.
+        pub unused: u32,
+    }
+}
+
+device_struct! {
+    /// A way out of a state.
+    pub struct Transition {
+        /// Into `machine_states`.
+        pub to: u32,
+        /// Into `conditions`: all must hold.
+        pub condition_first: u32,
+        /// How many those are.
+        pub condition_count: u32,
+        /// Ticks that the crossfade takes.
+        pub fade_ticks: u32,
+        /// What the new state's weight rises by in a second; 0 where `fade_ticks` is.
+        pub fade_rate: f32,
+        /// Zero.
+        pub unused: u32,
+    }
+}
+
+device_struct! {
+    /// What must hold for a transition to be taken.
+    pub struct Condition {
+        /// [`CONDITION_AFTER`]: ticks since the state was entered.
+        pub ticks: u64,
+        /// A `CONDITION_` kind.
+        pub kind: u32,
+        /// Which of the machine's parameters.
+        pub parameter: u32,
+        /// What it is compared with.
+        pub value: f32,
+        /// Zero.
+        pub unused: u32,
+    }
+}
+
+device_struct! {
+    /// A state machine that a member runs.
+    pub struct Runner {
+        /// The clock when it began.
+        pub start_tick: u64,
+        /// Into `machine_states`: the state that it begins in, or [`NONE`] for a free place.
+        pub state: u32,
+        /// Changes with whose runner this is, so that nobody goes on in another's state; never 0.
+        pub epoch: u32,
+    }
+}
+
+device_struct! {
+    /// Where a [`Runner`] is: written by devices once a frame, and as whole ticks and comparisons alone lead there, the same
+    /// on all of them.
+    pub struct Running {
+        /// The clock when the state was entered.
+        pub entry_tick: u64,
+        /// The clock when the state before was.
+        pub previous_tick: u64,
+        /// Into `machine_states`.
+        pub state: u32,
+        /// The state before, which fades out; [`NONE`] in the first.
+        pub previous: u32,
+        /// Which of the runner's two slots plays the state, 0 or 1; the other plays the one before.
+        pub which: u32,
+        /// Ticks that the crossfade from the one before takes.
+        pub fade_ticks: u32,
+        /// What the state's weight rises by in a second.
+        pub fade_rate: f32,
+        /// That of the runner when this was written; another one's starts anew.
+        pub epoch: u32,
+        /// Zero.
+        pub unused0: u32,
+        /// Zero.
+        pub unused1: u32,
+    }
+}
+
+device_struct! {
     /// One layer of a member.
     pub struct Layer {
         /// From 0 to 1; not looked at in layer 0.
@@ -668,6 +774,11 @@ pub fn device_structs() -> Vec<StructLayout> {
         of::<Link>(),
         of::<Target>(),
         of::<Ground>(),
+        of::<MachineState>(),
+        of::<Transition>(),
+        of::<Condition>(),
+        of::<Runner>(),
+        of::<Running>(),
     ]
 }
 
@@ -697,6 +808,11 @@ pub fn opencl_prelude() -> String {
         Link::OPENCL_C,
         Target::OPENCL_C,
         Ground::OPENCL_C,
+        MachineState::OPENCL_C,
+        Transition::OPENCL_C,
+        Condition::OPENCL_C,
+        Runner::OPENCL_C,
+        Running::OPENCL_C,
     ] {
         text += declaration;
     }

@@ -4,8 +4,8 @@ mod mask;
 mod pace;
 
 use crate::layout::{
-    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MODE_BITS,
-    SLOT_ONCE, SLOTS_MOST, Slot,
+    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE,
+    SLOT_MODE_BITS, SLOT_ONCE, SLOTS_MOST, Slot,
 };
 
 pub use mask::Mask;
@@ -39,7 +39,8 @@ pub fn ticks_from_secs(secs: f64) -> u64 {
 
 /// A weight that runs from `start` by `rate` per second to `end`; the twin of `ramp` in `kernels/slot.cl`.
 #[inline]
-pub(crate) fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
+#[must_use]
+pub fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
     let weight = start + rate * (elapsed_ticks as f32 * TICK_SECS);
     let rising = rate >= 0.0;
     if (rising && weight > end) || (!rising && weight < end) { end } else { weight }
@@ -78,6 +79,19 @@ impl Slot {
     #[must_use]
     pub fn live(bound_clip: u32, tick: u64, delay_ticks: u64) -> Self {
         Self { phase_rate: delay_ticks, ..Self::still(bound_clip, tick, SLOT_LIVE) }
+    }
+
+    /// One of the two slots of a state machine, 0 or 1; see [`Tables::add_runner`](crate::Tables::add_runner).
+    #[must_use]
+    pub fn machine(runner: u32, which: u32, tick: u64) -> Self {
+        Self::still(runner << 1 | which, tick, SLOT_MACHINE)
+    }
+
+    /// The runner of a slot of a state machine.
+    #[inline]
+    #[must_use]
+    pub const fn runner(&self) -> Option<u32> {
+        if self.mode() == SLOT_MACHINE { Some(self.bound_clip >> 1) } else { None }
     }
 
     /// A slot that loops in a phase that others share: one of a blend space. `phase` is that at `tick`, in 2^-64 of a

@@ -3,6 +3,7 @@
 mod binding;
 mod controls;
 mod live;
+mod machines;
 mod members;
 mod pages;
 mod set;
@@ -18,12 +19,14 @@ use crate::layout::{
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, RootMotion, Skeleton, StageBuffer, Trs};
 use controls::ControlSpaces;
+use machines::RunnerSpace;
 use pages::PageLists;
 use set::{BlockTableSet, TableSet};
 use space::Space;
 
 pub use controls::Ground;
 pub use live::LiveNewest;
+pub use machines::{Condition, MachineState, Transition};
 pub use table::Table;
 
 #[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
@@ -53,6 +56,7 @@ pub struct Tables {
     control_spaces: ControlSpaces,
     /// Members of each phase.
     phase_members: [usize; PHASES_MOST as usize],
+    runner_space: RunnerSpace,
 }
 
 impl Tables {
@@ -84,6 +88,7 @@ impl Tables {
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
             control_spaces: ControlSpaces::new(),
             phase_members: [0; PHASES_MOST as usize],
+            runner_space: RunnerSpace::new(),
         }
     }
 
@@ -146,7 +151,9 @@ impl Tables {
     #[must_use]
     pub fn place_of(&self, buffer: StageBuffer, first: usize) -> Option<(u32, usize)> {
         let place = match buffer {
-            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched => return None,
+            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running => {
+                return None;
+            }
             StageBuffer::Samples => u32::try_from(first / self.slots_per_member).ok()?,
             _ => *self.joint_blocks().as_slice().get(first / JOINT_BLOCK as usize)?,
         };

@@ -27,6 +27,8 @@ use crate::stages::{self, Stages};
 pub(crate) struct Keeping {
     pub(crate) now: Kept,
     before: Kept,
+    /// Where state machines are.
+    pub(crate) running: Vec<Float4>,
 }
 
 /// States of members, and what is watched of joints.

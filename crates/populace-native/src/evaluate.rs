@@ -1,17 +1,20 @@
 //! Evaluate: each slot's rows and weight from the clock; the twin of `kernels/evaluate.cl`.
 
 use populace_core::Tables;
-use populace_core::layout::{ClipRows, NONE, SLOT_LIVE, Slot, SlotSample};
+use populace_core::layout::{ClipRows, Float4, NONE, SLOT_LIVE, Slot, SlotSample};
 use rayon::prelude::*;
 
-pub(crate) fn run(tables: &Tables, tick: u64, samples: &mut [SlotSample]) {
+use crate::machines::slot_now;
+
+pub(crate) fn run(tables: &Tables, running: &[Float4], tick: u64, samples: &mut [SlotSample]) {
     samples
         .par_iter_mut()
         .zip(tables.slots().as_slice())
         .with_min_len(4096)
-        .for_each(|(sample, slot)| *sample = evaluate(tables, slot, tick));
+        .for_each(|(sample, slot)| *sample = evaluate(tables, &slot_now(tables, running, slot, tick), tick));
 }
 
+/// What a slot shows that is no machine's.
 pub(crate) fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
     let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
     if weight > 0.0 {

@@ -13,6 +13,7 @@ use crate::dispatch::Dispatch;
 use crate::evaluate::evaluate;
 use crate::joint::{Playing, Posing};
 use crate::lanes::{LANES, Lanes};
+use crate::machines::slot_now;
 use crate::pages::Pages;
 use crate::pose::member_layers;
 use crate::rows::Local;
@@ -116,7 +117,7 @@ pub(crate) fn member_matrices(
     let (body, control) = (body_of(tables, place), control_of(tables, place));
     desk.models.resize(body.padded_count as usize, Affine::IDENTITY);
     let mut playing = [Playing::default(); MAX_SLOTS];
-    let count = play(tables, place, clock.tick, &mut playing);
+    let count = play(member, &mut playing);
     let (playing, layers) = (&playing[..count], member_layers(tables, place));
     for (block, matrices) in desk.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joint = block * LANES;
@@ -142,10 +143,12 @@ pub(crate) fn body_of(tables: &Tables, place: u32) -> &Body {
 }
 
 /// The member's slots that weigh anything now, in order; returns how many.
-fn play(tables: &Tables, place: u32, tick: u64, playing: &mut [Playing; MAX_SLOTS]) -> usize {
-    let mut count = 0;
-    for slot in &tables.slots().as_slice()[tables.slot_range(place)] {
-        let at = evaluate(tables, slot, tick);
+fn play(member: Evaluation, playing: &mut [Playing; MAX_SLOTS]) -> usize {
+    let Evaluation { tables, keeping, .. } = member;
+    let (tick, mut count) = (member.clock.tick, 0);
+    for slot in &tables.slots().as_slice()[tables.slot_range(member.place)] {
+        let slot = slot_now(tables, &keeping.running, slot, tick);
+        let at = evaluate(tables, &slot, tick);
         if at.weight > 0.0 {
             playing[count] = Playing { at, bound_clip: slot.bound_clip, layer: slot.layer() };
             count += 1;

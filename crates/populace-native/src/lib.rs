@@ -24,6 +24,7 @@ mod floor;
 mod fused;
 mod joint;
 mod lanes;
+mod machines;
 mod pages;
 mod pose;
 mod reading;
@@ -179,6 +180,7 @@ impl NativeBackend {
             StageBuffer::ModelRow2 => &mut self.models.0[2],
             StageBuffer::States => &mut self.keeping.now.states,
             StageBuffer::Watched => &mut self.keeping.now.watched,
+            StageBuffer::Running => &mut self.keeping.running,
             StageBuffer::Palette => {
                 let page = self.pages.get_mut(first / PAGE_ELEMENTS).unwrap_or(&mut []);
                 return page.get_mut(first % PAGE_ELEMENTS..).unwrap_or(&mut []);
@@ -190,7 +192,7 @@ impl NativeBackend {
 
 /// Whether every schedule keeps a buffer.
 fn is_kept(buffer: StageBuffer) -> bool {
-    matches!(buffer, StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched)
+    matches!(buffer, StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running)
 }
 
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
@@ -229,6 +231,7 @@ impl Backend for NativeBackend {
         }
         grow(&mut self.keeping.now.states, tables.state_elements(), "what is kept of members")?;
         grow(&mut self.keeping.now.watched, tables.watched_elements(), "what is watched of members")?;
+        grow(&mut self.keeping.running, tables.running_elements(), "where state machines are")?;
         self.pages.update(tables)
     }
 
@@ -243,10 +246,15 @@ impl Backend for NativeBackend {
             return Err(failed(&operation, "a fused schedule has no stages; run the staged one"));
         }
         let start = Instant::now();
-        let Self { pool, stages, samples, joints, models, pages, .. } = self;
+        let Self { pool, stages, samples, joints, models, pages, keeping, .. } = self;
         match stage {
-            Stage::Evaluate => pool.install(|| evaluate::run(tables, frame.tick, samples)),
-            Stage::Pose => pool.install(|| pose::run(tables, frame, stages, samples, joints)),
+            Stage::Evaluate => pool.install(|| {
+                machines::advance(tables, frame.tick, &mut keeping.running);
+                evaluate::run(tables, &keeping.running, frame.tick, samples);
+            }),
+            Stage::Pose => pool.install(|| {
+                pose::run(tables, frame, stages, (&keeping.running, samples), joints);
+            }),
             Stage::Transform => self.run_phases(tables, frame),
             Stage::WriteBack => {
                 pages.begin_frame();
@@ -268,6 +276,8 @@ impl Backend for NativeBackend {
             (self.last, self.reading) = (frame, None);
             if frame.begins() {
                 self.pages.begin_frame();
+                let Self { pool, keeping, .. } = self;
+                pool.install(|| machines::advance(tables, frame.tick, &mut keeping.running));
             }
             self.run_phases(tables, frame);
         }
@@ -358,6 +368,7 @@ impl Backend for NativeBackend {
         let elements = self.samples.len()
             + self.keeping.now.states.len() * 2
             + self.keeping.now.watched.len() * 2
+            + self.keeping.running.len()
             + self.joints.translations.len() * 3
             + self.models.0[0].len() * 3
             + self.pages.capacity();

@@ -5,6 +5,7 @@ use populace_core::{Frame, MAX_SLOTS, Tables};
 
 use crate::controls::{Clock, control_of};
 use crate::joint::{Playing, Posing};
+use crate::machines::slot_now;
 use crate::stages::Stages;
 use crate::{JointBuffer, split};
 
@@ -12,7 +13,7 @@ pub(crate) fn run(
     tables: &Tables,
     frame: Frame,
     stages: &Stages,
-    samples: &[SlotSample],
+    (running, samples): (&[Float4], &[SlotSample]),
     joints: &mut JointBuffer,
 ) {
     let clock = Clock::of(frame, stages);
@@ -27,7 +28,8 @@ pub(crate) fn run(
         let (slots, samples) = (&tables.slots().as_slice()[range.clone()], &samples[range]);
         let mut playing = [Playing::default(); MAX_SLOTS];
         for ((playing, slot), at) in playing.iter_mut().zip(slots).zip(samples) {
-            *playing = Playing { at: *at, bound_clip: slot.bound_clip, layer: slot.layer() };
+            let bound_clip = slot_now(tables, running, slot, frame.tick).bound_clip;
+            *playing = Playing { at: *at, bound_clip, layer: slot.layer() };
         }
         let (playing, layers) = (&playing[..slots.len()], member_layers(tables, place));
         let control = control_of(tables, place);

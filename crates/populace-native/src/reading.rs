@@ -6,6 +6,7 @@ use populace_core::{Affine, BackendError, StageBuffer, Tables};
 use crate::controls::{Clock, Keeping};
 use crate::evaluate::evaluate;
 use crate::fused::{Desk, Evaluation};
+use crate::machines::slot_now;
 use crate::{failed, fused};
 
 /// Of one member, evaluated once more.
@@ -18,9 +19,11 @@ pub(crate) struct Reading {
 
 impl Reading {
     fn new(member: Evaluation) -> Self {
-        let Evaluation { tables, place, clock, .. } = member;
+        let Evaluation { tables, place, clock, keeping, .. } = member;
         let slots = &tables.slots().as_slice()[tables.slot_range(place)];
-        let samples = slots.iter().map(|slot| evaluate(tables, slot, clock.tick)).collect();
+        let sample =
+            |slot| evaluate(tables, &slot_now(tables, &keeping.running, slot, clock.tick), clock.tick);
+        let samples = slots.iter().map(sample).collect();
         let joint_count = fused::body_of(tables, place).joint_count as usize;
         let (mut desk, mut locals) = (Desk::default(), vec![[Float4::default(); 3]; joint_count]);
         fused::member_matrices(member, &mut desk, |first, local| {
@@ -49,7 +52,7 @@ impl Reading {
             StageBuffer::ModelRow0 => row(0),
             StageBuffer::ModelRow1 => row(1),
             StageBuffer::ModelRow2 => row(2),
-            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched => None,
+            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running => None,
         }
     }
 }

@@ -2,16 +2,17 @@
  * the joints from rows to local transforms, then level by level down the hierarchy, then the rows of the palette. Nothing
  * between clip and palette leaves the group's local memory.
  * NDRange  (members of one page x GROUP), a group for each member; one enqueue for each phase
- * Reads    the page's members; slots, layers, rows and all that they point at; what earlier phases wrote of what is watched
+ * Reads    the page's members; slots, machines, layers, rows and all that they point at; what earlier phases wrote of what is
+ *          watched
  * Writes   palette: every entry of the phase's members in [place_first, place_end) exactly once, padding untouched
  * Oracle   populace-testkit; the same arithmetic as populace-native fused.rs */
 
 /* What a member plays, for the whole group. Slots that weigh nothing stay where they are: what mixes passes them over. */
-INLINE Playback play_all(__global const Slot *slots, uint slot_count, ulong tick, Clips of,
+INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick, Clips of,
                          __global const float *row_times, __global const uint *buckets, __local Playing *playing)
 {
     for (uint s = (uint)get_local_id(0); s < slot_count; s += GROUP)
-        playing[s] = play(slots[s], tick, of, row_times, buckets);
+        playing[s] = play(slots[s], machines, tick, of, row_times, buckets);
     barrier(CLK_LOCAL_MEM_FENCE);
     const Playback playback = { playing, slot_count };
     return playback;
@@ -62,7 +63,8 @@ INLINE void member_models(Clips of, Locals locals, Descent to, Playback playback
 /* The three rows of an entry are written by three work-items side by side. */
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void fused_grouped(__global const Member *members, __global const Body *bodies, __global const uint *parents,
-                   __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
+                   __global const Slot *slots, __global const MachineState *machine_states,
+                   __global const Running *running, __global const Layer *layers, __global const BoundClip *bound_clips,
                    __global const BoundBlock *bound_blocks, __global const ClipRows *clips,
                    __global const RowBlock *row_blocks, __global const uint *rows, __global const float *row_times,
                    __global const uint *buckets, __global const float *poses, __global const float *masks,
@@ -79,9 +81,10 @@ void fused_grouped(__global const Member *members, __global const Body *bodies, 
     const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
+    const Machines machines = { machine_states, running };
     const Body body = bodies[member.body];
     const Playback playback =
-        play_all(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
+        play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of, row_times, buckets, playing);
     const Hierarchy models = { model_rows, stride };
     const Descent down = { steering, member.control, turns, models };
     member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
@@ -96,7 +99,8 @@ void fused_grouped(__global const Member *members, __global const Body *bodies, 
 /* What lies between slots and palette, of one member, for those who want to read it. */
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void fused_grouped_joints(__global const Member *members, __global const Body *bodies, __global const uint *parents,
-                          __global const Slot *slots, __global const Layer *layers,
+                          __global const Slot *slots, __global const MachineState *machine_states,
+                          __global const Running *running, __global const Layer *layers,
                           __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks,
                           __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
                           __global const float *row_times, __global const uint *buckets, __global const float *poses,
@@ -109,10 +113,11 @@ void fused_grouped_joints(__global const Member *members, __global const Body *b
     const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
+    const Machines machines = { machine_states, running };
     const Member member = members[owner];
     const Body body = bodies[member.body];
     const Playback playback =
-        play_all(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
+        play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of, row_times, buckets, playing);
     for (uint s = (uint)get_local_id(0); s < slots_per_member; s += GROUP) samples[s] = playing[s].at;
     const Hierarchy models = { model_rows, stride };
     const Descent down = { steering, member.control, turns, models };

@@ -2,8 +2,8 @@
  * transforms, transposed into one matrix each, then parents first down the hierarchy and out to the palette. Nothing
  * between clip and palette leaves the core's caches.
  * NDRange  (runs of members of one page), groups of one; one enqueue for each phase
- * Reads    the page's members; slots, layers, rows, controls and all that they point at; what earlier phases wrote of what is
- *          watched
+ * Reads    the page's members; slots, machines, layers, rows, controls and all that they point at; what earlier phases wrote of
+ *          what is watched
  * Writes   palette: every entry of the phase's members in [place_first, place_end) exactly once; matrices of its own run as
  *          scratch; states of those members, and what of them is watched
  * Oracle   populace-testkit; twin of populace-native fused.rs */
@@ -29,12 +29,12 @@ INLINE void transpose(float16 m[16])
 }
 
 /* The member's slots that weigh anything now, in order; returns how many. */
-INLINE uint play_all(__global const Slot *slots, uint slot_count, ulong tick, Clips of, __global const float *row_times,
-              __global const uint *buckets, Playing *playing)
+INLINE uint play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick, Clips of,
+                     __global const float *row_times, __global const uint *buckets, Playing *playing)
 {
     uint count = 0;
     for (uint s = 0; s < slot_count; s++) {
-        playing[count] = play(slots[s], tick, of, row_times, buckets);
+        playing[count] = play(slots[s], machines, tick, of, row_times, buckets);
         if (playing[count].at.weight > 0.0f) count++;
     }
     return count;
@@ -87,7 +87,8 @@ INLINE void member_matrices(Clips of, Locals locals, Controls controls, uint con
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void fused_wide(__global const Member *members, __global const Body *bodies, __global const uint *parents,
-                __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
+                __global const Slot *slots, __global const MachineState *machine_states,
+                __global const Running *running, __global const Layer *layers, __global const BoundClip *bound_clips,
                 __global const BoundBlock *bound_blocks, __global const ClipRows *clips,
                 __global const RowBlock *row_blocks, __global const uint *rows,
                 __global const float *row_times, __global const uint *buckets, __global const float *poses,
@@ -101,6 +102,7 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
+    const Machines machines = { machine_states, running };
     __global float16 *restrict models = (__global float16 *)matrices + get_global_id(0) * padded_most;
     const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
     for (uint index = begin; index < end; index++) {
@@ -110,7 +112,7 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
         if (member_phase(member) != phase) continue;
         const Body body = bodies[member.body];
         Playing playing[SLOTS_MOST];
-        const uint count = play_all(slots + owner * slots_per_member, slots_per_member, tick, of, row_times, buckets, playing);
+        const uint count = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of, row_times, buckets, playing);
         const Playback playback = { playing, count };
         member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
                         member_layers(member), body, parents + body.joint_first, models, 0);
@@ -127,7 +129,8 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
 /* What lies between slots and palette, of one member, for those who want to read it. */
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void fused_wide_joints(__global const Member *members, __global const Body *bodies, __global const uint *parents,
-                       __global const Slot *slots, __global const Layer *layers, __global const BoundClip *bound_clips,
+                       __global const Slot *slots, __global const MachineState *machine_states,
+                       __global const Running *running, __global const Layer *layers, __global const BoundClip *bound_clips,
                        __global const BoundBlock *bound_blocks, __global const ClipRows *clips,
                        __global const RowBlock *row_blocks, __global const uint *rows,
                        __global const float *row_times, __global const uint *buckets, __global const float *poses,
@@ -138,13 +141,14 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
+    const Machines machines = { machine_states, running };
     const Member member = members[owner];
     const Body body = bodies[member.body];
     __global const Slot *mine = slots + owner * slots_per_member;
     for (uint s = 0; s < slots_per_member; s++)
-        samples[s] = sample_of(mine[s], tick, bound_clips, clips, row_times, buckets);
+        samples[s] = play(mine[s], machines, tick, of, row_times, buckets).at;
     Playing playing[SLOTS_MOST];
-    const uint count = play_all(mine, slots_per_member, tick, of, row_times, buckets, playing);
+    const uint count = play_all(mine, slots_per_member, machines, tick, of, row_times, buckets, playing);
     const Playback playback = { playing, count };
     member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
                     member_layers(member), body, parents + body.joint_first, (__global float16 *)matrices, planes);

@@ -85,7 +85,7 @@ INLINE Move move_of_layer(Controls of, uint owner, uint layer, float *total)
 {
     float x = 0.0f, y = 0.0f, z = 0.0f, sine = 0.0f, cosine = 0.0f, sum = 0.0f;
     for (uint i = 0; i < of.slots_per_member; i++) {
-        const Slot slot = of.slots[owner * of.slots_per_member + i];
+        const Slot slot = slot_now(of.slots[owner * of.slots_per_member + i], of.tick, of.machines);
         const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, of.tick);
         if (weight <= 0.0f || slot_layer(slot) != layer) continue;
         const BoundClip bound = of.bound_clips[slot.bound_clip];

@@ -12,11 +12,15 @@ typedef struct {
     __global const Slot *slots;
     __global const SlotSample *samples;
     uint count;
+    Machines machines;
 } Playback;
 
 INLINE Playing playing_at(Playback playback, uint s)
 {
-    const Playing playing = { playback.samples[s], playback.slots[s].bound_clip, slot_layer(playback.slots[s]) };
+    const Slot slot = playback.slots[s];
+    Playing playing = { playback.samples[s], slot.bound_clip, slot_layer(slot) };
+    if (slot_mode(slot) == SLOT_MACHINE && playing.at.weight > 0.0f)
+        playing.bound_clip = machine_clip(slot.bound_clip, playback.machines);
     return playing;
 }
 

@@ -1,11 +1,12 @@
 /* pose.cl - Pose: each member's slots, mixed layer by layer, as local transforms (Lister & Day 2012, section 4.1).
  * NDRange  (the joint buffer's places, padded to whole work-groups); 16 places are one block of one member's joints
- * Reads    member, samples, slots, layers, the clips' rows, stored poses, joint maps, masks; overrides in local space; users' stages
+ * Reads    member, samples, slots, machine_states, running, layers, the clips' rows, stored poses, joint maps, masks; overrides in local space; users' stages
  * Writes   translations, rotations, scales: every joint exactly once, padding untouched
  * Oracle   populace-testkit oracle/pose.rs; twin of populace-native pose.rs */
 
 __kernel void pose(__global const Member *members, __global const uint *joint_blocks, __global const Body *bodies,
-                   __global const Slot *slots, __global const SlotSample *samples, __global const Layer *layers,
+                   __global const Slot *slots, __global const MachineState *machine_states,
+                   __global const Running *running, __global const SlotSample *samples, __global const Layer *layers,
                    __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks,
                    __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *joint_maps, __global const uint *rows,
                    __global const float *poses, __global const float *masks, uint slots_per_member, uint place_count,
@@ -24,7 +25,8 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
     if (joint >= body.joint_count) return;
 
     const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
-    const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member };
+    const Machines machines = { machine_states, running };
+    const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member, machines };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Trs trs = pose_joint(of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
                                member_layers(member), body, joint);

@@ -22,6 +22,7 @@ typedef struct {
     __global const ClipRows *clips;
     __global const float *masks;
     uint slots_per_member;
+    Machines machines;
     ulong tick;
     uint elapsed_ticks;
     float elapsed_secs;
@@ -34,7 +35,8 @@ typedef struct {
     __global const float4 *watched_before, __global float4 *states, __global float4 *watched, \
     __global const float4 *stage_values, __global const float4 *motions, uint elapsed_ticks
 #define CONTROLS { controls, steps, overrides, constraints, links, targets, ground, heights, states_before, watched_before, \
-    states, watched, stage_values, motions, members, slots, layers, bound_clips, clips, masks, slots_per_member, tick, \
+    states, watched, stage_values, motions, members, slots, layers, bound_clips, clips, masks, slots_per_member, \
+    { machine_states, running }, tick, \
     elapsed_ticks, (float)elapsed_ticks * TICK_SECS }
 
 /* A member's own, and the turns that its steps hand down. */

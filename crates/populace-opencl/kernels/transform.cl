@@ -10,7 +10,8 @@
 __kernel void transform(__global const Member *members, __global const Body *bodies, __global const uint *parents,
                         __global const uint *levels, uint level, uint member_first, uint member_end, uint phase,
                         __global const float4 *translations, __global const float4 *rotations,
-                        __global const float4 *scales, __global const Slot *slots, __global const Layer *layers,
+                        __global const float4 *scales, __global const Slot *slots, __global const MachineState *machine_states,
+                        __global const Running *running, __global const Layer *layers,
                         __global const BoundClip *bound_clips, __global const ClipRows *clips,
                         __global const float *masks, uint slots_per_member, ulong tick, CONTROL_PARAMETERS, __global float4 *turns,
                         __global float4 *row0, __global float4 *row1, __global float4 *row2)

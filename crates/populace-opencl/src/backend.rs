@@ -16,6 +16,7 @@ use crate::fused::Fused;
 use crate::gl_sharing::NOT_OFFERED;
 use crate::keeping::Keeping;
 use crate::launch::Launch;
+use crate::machines::Machines;
 use crate::pages::Pages;
 use crate::program::Form;
 use crate::staged::{CPU_SHAPE, GPU_SHAPE, Shape, Staged};
@@ -33,6 +34,7 @@ pub struct OpenClBackend {
     tables: DeviceTables,
     uploader: Uploader,
     keeping: Keeping,
+    machines: Machines,
     pages: Pages,
     floors: Floors,
     // Declared last: a context of OpenGL's that it was made for must outlive everything above.
@@ -51,6 +53,7 @@ pub(crate) struct On<'a> {
     pub(crate) host: &'a Tables,
     pub(crate) tables: &'a DeviceTables,
     pub(crate) keeping: &'a Keeping,
+    pub(crate) machines: &'a Machines,
     pub(crate) pages: &'a Pages,
 }
 
@@ -85,6 +88,10 @@ impl OpenClBackend {
                 Plan::Fused(Box::new(Fused::grouped(device, shape.group.min(GPU_SHAPE.group))?))
             }
         };
+        let form = match &plan {
+            Plan::Staged(_) => Staged::STAGE_KERNELS.0,
+            Plan::Fused(fused) => fused.stage_kernels.0,
+        };
         let group = device.group_size(shape.group);
         let floor = |name, float4s| Ok((device.kernel(Form::Common, "", name)?, float4s));
         Ok(Self {
@@ -95,6 +102,7 @@ impl OpenClBackend {
             tables: DeviceTables::new(device)?,
             uploader: Uploader::new(device, group)?,
             keeping: Keeping::new(device)?,
+            machines: Machines::new(device, form, group)?,
             pages: Pages::default(),
             floors: Floors {
                 kernels: [floor("floor_float4", 1)?, floor("floor_matrix", 3)?, floor("floor_run", 48)?],
@@ -110,7 +118,8 @@ impl OpenClBackend {
             Plan::Staged(staged) => staged.blocks.hold(tables) && staged.buffers.hold(tables),
             Plan::Fused(fused) => fused.holds(tables),
         };
-        beside && self.tables.hold(tables) && self.keeping.hold(tables) && self.pages.hold(tables)
+        let kept = self.keeping.hold(tables) && self.machines.hold(tables);
+        beside && kept && self.tables.hold(tables) && self.pages.hold(tables)
     }
 
     fn check_updated(&self, tables: &Tables, operation: &str) -> Result<(), BackendError> {
@@ -132,8 +141,8 @@ impl OpenClBackend {
         operation: &str,
         work: impl FnOnce(&mut Plan, &On) -> Result<(), ClError>,
     ) -> Result<(), BackendError> {
-        let Self { queue, plan, pages, keeping, .. } = self;
-        let on = On { queue, host: tables, tables: &self.tables, keeping, pages };
+        let Self { queue, plan, pages, keeping, machines, .. } = self;
+        let on = On { queue, host: tables, tables: &self.tables, keeping, machines, pages };
         // Some drivers start nothing before they are told to, and nothing here waits.
         let result = work(plan, &on).and_then(|()| queue.flush());
         result.map_err(|e| self.device.failed(operation, &e))
@@ -202,6 +211,7 @@ impl Backend for OpenClBackend {
             Plan::Fused(fused) => fused.update(&self.device, tables)?,
         }
         self.keeping.update(&self.device, &self.queue, tables)?;
+        self.machines.update(&self.device, &self.queue, tables)?;
         self.pages.update(&self.device, tables)
     }
 
@@ -264,7 +274,7 @@ impl Backend for OpenClBackend {
         first: usize,
         into: &mut [Float4],
     ) -> Result<(), BackendError> {
-        let Self { queue, plan, pages, keeping, device, .. } = self;
+        let Self { queue, plan, pages, keeping, machines, device, .. } = self;
         if let Some(kept) = keeping.buffer(buffer) {
             let result = kept.read(queue, first, into);
             return result
@@ -272,9 +282,10 @@ impl Backend for OpenClBackend {
         }
         let result = match plan {
             _ if buffer == StageBuffer::Palette => pages.read(queue, first, into),
+            _ if buffer == StageBuffer::Running => machines.read(queue, first, into),
             Plan::Staged(staged) => staged.buffers.read(queue, buffer, first, into),
             Plan::Fused(fused) => {
-                let on = On { queue, host: tables, tables: &self.tables, keeping, pages };
+                let on = On { queue, host: tables, tables: &self.tables, keeping, machines, pages };
                 return fused.read(&on, device, buffer, first, into);
             }
         };
@@ -288,6 +299,7 @@ impl Backend for OpenClBackend {
         }
         let result = match &mut self.plan {
             _ if buffer == StageBuffer::Palette => self.pages.write(&self.queue, first, from),
+            _ if buffer == StageBuffer::Running => self.machines.write(&self.queue, first, from),
             Plan::Staged(staged) => staged.buffers.write(&self.queue, buffer, first, from),
             Plan::Fused(_) => {
                 return Err(self.refused(&operation, "a fused schedule keeps palettes only".into()));
@@ -342,7 +354,8 @@ impl Backend for OpenClBackend {
             Plan::Staged(staged) => staged.blocks.bytes() + staged.buffers.bytes(),
             Plan::Fused(fused) => fused.bytes(),
         };
-        let kept = self.uploader.bytes() + self.keeping.bytes() + self.pages.bytes();
+        let machines = self.machines.running.bytes();
+        let kept = self.uploader.bytes() + self.keeping.bytes() + machines + self.pages.bytes();
         self.tables.bytes() + kept + beside
     }
 }

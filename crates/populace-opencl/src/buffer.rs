@@ -15,8 +15,9 @@ use opencl3::memory::{Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL
 use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use populace_core::BackendError;
 use populace_core::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, DeviceStruct, Entry, Float4, Ground, Layer,
-    Link, Member, Override, RowBlock, Slot, SlotSample, Source, Step, Target,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, DeviceStruct, Entry, Float4,
+    Ground, Layer, Link, MachineState, Member, Override, RowBlock, Runner, Running, Slot, SlotSample, Source,
+    Step, Target, Transition,
 };
 
 use crate::{OpenClDevice, waits};
@@ -37,10 +38,12 @@ elements! {
     Slot => Slot::NAME, Layer => Layer::NAME, Member => Member::NAME, SlotSample => SlotSample::NAME,
     Control => Control::NAME, Step => Step::NAME, Override => Override::NAME, Constraint => Constraint::NAME,
     Link => Link::NAME, Target => Target::NAME, Ground => Ground::NAME,
+    MachineState => MachineState::NAME, Transition => Transition::NAME, Condition => Condition::NAME,
+    Runner => Runner::NAME, Running => Running::NAME,
 }
 
 /// `CL_INVALID_VALUE`.
-const INVALID_VALUE: i32 = -30;
+pub(crate) const INVALID_VALUE: i32 = -30;
 
 /// Words of host memory that a device reads in its own time.
 #[derive(Default)]
@@ -261,6 +264,25 @@ impl<T: Element> Buffer<T> {
             };
             into.read = Some(Event::new(event.map_err(ClError)?));
         }
+        Ok(())
+    }
+
+    /// Makes the buffer that long at least: what is there stays, and zeros follow it.
+    pub(crate) fn grow(
+        &mut self,
+        device: &OpenClDevice,
+        queue: &CommandQueue,
+        count: usize,
+        what: &str,
+    ) -> Result<(), BackendError> {
+        if count <= self.len {
+            return Ok(());
+        }
+        let room = count.next_power_of_two();
+        let mut larger = Self::new(device, room, what)?;
+        let filled = larger.write(queue, 0, &vec![T::zeroed(); room]);
+        filled.and_then(|()| larger.copy_from(queue, self)).map_err(|e| device.failed("make room", &e))?;
+        *self = larger;
         Ok(())
     }
 

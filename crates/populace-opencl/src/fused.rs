@@ -93,11 +93,12 @@ impl Fused {
 
     /// Enqueues a frame's phases.
     pub(crate) fn run(&mut self, on: &On, frame: Frame) -> Result<(), ClError> {
+        let mut events = Vec::new();
         if frame.begins() {
             self.events.clear();
+            events.extend(on.machines.advance(on, frame)?);
         }
         (self.last, self.reading) = (frame, None);
-        let mut events = Vec::new();
         for phase in frame.phases(on.host) {
             for (page, palette) in on.pages.iter().enumerate() {
                 let count = on.host.page_members(page).as_slice().len();
@@ -138,6 +139,8 @@ impl Fused {
             .buffer("bodies", &tables.bodies.buffer)
             .buffer("parents", &tables.parents.buffer)
             .buffer("slots", &tables.slots.buffer)
+            .buffer("machine_states", &tables.machine_states.buffer)
+            .buffer("running", &on.machines.running)
             .buffer("layers", &tables.layers.buffer)
             .buffer("bound_clips", &tables.bound_clips.buffer)
             .buffer("bound_blocks", &tables.bound_blocks.buffer)

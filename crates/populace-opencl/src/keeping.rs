@@ -46,13 +46,19 @@ impl Keeping {
         queue: &CommandQueue,
         tables: &Tables,
     ) -> Result<(), BackendError> {
-        grow(device, queue, &mut self.states, tables.state_elements(), "what is kept of members")?;
-        grow(device, queue, &mut self.watched, tables.watched_elements(), "what is watched of members")
+        for states in &mut self.states {
+            states.grow(device, queue, tables.state_elements(), "what is kept of members")?;
+        }
+        for watched in &mut self.watched {
+            watched.grow(device, queue, tables.watched_elements(), "what is watched of members")?;
+        }
+        Ok(())
     }
 
     /// Whether there is room for what the tables hold, as there is after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
-        tables.state_elements() <= self.states[0].len() && tables.watched_elements() <= self.watched[0].len()
+        let states = self.states.iter().all(|buffer| tables.state_elements() <= buffer.len());
+        states && self.watched.iter().all(|buffer| tables.watched_elements() <= buffer.len())
     }
 
     pub(crate) fn bytes(&self) -> usize {
@@ -129,24 +135,4 @@ impl Keeping {
             _ => None,
         }
     }
-}
-
-fn grow(
-    device: &OpenClDevice,
-    queue: &CommandQueue,
-    both: &mut [Buffer<Float4>; 2],
-    count: usize,
-    what: &str,
-) -> Result<(), BackendError> {
-    if count <= both[0].len() {
-        return Ok(());
-    }
-    let room = count.next_power_of_two();
-    for buffer in both {
-        let mut larger = Buffer::new(device, room, what)?;
-        let filled = larger.write(queue, 0, &vec![Float4::default(); room]);
-        filled.and_then(|()| larger.copy_from(queue, buffer)).map_err(|e| device.failed("make room", &e))?;
-        *buffer = larger;
-    }
-    Ok(())
 }

@@ -26,6 +26,7 @@ mod fused;
 mod gl_sharing;
 mod keeping;
 mod launch;
+mod machines;
 mod pages;
 mod program;
 mod stage_buffers;

@@ -30,6 +30,31 @@ impl Form {
         }
     }
 
+    fn kernels(self) -> &'static [&'static str] {
+        match self {
+            Self::Common => {
+                &[include_str!("../kernels/apply_changes.cl"), include_str!("../kernels/floor.cl")]
+            }
+            Self::Staged => &[
+                include_str!("../kernels/advance.cl"),
+                include_str!("../kernels/evaluate.cl"),
+                include_str!("../kernels/pose.cl"),
+                include_str!("../kernels/transform.cl"),
+                include_str!("../kernels/write_back.cl"),
+            ],
+            Self::Wide => &[
+                include_str!("../kernels/advance.cl"),
+                include_str!("../kernels/fused.cl"),
+                include_str!("../kernels/fused_wide.cl"),
+            ],
+            Self::Grouped { .. } => &[
+                include_str!("../kernels/advance.cl"),
+                include_str!("../kernels/fused.cl"),
+                include_str!("../kernels/fused_grouped.cl"),
+            ],
+        }
+    }
+
     /// OpenCL C as one string: the driver binding crashes when given a list. `stages` is what users' stages add to it, if
     /// there are any.
     pub(crate) fn source(self, stages: &str) -> String {
@@ -40,6 +65,7 @@ impl Form {
             include_str!("../kernels/lanes.cl"),
             include_str!("../kernels/quat.cl"),
             include_str!("../kernels/slot.cl"),
+            include_str!("../kernels/machines.cl"),
             include_str!("../kernels/rows.cl"),
             include_str!("../kernels/turns.cl"),
             include_str!("../kernels/playback.cl"),
@@ -56,21 +82,6 @@ impl Form {
             include_str!("../kernels/motion.cl"),
             include_str!("../kernels/steps.cl"),
         ];
-        let kernels: &[&str] = match self {
-            Self::Common => {
-                &[include_str!("../kernels/apply_changes.cl"), include_str!("../kernels/floor.cl")]
-            }
-            Self::Staged => &[
-                include_str!("../kernels/evaluate.cl"),
-                include_str!("../kernels/pose.cl"),
-                include_str!("../kernels/transform.cl"),
-                include_str!("../kernels/write_back.cl"),
-            ],
-            Self::Wide => &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_wide.cl")],
-            Self::Grouped { .. } => {
-                &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_grouped.cl")]
-            }
-        };
         let arithmetic = if self == Self::Common { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();
         let (declared, tools) = if stages.is_empty() {
@@ -80,7 +91,7 @@ impl Form {
         };
         let switch = if stages.is_empty() { "" } else { "#define USER_STAGES\n" };
         let head = [rules, switch, &settings, &prelude, declared].into_iter();
-        let parts = head.chain(arithmetic.iter().copied()).chain(kernels.iter().copied());
+        let parts = head.chain(arithmetic.iter().copied()).chain(self.kernels().iter().copied());
         parts.chain([tools, stages]).collect()
     }
 }

@@ -70,7 +70,11 @@ impl StageBuffers {
             StageBuffer::ModelRow0 => Some(&mut self.models[0]),
             StageBuffer::ModelRow1 => Some(&mut self.models[1]),
             StageBuffer::ModelRow2 => Some(&mut self.models[2]),
-            StageBuffer::Samples | StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched => None,
+            StageBuffer::Samples
+            | StageBuffer::Palette
+            | StageBuffer::States
+            | StageBuffer::Watched
+            | StageBuffer::Running => None,
         }
     }
 

@@ -89,6 +89,8 @@ impl Staged {
         let count = on.host.member_places() * on.host.slots_per_member();
         Launch::of(&self.evaluate)
             .buffer("slots", &on.tables.slots.buffer)
+            .buffer("machine_states", &on.tables.machine_states.buffer)
+            .buffer("running", &on.machines.running)
             .buffer("bound_clips", &on.tables.bound_clips.buffer)
             .buffer("clips", &on.tables.clips.buffer)
             .buffer("row_times", &on.tables.row_times.buffer)
@@ -106,6 +108,8 @@ impl Staged {
             .buffer("joint_blocks", &self.blocks.joint_blocks.buffer)
             .buffer("bodies", &on.tables.bodies.buffer)
             .buffer("slots", &on.tables.slots.buffer)
+            .buffer("machine_states", &on.tables.machine_states.buffer)
+            .buffer("running", &on.machines.running)
             .buffer("samples", &self.buffers.samples)
             .buffer("layers", &on.tables.layers.buffer)
             .buffer("bound_clips", &on.tables.bound_clips.buffer)
@@ -156,6 +160,8 @@ impl Staged {
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
             .buffer("slots", &on.tables.slots.buffer)
+            .buffer("machine_states", &on.tables.machine_states.buffer)
+            .buffer("running", &on.machines.running)
             .buffer("layers", &on.tables.layers.buffer)
             .buffer("bound_clips", &on.tables.bound_clips.buffer)
             .buffer("clips", &on.tables.clips.buffer)
@@ -215,7 +221,10 @@ impl Staged {
             return Ok(Vec::new());
         }
         match stage {
-            Stage::Evaluate => Ok(vec![self.evaluate(on, frame)?]),
+            Stage::Evaluate => {
+                let advanced = on.machines.advance(on, frame)?;
+                Ok(advanced.into_iter().chain([self.evaluate(on, frame)?]).collect())
+            }
             Stage::Pose => Ok(vec![self.pose(on, frame)?]),
             Stage::Transform => {
                 let mut phases = frame.phases(on.host);

@@ -1,8 +1,8 @@
 //! The device's copies of the host's tables.
 
 use populace_core::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, Entry, Float4, Ground, Layer, Link, Member,
-    Override, RowBlock, Slot, Source, Step, Target,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground, Layer,
+    Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target, Transition,
 };
 use populace_core::{BackendError, Tables};
 

@@ -6,6 +6,7 @@ mod controls;
 mod events;
 mod hand_over;
 mod live;
+mod machines;
 mod motion;
 mod people;
 mod playback;
@@ -31,8 +32,8 @@ use crate::split::Kept;
 use crate::{Devices, Error, Placement, Split};
 use attach::Attached;
 use live::Stream;
+use machines::Machines;
 use motion::Moving;
-
 use room::Started;
 use spaces::{Space, Steered};
 use stages::UserStages;
@@ -41,6 +42,7 @@ use waiting::Waiting;
 pub use builder::CrowdBuilder;
 use controls::{MemberControls, Watches};
 pub use events::{Event, EventKind};
+pub use machines::MachineId;
 pub use spaces::SpaceId;
 pub use stages::StageId;
 pub use watches::{Sighting, Watch};
@@ -91,7 +93,7 @@ impl Member {
     }
 }
 
-/// A handle to a clip that was started on a member. It goes stale once another clip has taken its slot, which happens
+/// A handle to a clip or a state machine that was started on a member. It goes stale once another clip has taken its slot, which happens
 /// after it has faded out, and when it was to start later and something else was started in its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PlayId {
@@ -196,6 +198,7 @@ pub struct Crowd {
     spaces: Vec<Space>,
     /// The blend space that a member plays, by its place.
     steered: HashMap<u32, Steered>,
+    machines: Machines,
 }
 
 impl Crowd {
@@ -256,8 +259,10 @@ impl Crowd {
         let devices = devices.into();
         let mut opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;
         opened.backend_mut().set_stages(self.stages.as_slice())?;
-        // A device that was lost keeps nothing any more: feet then come down anew.
-        self.kept = Kept::read(self.opened.backend_mut(), &self.tables).ok();
+        // What the device before this one kept is still here where this one has run no frame.
+        if self.kept.is_none() {
+            self.kept = Some(Kept::read_all(self.opened.backend_mut(), &self.tables));
+        }
         self.opened = opened;
         self.devices = devices;
         self.tables.mark_dirty();
@@ -441,7 +446,7 @@ impl Crowd {
         self.opened.backend_mut().update(&self.tables)?;
         self.tables.mark_clean();
         if let Some(kept) = self.kept.take() {
-            kept.write(self.opened.backend_mut())?;
+            kept.write(self.opened.backend_mut(), &self.tables)?;
         }
         let frame = Frame::of_all(clock.tick).after_ticks(u32::try_from(whole).unwrap_or(u32::MAX));
         self.opened.backend_mut().run(&self.tables, frame)?;

@@ -66,6 +66,12 @@ pub enum Error {
         /// What is wrong and how to mend it.
         reason: String,
     },
+    /// A state machine that cannot be, or cannot be run so.
+    #[error("the state machine {reason}")]
+    BadStateMachine {
+        /// What is wrong and how to mend it.
+        reason: String,
+    },
     /// Members that cannot be attached so, or one that is.
     #[error("{reason}")]
     BadAttachment {

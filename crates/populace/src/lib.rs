@@ -38,6 +38,7 @@ mod control;
 mod crowd;
 mod device;
 mod error;
+mod machine;
 mod play;
 mod split;
 mod stage;
@@ -52,11 +53,12 @@ pub use populace_core::{
 pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Reach, Target, Weight};
 pub use crowd::{
-    CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance, MaskId, Member, PlayId, Sighting,
-    SpaceId, StageId, Watch,
+    CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance, MachineId, MaskId, Member, PlayId,
+    Sighting, SpaceId, StageId, Watch,
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
+pub use machine::{Condition, StateMachine};
 pub use play::{Placement, Play, Playing};
 pub use stage::StageUse;
 

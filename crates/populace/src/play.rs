@@ -1,6 +1,7 @@
 //! How clips are started and members are placed.
 
-use populace_core::Affine;
+use populace_core::layout::Slot;
+use populace_core::{Affine, ticks_from_secs};
 
 use crate::error::finite;
 use crate::{ClipId, Error, PlayId};
@@ -97,6 +98,16 @@ impl Play {
     pub const fn on_layer(mut self, layer: usize) -> Self {
         self.layer = layer;
         self
+    }
+
+    /// A slot in layer 0 that plays a bound clip of that length so from a tick on, at full weight.
+    pub(crate) fn slot(&self, bound: u32, tick: u64, duration_secs: f32) -> Slot {
+        match self.mode {
+            Mode::Looping => Slot::looping(bound, tick, duration_secs, f64::from(self.phase), self.speed),
+            Mode::Once => Slot::once(bound, tick, duration_secs, self.speed),
+            Mode::Held { secs } => Slot::held(bound, tick, secs),
+            Mode::Live { delay_secs } => Slot::live(bound, tick, ticks_from_secs(f64::from(delay_secs))),
+        }
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {

@@ -98,7 +98,7 @@ impl SplitBackend {
     }
 
     /// Learns from the last frame and divides the places anew.
-    fn divide(&mut self) {
+    fn divide(&mut self, tables: &Tables) {
         if std::mem::take(&mut self.is_measurable) && !self.balance.is_fixed() {
             let work: Vec<_> =
                 self.parts.iter_mut().map(|part| (part.members, part.backend.frame_time_ms())).collect();
@@ -112,7 +112,8 @@ impl SplitBackend {
             // Whoever has the last member has the places after it too.
             let place_end = self.places.place_after(end);
             (part.places, part.members) = (place..place_end, end - first);
-            part.is_at_work = part.members > 0;
+            // Each device moves all state machines on, so that it knows where they are once it gets members.
+            part.is_at_work = part.members > 0 || !tables.runners().as_slice().is_empty();
             (first, place) = (end, place_end);
         }
         self.parts[0].is_at_work = true;
@@ -160,7 +161,7 @@ impl SplitBackend {
                 all.take_over(&own, tables, member);
             }
         }
-        self.parts.iter_mut().try_for_each(|part| all.write(&mut *part.backend))
+        self.parts.iter_mut().try_for_each(|part| all.write(&mut *part.backend, tables))
     }
 
     /// Brings the palettes that other devices wrote into the pages of the first.
@@ -269,7 +270,7 @@ impl Backend for SplitBackend {
 
     fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
         if stage == Stage::Evaluate {
-            self.divide();
+            self.divide(tables);
         }
         self.is_gathered = false;
         let run = |parts: &mut [Part], frame| {
@@ -286,7 +287,7 @@ impl Backend for SplitBackend {
     }
 
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
-        self.divide();
+        self.divide(tables);
         for phase in frame.phases(tables) {
             let frame = frame.of_phase(phase);
             // First those that need only be told.

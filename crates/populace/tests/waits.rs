@@ -14,8 +14,8 @@ mod body;
 use body::{joint, stage};
 use populace::core::math::quat;
 use populace::{
-    Device, Feet, Foot, JointOverride, LayerSettings, Placement, Play, Reach, Schedule, Space, Target, Trs,
-    Weight,
+    ClipId, Condition, Device, Feet, Foot, JointOverride, LayerSettings, Member, Placement, Play, Reach,
+    Schedule, Space, StateMachine, Target, Trs, Weight,
 };
 
 fn feet() -> Feet {
@@ -27,10 +27,25 @@ fn feet() -> Feet {
     Feet { pelvis: joint("hips"), feet: vec![foot("left"), foot("right")], weight: 1.0 }
 }
 
+/// All sway or walk in a layer above, by a parameter.
+fn run_machines(stage: &mut body::Stage, clips: [ClipId; 2], members: &[Member]) {
+    let sways = StateMachine::new()
+        .parameter("swap", 0.0)
+        .state("sway", clips[0], Play::looping())
+        .state("walk", clips[1], Play::looping())
+        .transition("sway", "walk", 0.1, &[Condition::above("swap", 0.5)])
+        .transition("walk", "sway", 0.1, &[Condition::below("swap", 0.5)]);
+    let sways = stage.crowd.add_machine(&sways).expect("a machine");
+    for &member in members {
+        stage.crowd.run_machine(member, sways, Play::looping().on_layer(1)).expect("slots");
+    }
+}
+
 fn frames(stage: &mut body::Stage) {
     let clips = ["sway", "walk"].map(|name| stage.clip(name));
     let members: Vec<_> = (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
     let hats: Vec<_> = members.iter().map(|_| stage.member(Placement::at([0.0; 3]))).collect();
+    run_machines(stage, clips, &members);
     let mut watch = None;
     let mut waited = 0;
     for frame in 0..60_usize {
@@ -43,6 +58,7 @@ fn frames(stage: &mut body::Stage) {
             let crowd = &mut stage.crowd;
             crowd.play(member, clips[(frame + n) % 2], Play::looping().fade_in_secs(0.2)).expect("a clip");
             crowd.set_layer(member, 1, LayerSettings::default(), None).expect("a layer");
+            crowd.set_parameter(member, "swap", (x * 0.1).sin()).expect("a machine that runs");
             crowd.place(member, Placement::at([n as f32, 0.0, x * 0.001])).expect("a place");
             crowd.move_by_clips(member, true).expect("a member");
             let target = Target::Point([x.sin(), 1.2, 1.0]);
@@ -69,6 +85,8 @@ fn frames(stage: &mut body::Stage) {
     stage.crowd.finish().expect("a device");
     let opencl = stage.crowd.device_name().starts_with("OpenCL");
     assert_eq!(stage.crowd.waits(), waited + u64::from(opencl), "an explicit wait is counted");
+    stage.crowd.state_of(members[0], 1).expect("a machine that runs");
+    assert_eq!(stage.crowd.waits(), waited + 2 * u64::from(opencl), "and so is asking for a state");
     let watch = watch.expect("it was made");
     let seen = stage.crowd.sighting(watch).expect("a device").expect("it has come by now");
     let world = stage.crowd.placement(members[7]).expect("a member").world_from_model();

@@ -1,7 +1,7 @@
 //! What only the host asks of a slot's closed form: how fast it runs, when it ends, and another speed from now on.
 
 use super::{TICKS_PER_SEC, once_rate, phase_rate, upper_half};
-use crate::layout::{SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MODE_BITS, SLOT_ONCE, Slot};
+use crate::layout::{SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE, Slot};
 
 /// A whole cycle, in the unit of phases.
 const CYCLE: u128 = 1 << 64;
@@ -15,9 +15,10 @@ impl Slot {
         (u64::from(self.start_phase) << 32).wrapping_add(elapsed.wrapping_mul(self.phase_rate))
     }
 
-    /// Whether it has no speed of its own to run at: it is held, or live.
-    fn is_tied(&self) -> bool {
-        matches!(self.mode(), SLOT_HELD | SLOT_LIVE)
+    /// Whether it has no speed of its own to run at: it is held, or live, or a machine's.
+    #[must_use]
+    pub fn is_tied(&self) -> bool {
+        matches!(self.mode(), SLOT_HELD | SLOT_LIVE | SLOT_MACHINE)
     }
 
     /// Times the pace of a clip of that length; negative runs backwards. 0 for one that stands, 1 for one that is live.
@@ -34,7 +35,7 @@ impl Slot {
     }
 
     /// When a slot that plays once reaches its end, and one that loops, seen from `tick`, the next end of a cycle. `None`
-    /// for one that stands, and for one that is live.
+    /// for one that stands, that is live, or that is a machine's.
     #[must_use]
     pub fn end_tick(&self, tick: u64) -> Option<u64> {
         let rate = u128::from(self.phase_rate.cast_signed().unsigned_abs());
@@ -51,7 +52,7 @@ impl Slot {
 
     /// Runs at another speed from `tick` on, going on from the time at which the slot stands, to within one tick of it.
     /// `once` says that the slot is one to run once, which a slot that stands at speed 0 cannot tell itself. Held
-    /// and live slots stay as they are.
+    /// and live slots and those of machines stay as they are.
     ///
     /// A run that is begun again more slowly than would take it as long as the clock has run stands still.
     pub fn set_speed(&mut self, tick: u64, duration_secs: f32, speed: f32, once: bool) {

@@ -8,7 +8,7 @@ use super::{BodyIndex, Tables, u32_from};
 use crate::Error;
 use crate::layout::{
     Body, BoundClip, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, MEMBER_LAYER_BITS, Member, NONE,
-    PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, SLOT_LIVE, SLOT_LOOP, Slot,
+    PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, Slot,
 };
 
 const EMPTY_SLOT: Slot = Slot {
@@ -145,7 +145,7 @@ impl Tables {
 
     fn reset_playback(&mut self, place: u32) {
         for slot in self.slot_range(place) {
-            self.all.slots.set(slot, EMPTY_SLOT);
+            self.replace_slot(slot, EMPTY_SLOT);
         }
         for layer in self.layer_range(place) {
             self.all.layers.set(layer, PLAIN_LAYER);
@@ -156,8 +156,8 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member, a slot that there is not, a layer past the last, or a clip
-    /// that is not bound to the member's body.
+    /// [`Error::BadPlayback`] for a place without a member, a slot that there is not, a layer past the last, a clip that is
+    /// not bound to the member's body, or a machine that is not one of its.
     pub fn set_slot(&mut self, place: u32, index: usize, slot: Slot) -> Result<(), Error> {
         let member = self.taken(place)?;
         let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
@@ -167,6 +167,18 @@ impl Tables {
         if slot.layer() >= LAYERS_PER_MEMBER {
             return bad("layer", slot.layer());
         }
+        if slot.mode() == SLOT_MACHINE {
+            self.check_runner(&slot, &member)?;
+        } else {
+            self.check_bound(&slot, &member)?;
+        }
+        self.replace_slot(place as usize * self.slots_per_member + index, slot);
+        self.use_layer(place, slot.layer());
+        Ok(())
+    }
+
+    pub(super) fn check_bound(&self, slot: &Slot, member: &Member) -> Result<(), Error> {
+        let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
         let bound = self.all.bound_clips.as_slice().get(slot.bound_clip as usize);
         if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
             return bad("bound clip", slot.bound_clip);
@@ -175,9 +187,13 @@ impl Tables {
         if bound.is_some_and(|bound| is_live(bound) != (slot.mode() == SLOT_LIVE)) {
             return bad("mode of such a clip", slot.mode());
         }
-        self.all.slots.set(place as usize * self.slots_per_member + index, slot);
-        self.use_layer(place, slot.layer());
         Ok(())
+    }
+
+    fn replace_slot(&mut self, index: usize, slot: Slot) {
+        let before = self.all.slots.as_slice()[index];
+        self.all.slots.set(index, slot);
+        self.pass_runner(before.runner(), slot.runner());
     }
 
     /// Replaces one of a member's layers.

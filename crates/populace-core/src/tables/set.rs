@@ -2,8 +2,8 @@
 
 use super::{Table, Tables};
 use crate::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Constraint, Control, Entry, Float4, Ground, Layer, Link, Member,
-    Override, RowBlock, Slot, Source, Step, Target,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground, Layer,
+    Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target, Transition,
 };
 
 /// Calls a macro with every table that all schedules read: its documentation, its name, and the type of its elements
@@ -75,6 +75,16 @@ macro_rules! with_tables {
             heights: f32,
             /// Parameters of users' stages, four elements each, then values of the members that use them.
             stage_values: Float4,
+            /// States of machines, for each body that runs them.
+            machine_states: MachineState,
+            /// Ways out of them.
+            transitions: Transition,
+            /// What must hold for those.
+            conditions: Condition,
+            /// Machines that members run.
+            runners: Runner,
+            /// `runners x MACHINE_PARAMETERS`, parameters fastest.
+            machine_parameters: f32,
         }
     };
 }

@@ -11,6 +11,7 @@ use populace_core::layout::{
 use populace_core::math::{Real, vec3};
 
 use super::{Models, Steering};
+use crate::machines::slot_now;
 use crate::pose::member_layers;
 
 /// A turn about +Y, then a shift.
@@ -132,6 +133,7 @@ impl Steering<'_> {
     fn sum_of_layer(&self, layer: u32) -> Sum {
         let mut sum = Sum::default();
         for slot in &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)] {
+            let slot = &slot_now(self.tables, &self.keeping.running, slot, self.tick);
             let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(self.tick) };
             if weight <= 0.0 || slot.layer() != layer {
                 continue;

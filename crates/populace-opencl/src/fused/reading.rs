@@ -74,9 +74,11 @@ impl Reading {
             StageBuffer::ModelRow0 => row(0),
             StageBuffer::ModelRow1 => row(1),
             StageBuffer::ModelRow2 => row(2),
-            StageBuffer::Samples | StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched => {
-                return None;
-            }
+            StageBuffer::Samples
+            | StageBuffer::Palette
+            | StageBuffer::States
+            | StageBuffer::Watched
+            | StageBuffer::Running => return None,
         })
     }
 }

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use populace_core::{AnimationSet, GlContext, Schedule, Tables};
 
 use super::controls::Watches;
+use super::machines::Machines;
 use super::stages::UserStages;
 use super::waiting::Waiting;
 use super::{Clock, Crowd};
@@ -130,6 +131,7 @@ impl CrowdBuilder {
             waiting: Waiting::default(),
             spaces: Vec::new(),
             steered: HashMap::new(),
+            machines: Machines::default(),
         })
     }
 }

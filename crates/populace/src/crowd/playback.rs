@@ -1,13 +1,13 @@
 //! What members play: clips into slots, now or in time, and masks on layers.
 
-use populace_core::layout::{Layer, NONE, SLOT_HELD, SLOT_LIVE, SLOT_ONCE, Slot};
+use populace_core::layout::{Layer, NONE, SLOT_LIVE, SLOT_ONCE, Slot};
 use populace_core::{Binding, ClipIndex, LayerSettings, Mask, TICKS_PER_SEC, ticks_from_secs};
 
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
 use super::{CharacterId, ClipId, Crowd, MaskId, Member, PlayId, u32_from};
 use crate::error::finite;
-use crate::play::{Mode, Playing, check_layer, check_secs, check_weight};
+use crate::play::{Playing, check_layer, check_secs, check_weight};
 use crate::{Error, Play};
 
 impl Crowd {
@@ -102,7 +102,7 @@ impl Crowd {
         self.fade_out(member.place, layer, fade_out_secs, self.clock.tick)
     }
 
-    /// Lets a clip's weight run to another in so many seconds. One of 0 ends it: once it is reached, the slot is free for
+    /// Lets the weight of a clip or of a state machine run to another in so many seconds. One of 0 ends it: once it is reached, the slot is free for
     /// others.
     ///
     /// # Errors
@@ -111,18 +111,25 @@ impl Crowd {
     pub fn set_weight(&mut self, id: PlayId, weight: f32, over_secs: f32) -> Result<(), Error> {
         check_weight("the weight of a clip", weight)?;
         check_secs("the time to change a weight", over_secs)?;
-        let Some(index) = self.find_slot(id)? else {
+        let Some(first) = self.find_slot(id)? else {
             self.change_waiting(id, |play| play.weight = weight);
             return Ok(());
         };
         let (place, tick) = (id.member.place, self.clock.tick);
-        let mut slot = self.slots(place)[index];
-        slot.ramp_weight(tick, slot.weight_at(tick), weight, over_secs);
-        Ok(self.tables.set_slot(place, index, slot)?)
+        for index in first..self.slots(place).len() {
+            let mut slot = self.slots(place)[index];
+            if self.is_of(id, index) {
+                // Each slot of a machine has half of it.
+                let own = if slot.runner().is_some() { 0.5 * weight } else { weight };
+                slot.ramp_weight(tick, slot.weight_at(tick), own, over_secs);
+                self.tables.set_slot(place, index, slot)?;
+            }
+        }
+        Ok(())
     }
 
     /// Lets a clip run at another speed from now on, from where it stands; negative runs backwards, 0 stands. What is
-    /// queued after it keeps to its new end. Held and live clips stay as they are.
+    /// queued after it keeps to its new end. Held and live clips and state machines stay as they are.
     ///
     /// # Errors
     ///
@@ -136,6 +143,9 @@ impl Crowd {
             return Ok(());
         };
         let mut slot = self.slots(place)[index];
+        if slot.is_tied() {
+            return Ok(());
+        }
         let duration = self.duration_secs(slot.bound_clip);
         slot.set_speed(self.clock.tick, duration, speed, self.started(place, index).once);
         self.tables.set_slot(place, index, slot)?;
@@ -144,7 +154,7 @@ impl Crowd {
     }
 
     /// What a member plays now, layer by layer, the clip that was started first in front. What waits for its time is not
-    /// among it, nor what has faded out.
+    /// among it, nor what has faded out, nor what state machines play, which only the device knows.
     ///
     /// # Errors
     ///
@@ -152,8 +162,9 @@ impl Crowd {
     pub fn playing(&self, member: Member) -> Result<Vec<Playing>, Error> {
         self.check(member)?;
         let tick = self.clock.tick;
-        let slots = self.slots(member.place).iter().enumerate().filter(|(_, slot)| !faded_out(slot, tick));
-        let mut all: Vec<_> = slots.map(|(index, slot)| self.playing_slot(member, index, slot)).collect();
+        let slots = self.slots(member.place).iter().enumerate();
+        let told = slots.filter(|(_, slot)| !faded_out(slot, tick) && slot.runner().is_none());
+        let mut all: Vec<_> = told.map(|(index, slot)| self.playing_slot(member, index, slot)).collect();
         all.sort_by_key(|(serial, playing)| (playing.layer, *serial));
         Ok(all.into_iter().map(|(_, playing)| playing).collect())
     }
@@ -230,7 +241,7 @@ impl Crowd {
         self.last_serial
     }
 
-    fn begin_after(&mut self, member: Member, start: Start, secs: f32) -> Result<PlayId, Error> {
+    pub(super) fn begin_after(&mut self, member: Member, start: Start, secs: f32) -> Result<PlayId, Error> {
         let due = self.clock.tick.saturating_add(ticks_from_secs(f64::from(secs)));
         self.begin_or_wait(member.place, due, start)?;
         Ok(PlayId { member, serial: start.serial })
@@ -256,6 +267,9 @@ impl Crowd {
         match start.action {
             Action::Clip { bound, alone } => self.begin_clip(place, &start, (bound, alone), tick),
             Action::Space { index, at } => self.begin_space(place, &start, (index, at), tick),
+            Action::Machine { state, parameters } => {
+                self.begin_machine(place, &start, (state, parameters), tick)
+            }
             Action::Steer { at, over_secs } => self.begin_steer(place, &start, (at, over_secs), tick),
         }
     }
@@ -283,14 +297,7 @@ impl Crowd {
             self.fade_out(place, layer, secs, tick)?;
             self.forget_space(place, layer);
         }
-        let Play { speed, phase, .. } = start.play;
-        let duration = self.duration_secs(bound);
-        let slot = match start.play.mode {
-            Mode::Looping => Slot::looping(bound, tick, duration, f64::from(phase), speed),
-            Mode::Once => Slot::once(bound, tick, duration, speed),
-            Mode::Held { secs } => Slot::held(bound, tick, secs),
-            Mode::Live { delay_secs } => Slot::live(bound, tick, ticks_from_secs(f64::from(delay_secs))),
-        };
+        let slot = start.play.slot(bound, tick, self.duration_secs(bound));
         let mut slot = slot.on_layer(u32_from(layer));
         slot.ramp_weight(tick, 0.0, start.play.weight, if first { 0.0 } else { secs });
         let once = slot.mode() == SLOT_ONCE;
@@ -324,15 +331,18 @@ impl Crowd {
         Ok(bound)
     }
 
-    /// The slot of a start; `None` where it still waits.
+    /// Whether a slot is one of a start.
+    fn is_of(&self, id: PlayId, index: usize) -> bool {
+        let Started { serial, sample, .. } = self.started(id.member.place, index);
+        let is_taken = self.slots(id.member.place)[index].bound_clip != NONE;
+        serial == id.serial && sample.is_none() && is_taken
+    }
+
+    /// The first slot of a start; `None` where it still waits.
     fn find_slot(&self, id: PlayId) -> Result<Option<usize>, Error> {
         self.check(id.member)?;
         let place = id.member.place;
-        let is_it = |&index: &usize| {
-            let Started { serial, sample, .. } = self.started(place, index);
-            serial == id.serial && sample.is_none() && self.slots(place)[index].bound_clip != NONE
-        };
-        if let Some(index) = (0..self.slots(place).len()).find(is_it) {
+        if let Some(index) = (0..self.slots(place).len()).find(|index| self.is_of(id, *index)) {
             return Ok(Some(index));
         }
         let waits = self.waiting.of(place).any(|(_, start)| start.serial == id.serial);
@@ -368,19 +378,12 @@ impl Crowd {
 
     fn end_of_start(&self, due: u64, start: &Start) -> u64 {
         let Action::Clip { bound, .. } = start.action else { return due };
-        let Play { mode, speed, phase, .. } = start.play;
-        let duration = self.duration_secs(bound);
-        match mode {
-            Mode::Once => self.end_of(&Slot::once(bound, due, duration, speed), due),
-            Mode::Looping => self.end_of(&Slot::looping(bound, due, duration, f64::from(phase), speed), due),
-            Mode::Held { .. } | Mode::Live { .. } => due,
-        }
+        self.end_of(&start.play.slot(bound, due, self.duration_secs(bound)), due)
     }
 
     /// When a slot ends, not before `tick`. One that stands at speed 0 never does, until it is set to run.
     fn end_of(&self, slot: &Slot, tick: u64) -> u64 {
-        let has_end =
-            !matches!(slot.mode(), SLOT_HELD | SLOT_LIVE) && self.duration_secs(slot.bound_clip) > 0.0;
+        let has_end = !slot.is_tied() && self.duration_secs(slot.bound_clip) > 0.0;
         if has_end { slot.end_tick(tick).unwrap_or(u64::MAX).max(tick) } else { tick }
     }
 

@@ -32,6 +32,7 @@ impl Crowd {
         let clips = &self.clips;
         let stays = |clip| clips.get(clip).is_none_or(|clip| *clip.skeleton() != skeleton);
         self.bound_clips.retain(|(bound, clip), _| *bound != body && stays(*clip));
+        self.machines.unbind();
         Ok(())
     }
 
@@ -50,6 +51,7 @@ impl Crowd {
         }
         self.clip_roles.insert(clip.index, roles);
         self.bound_clips.retain(|(_, bound), _| *bound != clip.index);
+        self.machines.unbind();
         Ok(())
     }
 

@@ -96,7 +96,9 @@ impl Crowd {
         let (mut victims, others) = self.by_strength(place, &shares, &plans);
         let smoothly = victims.len() >= missing;
         victims.extend(others);
-        victims.truncate(missing);
+        let splits = victims.get(missing - 1).and_then(|last| self.mate(place, *last))
+            == victims.get(missing).copied();
+        victims.truncate(missing + usize::from(splits));
         if secs <= 0.0 || !smoothly {
             for index in victims {
                 let empty = Slot { bound_clip: NONE, ..Slot::default() };
@@ -120,8 +122,17 @@ impl Crowd {
         slots.map(|(index, slot)| plan(slot, self.started(place, index))).collect()
     }
 
-    /// The slots that can give way: those on their way out first, of these the weakest first. Apart from them those that
-    /// cannot fade, since the base layer would be left with nothing.
+    /// The other slot of the state machine of which a slot is one: which of them shows how much only the device knows, so
+    /// they stay and leave together.
+    fn mate(&self, place: u32, index: usize) -> Option<usize> {
+        let slots = self.slots(place);
+        slots[index].runner()?;
+        let is_mate = |slot: &Slot| slot.runner().is_some() && slot.bound_clip == slots[index].bound_clip ^ 1;
+        slots.iter().position(is_mate)
+    }
+
+    /// The slots that can give way: those on their way out first, of these the weakest first, and both of a machine side by
+    /// side. Apart from them those that cannot fade, since the base layer would be left with nothing.
     fn by_strength(
         &self,
         place: u32,
@@ -130,17 +141,20 @@ impl Crowd {
     ) -> (Vec<usize>, Vec<usize>) {
         let slots = self.slots(place);
         let leaves = |i: usize| plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0;
-        let mut order: Vec<_> =
-            (0..slots.len()).filter(|i| shares[*i].is_some() && plans[*i] != Plan::Stays).collect();
-        let share = |i: usize| shares[i].unwrap_or(0.0);
+        let is_second = |i: usize| self.mate(place, i).is_some_and(|mate| mate < i);
+        let gives_way = |i: &usize| shares[*i].is_some() && plans[*i] != Plan::Stays && !is_second(*i);
+        let mut order: Vec<_> = (0..slots.len()).filter(gives_way).collect();
+        let both = |i: usize| [Some(i), self.mate(place, i)].into_iter().flatten();
+        let share = |i: usize| both(i).filter_map(|i| shares[i]).sum::<f32>();
         order.sort_by(|&a, &b| leaves(b).cmp(&leaves(a)).then(share(a).total_cmp(&share(b))));
         let mut base = 0.0;
-        order.into_iter().partition(|&index| {
+        let (fading, others): (Vec<_>, Vec<_>) = order.into_iter().partition(|&index| {
             let of_base = if slots[index].layer() == 0 { share(index) } else { 0.0 };
             let fades = base + of_base < 1.0 - NEGLIGIBLE;
             base += if fades { of_base } else { 0.0 };
             fades
-        })
+        });
+        (fading.into_iter().flat_map(both).collect(), others.into_iter().flat_map(both).collect())
     }
 
     /// Lets slots fade out in so many seconds at most. What the start is to change otherwise stands still until then, so
@@ -176,11 +190,14 @@ impl Crowd {
             let mut still: Vec<_> = (0..plans.len()).filter(of_layer).collect();
             let weight = |i: &usize| self.slots(place)[*i].weight_at(tick);
             still.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
-            for (rank, index) in still.into_iter().enumerate() {
+            let heirs: Vec<_> =
+                still.first().iter().flat_map(|i| [Some(**i), self.mate(place, **i)]).flatten().collect();
+            for index in still {
                 let mut slot = self.slots(place)[index];
                 if left > 0.0 && !faded_out(&slot, tick) {
                     let weight = slot.weight_at(tick);
-                    slot.ramp_weight(tick, weight, if rank == 0 { weight + left } else { weight }, secs);
+                    let more = if heirs.contains(&index) { left / heirs.len() as f32 } else { 0.0 };
+                    slot.ramp_weight(tick, weight, weight + more, secs);
                     self.tables.set_slot(place, index, slot)?;
                 }
             }

@@ -119,7 +119,7 @@ impl PaletteSource for Losable {
 }
 
 /// A joint that a clip lifts.
-fn lift() -> Character {
+pub(super) fn lift() -> Character {
     let joint = JointSource { name: "base".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint]).unwrap();
     let track = Track {

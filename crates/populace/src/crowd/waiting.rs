@@ -5,6 +5,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use populace_core::layout::MACHINE_PARAMETERS;
+
 use crate::Play;
 use crate::blend_space::SpacePoint;
 
@@ -17,6 +19,8 @@ pub(crate) enum Action {
     Space { index: u32, at: SpacePoint },
     /// Another point of the blend space that plays, reached in so many seconds.
     Steer { at: SpacePoint, over_secs: f32 },
+    /// A state machine, in place of what its layer plays, and its parameters at the start.
+    Machine { state: u32, parameters: [f32; MACHINE_PARAMETERS as usize] },
 }
 
 /// A start that waits.

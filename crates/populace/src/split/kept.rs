@@ -3,26 +3,48 @@
 use std::ops::Range;
 
 use populace_core::layout::{
-    Float4, Member, NONE, STATES_PER_CONTROL, STEP_CARRY, STEP_WATCH, WATCHED_ELEMENTS,
+    Float4, Member, NONE, RUNNING_ELEMENTS, Running, STATES_PER_CONTROL, STEP_CARRY, STEP_WATCH,
+    WATCHED_ELEMENTS,
 };
 use populace_core::{Backend, BackendError, StageBuffer, Tables};
 
-/// States of all controls, and what is watched.
+/// States of all controls, and what is watched; and where state machines are, which devices that share a crowd each find by
+/// themselves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kept {
     states: Vec<Float4>,
     watched: Vec<Float4>,
+    running: Vec<Float4>,
 }
 
 impl Kept {
-    /// Makes room for what the tables hold; `false` where that is nothing.
+    /// Makes room for what devices that share a crowd do not each find; `false` where that is nothing.
     pub(super) fn make_room(&mut self, tables: &Tables) -> bool {
         self.states.resize(tables.state_elements(), Float4::default());
         self.watched.resize(tables.watched_elements(), Float4::default());
         !self.states.is_empty() || !self.watched.is_empty()
     }
 
-    /// What a device keeps, waiting for its last frame.
+    /// All that a device keeps, for another. One that was lost keeps nothing any more: feet then come down anew, and machines
+    /// begin anew.
+    pub(crate) fn read_all(backend: &mut dyn Backend, tables: &Tables) -> Self {
+        let mut kept = Self::read(backend, tables).unwrap_or_default();
+        // Runners that were added since the last update have no place there yet.
+        let count = tables.runners().tail().start * RUNNING_ELEMENTS as usize;
+        kept.running.resize(count, Float4::default());
+        if backend.read(tables, StageBuffer::Running, 0, &mut kept.running).is_err() {
+            kept.running.clear();
+        }
+        kept
+    }
+
+    /// Where a runner was; nowhere if nothing is known of it.
+    pub(crate) fn running(&self, runner: u32) -> Running {
+        let rows = self.running.as_chunks().0;
+        rows.get(runner as usize).copied().map_or_else(Running::default, Running::from_elements)
+    }
+
+    /// What a device keeps that others do not find by themselves, waiting for its last frame.
     pub(crate) fn read(backend: &mut dyn Backend, tables: &Tables) -> Result<Self, BackendError> {
         let mut kept = Self::default();
         if kept.make_room(tables) {
@@ -46,10 +68,16 @@ impl Kept {
         }
     }
 
-    /// Gives it to a device that took over the tables that it was read with, or larger ones.
-    pub(crate) fn write(&self, backend: &mut dyn Backend) -> Result<(), BackendError> {
-        backend.write(StageBuffer::States, 0, &self.states)?;
-        backend.write(StageBuffer::Watched, 0, &self.watched)
+    /// Gives it to a device that took over these tables; of what they no longer hold there is nothing to give.
+    pub(crate) fn write(&self, backend: &mut dyn Backend, tables: &Tables) -> Result<(), BackendError> {
+        for (buffer, all, count) in [
+            (StageBuffer::States, &self.states, tables.state_elements()),
+            (StageBuffer::Watched, &self.watched, tables.watched_elements()),
+            (StageBuffer::Running, &self.running, tables.running_elements()),
+        ] {
+            backend.write(buffer, 0, &all[..all.len().min(count)])?;
+        }
+        Ok(())
     }
 }
 

@@ -1,0 +1,110 @@
+//! Seven people of several builds run one state machine, each by parameters of its own. One after the other they are called:
+//! they turn to us, walk up, run if that is far, and stand. The host moves them and says how fast they go and turn; which
+//! clip that takes, and when, is the machine's.
+//!
+//! `cargo run --example machine [PICTURE.png]`
+
+#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+
+mod shared;
+
+use std::error::Error;
+
+use populace::{Condition, Crowd, Member, Placement, Play, StateMachine};
+use populace_cast::{Look, person};
+
+const FRAME_SECS: f32 = 1.0 / 60.0;
+const TURN_RAD_PER_SEC: f32 = 2.0;
+
+/// Somebody on the way to us.
+struct Walker {
+    member: Member,
+    x: f32,
+    z: f32,
+    yaw_rad: f32,
+    speed_m_per_sec: f32,
+    /// Frames until the call.
+    waits: u16,
+}
+
+impl Walker {
+    /// Where the next frame finds them, and what the machine is told.
+    fn step(&mut self, crowd: &mut Crowd, [walk, run]: [f32; 2]) -> Result<(), populace::Error> {
+        let called = self.waits == 0;
+        self.waits = self.waits.saturating_sub(1);
+        let turn = if called { self.yaw_rad.min(TURN_RAD_PER_SEC * FRAME_SECS) } else { 0.0 };
+        let way = -self.z;
+        let wished = if !called || turn > 0.0 || way < 0.05 {
+            0.0
+        } else if way > 2.5 {
+            run
+        } else {
+            walk
+        };
+        self.speed_m_per_sec += (wished - self.speed_m_per_sec).clamp(-0.15, 0.06);
+        self.yaw_rad -= turn;
+        self.z += self.speed_m_per_sec * FRAME_SECS;
+        crowd.place(self.member, Placement::at([self.x, 0.0, self.z]).facing(self.yaw_rad))?;
+        crowd.set_parameter(self.member, "turn", turn / FRAME_SECS)?;
+        crowd.set_parameter(self.member, "speed", self.speed_m_per_sec)
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let people: Vec<_> = Look::presets().iter().map(person).collect::<Result<_, _>>()?;
+    let mut crowd = Crowd::builder().build()?;
+    let mut ids = Vec::new();
+    for one in &people {
+        ids.push(crowd.add_character(one.clone())?);
+    }
+    // The clips of the first are played on all bodies.
+    let [idle, walk, run] = ["Idle", "Walk", "Run"].map(|name| crowd.clip(ids[0], name));
+    let (idle, walk, run) = (idle?, walk?, run?);
+    let mut speeds = [1.4, 3.0];
+    for (clip, motion) in crowd.clips(ids[0])? {
+        let speed = motion.stats().ground_speed_m_per_sec.unwrap_or(0.0);
+        speeds = [if clip == walk { speed } else { speeds[0] }, if clip == run { speed } else { speeds[1] }];
+    }
+    let [walking, running] = speeds;
+    let (goes, between) = (Condition::above("speed", 0.2), 0.5 * (walking + running));
+    let gait = StateMachine::new()
+        .parameter("speed", 0.0)
+        .parameter("turn", 0.0)
+        .state("idle", idle, Play::looping())
+        .state("turn", walk, Play::looping().speed(0.7))
+        .state("walk", walk, Play::looping())
+        .state("run", run, Play::looping())
+        .transition("idle", "turn", 0.15, &[Condition::above("turn", 0.1)])
+        .transition("turn", "walk", 0.25, std::slice::from_ref(&goes))
+        .transition("turn", "idle", 0.2, &[Condition::below("turn", 0.1), Condition::AfterSecs(0.4)])
+        .transition("idle", "walk", 0.25, &[goes])
+        .transition("walk", "run", 0.3, &[Condition::above("speed", between)])
+        .transition("run", "walk", 0.3, &[Condition::below("speed", between - 0.3)])
+        .transition("walk", "idle", 0.3, &[Condition::below("speed", 0.2)]);
+    let gait = crowd.add_machine(&gait)?;
+
+    let mut walkers = Vec::new();
+    for (nth, id) in (0..7_u8).zip(ids.iter().cycle()) {
+        let (x, z) = (f32::from(nth) * 1.0 - 3.0, -4.0);
+        let yaw_rad = std::f32::consts::FRAC_PI_2;
+        let member = crowd.spawn(*id, Placement::at([x, 0.0, z]).facing(yaw_rad))?;
+        crowd.run_machine(member, gait, Play::looping())?;
+        let waits = u16::from(nth) * 32;
+        walkers.push(Walker { member, x, z, yaw_rad, speed_m_per_sec: 0.0, waits });
+    }
+    for _ in 0..233 {
+        for walker in &mut walkers {
+            walker.step(&mut crowd, speeds)?;
+        }
+        crowd.update(FRAME_SECS)?;
+    }
+    for (nth, walker) in walkers.iter().enumerate() {
+        let state = crowd.state_of(walker.member, 0)?;
+        println!("{nth}: {state} at {:.1} m/s, {:.1} m away", walker.speed_m_per_sec, walker.z.abs());
+    }
+    let path = shared::output("machine.png");
+    let drawn: Vec<_> = people.iter().collect();
+    shared::draw(&mut crowd, &drawn, &[[-3.3, -0.1, 0.3], [3.3, 1.9, 0.0]], &path)?;
+    println!("all on {}, drawn to {path}", crowd.device_name());
+    Ok(())
+}

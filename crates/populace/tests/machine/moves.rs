@@ -1,0 +1,97 @@
+//! States stay when a crowd moves to other devices, and when devices share it in another way.
+
+use populace::core::ticks_from_secs;
+use populace::{Crowd, Device, Devices, Member, Split};
+use populace_testkit::Rng;
+
+use crate::rig::{FRAME_SECS, Interpreter, Stage, everywhere, on_native};
+
+fn members(stage: &mut Stage) -> Vec<(Member, Interpreter)> {
+    (0..12).map(|n| (stage.runner(n % 2), Interpreter::new())).collect()
+}
+
+fn frames(stage: &mut Stage, members: &mut [(Member, Interpreter)], random: &mut Rng, count: usize) {
+    for _ in 0..count {
+        for (member, own) in members.iter_mut() {
+            if random.chance(0.1) {
+                own.speed = [-1.0, 0.0, 1.0, 2.5][random.below(4)];
+            }
+            own.tell(&mut stage.crowd, *member);
+        }
+        stage.frame();
+        for (_, own) in members.iter_mut() {
+            own.step(ticks_from_secs(FRAME_SECS.into()));
+        }
+    }
+}
+
+#[track_caller]
+fn assert_states(crowd: &mut Crowd, members: &[(Member, Interpreter)]) {
+    for (member, own) in members {
+        assert_eq!(&*crowd.state_of(*member, 0).unwrap(), own.state);
+    }
+}
+
+fn devices() -> Vec<Devices> {
+    everywhere().into_iter().map(|builder| builder.build().unwrap().devices().clone()).collect()
+}
+
+#[test]
+fn states_move_with_the_crowd() {
+    let mut stays = Stage::new(&on_native());
+    let mut stay = members(&mut stays);
+    let mut moves = Stage::new(&on_native());
+    let mut moved = members(&mut moves);
+    let mut randoms = [Rng::new(3), Rng::new(3)];
+    for devices in devices() {
+        frames(&mut stays, &mut stay, &mut randoms[0], 31);
+        frames(&mut moves, &mut moved, &mut randoms[1], 31);
+        // There and on before anything ran there, while one begins that no device knows of and one leaves.
+        let (late, gone) = (moves.runner(0), moves.runner(1));
+        moves.crowd.move_to(Device::native()).unwrap();
+        moves.crowd.move_to(devices).unwrap();
+        moves.crowd.despawn(gone).unwrap();
+        assert_states(&mut moves.crowd, &moved);
+        assert_eq!(&*moves.crowd.state_of(late, 0).unwrap(), "idle");
+        frames(&mut stays, &mut stay, &mut randoms[0], 1);
+        frames(&mut moves, &mut moved, &mut randoms[1], 1);
+        moves.crowd.despawn(late).unwrap();
+        assert_states(&mut moves.crowd, &moved);
+        for ((stay, _), (moved, _)) in stay.iter().zip(&moved) {
+            assert_eq!(moves.bits(*moved), stays.bits(*stay));
+        }
+    }
+}
+
+#[test]
+fn a_crowd_whose_runners_leave_before_it_runs_elsewhere_goes_on() {
+    let mut stage = Stage::new(&on_native());
+    let members = [(); 5].map(|()| stage.runner(0));
+    stage.frame();
+    stage.crowd.move_to(Device::Native { threads: 1 }).unwrap();
+    members[1..].iter().for_each(|member| stage.crowd.despawn(*member).unwrap());
+    stage.frame();
+    assert_eq!(&*stage.crowd.state_of(members[0], 0).unwrap(), "idle");
+}
+
+#[test]
+fn a_device_without_members_knows_the_states_of_those_that_come_to_it() {
+    let devices = [Device::Native { threads: 1 }, Device::Native { threads: 2 }];
+    let share = |a, b| Split::Fixed(vec![a, b]);
+    let mut stays = Stage::new(&on_native());
+    let mut stay = members(&mut stays);
+    let mut split = Stage::new(&Crowd::builder().devices(devices).split(share(1.0, 0.0)));
+    let mut shared = members(&mut split);
+    let mut randoms = [Rng::new(4), Rng::new(4)];
+    for shares in [share(0.0, 1.0), share(1.0, 0.0), share(0.5, 0.5), share(0.0, 1.0)] {
+        frames(&mut stays, &mut stay, &mut randoms[0], 40);
+        frames(&mut split, &mut shared, &mut randoms[1], 40);
+        assert_states(&mut split.crowd, &shared);
+        split.crowd.set_split(&shares).unwrap();
+        frames(&mut stays, &mut stay, &mut randoms[0], 1);
+        frames(&mut split, &mut shared, &mut randoms[1], 1);
+        for ((stay, _), (shared, _)) in stay.iter().zip(&shared) {
+            assert_eq!(split.bits(*shared), stays.bits(*stay));
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! A machine of six states, crowds that run it, and an interpreter that knows nothing of how devices do.
+
+use std::sync::Arc;
+
+use populace::core::{Character, CharacterSource, JointSource, Skeleton, TICKS_PER_SEC};
+use populace::{
+    CharacterId, ClipId, Condition, Crowd, CrowdBuilder, Device, Devices, MachineId, Member, Placement, Play,
+    Schedule, Split, StateMachine, Trs,
+};
+
+use crate::arm::{Motion, character, skeleton};
+
+/// A frame is a whole number of ticks.
+pub(crate) const FRAME_SECS: f32 = 1.0 / 48.0;
+
+pub(crate) fn motions() -> Vec<Motion> {
+    let motion = |name, duration_secs, turns: [&[f32]; 4]| {
+        let axes = [[1.0, 0.2, 0.0], [0.0, 1.0, 0.3], [0.5, 0.0, 1.0], [1.0, 1.0, 0.0]];
+        let mut axes = axes.into_iter();
+        Motion { name, duration_secs, turns: turns.map(|angles| (axes.next().unwrap(), angles.to_vec())) }
+    };
+    vec![
+        motion("idle", 2.0, [&[0.0, 0.1, 0.0], &[0.05], &[0.1, 0.0, 0.1], &[0.0, 0.05, 0.0]]),
+        motion("walk", 1.1, [&[0.3, -0.3, 0.3], &[-0.2, 0.3, -0.2], &[0.2], &[0.0, 0.4, 0.0]]),
+        motion("run", 0.7, [&[0.6, -0.5, 0.6], &[0.3, -0.3, 0.3], &[-0.4], &[0.5, -0.2, 0.5]]),
+        motion("jump", 0.5, [&[0.0, -0.7, 0.2], &[0.4], &[0.0, 0.5], &[-0.3, 0.3]]),
+    ]
+}
+
+/// The clip, and how it plays.
+pub(crate) const STATES: [(&str, usize, Play); 6] = [
+    ("idle", 0, Play::looping().phase(0.25)),
+    ("walk", 1, Play::looping()),
+    ("run", 2, Play::looping().speed(1.2)),
+    ("jump", 3, Play::once().speed(0.8)),
+    ("sit", 0, Play::held_at_secs(0.7)),
+    ("back", 1, Play::looping().speed(-0.7)),
+];
+
+pub(crate) enum Test {
+    Above(&'static str, f32),
+    Below(&'static str, f32),
+    AfterSecs(f32),
+    Ended,
+}
+
+/// From, to, fade and conditions, in order; from any state where there is no first.
+pub(crate) const WAYS: [(Option<&str>, &str, f32, &[Test]); 10] = [
+    (None, "jump", 0.1, &[Test::Above("jump", 0.5)]),
+    (Some("idle"), "walk", 0.25, &[Test::Above("speed", 0.5)]),
+    (Some("idle"), "back", 0.3, &[Test::Below("speed", -0.5)]),
+    (Some("walk"), "run", 0.3, &[Test::Above("speed", 2.0)]),
+    (Some("run"), "walk", 0.2, &[Test::Below("speed", 1.8)]),
+    (Some("walk"), "idle", 0.25, &[Test::Below("speed", 0.4)]),
+    (Some("back"), "idle", 0.15, &[Test::Above("speed", -0.4), Test::AfterSecs(0.5)]),
+    (Some("jump"), "idle", 0.2, &[Test::Ended, Test::Below("jump", 0.5)]),
+    (Some("idle"), "sit", 0.4, &[Test::AfterSecs(1.2)]),
+    (Some("sit"), "idle", 0.0, &[Test::Above("speed", 0.2)]),
+];
+
+pub(crate) fn machine(clips: &[ClipId]) -> StateMachine {
+    let mut machine = StateMachine::new().parameter("speed", 0.0).parameter("jump", 0.0);
+    for (name, clip, play) in STATES {
+        machine = machine.state(name, clips[clip], play);
+    }
+    for (from, to, fade_secs, tests) in WAYS {
+        let condition = |test: &Test| match test {
+            Test::Above(name, value) => Condition::above(name, *value),
+            Test::Below(name, value) => Condition::below(name, *value),
+            Test::AfterSecs(secs) => Condition::AfterSecs(*secs),
+            Test::Ended => Condition::Ended,
+        };
+        let conditions: Vec<_> = tests.iter().map(condition).collect();
+        machine = match from {
+            Some(from) => machine.transition(from, to, fade_secs, &conditions),
+            None => machine.transition_from_any(to, fade_secs, &conditions),
+        };
+    }
+    machine
+}
+
+/// What a member of the machine does, told naively.
+#[derive(Clone, Debug)]
+pub(crate) struct Interpreter {
+    pub(crate) state: &'static str,
+    pub(crate) speed: f32,
+    pub(crate) jump: f32,
+    ticks_in_state: u64,
+    fade_ticks: u64,
+}
+
+fn ticks(secs: f32) -> u64 {
+    (f64::from(secs) * TICKS_PER_SEC as f64).round() as u64
+}
+
+impl Interpreter {
+    pub(crate) fn new() -> Self {
+        Self { state: "idle", speed: 0.0, jump: 0.0, ticks_in_state: 0, fade_ticks: 0 }
+    }
+
+    /// After a frame: the fade of the transition that it took.
+    pub(crate) fn step(&mut self, frame_ticks: u64) -> Option<f32> {
+        self.ticks_in_state += frame_ticks;
+        if self.ticks_in_state < self.fade_ticks {
+            return None;
+        }
+        // The jump takes 0.5 seconds at 0.8 times its pace.
+        let ended = self.state == "jump" && self.ticks_in_state >= ticks(0.625);
+        let holds = |test: &Test| match test {
+            Test::Above(name, value) => self.value(name) > *value,
+            Test::Below(name, value) => self.value(name) < *value,
+            Test::AfterSecs(secs) => self.ticks_in_state >= ticks(*secs),
+            Test::Ended => ended,
+        };
+        let leads_out =
+            |from: Option<&str>, to: &str| from.map_or(to != self.state, |from| from == self.state);
+        let mut ways = WAYS.iter();
+        let (_, to, fade_secs, _) = ways.find(|(f, to, _, t)| leads_out(*f, to) && t.iter().all(holds))?;
+        (self.state, self.ticks_in_state, self.fade_ticks) = (to, 0, ticks(*fade_secs));
+        Some(*fade_secs)
+    }
+
+    fn value(&self, name: &str) -> f32 {
+        if name == "speed" { self.speed } else { self.jump }
+    }
+
+    /// Tells a crowd what its parameters are.
+    pub(crate) fn tell(&self, crowd: &mut Crowd, member: Member) {
+        crowd.set_parameter(member, "speed", self.speed).unwrap();
+        crowd.set_parameter(member, "jump", self.jump).unwrap();
+    }
+}
+
+pub(crate) struct Stage {
+    pub(crate) crowd: Crowd,
+    pub(crate) bodies: [CharacterId; 2],
+    pub(crate) clips: Vec<ClipId>,
+    pub(crate) machine: MachineId,
+}
+
+impl Stage {
+    pub(crate) fn new(builder: &CrowdBuilder) -> Self {
+        let mut crowd = builder.clone().build().unwrap();
+        let arm = crowd.add_character(character(&motions())).unwrap();
+        let clips: Vec<_> = crowd.clips(arm).unwrap().into_iter().map(|(clip, _)| clip).collect();
+        let bodies = [arm, crowd.add_character(longer()).unwrap()];
+        let machine = crowd.add_machine(&machine(&clips)).unwrap();
+        Self { crowd, bodies, clips, machine }
+    }
+
+    pub(crate) fn member(&mut self, body: usize) -> Member {
+        self.crowd.spawn(self.bodies[body], Placement::at([0.0; 3])).unwrap()
+    }
+
+    pub(crate) fn runner(&mut self, body: usize) -> Member {
+        let member = self.member(body);
+        self.crowd.run_machine(member, self.machine, Play::looping()).unwrap();
+        member
+    }
+
+    pub(crate) fn frame(&mut self) {
+        self.crowd.update(FRAME_SECS).unwrap();
+    }
+
+    /// The bits of what devices draw from.
+    pub(crate) fn bits(&mut self, member: Member) -> Vec<u32> {
+        let palette = self.crowd.palette(member).unwrap();
+        palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
+    }
+}
+
+/// The arm with longer bones and another one at its end: clips move it by the joints' names.
+fn longer() -> Arc<Character> {
+    let arm = skeleton();
+    let mut joints: Vec<_> = arm
+        .joints()
+        .map(|joint| JointSource {
+            name: arm.name(joint).into(),
+            parent: arm.parent(joint).map(|parent| parent.index()),
+            rest: Trs { translation: [0.1, 0.7, 0.0], ..Trs::IDENTITY },
+        })
+        .collect();
+    joints.push(JointSource { name: "tip".into(), parent: Some(3), rest: Trs::IDENTITY });
+    let arm = character(&[]);
+    Arc::new(
+        Character::new(CharacterSource {
+            name: "longer arm".into(),
+            skeleton: Skeleton::new(&joints).unwrap(),
+            palette: arm.palette.clone(),
+            parts: vec![],
+            materials: vec![],
+            images: vec![],
+            skins: vec![],
+            clips: vec![],
+        })
+        .unwrap(),
+    )
+}
+
+/// All devices and schedules, and some that share a crowd.
+pub(crate) fn everywhere() -> Vec<CrowdBuilder> {
+    let of = |devices: Devices, schedule| {
+        let shares = vec![1.0; devices.as_slice().len()];
+        Crowd::builder().devices(devices).split(Split::Fixed(shares)).schedule(schedule)
+    };
+    let native = |threads| Device::Native { threads };
+    let mut all = vec![
+        of(native(2).into(), Schedule::Staged),
+        of(native(2).into(), Schedule::Fused),
+        of([native(1), native(2)].into(), Schedule::Fused),
+    ];
+    if cfg!(all(feature = "opencl", not(skip_opencl))) {
+        for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
+            all.push(of(Device::opencl(0).into(), schedule));
+        }
+        for schedule in [Schedule::Staged, Schedule::Fused] {
+            all.push(of([native(1), Device::opencl(0)].into(), schedule));
+        }
+    }
+    all
+}
+
+pub(crate) fn on_native() -> CrowdBuilder {
+    Crowd::builder().device(Device::native())
+}
