@@ -5,6 +5,7 @@ mod controls;
 mod live;
 mod members;
 mod pages;
+mod rows;
 mod set;
 mod space;
 mod table;

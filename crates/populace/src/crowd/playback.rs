@@ -15,8 +15,8 @@ impl Crowd {
     /// fades in, and what was queued is forgotten.
     ///
     /// Where all slots of the member are taken, the weakest fades out first and this waits for it, for a small part of
-    /// its own fade: a pose never jumps. One that starts without a fade takes the weakest's slot at once, and a member with
-    /// one slot has nothing to fade with.
+    /// its own fade, or for what still settles ([`Play::settle_in_secs`]): a pose never jumps. One that starts without a fade
+    /// takes the weakest's slot at once, and a member with one slot has nothing to fade with.
     ///
     /// # Errors
     ///
@@ -271,30 +271,40 @@ impl Crowd {
         if alone && secs <= 0.0 {
             self.fade_out(place, layer, 0.0, tick)?;
         }
+        let mut slot = self.slot_of(bound, &start.play, tick);
+        let settles = alone && start.play.settles && secs > 0.0 && self.can_settle(place, &slot, tick);
         let role = |slot: &Slot, _| {
             if alone && slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
-        if let Some(due) = self.make_room(place, 1, secs, tick, role)? {
+        let needed = usize::from(!settles || self.unseen(place, slot.layer(), tick).is_empty());
+        if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
             self.waiting.push(place, due, start.at_its_time());
             return Ok(());
         }
-        let first = self.is_first(place, layer, tick);
-        if alone {
+        let mut weight = 0.0;
+        let at_once = self.is_first(place, layer, tick) || (settles && layer == 0);
+        if settles {
+            weight = self.settle(place, &slot, secs, tick)?;
+        } else if alone {
             self.fade_out(place, layer, secs, tick)?;
+        }
+        if alone {
             self.forget_space(place, layer);
         }
-        let Play { speed, phase, .. } = start.play;
+        slot.ramp_weight(tick, weight, start.play.weight, if at_once { 0.0 } else { secs });
+        let once = slot.mode() == SLOT_ONCE;
+        self.fill_slot(place, slot, Started { serial: start.serial, sample: None, once }, tick)
+    }
+
+    fn slot_of(&self, bound: u32, play: &Play, tick: u64) -> Slot {
         let duration = self.duration_secs(bound);
-        let slot = match start.play.mode {
-            Mode::Looping => Slot::looping(bound, tick, duration, f64::from(phase), speed),
-            Mode::Once => Slot::once(bound, tick, duration, speed),
+        let slot = match play.mode {
+            Mode::Looping => Slot::looping(bound, tick, duration, f64::from(play.phase), play.speed),
+            Mode::Once => Slot::once(bound, tick, duration, play.speed),
             Mode::Held { secs } => Slot::held(bound, tick, secs),
             Mode::Live { delay_secs } => Slot::live(bound, tick, ticks_from_secs(f64::from(delay_secs))),
         };
-        let mut slot = slot.on_layer(u32_from(layer));
-        slot.ramp_weight(tick, 0.0, start.play.weight, if first { 0.0 } else { secs });
-        let once = slot.mode() == SLOT_ONCE;
-        self.fill_slot(place, slot, Started { serial: start.serial, sample: None, once }, tick)
+        slot.on_layer(u32_from(play.layer))
     }
 
     /// Whether what starts is the first to play in layer 0: it then has its weight at once, so that nobody sees the rest
@@ -330,7 +340,8 @@ impl Crowd {
         let place = id.member.place;
         let is_it = |&index: &usize| {
             let Started { serial, sample, .. } = self.started(place, index);
-            serial == id.serial && sample.is_none() && self.slots(place)[index].bound_clip != NONE
+            let slot = &self.slots(place)[index];
+            serial == id.serial && sample.is_none() && slot.bound_clip != NONE && !slot.is_settling()
         };
         if let Some(index) = (0..self.slots(place).len()).find(is_it) {
             return Ok(Some(index));
@@ -360,7 +371,8 @@ impl Crowd {
         let tick = self.clock.tick;
         let slots = self.slots(place).iter().enumerate();
         let playing = slots.filter(|(_, slot)| {
-            slot.bound_clip != NONE && slot.layer() as usize == layer && slot.end_weight > 0.0
+            let ends = slot.is_settling() || slot.end_weight <= 0.0;
+            slot.bound_clip != NONE && slot.layer() as usize == layer && !ends
         });
         let last = playing.max_by_key(|(index, _)| self.started(place, *index).serial);
         last.map_or(tick, |(_, slot)| self.end_of(slot, tick))
