@@ -340,8 +340,7 @@ impl Crowd {
         let place = id.member.place;
         let is_it = |&index: &usize| {
             let Started { serial, sample, .. } = self.started(place, index);
-            let slot = &self.slots(place)[index];
-            serial == id.serial && sample.is_none() && slot.bound_clip != NONE && !slot.is_settling()
+            serial == id.serial && sample.is_none() && self.slots(place)[index].bound_clip != NONE
         };
         if let Some(index) = (0..self.slots(place).len()).find(is_it) {
             return Ok(Some(index));

@@ -3,10 +3,11 @@
 use glam::{Quat, Vec3};
 use populace::{
     BlendSpace, Crowd, CrowdBuilder, Device, Error, LayerMode, LayerSettings, Mask, Member, Placement, Play,
+    Split,
 };
 
 use crate::on_every_way;
-use crate::rig::{JOINTS, Motion, crowd_of, one_member, step_rad, turns};
+use crate::rig::{JOINTS, Motion, character, crowd_of, one_member, step_rad, turns};
 
 /// Time over which speeds are measured, and in which what is left settles.
 const BIT_SECS: f32 = 1.0 / 480.0;
@@ -290,6 +291,46 @@ on_every_way!(
     twenty_starts_in_a_third_of_a_second_never_jump,
     a_start_waits_for_what_settles,
 );
+
+/// All palettes of a crowd whose members settle, each from starts of its own.
+fn frames(mut crowd: Crowd, mut each: impl FnMut(&mut Crowd, u8)) -> Vec<Vec<populace::Affine>> {
+    let id = crowd.add_character(character(&motions())).unwrap();
+    let clips: Vec<_> = crowd.clips(id).unwrap().into_iter().map(|(clip, _)| clip).collect();
+    let members: Vec<_> = (0..12).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
+    let mut all = Vec::new();
+    for frame in 0..24_u8 {
+        for (nth, &member) in members.iter().enumerate().filter(|(nth, _)| nth % 3 == usize::from(frame % 3))
+        {
+            let play = Play::looping().phase(0.1 * f32::from(frame)).settle_in_secs(0.2);
+            crowd.play(member, clips[(nth + usize::from(frame)) % clips.len()], play).unwrap();
+        }
+        each(&mut crowd, frame);
+        crowd.update(0.03).unwrap();
+        all.extend(members.iter().map(|member| crowd.palette(*member).unwrap()));
+    }
+    all
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn crowds_that_move_or_are_split_settle_alike() {
+    let native = || Crowd::builder().device(Device::native());
+    let stays = frames(native().build().unwrap(), |_, _| ());
+    let moves = frames(native().build().unwrap(), |crowd, frame| {
+        if frame % 5 == 4 {
+            let device = if frame % 2 == 0 { Device::opencl(0) } else { Device::native() };
+            crowd.move_to(device).unwrap();
+        }
+    });
+    assert!(moves == stays, "bit for bit");
+    let shared =
+        Crowd::builder().devices([Device::native(), Device::opencl(0)]).capacity(12).build().unwrap();
+    let split = frames(shared, |crowd, frame| {
+        let share = f64::from(frame % 7 + 1) / 9.0;
+        crowd.set_split(&Split::Fixed(vec![share, 1.0 - share])).unwrap();
+    });
+    assert!(split == stays, "bit for bit");
+}
 
 #[test]
 fn times_that_are_none_are_refused_and_all_others_are_only_long_or_short() {
