@@ -35,23 +35,31 @@ fn clip(skeleton: &Skeleton, name: &str, from: Quat, to: Quat) -> Result<Clip, p
     Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, skeleton)
 }
 
+/// Level with the shoulder from the front outwards, and straight up.
+fn clips(skeleton: &Skeleton) -> Result<[Clip; 2], populace::core::Error> {
+    let (level, up) = (Quat::from_rotation_z(-0.7), Quat::from_rotation_z(-2.0));
+    let [front, side] = [1.7, -0.9].map(|yaw| Quat::from_rotation_y(yaw) * level);
+    Ok([clip(skeleton, "Swing", front, side)?, clip(skeleton, "Up", up, up)?])
+}
+
+/// By how much a hand's speed changes from one frame to the next at most, once it is interrupted, in metres per second.
+fn largest_change(way: &[[f32; 3]]) -> f32 {
+    let step = |frame: usize| Vec3::from(way[frame]) - Vec3::from(way[frame - 1]);
+    let changes = (usize::from(SWING)..way.len()).map(|frame| (step(frame) - step(frame - 1)).length());
+    changes.fold(0.0, f32::max) / FRAME_SECS
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let woman = person(&Look::woman())?;
     let skeleton = &woman.skeleton;
     let hand = skeleton.find("r_hand").ok_or("she has no r_hand")?;
-    // Level with the shoulder from the front outwards, and straight up.
-    let (level, up) = (Quat::from_rotation_z(-0.7), Quat::from_rotation_z(-2.0));
-    let swing =
-        clip(skeleton, "Swing", Quat::from_rotation_y(1.7) * level, Quat::from_rotation_y(-0.9) * level)?;
-    let up = clip(skeleton, "Up", up, up)?;
+    let [swing, up] = clips(skeleton)?;
 
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(woman.clone())?;
     let (swing, up) = (crowd.add_clip(id, &swing.into())?, crowd.add_clip(id, &up.into())?);
-    let beads = [("before", [0.05, 0.05, 0.08, 1.0]), ("after", [0.75, 0.05, 0.04, 1.0])]
-        .map(|(name, color)| bead::bead(name, 0.016, color));
-    let [before, after] = beads;
-    let (before, after) = (before?, after?);
+    let before = bead::bead("before", 0.016, [0.05, 0.05, 0.08, 1.0])?;
+    let after = bead::bead("after", 0.016, [0.75, 0.05, 0.04, 1.0])?;
     let marks = [crowd.add_character(before.clone())?, crowd.add_character(after.clone())?];
     let kinds = [
         ("cut", Play::looping()),
@@ -77,14 +85,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     for ((name, ..), way) in members.iter().zip(&ways) {
-        let step = |frame: usize| Vec3::from(way[frame]) - Vec3::from(way[frame - 1]);
-        let change = (usize::from(SWING)..way.len())
-            .map(|frame| (step(frame) - step(frame - 1)).length())
-            .fold(0.0, f32::max);
-        println!(
-            "{name}: the hand changes its speed by up to {:.1} m/s from frame to frame",
-            change / FRAME_SECS
-        );
+        let change = largest_change(way);
+        println!("{name}: the hand changes its speed by up to {change:.1} m/s from frame to frame");
         for (frame, at) in way.iter().enumerate() {
             crowd.spawn(marks[usize::from(frame >= usize::from(SWING))], Placement::at(*at))?;
         }
