@@ -35,6 +35,15 @@ fn layers() {
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
+fn settle() {
+    runs_and_draws(
+        "settle",
+        &["cut: the hand", "settled: the hand changes its speed by up to 0.", "drawn to"],
+    );
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
 fn wind() {
     runs_and_draws("wind", &["10000 stalks in the wind on native", "both pictures are the same: true"]);
 }

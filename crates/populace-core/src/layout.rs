@@ -95,6 +95,9 @@ device_consts! {
     /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is twice its runner, and which of the two;
     /// each has half the machine's weight, and what it plays and how much of it stands in [`Running`].
     pub const SLOT_MACHINE: u32 = 4;
+    /// [`Slot::mode`]: a clip that was left, of which only that remains in which it differed from what took its place. It
+    /// weighs nothing; its fields have other meanings, see [`Slot::settling`].
+    pub const SLOT_SETTLING: u32 = 5;
     /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
     pub const SLOT_MODE_BITS: u32 = 8;
     /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are laid over what lies
@@ -417,23 +420,26 @@ device_struct! {
         /// The clock when the slot began.
         pub start_tick: u64,
         /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays backwards. [`SLOT_LIVE`]: how many
-        /// ticks ago is shown.
+        /// ticks ago is shown. [`SLOT_SETTLING`]: how the clip stood when it was left, two floats: in the lower half where in
+        /// its rows, in the upper how many times the way to the far row ([`far_row`](crate::far_row)) it would have gone
+        /// while the slot settles.
         pub phase_rate: u64,
-        /// The clock when the weight began to move.
+        /// The clock when the weight began to move. [`SLOT_SETTLING`]: how the clip stood that took this one's place, alike.
         pub weight_tick: u64,
         /// [`SLOT_LOOP`]: the phase at `start_tick`, in 2^-32 of the clip's length. [`SLOT_HELD`]: the bits of the
         /// time that the slot stands at, a single-precision number of seconds on the clip's own axis.
         /// [`SLOT_ONCE`] begins at the clip's start, or at its end where it plays backwards, and has zero here.
+        /// [`SLOT_SETTLING`]: into `bound_clips`, the clip that took this one's place.
         pub start_phase: u32,
         /// Into `bound_clips`, or [`NONE`] for an empty slot.
         pub bound_clip: u32,
         /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is mixed in.
         pub layer_and_mode: u32,
-        /// Weight at `weight_tick`.
+        /// Weight at `weight_tick`. [`SLOT_SETTLING`]: the clip's part of what the layer showed.
         pub start_weight: f32,
-        /// Weight per second.
+        /// Weight per second. [`SLOT_SETTLING`]: by how much that part would have changed while the slot settles.
         pub weight_rate: f32,
-        /// Where the weight stops.
+        /// Where the weight stops. [`SLOT_SETTLING`]: 1 divided by the ticks that it settles in.
         pub end_weight: f32,
     }
 }

@@ -64,7 +64,8 @@ pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
 pub use math::{Affine, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use playback::{
-    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, TICKS_PER_SEC, ramp, ticks_from_secs,
+    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, Stand, TICKS_PER_SEC, far_row, ramp,
+    row_before, ticks_from_secs,
 };
 pub use skeleton::{JointIndex, JointSource, Skeleton};
 pub use stage::{After, StageFn, StageJoint, StageUse, UserStage};

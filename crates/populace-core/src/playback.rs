@@ -2,6 +2,7 @@
 
 mod mask;
 mod pace;
+mod settle;
 
 use crate::layout::{
     LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE,
@@ -9,6 +10,7 @@ use crate::layout::{
 };
 
 pub use mask::Mask;
+pub use settle::{Stand, far_row, row_before};
 
 /// The most slots that a member can have.
 pub const MAX_SLOTS: usize = SLOTS_MOST as usize;
@@ -161,19 +163,19 @@ impl Slot {
         self.weight_tick = tick;
     }
 
-    /// The weight at a time of the clock, 0 before the slot begins; the twin of `slot_weight` in
-    /// `kernels/evaluate.cl`.
+    /// The weight at a time of the clock, 0 before the slot begins and while it settles; the twin of `slot_weight` in
+    /// `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn weight_at(&self, tick: u64) -> f32 {
-        if tick < self.start_tick {
+        if tick < self.start_tick || self.is_settling() {
             return 0.0;
         }
         ramp(tick.saturating_sub(self.weight_tick), self.start_weight, self.weight_rate, self.end_weight)
     }
 
     /// The time on the clip's own axis at a time of the clock that is not before the start, of a clip whose axis begins
-    /// at `start_secs`; of no meaning for live slots. The twin of `slot_time` in `kernels/slot.cl`.
+    /// at `start_secs`; of no meaning for live and settling slots. The twin of `slot_time` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn time_at(&self, tick: u64, start_secs: f32, duration_secs: f32) -> f32 {

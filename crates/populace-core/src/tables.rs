@@ -6,6 +6,7 @@ mod live;
 mod machines;
 mod members;
 mod pages;
+mod rows;
 mod set;
 mod space;
 mod table;

@@ -24,7 +24,7 @@ pub(crate) fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
             find_live_row(clip, slot, tick)
         } else {
             let secs = slot.time_at(tick, clip.start_secs, clip.duration_secs);
-            let (row, between) = find_row(tables, clip, secs);
+            let (row, between) = tables.find_row(clip, secs);
             (row, if between > 0.0 { row + 1 } else { row }, between)
         };
         let offset = |row: u32| clip.row_first + row * clip.row_stride;
@@ -32,34 +32,6 @@ pub(crate) fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
     } else {
         SlotSample::default()
     }
-}
-
-/// The last row at or before a time, and how far it is to the next; the first and the last row hold outside.
-fn find_row(tables: &Tables, clip: &ClipRows, secs: f32) -> (u32, f32) {
-    let last = clip.row_count - 1;
-    let passed = secs - clip.start_secs;
-    if last == 0 || passed <= 0.0 && clip.rows_per_sec > 0.0 {
-        return (0, 0.0);
-    }
-    if clip.rows_per_sec > 0.0 {
-        let at = passed * clip.rows_per_sec;
-        if at >= last as f32 {
-            return (last, 0.0);
-        }
-        let row = whole(at);
-        return (row, at - row as f32);
-    }
-    let times = &tables.row_times().as_slice()[clip.time_first as usize..];
-    if secs >= times[last as usize] {
-        return (last, 0.0);
-    }
-    let bucket = whole((passed * clip.buckets_per_sec).max(0.0)).min(clip.bucket_count - 1);
-    let mut row = tables.buckets().as_slice()[(clip.bucket_first + bucket) as usize];
-    while times[row as usize + 1] <= secs {
-        row += 1;
-    }
-    let (from, to) = (times[row as usize], times[row as usize + 1]);
-    (row, ((secs - from) / (to - from)).max(0.0))
 }
 
 /// The rows of a live clip around the time that a slot shows, behind the one that additive layers measure from, and how far
@@ -88,13 +60,4 @@ fn find_live_row(clip: &ClipRows, slot: &Slot, tick: u64) -> (u32, u32, f32) {
     let row = behind as u32;
     let next = if past > 0 { row - 1 } else { row };
     (place(row), place(next), past as f32 * per_tick)
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "not negative, and cut off on purpose"
-)]
-fn whole(x: f32) -> u32 {
-    x as u32
 }

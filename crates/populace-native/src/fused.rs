@@ -17,6 +17,7 @@ use crate::machines::slot_now;
 use crate::pages::Pages;
 use crate::pose::member_layers;
 use crate::rows::Local;
+use crate::settle::settling_slots;
 use crate::split;
 use crate::stages::Stages;
 
@@ -119,9 +120,11 @@ pub(crate) fn member_matrices(
     let mut playing = [Playing::default(); MAX_SLOTS];
     let count = play(member, &mut playing);
     let (playing, layers) = (&playing[..count], member_layers(tables, place));
+    let settling = settling_slots(tables, place, clock.tick);
     for (block, matrices) in desk.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joint = block * LANES;
-        let local = Posing { tables, playing, layers, body, control, joint, clock }.pose::<Lanes>();
+        let posing = Posing { tables, playing, settling, layers, body, control, joint, clock };
+        let local = posing.pose::<Lanes>();
         keep(joint, &local);
         let m = components(local.t, local.r, local.s);
         for (lane, matrix) in matrices.iter_mut().enumerate() {

@@ -1,7 +1,7 @@
 //! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin of `kernels/joint.cl`.
 
 use populace_core::Tables;
-use populace_core::layout::{Body, Control, Layer, NONE, REST_SCALE, REST_TRANSLATION, SlotSample};
+use populace_core::layout::{Body, Control, Layer, NONE, REST_SCALE, REST_TRANSLATION, Slot, SlotSample};
 use populace_core::math::{Real, quat};
 
 use crate::controls::Clock;
@@ -17,26 +17,32 @@ pub(crate) struct Playing {
 }
 
 #[inline(always)]
-fn each3<R: Real>(of: impl Fn(usize) -> R) -> [R; 3] {
+pub(crate) fn each3<R: Real>(of: impl Fn(usize) -> R) -> [R; 3] {
     [of(0), of(1), of(2)]
 }
 
-/// What takes `reference` to `value`, less what changes nothing: sums of it do not depend on their order.
+/// What takes `reference` to `value`, its rotation on the side of another one.
 #[inline(always)]
-fn difference<R: Real>(value: &Local<R>, reference: &Local<R>) -> Local<R> {
-    let delta = quat::mul(quat::conjugate(reference.r), value.r);
-    let [x, y, z, w] = quat::hemisphere(delta, quat::identity());
+pub(crate) fn quotient<R: Real>(value: &Local<R>, reference: &Local<R>, side: [R; 4]) -> Local<R> {
+    let r = quat::hemisphere(quat::mul(quat::conjugate(reference.r), value.r), side);
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
     let ratio = |i: usize| {
         let quotient = value.s[i] / reference.s[i];
         let below = R::choose(reference.s[i].less(zero), quotient, one);
         R::choose(zero.less(reference.s[i]), quotient, below)
     };
-    Local { t: each3(|i| value.t[i] - reference.t[i]), r: [x, y, z, w - one], s: each3(|i| ratio(i) - one) }
+    Local { t: each3(|i| value.t[i] - reference.t[i]), r, s: each3(ratio) }
+}
+
+/// A change, less what changes nothing: sums of it do not depend on their order.
+#[inline(always)]
+pub(crate) fn change<R: Real>(quotient: &Local<R>) -> Local<R> {
+    let ([x, y, z, w], one) = (quotient.r, R::splat(1.0));
+    Local { t: quotient.t, r: [x, y, z, w - one], s: each3(|i| quotient.s[i] - one) }
 }
 
 #[inline(always)]
-fn add_layer<R: Real>(beneath: &Local<R>, sum: &Local<R>, layer_weight: R) -> Local<R> {
+pub(crate) fn add_layer<R: Real>(beneath: &Local<R>, sum: &Local<R>, layer_weight: R) -> Local<R> {
     let delta = quat::add(quat::identity(), quat::scale(sum.r, layer_weight));
     let delta = quat::normalize_or(delta, quat::identity());
     Local {
@@ -71,12 +77,14 @@ fn mean_of<R: Real>(sum: &Sum<R>, rest: &Local<R>) -> Local<R> {
 
 /// A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath.
 #[inline(always)]
-fn mix_layer<R: Real>(beneath: &Local<R>, sum: &Sum<R>, layer_weight: R, rest: &Local<R>) -> Local<R> {
-    if sum.total <= 0.0 {
-        return *beneath;
-    }
-    let f = layer_weight * R::splat(if sum.total < 1.0 { sum.total } else { 1.0 });
-    let above = mean_of(sum, rest);
+fn mix_layer<R: Real>(
+    beneath: &Local<R>,
+    above: &Local<R>,
+    total: f32,
+    layer_weight: R,
+    rest: &Local<R>,
+) -> Local<R> {
+    let f = layer_weight * R::splat(if total < 1.0 { total } else { 1.0 });
     let from = quat::hemisphere(beneath.r, rest.r);
     let to = quat::hemisphere(above.r, rest.r);
     Local {
@@ -90,6 +98,8 @@ fn mix_layer<R: Real>(beneath: &Local<R>, sum: &Sum<R>, layer_weight: R, rest: &
 pub(crate) struct Posing<'a> {
     pub(crate) tables: &'a Tables,
     pub(crate) playing: &'a [Playing],
+    /// The member's slots, where any settles.
+    pub(crate) settling: &'a [Slot],
     /// The member's.
     pub(crate) layers: &'a [Layer],
     pub(crate) body: &'a Body,
@@ -120,7 +130,8 @@ impl Posing<'_> {
                 let start = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
                 let start = sample_joint::<R>(tables, bound, body, joint, &start, rest).normalized();
                 value.r = quat::scale(value.r, unit);
-                (value, unit) = (difference(&value, &start), R::splat(1.0));
+                let turned = quotient(&value, &start, quat::identity());
+                (value, unit) = (change(&turned), R::splat(1.0));
             }
             local.t = each3(|i| local.t[i] + value.t[i] * weight);
             local.r = quat::add(local.r, quat::scale(value.r, unit * weight));
@@ -143,6 +154,7 @@ impl Posing<'_> {
         let sum = self.sum_layer::<R>(0, false, &rest);
         // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
         let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
+        let pose = if self.settling.is_empty() { pose } else { self.settle(0, false, &rest, pose) };
         let pose = if self.layers.len() > 1 { self.lay_over(&rest, pose) } else { pose };
         match self.control {
             Some(control) => self.adjust(control, pose),
@@ -197,10 +209,17 @@ impl Posing<'_> {
             }
             let additive = layer.is_additive();
             let sum = self.sum_layer::<R>(index, additive, rest);
+            if !additive && sum.total <= 0.0 {
+                continue;
+            }
+            let mut own = if additive { sum.local } else { mean_of(&sum, rest) };
+            if !self.settling.is_empty() {
+                own = self.settle(index, additive, rest, own);
+            }
             let above = if additive {
-                add_layer(&pose, &sum.local, weight)
+                add_layer(&pose, &own, weight)
             } else {
-                mix_layer(&pose, &sum, weight, rest)
+                mix_layer(&pose, &own, sum.total, weight, rest)
             };
             pose = Local {
                 t: each3(|i| R::choose(laid, above.t[i], pose.t[i])),

@@ -29,6 +29,7 @@ mod pages;
 mod pose;
 mod reading;
 mod rows;
+mod settle;
 mod split;
 mod stages;
 mod transform;

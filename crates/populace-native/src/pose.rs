@@ -6,6 +6,7 @@ use populace_core::{Frame, MAX_SLOTS, Tables};
 use crate::controls::{Clock, control_of};
 use crate::joint::{Playing, Posing};
 use crate::machines::slot_now;
+use crate::settle::settling_slots;
 use crate::stages::Stages;
 use crate::{JointBuffer, split};
 
@@ -32,9 +33,11 @@ pub(crate) fn run(
             *playing = Playing { at: *at, bound_clip, layer: slot.layer() };
         }
         let (playing, layers) = (&playing[..slots.len()], member_layers(tables, place));
+        let settling = settling_slots(tables, place, frame.tick);
         let control = control_of(tables, place);
         for joint in 0..body.joint_count as usize {
-            let local = Posing { tables, playing, layers, body, control, joint, clock }.pose::<f32>();
+            let posing = Posing { tables, playing, settling, layers, body, control, joint, clock };
+            let local = posing.pose::<f32>();
             translations[joint] = Float4::from_xyz(local.t);
             rotations[joint] = Float4(local.r);
             scales[joint] = Float4::from_xyz(local.s);

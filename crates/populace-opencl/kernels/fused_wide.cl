@@ -28,16 +28,17 @@ INLINE void transpose(float16 m[16])
     }
 }
 
-/* The member's slots that weigh anything now, in order; returns how many. */
-INLINE uint play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick, Clips of,
-                     __global const float *row_times, __global const uint *buckets, Playing *playing)
+/* The member's slots that weigh anything now, in order. */
+INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick, Clips of,
+                         __global const float *row_times, __global const uint *buckets, Playing *playing)
 {
     uint count = 0;
     for (uint s = 0; s < slot_count; s++) {
         playing[count] = play(slots[s], machines, tick, of, row_times, buckets);
         if (playing[count].at.weight > 0.0f) count++;
     }
-    return count;
+    const Playback playback = { playing, count, settling_of(slots, slot_count, tick) };
+    return playback;
 }
 
 INLINE void descend_to(uint joint, __global const uint *parent, __global float16 *models)
@@ -112,8 +113,8 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
         if (member_phase(member) != phase) continue;
         const Body body = bodies[member.body];
         Playing playing[SLOTS_MOST];
-        const uint count = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of, row_times, buckets, playing);
-        const Playback playback = { playing, count };
+        const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of,
+                                           row_times, buckets, playing);
         member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
                         member_layers(member), body, parents + body.joint_first, models, 0);
         __global const Entry *entry = entries + body.entry_first;
@@ -148,8 +149,7 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     for (uint s = 0; s < slots_per_member; s++)
         samples[s] = play(mine[s], machines, tick, of, row_times, buckets).at;
     Playing playing[SLOTS_MOST];
-    const uint count = play_all(mine, slots_per_member, machines, tick, of, row_times, buckets, playing);
-    const Playback playback = { playing, count };
+    const Playback playback = play_all(mine, slots_per_member, machines, tick, of, row_times, buckets, playing);
     member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
                     member_layers(member), body, parents + body.joint_first, (__global float16 *)matrices, planes);
 }

@@ -1,17 +1,26 @@
 /* joint.cl - what Pose computes for a joint: a member's slots mixed layer by layer (Lister & Day 2012, section 4.1), and
  * the matrix that comes of it. Twin of populace-native pose.rs. */
 
-/* What takes `reference` to `value`, less what changes nothing: sums of it do not depend on their order. */
-INLINE Trs difference(Trs value, Trs reference)
+/* What takes `reference` to `value`, its rotation on the side of another one. */
+INLINE Trs quotient(Trs value, Trs reference, Quat side)
 {
-    Trs delta;
-    delta.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), quat_identity());
-    delta.r.w -= 1.0f;
-    delta.t = vec3_add(value.t, vec3_scale(reference.t, -1.0f));
-    delta.s.x = (reference.s.x == (Real)(0.0f) ? (Real)(1.0f) : value.s.x / reference.s.x) - 1.0f;
-    delta.s.y = (reference.s.y == (Real)(0.0f) ? (Real)(1.0f) : value.s.y / reference.s.y) - 1.0f;
-    delta.s.z = (reference.s.z == (Real)(0.0f) ? (Real)(1.0f) : value.s.z / reference.s.z) - 1.0f;
-    return delta;
+    Trs trs;
+    trs.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), side);
+    trs.t = vec3_add(value.t, vec3_scale(reference.t, -1.0f));
+    trs.s.x = reference.s.x == (Real)(0.0f) ? (Real)(1.0f) : value.s.x / reference.s.x;
+    trs.s.y = reference.s.y == (Real)(0.0f) ? (Real)(1.0f) : value.s.y / reference.s.y;
+    trs.s.z = reference.s.z == (Real)(0.0f) ? (Real)(1.0f) : value.s.z / reference.s.z;
+    return trs;
+}
+
+/* A change, less what changes nothing: sums of it do not depend on their order. */
+INLINE Trs change(Trs trs)
+{
+    trs.r.w -= 1.0f;
+    trs.s.x -= 1.0f;
+    trs.s.y -= 1.0f;
+    trs.s.z -= 1.0f;
+    return trs;
 }
 
 INLINE Trs add_layer(Trs beneath, Trs sum, Real layer_weight)
@@ -41,11 +50,9 @@ INLINE Trs mean_of(Sum sum, Trs rest)
 }
 
 /* A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath. */
-INLINE Trs mix_layer(Trs beneath, Sum sum, Real layer_weight, Trs rest)
+INLINE Trs mix_layer(Trs beneath, Trs above, float total, Real layer_weight, Trs rest)
 {
-    if (sum.total <= 0.0f) return beneath;
-    const Real f = layer_weight * (sum.total < 1.0f ? sum.total : 1.0f);
-    const Trs above = mean_of(sum, rest);
+    const Real f = layer_weight * (total < 1.0f ? total : 1.0f);
     const Quat from = quat_hemisphere(beneath.r, rest.r), to = quat_hemisphere(above.r, rest.r);
     Trs trs;
     trs.t = vec3_mix(beneath.t, above.t, f);
@@ -68,7 +75,8 @@ INLINE Sum sum_layer(Clips of, Playback playback, uint layer_index, bool additiv
         if (additive) {
             const uint first = of.clips[bound.clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            sample.trs = difference(normalized(sample), normalized(sample_joint(of, bound, body, joint, start, rest)));
+            const Trs reference = normalized(sample_joint(of, bound, body, joint, start, rest));
+            sample.trs = change(quotient(normalized(sample), reference, quat_identity()));
             sample.unit = 1.0f;
         }
         sum.trs.t = vec3_add(sum.trs.t, vec3_scale(sample.trs.t, weight));
@@ -79,6 +87,9 @@ INLINE Sum sum_layer(Clips of, Playback playback, uint layer_index, bool additiv
     }
     return sum;
 }
+
+/* What settles in a layer; see settle.cl. */
+APART Trs settle(Clips of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs);
 
 /* What the layers above 0 make of what lies beneath. */
 APART Trs lay_over(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,
@@ -92,7 +103,10 @@ APART Trs lay_over(Clips of, Playback playback, __global const Layer *layers, ui
         if (!ANY(laid)) continue;
         const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
         const Sum sum = sum_layer(of, playback, l, additive, body, joint, rest);
-        const Trs above = additive ? add_layer(trs, sum.trs, weight) : mix_layer(trs, sum, weight, rest);
+        if (!additive && sum.total <= 0.0f) continue;
+        Trs own = additive ? sum.trs : mean_of(sum, rest);
+        if (playback.settling.count > 0) own = settle(of, playback.settling, l, additive, body, joint, rest, own);
+        const Trs above = additive ? add_layer(trs, own, weight) : mix_layer(trs, own, sum.total, weight, rest);
         trs.t = vec3_choose(laid, above.t, trs.t);
         trs.r = quat_choose(laid, above.r, trs.r);
         trs.s = vec3_choose(laid, above.s, trs.s);
@@ -143,6 +157,7 @@ INLINE Trs pose_joint(Clips of, Locals locals, uint control, Playback playback, 
     const Sum sum = sum_layer(of, playback, 0, false, body, joint, rest);
     /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
     Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
+    if (playback.settling.count > 0) trs = settle(of, playback.settling, 0, false, body, joint, rest, trs);
     if (layer_count > 1) trs = lay_over(of, playback, layers, layer_count, body, joint, rest, trs);
     return control == NONE ? trs : adjust(locals, locals.controls[control], joint, trs);
 }

@@ -1,8 +1,19 @@
 /* playback.cl - what a member plays now, as the schedules keep it: staged in two buffers, fused beside the work-item. */
 
+/* The slots of a member if any of them settles, else none. */
+typedef struct { __global const Slot *slots; uint count; ulong tick; } Settling;
+
+INLINE Settling settling_of(__global const Slot *slots, uint count, ulong tick)
+{
+    bool any = false;
+    for (uint s = 0; s < count; s++) any = any || slot_settles(slots[s], tick);
+    const Settling settling = { slots, any ? count : 0, tick };
+    return settling;
+}
+
 #ifdef FUSED
 
-typedef struct { FUSED const Playing *all; uint count; } Playback;
+typedef struct { FUSED const Playing *all; uint count; Settling settling; } Playback;
 
 INLINE Playing playing_at(Playback playback, uint s) { return playback.all[s]; }
 
@@ -13,6 +24,7 @@ typedef struct {
     __global const SlotSample *samples;
     uint count;
     Machines machines;
+    Settling settling;
 } Playback;
 
 INLINE Playing playing_at(Playback playback, uint s)

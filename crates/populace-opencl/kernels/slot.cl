@@ -13,16 +13,24 @@ INLINE float ramp(ulong elapsed_ticks, float start, float rate, float end)
     return (rising && weight > end) || (!rising && weight < end) ? end : weight;
 }
 
+INLINE uint slot_mode(Slot slot) { return slot.layer_and_mode & ((1u << SLOT_MODE_BITS) - 1u); }
+
+INLINE uint slot_layer(Slot slot) { return slot.layer_and_mode >> SLOT_MODE_BITS; }
+
 INLINE float slot_weight(Slot slot, ulong tick)
 {
-    if (tick < slot.start_tick) return 0.0f;
+    if (tick < slot.start_tick || slot_mode(slot) == SLOT_SETTLING) return 0.0f;
     const ulong elapsed = tick > slot.weight_tick ? tick - slot.weight_tick : 0;
     return ramp(elapsed, slot.start_weight, slot.weight_rate, slot.end_weight);
 }
 
-INLINE uint slot_mode(Slot slot) { return slot.layer_and_mode & ((1u << SLOT_MODE_BITS) - 1u); }
+/* Of a slot that settles: how much of its time has passed. */
+INLINE float slot_settled(Slot slot, ulong tick) { return (float)(tick - slot.start_tick) * slot.end_weight; }
 
-INLINE uint slot_layer(Slot slot) { return slot.layer_and_mode >> SLOT_MODE_BITS; }
+INLINE bool slot_settles(Slot slot, ulong tick)
+{
+    return slot_mode(slot) == SLOT_SETTLING && slot.bound_clip != NONE && slot_settled(slot, tick) < 1.0f;
+}
 
 INLINE float slot_time(Slot slot, ulong tick, ClipRows clip)
 {

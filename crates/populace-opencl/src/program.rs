@@ -71,6 +71,7 @@ impl Form {
             include_str!("../kernels/playback.cl"),
             include_str!("../kernels/stage.cl"),
             include_str!("../kernels/joint.cl"),
+            include_str!("../kernels/settle.cl"),
             include_str!("../kernels/affine.cl"),
             include_str!("../kernels/turn.cl"),
             include_str!("../kernels/hierarchy.cl"),

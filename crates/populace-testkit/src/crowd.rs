@@ -3,11 +3,13 @@
 use std::collections::HashMap;
 
 use populace_core::layout::{Layer, NONE, Slot};
-use populace_core::{Backend, Binding, BodyIndex, Frame, LayerSettings, Mask, Schedule, Stage, Tables};
+use populace_core::{
+    Backend, Binding, BodyIndex, Frame, LayerSettings, Mask, Schedule, Stage, Tables, far_row,
+};
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
-use crate::{MemberPlan, Play};
+use crate::{MemberPlan, Play, Settling};
 
 /// Members of a scene, as tables.
 pub struct TestCrowd<'a> {
@@ -66,11 +68,14 @@ impl<'a> TestCrowd<'a> {
         let (place, old) = self.members[member].take().expect("a member of that number");
         assert_eq!(old.body, plan.body, "members keep their bodies");
         let slots = self.tables.slot_range(place);
-        assert!(plan.plays.len() <= slots.len(), "{} slots are too few", slots.len());
+        let taken = plan.plays.len() + plan.settling.len();
+        assert!(taken <= slots.len(), "{} slots are too few", slots.len());
         for index in 0..slots.len() {
-            let value = match plan.plays.get(index) {
-                Some(play) => self.slot(play, plan.body),
-                None => Slot { bound_clip: NONE, ..Slot::default() },
+            let settling = index.checked_sub(plan.plays.len()).and_then(|nth| plan.settling.get(nth));
+            let value = match (plan.plays.get(index), settling) {
+                (Some(play), _) => self.slot(play, plan.body),
+                (None, Some(settling)) => self.settling_slot(settling, plan.body),
+                (None, None) => Slot { bound_clip: NONE, ..Slot::default() },
             };
             self.tables.set_slot(place, index, value).expect("a slot that points at what is there");
         }
@@ -123,8 +128,39 @@ impl<'a> TestCrowd<'a> {
         self.members[member].as_ref().expect("a member of that number").0
     }
 
+    fn settling_slot(&mut self, settling: &Settling, body: usize) -> Slot {
+        let stands = [settling.left, settling.taking].map(|play| {
+            let slot = self.slot(&play, body);
+            self.tables.stand(&slot, settling.tick)
+        });
+        let share = [settling.share, settling.share_per_sec];
+        Slot::settling(settling.tick, settling.ticks, stands, share).on_layer(settling.left.layer)
+    }
+
     fn slot(&mut self, play: &Play, body: usize) -> Slot {
         let bound_clip = self.bound_clip(play.clip, body);
+        self.slot_of(play, bound_clip)
+    }
+
+    /// How a clip stands: where, and a row not far from there, in seconds on its own axis.
+    pub(crate) fn stand_secs(&self, play: &Play, body: usize, tick: u64) -> [f64; 2] {
+        let bound = self.bound_clips[&(play.clip, body)];
+        let stand = self.tables.stand(&self.slot_of(play, bound), tick);
+        let clip = self.tables.clips().as_slice()[self.clips[&play.clip] as usize];
+        let far = far_row(stand.row, clip.row_count - 1);
+        let far_secs = if clip.row_count == 1 {
+            f64::from(clip.start_secs)
+        } else if clip.rows_per_sec > 0.0 {
+            f64::from(clip.start_secs) + f64::from(far) / f64::from(clip.rows_per_sec)
+        } else {
+            f64::from(self.tables.row_times().as_slice()[(clip.time_first + far) as usize])
+        };
+        let secs = play.timing.time_secs(tick, &self.scene.clips[play.clip].clip);
+        // Where a clip steps, two rows share a time, and the one that is near to what comes before is meant.
+        [secs, if far_secs > secs { far_secs - 1e-9 } else { far_secs }]
+    }
+
+    fn slot_of(&self, play: &Play, bound_clip: u32) -> Slot {
         let clip = &self.scene.clips[play.clip].clip;
         let duration = clip.duration_secs();
         let slot = match play.timing {

@@ -1,10 +1,14 @@
 //! What the oracle says of a crowd's members.
 
-use crate::oracle::{OracleLayer, OraclePose, OracleSlot, Timing, Weighting, evaluate};
+use populace_core::TICKS_PER_SEC;
+
+use crate::oracle::{
+    OracleLayer, OraclePose, OracleSettling, OracleSlot, OracleStand, Timing, Weighting, evaluate_settling,
+};
 use crate::tolerance::{
     AffineBound, LocalBound, SampleBound, UNIT, WEIGHT_ERROR, model_bounds, palette_bounds,
 };
-use crate::{LayerPlan, MemberPlan, Play, TestCrowd};
+use crate::{LayerPlan, MemberPlan, Play, Settling, TestCrowd};
 
 /// What the oracle says of a member, and how far a backend may be off.
 #[derive(Clone, Debug)]
@@ -33,17 +37,46 @@ impl<'a> TestCrowd<'a> {
         plan.plays.iter().map(slot).collect()
     }
 
+    /// What still settles of a member at a time, for the oracle.
+    #[must_use]
+    pub fn oracle_settling(&self, plan: &MemberPlan, tick: u64) -> Vec<OracleSettling<'a>> {
+        let settling = |of: &Settling| OracleSettling {
+            left: self.oracle_stand(&of.left, plan.body, of.tick),
+            taking: self.oracle_stand(&of.taking, plan.body, of.tick),
+            start_tick: of.tick,
+            elapsed_secs: (tick - of.tick) as f64 / TICKS_PER_SEC as f64,
+            secs: of.ticks as f64 / TICKS_PER_SEC as f64,
+            share: f64::from(of.share),
+            share_per_sec: f64::from(of.share_per_sec),
+            layer: of.left.layer as usize,
+        };
+        plan.settling.iter().map(settling).collect()
+    }
+
+    fn oracle_stand(&self, play: &Play, body: usize, tick: u64) -> OracleStand<'a> {
+        let clip = &self.scene.clips[play.clip].clip;
+        let [secs, far_secs] = self.stand_secs(play, body, tick);
+        let way = far_secs - secs;
+        OracleStand {
+            clip: clip.source(),
+            secs,
+            far_secs,
+            pace: if way == 0.0 { 0.0 } else { play.timing.speed(tick, clip) / way },
+            retarget: self.scene.retargets.get(&(play.clip, body)),
+        }
+    }
+
     /// What a member must look like; `None` where one of its clips jumps so near that either side is right, or where
     /// only a clip's own bound holds.
     pub(crate) fn expected(&self, member: usize, tick: u64) -> Option<Expected> {
         let plan = self.plan(member);
         let clip = |play: &Play| &self.scene.clips[play.clip];
-        let jumps = |play: &Play| play.timing.is_near_jump(tick, &clip(play).clip);
-        if plan.plays.iter().any(jumps) {
+        let jumps = |(play, tick): (&Play, u64)| play.timing.is_near_jump(tick, &clip(play).clip);
+        if plan.shown(tick).any(jumps) {
             return None;
         }
         let mut bound = SampleBound::default();
-        for play in &plan.plays {
+        for (play, _) in plan.shown(tick) {
             let of_clip = match play.timing {
                 Timing::Held { secs } if is_exact(&clip(play).exact_times, secs) => clip(play).at_keys,
                 _ => clip(play).between_keys?,
@@ -63,7 +96,7 @@ impl<'a> TestCrowd<'a> {
         joint: usize,
     ) -> SampleBound {
         let mut widest = own;
-        for play in &plan.plays {
+        for (play, _) in plan.shown(0) {
             let Some(retarget) = self.scene.retargets.get(&(play.clip, plan.body)) else {
                 continue;
             };
@@ -105,13 +138,14 @@ impl<'a> TestCrowd<'a> {
         };
         let layers: Vec<_> = plan.layers.iter().map(layer).collect();
         let slots = self.oracle_slots(plan, tick);
-        let pose = evaluate(body, &slots, &layers);
+        let settling = self.oracle_settling(plan, tick);
+        let pose = evaluate_settling(body, &slots, &settling, &layers);
         let bound = widen_for_ramps(bound, plan, &slots);
         let joints = &self.scene.bodies[plan.body].joints;
         let local = |j: usize| {
-            let clips = plan.plays.iter().map(|play| &self.scene.clips[play.clip].clip);
+            let clips = plan.shown(tick).map(|(play, _)| &self.scene.clips[play.clip].clip);
             let bound = self.with_retargets(bound.with_storage(&joints[j].name, clips), plan, bound, j);
-            LocalBound::after_pose(&bound, &body.rest(j), &pose.gains[j], slots.len())
+            LocalBound::after_pose(&bound, &body.rest(j), &pose.gains[j], slots.len() + settling.len())
         };
         let locals: Vec<_> = (0..joints.len()).map(local).collect();
         let models = model_bounds(body, &pose.locals, &pose.model_from_joint, &locals);

@@ -30,7 +30,7 @@ pub mod tolerance;
 
 pub use broken::{Broken, Corruption};
 pub use crowd::TestCrowd;
-pub use plan::{LayerPlan, MemberPlan, Play};
+pub use plan::{LayerPlan, MemberPlan, Play, Settling};
 pub use reading::MemberReading;
 pub use rng::Rng;
 

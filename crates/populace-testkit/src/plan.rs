@@ -41,6 +41,23 @@ impl Play {
     }
 }
 
+/// A clip that was left at once, and still settles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settling {
+    /// What was left; it does not play on.
+    pub left: Play,
+    /// What took its place.
+    pub taking: Play,
+    /// The clock then.
+    pub tick: u64,
+    /// In which it settles.
+    pub ticks: u64,
+    /// Its part of what the layer showed.
+    pub share: f32,
+    /// By how much that changed in a second.
+    pub share_per_sec: f32,
+}
+
 /// A layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerPlan {
@@ -65,15 +82,23 @@ pub struct MemberPlan {
     pub body: usize,
     /// Its slots, in order.
     pub plays: Vec<Play>,
+    /// The slots after those, each in the layer of what was left.
+    pub settling: Vec<Settling>,
     /// Its layers, at least one.
     pub layers: Vec<LayerPlan>,
 }
 
 impl MemberPlan {
+    /// All of whose clips something shows, and the clock for those whose time stands.
+    pub(crate) fn shown(&self, tick: u64) -> impl Iterator<Item = (&Play, u64)> {
+        let stand = self.settling.iter().flat_map(|s| [(&s.left, s.tick), (&s.taking, s.tick)]);
+        self.plays.iter().map(move |play| (play, tick)).chain(stand)
+    }
+
     /// A member with one plain layer.
     #[must_use]
     pub fn plain(body: usize, plays: Vec<Play>) -> Self {
         let layers = vec![LayerPlan::default()];
-        Self { body, plays, layers }
+        Self { body, plays, settling: Vec::new(), layers }
     }
 }

@@ -13,6 +13,7 @@ mod playback;
 mod readback;
 mod roles;
 mod room;
+mod settling;
 mod spaces;
 mod stages;
 mod waiting;
@@ -21,7 +22,7 @@ mod watches;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use populace_core::layout::PAGE_ENTRIES;
+use populace_core::layout::{PAGE_ENTRIES, Slot};
 use populace_core::{
     Affine, AnimationSet, BodyIndex, Character, Clip, ClipIndex, FIRST_TICK, Frame, GlContext, RoleMap,
     Schedule, TICKS_PER_SEC, Tables, nearest_names,
@@ -180,6 +181,8 @@ pub struct Crowd {
     marks: HashMap<ClipIndex, Vec<events::Mark>>,
     /// What happened in the last update.
     events: Vec<Event>,
+    /// Slots of members that are listened to which were left in the course of an update, and when.
+    left: Vec<(u32, Slot, u64)>,
     /// What another device kept of members, for the next one.
     kept: Option<Kept>,
     /// Where devices have the lengths of joints, by those.

@@ -14,6 +14,8 @@ pub struct Play {
     pub(crate) phase: f32,
     pub(crate) weight: f32,
     pub(crate) fade_in_secs: f32,
+    /// Whether what is left settles in that time, rather than fades.
+    pub(crate) settles: bool,
     pub(crate) after_secs: f32,
     pub(crate) layer: usize,
 }
@@ -28,7 +30,16 @@ pub(crate) enum Mode {
 
 impl Play {
     const fn new(mode: Mode) -> Self {
-        Self { mode, speed: 1.0, phase: 0.0, weight: 1.0, fade_in_secs: 0.0, after_secs: 0.0, layer: 0 }
+        Self {
+            mode,
+            speed: 1.0,
+            phase: 0.0,
+            weight: 1.0,
+            fade_in_secs: 0.0,
+            settles: false,
+            after_secs: 0.0,
+            layer: 0,
+        }
     }
 
     /// Again and again.
@@ -83,6 +94,22 @@ impl Play {
     #[must_use]
     pub const fn fade_in_secs(mut self, secs: f32) -> Self {
         self.fade_in_secs = secs;
+        self.settles = false;
+        self
+    }
+
+    /// In place of a fade, an inertialised transition: has its full weight at once, and the difference between what the
+    /// layer showed and this clip, in pose and in speed, decays to nothing within so many seconds. A tenth to half a second
+    /// is usual; over longer times what moved fast overshoots.
+    ///
+    /// It is for [`Crowd::play`](crate::Crowd::play) and [`Crowd::queue`](crate::Crowd::queue). Where nothing is left, in
+    /// [`Crowd::blend`](crate::Crowd::blend), where a blend space begins, and where a live clip begins or is among those left,
+    /// this is a fade of the same time. Where a layer above 0 weighed more or less than this clip does, its weight runs to
+    /// this clip's in that time.
+    #[must_use]
+    pub const fn settle_in_secs(mut self, secs: f32) -> Self {
+        self.fade_in_secs = secs;
+        self.settles = true;
         self
     }
 
@@ -121,7 +148,8 @@ impl Play {
         }
         check_weight("the weight of a clip", self.weight)?;
         check_layer(self.layer)?;
-        check_secs("the time to fade in", self.fade_in_secs)?;
+        let what = if self.settles { "the time to settle in" } else { "the time to fade in" };
+        check_secs(what, self.fade_in_secs)?;
         check_secs("the time to start after", self.after_secs)
     }
 }

@@ -119,3 +119,21 @@ fn what_is_not_within_a_clip_is_refused_and_those_who_leave_are_told_of_no_more(
     assert_eq!(events(&mut stage, 0.5, 4.0), []);
     assert!(stage.crowd.listen(member).is_err());
 }
+
+/// A clip that is left by settling in the midst of a step of the clock has happened up to then.
+#[test]
+fn what_is_left_is_told_of_up_to_then() {
+    let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
+        let mut stage = native();
+        let clip = stage.clip("walk");
+        let member = stage.member(Placement::at([0.0; 3]));
+        stage.crowd.play(member, clip, Play::once()).expect("a clip that plays");
+        stage.crowd.queue(member, clip, Play::looping().settle_in_secs(0.3)).expect("a clip to follow");
+        stage.crowd.listen(member).expect("a member");
+        events(&mut stage, step, 3.0)
+    });
+    let ends = |events: &[Event]| events.iter().filter(|event| event.kind == EventKind::ClipEnd).count();
+    for events in &found {
+        assert_eq!((ends(events), events.len()), (1, found[0].len()));
+    }
+}

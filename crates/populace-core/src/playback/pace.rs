@@ -1,7 +1,9 @@
 //! What only the host asks of a slot's closed form: how fast it runs, when it ends, and another speed from now on.
 
 use super::{TICKS_PER_SEC, once_rate, phase_rate, upper_half};
-use crate::layout::{SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE, Slot};
+use crate::layout::{
+    SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE, SLOT_SETTLING, Slot,
+};
 
 /// A whole cycle, in the unit of phases.
 const CYCLE: u128 = 1 << 64;
@@ -15,10 +17,10 @@ impl Slot {
         (u64::from(self.start_phase) << 32).wrapping_add(elapsed.wrapping_mul(self.phase_rate))
     }
 
-    /// Whether it has no speed of its own to run at: it is held, or live, or a machine's.
+    /// Whether it has no speed of its own to run at: it is held, live or settling, or a machine's.
     #[must_use]
     pub fn is_tied(&self) -> bool {
-        matches!(self.mode(), SLOT_HELD | SLOT_LIVE | SLOT_MACHINE)
+        matches!(self.mode(), SLOT_HELD | SLOT_LIVE | SLOT_MACHINE | SLOT_SETTLING)
     }
 
     /// Times the pace of a clip of that length; negative runs backwards. 0 for one that stands, 1 for one that is live.

@@ -179,13 +179,21 @@ impl Tables {
 
     pub(super) fn check_bound(&self, slot: &Slot, member: &Member) -> Result<(), Error> {
         let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
-        let bound = self.all.bound_clips.as_slice().get(slot.bound_clip as usize);
+        let bound_of = |index: u32| self.all.bound_clips.as_slice().get(index as usize);
+        let bound = bound_of(slot.bound_clip);
         if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
             return bad("bound clip", slot.bound_clip);
         }
         let is_live = |bound: &BoundClip| self.all.clips.as_slice()[bound.clip as usize].ring_rows > 0;
         if bound.is_some_and(|bound| is_live(bound) != (slot.mode() == SLOT_LIVE)) {
             return bad("mode of such a clip", slot.mode());
+        }
+        let taking = slot.taking().bound_clip;
+        if slot.bound_clip != NONE
+            && slot.is_settling()
+            && bound_of(taking).is_none_or(|bound| bound.body != member.body || is_live(bound))
+        {
+            return bad("bound clip to settle into", taking);
         }
         Ok(())
     }

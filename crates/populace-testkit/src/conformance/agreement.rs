@@ -3,7 +3,7 @@
 use populace_core::{Backend, Stage, ticks_from_secs};
 
 use super::stages::{two_of_each, write_locals};
-use super::{plans, retarget};
+use super::{plans, retarget, settle};
 use crate::compare::Judge;
 use crate::expected::Expected;
 use crate::scenes::Scene;
@@ -33,6 +33,8 @@ pub fn check_same_frames(a: &mut dyn Backend, b: &mut dyn Backend) {
     same_frames(a, b, &scene, &plans::members(83, &scene, &clips, 60, 8));
     let humanoids = Scene::of_humanoids();
     same_frames(a, b, &humanoids, &retarget::plans(&mut Rng::new(84), &humanoids));
+    let settling = settle::plans(&mut Rng::new(85), &scene, &clips, ticks_from_secs(7.0));
+    same_frames(a, b, &scene, &settling);
 }
 
 fn same_frames(a: &mut dyn Backend, b: &mut dyn Backend, scene: &Scene, plans: &[MemberPlan]) {
@@ -84,7 +86,7 @@ fn same_pose(a: &mut dyn Backend, b: &mut dyn Backend) {
     let one = run(a, &mut crowd);
     let other = run(b, &mut plans::crowd(&scene, 8, plans));
     for (member, _, plan) in crowd.members() {
-        let jumps = plan.plays.iter().any(|p| p.timing.is_near_jump(tick, &scene.clips[p.clip].clip));
+        let jumps = plan.shown(tick).any(|(p, tick)| p.timing.is_near_jump(tick, &scene.clips[p.clip].clip));
         if jumps {
             judge.leave_out(10 * one[member].rotations.len());
             continue;

@@ -58,7 +58,7 @@ pub(super) fn member(rng: &mut Rng, scene: &Scene, body: usize, clips: &[usize],
             play(rng, clips).on_layer(u32::try_from(on).expect("few layers"))
         })
         .collect();
-    MemberPlan { body, plays, layers }
+    MemberPlan { body, plays, settling: Vec::new(), layers }
 }
 
 /// Members of all bodies in turn.

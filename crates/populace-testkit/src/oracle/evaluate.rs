@@ -60,6 +60,20 @@ impl Timing {
         }
     }
 
+    /// Seconds of the clip in a second of the clock: 0 for one that has come to its end.
+    #[must_use]
+    pub fn speed(&self, tick: u64, clip: &Clip) -> f64 {
+        match *self {
+            Self::Loop { speed, .. } => f64::from(speed),
+            Self::Once { start_tick, speed } => {
+                let goes =
+                    elapsed_secs(start_tick, tick) * f64::from(speed.abs()) < f64::from(clip.duration_secs());
+                if goes { f64::from(speed) } else { 0.0 }
+            }
+            Self::Held { .. } => 0.0,
+        }
+    }
+
     /// Whether the value jumps so near to that time that single precision may see the other side: at the seam of a
     /// loop and at STEP keys. A held time is exact, so it never is.
     ///

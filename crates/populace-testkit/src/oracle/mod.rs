@@ -7,6 +7,7 @@ mod evaluate;
 mod pose;
 mod retarget;
 mod sample;
+mod settle;
 #[cfg(test)]
 mod tests;
 mod transform;
@@ -19,6 +20,7 @@ pub use evaluate::{Timing, Weighting};
 pub use pose::Gain;
 pub use retarget::OracleRetarget;
 pub use sample::{slerp, track_value};
+pub use settle::{OracleSettling, OracleStand};
 pub use transform::model_from_joints;
 pub use write_back::palettes;
 
@@ -141,7 +143,22 @@ pub struct OraclePose {
 /// If the joints have a cycle, or a mask is not one weight per joint.
 #[must_use]
 pub fn evaluate(body: &OracleBody, slots: &[OracleSlot<'_>], layers: &[OracleLayer]) -> OraclePose {
-    let (locals, gains) = pose::pose(body, slots, layers);
+    evaluate_settling(body, slots, &[], layers)
+}
+
+/// The same where clips that were left still settle.
+///
+/// # Panics
+///
+/// As [`evaluate`].
+#[must_use]
+pub fn evaluate_settling(
+    body: &OracleBody,
+    slots: &[OracleSlot<'_>],
+    settling: &[OracleSettling<'_>],
+    layers: &[OracleLayer],
+) -> OraclePose {
+    let (locals, gains) = pose::pose(body, slots, settling, layers);
     let model_from_joint = model_from_joints(body, &locals);
     let palette = palettes(body, &model_from_joint);
     OraclePose { locals, gains, model_from_joint, palette }

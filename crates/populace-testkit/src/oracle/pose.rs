@@ -1,15 +1,16 @@
 //! Pose: slots mixed layer by layer into local transforms.
 
 use glam::{DQuat, DVec3, DVec4};
-use populace_core::LayerMode;
+use populace_core::{ClipSource, LayerMode};
 
 use super::sample::TracksByJoint;
-use super::{Local, OracleBody, OracleLayer, OracleSlot};
+use super::settle::{Remains, settle};
+use super::{Local, OracleBody, OracleLayer, OracleRetarget, OracleSettling, OracleSlot, OracleStand};
 
 /// Layer 0 is divided by its total weight above this, else the rest pose shows.
 const LEAST_TOTAL: f64 = 1e-3;
 /// A quaternion this near to the border of its hemisphere may be turned either way by single precision.
-const HEMISPHERE_MARGIN: f64 = 1e-4;
+pub(super) const HEMISPHERE_MARGIN: f64 = 1e-4;
 
 /// How much an error in a clip's value grows on its way into a joint's local transform. Infinite where single precision
 /// may turn a rotation to the other hemisphere: then no device can be held to a value.
@@ -41,12 +42,16 @@ enum Clip<'a> {
 
 impl<'a> Clip<'a> {
     fn new(slot: &OracleSlot<'a>) -> Self {
-        let tracks = TracksByJoint::new(slot.clip);
-        match slot.retarget {
+        Self::at(slot.clip, slot.time_secs, slot.retarget)
+    }
+
+    fn at(clip: &'a ClipSource, secs: f64, retarget: Option<&OracleRetarget>) -> Self {
+        let tracks = TracksByJoint::new(clip);
+        match retarget {
             None => Self::Named(tracks),
             Some(retarget) => Self::Retargeted {
-                value: retarget.locals(slot.clip, slot.time_secs),
-                reference: retarget.locals(slot.clip, tracks.first_time()),
+                value: retarget.locals(clip, secs),
+                reference: retarget.locals(clip, tracks.first_time()),
             },
         }
     }
@@ -66,14 +71,38 @@ impl<'a> Clip<'a> {
     }
 }
 
-type Posed = (Local, Gain);
+/// A clip that was left or took another's place: there, and at the far time.
+struct Stand<'a> {
+    of: &'a OracleStand<'a>,
+    clips: [Clip<'a>; 2],
+}
+
+impl<'a> Stand<'a> {
+    fn new(of: &'a OracleStand<'a>) -> Self {
+        Self { of, clips: [of.secs, of.far_secs].map(|secs| Clip::at(of.clip, secs, of.retarget)) }
+    }
+
+    fn values(&self, joint: usize, name: &str, rest: &Local) -> [Local; 3] {
+        let [at, far] = &self.clips;
+        [
+            at.value(joint, name, rest, self.of.secs),
+            far.value(joint, name, rest, self.of.far_secs),
+            at.reference(joint, name, rest),
+        ]
+    }
+}
+
+pub(super) type Posed = (Local, Gain);
 
 pub(super) fn pose(
     body: &OracleBody,
     slots: &[OracleSlot<'_>],
+    settling: &[OracleSettling<'_>],
     layers: &[OracleLayer],
 ) -> (Vec<Local>, Vec<Gain>) {
     let clips: Vec<_> = slots.iter().map(Clip::new).collect();
+    let settling = settling.iter().filter(|settling| !settling.is_over());
+    let settling: Vec<_> = settling.map(|of| (of, Stand::new(&of.left), Stand::new(&of.taking))).collect();
     let plain = [OracleLayer::default()];
     let layers = if layers.is_empty() { &plain } else { layers };
     let one_joint = |joint: usize| {
@@ -90,11 +119,20 @@ pub(super) fn pose(
                     reference: clip.reference(joint, name, &rest),
                 })
                 .collect();
+            let remains: Vec<Remains> = settling
+                .iter()
+                .filter(|(of, ..)| of.layer == index)
+                .map(|(of, left, taking)| Remains {
+                    of,
+                    left: left.values(joint, name, &rest),
+                    taking: taking.values(joint, name, &rest),
+                })
+                .collect();
             let strength = layer.weight * layer.mask.as_ref().map_or(1.0, |mask| mask[joint]);
             posed = match layer.mode {
-                _ if index == 0 => base(&rest, &samples),
-                LayerMode::Override => override_with(posed, &rest, &samples, strength),
-                LayerMode::Additive => add(posed, &samples, strength),
+                _ if index == 0 => settle(base(&rest, &samples), &remains),
+                LayerMode::Override => override_with(posed, &rest, (&samples, &remains), strength),
+                LayerMode::Additive => add(posed, (&samples, &remains), strength),
             };
         }
         posed
@@ -133,13 +171,18 @@ fn mix(rest: &Local, samples: &[Sample]) -> Posed {
 }
 
 /// An override layer: the mix over what lies beneath, by slot total, layer weight and mask.
-fn override_with(beneath: Posed, rest: &Local, samples: &[Sample], strength: f64) -> Posed {
+fn override_with(
+    beneath: Posed,
+    rest: &Local,
+    (samples, remains): (&[Sample], &[Remains<'_>]),
+    strength: f64,
+) -> Posed {
     let total = total(samples);
     let f = strength * total.min(1.0);
     if total <= 0.0 || f <= 0.0 {
         return beneath;
     }
-    let ((below, below_gain), (above, above_gain)) = (beneath, mix(rest, samples));
+    let ((below, below_gain), (above, above_gain)) = (beneath, settle(mix(rest, samples), remains));
     let from = towards(rest, below.rotation);
     let rotation = from + (towards(rest, above.rotation) - from) * f;
     let clear = is_clear(rest, below.rotation) && is_clear(rest, above.rotation);
@@ -162,7 +205,7 @@ fn override_with(beneath: Posed, rest: &Local, samples: &[Sample], strength: f64
 }
 
 /// An additive layer: each slot's difference from its clip's first pose, laid over what lies beneath.
-fn add(beneath: Posed, samples: &[Sample], strength: f64) -> Posed {
+fn add(beneath: Posed, (samples, remains): (&[Sample], &[Remains<'_>]), strength: f64) -> Posed {
     let identity = DVec4::W;
     let (below, below_gain) = beneath;
     let mut translation = DVec3::ZERO;
@@ -184,6 +227,14 @@ fn add(beneath: Posed, samples: &[Sample], strength: f64) -> Posed {
         strengths += f;
         ratios +=
             f * (1.0 + ratio.abs().max_element()) / sample.reference.scale.abs().min_element().max(1e-9);
+    }
+    for change in remains.iter().map(|remains| remains.change(true)) {
+        translation += change.translation * strength;
+        rotation += change.rotation * strength;
+        scale += change.scale * strength;
+        clear &= change.clear;
+        strengths += change.gain * strength;
+        ratios += change.gain * change.scale_gain * strength;
     }
     if strengths <= 0.0 {
         return beneath;
@@ -207,16 +258,16 @@ fn add(beneath: Posed, samples: &[Sample], strength: f64) -> Posed {
 }
 
 /// Component by component; 1 where the reference is 0.
-fn ratio(value: DVec3, reference: DVec3) -> DVec3 {
+pub(super) fn ratio(value: DVec3, reference: DVec3) -> DVec3 {
     let one = |v: f64, r: f64| if r == 0.0 { 1.0 } else { v / r };
     DVec3::new(one(value.x, reference.x), one(value.y, reference.y), one(value.z, reference.z))
 }
 
-fn four(q: DQuat) -> DVec4 {
+pub(super) fn four(q: DQuat) -> DVec4 {
     DVec4::from_array(q.to_array())
 }
 
-fn unit(v: DVec4) -> DQuat {
+pub(super) fn unit(v: DVec4) -> DQuat {
     DQuat::from_array(v.normalize().to_array())
 }
 

@@ -119,6 +119,7 @@ impl CrowdBuilder {
             listening: Vec::new(),
             marks: HashMap::new(),
             events: Vec::new(),
+            left: Vec::new(),
             kept: None,
             proportions: HashMap::new(),
             member_count: 0,

@@ -114,9 +114,12 @@ impl Crowd {
         let mut listening = std::mem::take(&mut self.listening);
         listening.retain(|member| self.check(*member).is_ok());
         let mut found = std::mem::take(&mut self.events);
+        let left = std::mem::take(&mut self.left);
         for &member in &listening {
-            for index in self.tables.slot_range(member.place) {
-                let slot = self.tables.slots().as_slice()[index];
+            let of_member = left.iter().filter(|(place, ..)| *place == member.place);
+            let gone = of_member.map(|(_, slot, tick)| (*slot, *tick));
+            let there = self.slots(member.place).iter().map(|slot| (*slot, until));
+            for (slot, until) in gone.chain(there).collect::<Vec<_>>() {
                 if slot.bound_clip != NONE && runs(&slot) && slot.start_tick <= until {
                     let clip = self.tables.bound_clips().as_slice()[slot.bound_clip as usize].clip;
                     self.events_of_slot(

@@ -15,8 +15,8 @@ impl Crowd {
     /// fades in, and what was queued is forgotten.
     ///
     /// Where all slots of the member are taken, the weakest fades out first and this waits for it, for a small part of
-    /// its own fade: a pose never jumps. One that starts without a fade takes the weakest's slot at once, and a member with
-    /// one slot has nothing to fade with.
+    /// its own fade, or for what still settles ([`Play::settle_in_secs`]): a pose never jumps. One that starts without a fade
+    /// takes the weakest's slot at once, and a member with one slot has nothing to fade with.
     ///
     /// # Errors
     ///
@@ -285,21 +285,28 @@ impl Crowd {
         if alone && secs <= 0.0 {
             self.fade_out(place, layer, 0.0, tick)?;
         }
+        let slot = start.play.slot(bound, tick, self.duration_secs(bound));
+        let mut slot = slot.on_layer(u32_from(layer));
+        let settles = alone && start.play.settles && secs > 0.0 && self.can_settle(place, &slot, tick);
         let role = |slot: &Slot, _| {
             if alone && slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
-        if let Some(due) = self.make_room(place, 1, secs, tick, role)? {
+        let needed = usize::from(!settles || self.unseen(place, slot.layer(), tick).is_empty());
+        if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
             self.waiting.push(place, due, start.at_its_time());
             return Ok(());
         }
-        let first = self.is_first(place, layer, tick);
-        if alone {
+        let mut weight = 0.0;
+        let at_once = self.is_first(place, layer, tick) || (settles && layer == 0);
+        if settles {
+            weight = self.settle(place, &slot, secs, tick)?;
+        } else if alone {
             self.fade_out(place, layer, secs, tick)?;
+        }
+        if alone {
             self.forget_space(place, layer);
         }
-        let slot = start.play.slot(bound, tick, self.duration_secs(bound));
-        let mut slot = slot.on_layer(u32_from(layer));
-        slot.ramp_weight(tick, 0.0, start.play.weight, if first { 0.0 } else { secs });
+        slot.ramp_weight(tick, weight, start.play.weight, if at_once { 0.0 } else { secs });
         let once = slot.mode() == SLOT_ONCE;
         self.fill_slot(place, slot, Started { serial: start.serial, sample: None, once }, tick)
     }
@@ -370,7 +377,8 @@ impl Crowd {
         let tick = self.clock.tick;
         let slots = self.slots(place).iter().enumerate();
         let playing = slots.filter(|(_, slot)| {
-            slot.bound_clip != NONE && slot.layer() as usize == layer && slot.end_weight > 0.0
+            let ends = slot.is_settling() || slot.end_weight <= 0.0;
+            slot.bound_clip != NONE && slot.layer() as usize == layer && !ends
         });
         let last = playing.max_by_key(|(index, _)| self.started(place, *index).serial);
         last.map_or(tick, |(_, slot)| self.end_of(slot, tick))

@@ -2,7 +2,8 @@
 //!
 //! Nothing that weighs is dropped. Where no slot is free, the weakest fades out first, as fast as the crossfade that
 //! was asked for would move the pose, and what was to start waits until it has gone: a fade of its share of the layer,
-//! so the less it weighed the sooner.
+//! so the less it weighed the sooner. Slots that settle cannot be hurried; before something else has to give way, what was
+//! to start waits for the first of them.
 
 use populace_core::layout::{NONE, Slot};
 use populace_core::{MAX_LAYERS, MAX_SLOTS, ticks_from_secs};
@@ -36,9 +37,14 @@ pub(crate) struct Started {
     pub(crate) once: bool,
 }
 
-/// Whether a slot's weight has come down to 0 and stays there.
+/// Whether a slot's weight has come down to 0 and stays there, as that of one that settles has.
 pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
-    slot.bound_clip == NONE || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
+    slot.bound_clip == NONE || slot.is_settling() || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
+}
+
+/// Whether something of a slot that settles is left.
+fn settles(slot: &Slot, tick: u64) -> bool {
+    slot.bound_clip != NONE && slot.is_settling() && slot.settled_at(tick) < 1.0
 }
 
 impl Crowd {
@@ -50,7 +56,7 @@ impl Crowd {
         self.started[self.tables.slot_range(place).start + index]
     }
 
-    /// Each slot's part of what its layer shows, from 0 to 1; nothing for free ones.
+    /// Each slot's part of what its layer shows, from 0 to 1; 0 for those that settle, nothing for free ones.
     fn slot_shares(&self, place: u32, tick: u64) -> [Option<f32>; MAX_SLOTS] {
         let mut totals = [0.0_f32; MAX_LAYERS];
         let weighing = |slot: &Slot| if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
@@ -63,7 +69,7 @@ impl Crowd {
         for (share, slot) in shares.iter_mut().zip(self.slots(place)) {
             let of_layer = weighing(slot) / totals[slot.layer() as usize].max(f32::MIN_POSITIVE);
             let free = faded_out(slot, tick) || (slot.end_weight <= 0.0 && of_layer < NEGLIGIBLE);
-            *share = (!free).then_some(of_layer);
+            *share = (!free || settles(slot, tick)).then_some(of_layer);
         }
         shares
     }
@@ -101,8 +107,7 @@ impl Crowd {
         victims.truncate(missing + usize::from(splits));
         if secs <= 0.0 || !smoothly {
             for index in victims {
-                let empty = Slot { bound_clip: NONE, ..Slot::default() };
-                self.tables.set_slot(place, index, empty)?;
+                self.empty_slot(place, index)?;
             }
             return Ok(None);
         }
@@ -131,8 +136,9 @@ impl Crowd {
         slots.iter().position(is_mate)
     }
 
-    /// The slots that can give way: those on their way out first, of these the weakest first, and both of a machine side by
-    /// side. Apart from them those that cannot fade, since the base layer would be left with nothing.
+    /// The slots that can give way: those on their way out first, then those that settle, of these the weakest first and
+    /// the first to end, and both of a machine side by side. Apart from them those that cannot fade, since the base layer
+    /// would be left with nothing.
     fn by_strength(
         &self,
         place: u32,
@@ -140,13 +146,17 @@ impl Crowd {
         plans: &[Plan],
     ) -> (Vec<usize>, Vec<usize>) {
         let slots = self.slots(place);
-        let leaves = |i: usize| plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0;
+        let rank = |i: usize| match slots[i].is_settling() {
+            true => (1, slots[i].settled_tick()),
+            false if plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0 => (0, 0),
+            false => (2, 0),
+        };
         let is_second = |i: usize| self.mate(place, i).is_some_and(|mate| mate < i);
         let gives_way = |i: &usize| shares[*i].is_some() && plans[*i] != Plan::Stays && !is_second(*i);
         let mut order: Vec<_> = (0..slots.len()).filter(gives_way).collect();
         let both = |i: usize| [Some(i), self.mate(place, i)].into_iter().flatten();
         let share = |i: usize| both(i).filter_map(|i| shares[i]).sum::<f32>();
-        order.sort_by(|&a, &b| leaves(b).cmp(&leaves(a)).then(share(a).total_cmp(&share(b))));
+        order.sort_by(|&a, &b| rank(a).cmp(&rank(b)).then(share(a).total_cmp(&share(b))));
         let mut base = 0.0;
         let (fading, others): (Vec<_>, Vec<_>) = order.into_iter().partition(|&index| {
             let of_base = if slots[index].layer() == 0 { share(index) } else { 0.0 };
@@ -171,6 +181,10 @@ impl Crowd {
         let mut left_behind = [0.0_f32; MAX_LAYERS];
         for &index in victims {
             let mut slot = self.slots(place)[index];
+            if slot.is_settling() {
+                due = due.max(slot.settled_tick());
+                continue;
+            }
             let weight = slot.weight_at(tick);
             let own = if slot.weight_rate < 0.0 && slot.end_weight <= 0.0 && tick >= slot.weight_tick {
                 weight / -slot.weight_rate
@@ -206,16 +220,26 @@ impl Crowd {
     }
 
     /// Fades out all clips of a layer together, keeping their proportions, so that what fades in meanwhile takes the
-    /// layer over evenly.
+    /// layer over evenly. What settles goes on, unless this takes no time.
     pub(super) fn fade_out(&mut self, place: u32, layer: usize, secs: f32, tick: u64) -> Result<(), Error> {
         for index in 0..self.slots(place).len() {
             let mut slot = self.slots(place)[index];
-            if slot.layer() as usize == layer && !faded_out(&slot, tick) {
+            if slot.layer() as usize != layer {
+                continue;
+            }
+            if secs <= 0.0 && settles(&slot, tick) {
+                self.empty_slot(place, index)?;
+            } else if !faded_out(&slot, tick) {
                 slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
                 self.tables.set_slot(place, index, slot)?;
             }
         }
         Ok(())
+    }
+
+    pub(super) fn empty_slot(&mut self, place: u32, index: usize) -> Result<(), Error> {
+        let empty = Slot { bound_clip: NONE, ..Slot::default() };
+        Ok(self.tables.set_slot(place, index, empty)?)
     }
 
     /// Puts a slot into a free one; [`make_room`](Self::make_room) has seen to it that there is one.

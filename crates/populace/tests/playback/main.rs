@@ -11,6 +11,7 @@ mod crowds;
 mod layers;
 mod rig;
 mod room;
+mod settle;
 mod spaces;
 mod timing;
 

@@ -1,0 +1,99 @@
+//! Three people swing an arm outwards and then hold it up: the first by a cut, the second by a crossfade, the third by an
+//! inertialised transition. Beads show the way of each one's hand, sixty a second: dark before, red after. Only the third's
+//! has no corner.
+//!
+//! `cargo run --example settle [PICTURE.png]`
+
+#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+
+#[path = "shared/bead.rs"]
+mod bead;
+mod shared;
+
+use std::error::Error;
+
+use glam::{Quat, Vec3};
+use populace::core::{Clip, ClipSource, Interpolation, Property, Skeleton, Track};
+use populace::{Crowd, Placement, Play};
+use populace_cast::{Look, person};
+
+const FRAME_SECS: f32 = 1.0 / 60.0;
+/// Frames until they are interrupted, and until the picture.
+const SWING: u8 = 14;
+const FRAMES: u8 = 38;
+const SECS: f32 = 0.3;
+
+/// A clip that turns the right arm, from one rotation to another in 0.6 s.
+fn clip(skeleton: &Skeleton, name: &str, from: Quat, to: Quat) -> Result<Clip, populace::core::Error> {
+    let track = Track {
+        joint: "r_upper_arm".into(),
+        property: Property::Rotation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 0.6],
+        values: [from, to].map(|turn| turn.to_array()).concat(),
+    };
+    Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, skeleton)
+}
+
+/// Level with the shoulder from the front outwards, and straight up.
+fn clips(skeleton: &Skeleton) -> Result<[Clip; 2], populace::core::Error> {
+    let (level, up) = (Quat::from_rotation_z(-0.7), Quat::from_rotation_z(-2.0));
+    let [front, side] = [1.7, -0.9].map(|yaw| Quat::from_rotation_y(yaw) * level);
+    Ok([clip(skeleton, "Swing", front, side)?, clip(skeleton, "Up", up, up)?])
+}
+
+/// By how much a hand's speed changes from one frame to the next at most, once it is interrupted, in metres per second.
+fn largest_change(way: &[[f32; 3]]) -> f32 {
+    let step = |frame: usize| Vec3::from(way[frame]) - Vec3::from(way[frame - 1]);
+    let changes = (usize::from(SWING)..way.len()).map(|frame| (step(frame) - step(frame - 1)).length());
+    changes.fold(0.0, f32::max) / FRAME_SECS
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let woman = person(&Look::woman())?;
+    let skeleton = &woman.skeleton;
+    let hand = skeleton.find("r_hand").ok_or("she has no r_hand")?;
+    let [swing, up] = clips(skeleton)?;
+
+    let mut crowd = Crowd::builder().build()?;
+    let id = crowd.add_character(woman.clone())?;
+    let (swing, up) = (crowd.add_clip(id, &swing.into())?, crowd.add_clip(id, &up.into())?);
+    let before = bead::bead("before", 0.016, [0.05, 0.05, 0.08, 1.0])?;
+    let after = bead::bead("after", 0.016, [0.75, 0.05, 0.04, 1.0])?;
+    let marks = [crowd.add_character(before.clone())?, crowd.add_character(after.clone())?];
+    let kinds = [
+        ("cut", Play::looping()),
+        ("crossfaded", Play::looping().fade_in_secs(SECS)),
+        ("settled", Play::looping().settle_in_secs(SECS)),
+    ];
+    let mut members = Vec::new();
+    for (nth, (name, play)) in kinds.into_iter().enumerate() {
+        let place = Placement::at([nth as f32 * 1.6 - 1.6, 0.0, 0.0]).facing(0.3);
+        let member = crowd.spawn(id, place)?;
+        crowd.play(member, swing, Play::once())?;
+        members.push((name, play, member, place));
+    }
+    let mut ways = vec![Vec::new(); members.len()];
+    for frame in 0..FRAMES {
+        for (_, play, member, _) in members.iter().filter(|_| frame == SWING) {
+            crowd.play(*member, up, *play)?;
+        }
+        crowd.update(FRAME_SECS)?;
+        for ((_, _, member, place), way) in members.iter().zip(&mut ways) {
+            let joint = crowd.model_from_joints(*member)?[hand.index()];
+            way.push(place.world_from_model().mul(&joint).origin());
+        }
+    }
+    for ((name, ..), way) in members.iter().zip(&ways) {
+        let change = largest_change(way);
+        println!("{name}: the hand changes its speed by up to {change:.1} m/s from frame to frame");
+        for (frame, at) in way.iter().enumerate() {
+            crowd.spawn(marks[usize::from(frame >= usize::from(SWING))], Placement::at(*at))?;
+        }
+    }
+    crowd.update(0.0)?;
+    let path = shared::output("settle.png");
+    shared::draw(&mut crowd, &[&woman, &before, &after], &[[-2.6, -0.1, 0.4], [2.6, 2.2, 0.4]], &path)?;
+    println!("all three on {}, drawn to {path}", crowd.device_name());
+    Ok(())
+}

@@ -1,0 +1,76 @@
+//! Inertialised transitions: slots that are left become slots that settle, each in its place.
+
+use populace_core::layout::Slot;
+use populace_core::ticks_from_secs;
+
+use super::Crowd;
+use super::room::{Started, faded_out};
+use crate::Error;
+
+impl Crowd {
+    /// Whether what a layer plays can settle into what starts: all of it runs by the clock alone.
+    pub(super) fn can_settle(&self, place: u32, starting: &Slot, tick: u64) -> bool {
+        let left = self.weighing(place, starting.layer(), tick);
+        starting.can_settle() && left.iter().all(|index| self.slots(place)[*index].can_settle())
+    }
+
+    /// Those slots of a layer that play.
+    fn weighing(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
+        let slots = self.slots(place);
+        (0..slots.len()).filter(|i| slots[*i].layer() == layer && !faded_out(&slots[*i], tick)).collect()
+    }
+
+    /// Those that settle in a layer since this very tick: what they settle into has not been seen.
+    pub(super) fn unseen(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
+        let unseen = |slot: &Slot| slot.is_settling() && slot.layer() == layer && slot.start_tick == tick;
+        let slots = self.slots(place);
+        (0..slots.len()).filter(|index| unseen(&slots[*index])).collect()
+    }
+
+    /// Lets all that a layer plays settle into what starts, and what has not been seen go. Returns what it weighed.
+    pub(super) fn settle(&mut self, place: u32, starting: &Slot, secs: f32, tick: u64) -> Result<f32, Error> {
+        let (layer, ticks) = (starting.layer(), ticks_from_secs(f64::from(secs)).max(1));
+        let taking = self.tables.stand(starting, tick);
+        let unseen = self.unseen(place, layer, tick);
+        for &index in &unseen {
+            let mut slot = self.slots(place)[index];
+            slot.settle_into(taking, ticks);
+            self.tables.set_slot(place, index, slot)?;
+        }
+        let weighing = self.weighing(place, layer, tick);
+        let all = weighing.iter().map(|index| weight_and_rate(&self.slots(place)[*index], tick));
+        let total = all.reduce(|sum, one| [sum[0] + one[0], sum[1] + one[1]]).unwrap_or_default();
+        let in_all = if self.is_additive(place, layer) { total[0] } else { 1.0 };
+        for index in weighing {
+            let slot = self.slots(place)[index];
+            let [weight, rate] = weight_and_rate(&slot, tick);
+            if !unseen.is_empty() || weight <= 0.0 {
+                self.empty_slot(place, index)?;
+                continue;
+            }
+            if tick > self.clock.tick && self.listening.iter().any(|member| member.place == place) {
+                self.left.push((place, slot, tick));
+            }
+            let part = weight / total[0];
+            let share = [part * in_all, (rate - part * total[1]) / total[0] * in_all];
+            let stands = [self.tables.stand(&slot, tick), taking];
+            let settling = Slot::settling(tick, ticks, stands, share).on_layer(layer);
+            self.tables.set_slot(place, index, settling)?;
+            let range = self.tables.slot_range(place);
+            self.started[range.start + index] = Started::default();
+        }
+        Ok(total[0])
+    }
+
+    fn is_additive(&self, place: u32, layer: u32) -> bool {
+        let of_member = self.tables.layer_range(place);
+        layer > 0 && self.tables.layers().as_slice()[of_member][layer as usize].is_additive()
+    }
+}
+
+/// A slot's weight, and by how much it has been changing in a second.
+fn weight_and_rate(slot: &Slot, tick: u64) -> [f32; 2] {
+    let weight = slot.weight_at(tick);
+    let ramps = slot.weight_tick < tick && weight != slot.end_weight;
+    [weight, if ramps { slot.weight_rate } else { 0.0 }]
+}
