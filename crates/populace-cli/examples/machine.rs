@@ -10,7 +10,7 @@ mod shared;
 
 use std::error::Error;
 
-use populace::{Condition, Crowd, Member, Placement, Play, StateMachine};
+use populace::{ClipId, Condition, Crowd, Member, Placement, Play, StateMachine};
 use populace_cast::{Look, person};
 
 const FRAME_SECS: f32 = 1.0 / 60.0;
@@ -50,6 +50,25 @@ impl Walker {
     }
 }
 
+/// Standing, turning, walking and running, by speed and turn.
+fn gait([idle, walk, run]: [ClipId; 3], [walking, running]: [f32; 2]) -> StateMachine {
+    let (goes, between) = (Condition::above("speed", 0.2), 0.5 * (walking + running));
+    StateMachine::new()
+        .parameter("speed", 0.0)
+        .parameter("turn", 0.0)
+        .state("idle", idle, Play::looping())
+        .state("turn", walk, Play::looping().speed(0.7))
+        .state("walk", walk, Play::looping())
+        .state("run", run, Play::looping())
+        .transition("idle", "turn", 0.15, &[Condition::above("turn", 0.1)])
+        .transition("turn", "walk", 0.25, std::slice::from_ref(&goes))
+        .transition("turn", "idle", 0.2, &[Condition::below("turn", 0.1), Condition::AfterSecs(0.4)])
+        .transition("idle", "walk", 0.25, &[goes])
+        .transition("walk", "run", 0.3, &[Condition::above("speed", between)])
+        .transition("run", "walk", 0.3, &[Condition::below("speed", between - 0.3)])
+        .transition("walk", "idle", 0.3, &[Condition::below("speed", 0.2)])
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let people: Vec<_> = Look::presets().iter().map(person).collect::<Result<_, _>>()?;
     let mut crowd = Crowd::builder().build()?;
@@ -65,23 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let speed = motion.stats().ground_speed_m_per_sec.unwrap_or(0.0);
         speeds = [if clip == walk { speed } else { speeds[0] }, if clip == run { speed } else { speeds[1] }];
     }
-    let [walking, running] = speeds;
-    let (goes, between) = (Condition::above("speed", 0.2), 0.5 * (walking + running));
-    let gait = StateMachine::new()
-        .parameter("speed", 0.0)
-        .parameter("turn", 0.0)
-        .state("idle", idle, Play::looping())
-        .state("turn", walk, Play::looping().speed(0.7))
-        .state("walk", walk, Play::looping())
-        .state("run", run, Play::looping())
-        .transition("idle", "turn", 0.15, &[Condition::above("turn", 0.1)])
-        .transition("turn", "walk", 0.25, std::slice::from_ref(&goes))
-        .transition("turn", "idle", 0.2, &[Condition::below("turn", 0.1), Condition::AfterSecs(0.4)])
-        .transition("idle", "walk", 0.25, &[goes])
-        .transition("walk", "run", 0.3, &[Condition::above("speed", between)])
-        .transition("run", "walk", 0.3, &[Condition::below("speed", between - 0.3)])
-        .transition("walk", "idle", 0.3, &[Condition::below("speed", 0.2)]);
-    let gait = crowd.add_machine(&gait)?;
+    let gait = crowd.add_machine(&gait([idle, walk, run], speeds))?;
 
     let mut walkers = Vec::new();
     for (nth, id) in (0..7_u8).zip(ids.iter().cycle()) {
