@@ -47,6 +47,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         crowd.update(1.0 / 60.0)?;
     }
+    // Shadows reach as far as members are known to have gone: let the device catch up before what is to be drawn.
+    crowd.finish()?;
+    crowd.update(0.0)?;
     let first = people[0].0;
     let (from, now) = (crowd.placement(first)?.position(), crowd.moved(first)?.position());
     let metres = (now[0] - from[0]).hypot(now[2] - from[2]);
