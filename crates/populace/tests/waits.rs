@@ -14,8 +14,8 @@ mod body;
 use body::{joint, stage};
 use populace::core::math::quat;
 use populace::{
-    ClipId, Condition, Device, Feet, Foot, JointOverride, LayerSettings, Member, Placement, Play, Reach,
-    Schedule, Space, StateMachine, Target, Trs, Weight,
+    ClipId, Condition, Crowd, Device, Feet, Foot, JointOverride, LayerSettings, Member, Placement, Play,
+    Reach, Schedule, Space, StateMachine, Target, Trs, Weight,
 };
 
 fn feet() -> Feet {
@@ -41,6 +41,22 @@ fn run_machines(stage: &mut body::Stage, clips: [ClipId; 2], members: &[Member])
     }
 }
 
+/// Changes all that one member can be told.
+fn change_all(crowd: &mut Crowd, member: Member, clip: ClipId, nth: usize) {
+    let x = nth as f32;
+    crowd.play(member, clip, Play::looping().fade_in_secs(0.2)).expect("a clip");
+    crowd.set_layer(member, 1, LayerSettings::default(), None).expect("a layer");
+    crowd.set_parameter(member, "swap", (x * 0.1).sin()).expect("a machine that runs");
+    crowd.place(member, Placement::at([(nth % 20) as f32, 0.0, x * 0.001])).expect("a place");
+    crowd.move_by_clips(member, true).expect("a member");
+    let target = Target::Point([x.sin(), 1.2, 1.0]);
+    crowd.reach(member, Reach::with(joint("leftHand")), target, Weight::FULL).expect("a limb");
+    crowd.plant_with(member, &feet()).expect("feet");
+    let transform = Trs { rotation: quat::identity(), ..Trs::IDENTITY };
+    let o = JointOverride { joint: joint("head"), space: Space::Local, transform, weight: 0.5 };
+    crowd.override_joints(member, &[o]).expect("an override");
+}
+
 fn frames(stage: &mut body::Stage) {
     let clips = ["sway", "walk"].map(|name| stage.clip(name));
     let members: Vec<_> = (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
@@ -54,19 +70,8 @@ fn frames(stage: &mut body::Stage) {
             waited = stage.crowd.waits();
         }
         for (n, &member) in members.iter().enumerate() {
-            let x = (frame * 20 + n) as f32;
+            change_all(&mut stage.crowd, member, clips[(frame + n) % 2], frame * 20 + n);
             let crowd = &mut stage.crowd;
-            crowd.play(member, clips[(frame + n) % 2], Play::looping().fade_in_secs(0.2)).expect("a clip");
-            crowd.set_layer(member, 1, LayerSettings::default(), None).expect("a layer");
-            crowd.set_parameter(member, "swap", (x * 0.1).sin()).expect("a machine that runs");
-            crowd.place(member, Placement::at([n as f32, 0.0, x * 0.001])).expect("a place");
-            crowd.move_by_clips(member, true).expect("a member");
-            let target = Target::Point([x.sin(), 1.2, 1.0]);
-            crowd.reach(member, Reach::with(joint("leftHand")), target, Weight::FULL).expect("a limb");
-            crowd.plant_with(member, &feet()).expect("feet");
-            let transform = Trs { rotation: quat::identity(), ..Trs::IDENTITY };
-            let o = JointOverride { joint: joint("head"), space: Space::Local, transform, weight: 0.5 };
-            crowd.override_joints(member, &[o]).expect("an override");
             let to = if frame % 2 == 0 { "head" } else { "leftHand" };
             crowd.attach(hats[n], member, joint(to), Trs::IDENTITY).expect("a hat");
             if (frame + n) % 5 == 0 {
