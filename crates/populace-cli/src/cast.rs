@@ -145,16 +145,19 @@ fn moving(crowd: &mut Crowd, role: CharacterId, clip: ClipId, wanted: Wanted) ->
     };
     let walks = plain.stats().ground_speed_m_per_sec.is_some_and(|speed| speed > WALKING_M_PER_SEC);
     let by_feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
-    let taken = match (wanted.root_motion, walks) {
-        (true, _) => plain.with_root_motion(&MotionSettings::default()).map_err(Some),
-        (false, true) => plain.with_root_motion(&by_feet).map_err(Some),
-        (false, false) => Err(None),
+    let far = WALKING_M_PER_SEC * plain.duration_secs();
+    let goes = |clip: &Clip| {
+        let way = clip.root_motion().map(|motion| motion.at(clip.duration_secs()).0);
+        way.is_some_and(|[x, _, z]| x.hypot(z) > far)
     };
-    let taken = match taken {
-        Ok(taken) => Arc::new(taken),
-        Err(Some(error)) if wanted.clip.is_some() => return Err(Failure::usage(error.to_string())),
-        Err(_) => return Ok(Moving { id: clip, motion: None }),
+    let by_root = wanted.root_motion.then(|| plain.with_root_motion(&MotionSettings::default()));
+    let taken = match by_root {
+        Some(Ok(taken)) if goes(&taken) || !walks => taken,
+        _ if walks => plain.with_root_motion(&by_feet).map_err(|e| Failure::usage(e.to_string()))?,
+        Some(Err(error)) if wanted.clip.is_some() => return Err(Failure::usage(error.to_string())),
+        _ => return Ok(Moving { id: clip, motion: None }),
     };
+    let taken = Arc::new(taken);
     let skeleton = &crowd.character(role)?.skeleton;
     let [clip_roles, own] = [taken.skeleton(), skeleton].map(RoleMap::detect);
     let part = Binding::fitting(&taken, clip_roles.as_ref(), skeleton, own.as_ref())

@@ -279,6 +279,7 @@ impl Tables {
 
     /// Forgets which elements changed; called once every device took them over.
     pub fn mark_clean(&mut self) {
+        self.mark_watched(self.watched_elements());
         self.all.mark_clean();
         self.blocks.mark_clean();
         self.page_lists.mark_clean();
@@ -286,6 +287,7 @@ impl Tables {
 
     /// Marks every element as changed, for a device that knows nothing yet.
     pub fn mark_dirty(&mut self) {
+        self.mark_watched(0);
         self.all.mark_dirty();
         self.blocks.mark_dirty();
         self.page_lists.mark_dirty();

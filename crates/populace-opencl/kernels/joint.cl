@@ -89,7 +89,7 @@ INLINE Sum sum_layer(Clips of, Playback playback, uint layer_index, bool additiv
 }
 
 /* What settles in a layer; see settle.cl. */
-APART Trs settle(Clips of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs);
+SELDOM Trs settle(Clips of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs);
 
 /* What the layers above 0 make of what lies beneath. */
 APART Trs lay_over(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,

@@ -5,10 +5,16 @@
 /* Functions pass whole vectors of sixteen around, so those on every joint's way must not be called; those off it must not
  * take its registers. With one lane none is called: a GPU would pass what it is given through memory. */
 #define INLINE static inline __attribute__((always_inline))
+/* What is large and seldom is called from anywhere: several copies of it would be most of what there is to compile. */
+#define SELDOM static __attribute__((noinline))
 
 #if LANES == 1
 #define APART INLINE
+#ifdef CALLS /* a device whose calls are cheap */
+#define APART_STEP SELDOM
+#else
 #define APART_STEP INLINE
+#endif
 typedef float Real;
 typedef uint Words;
 typedef int Choice;

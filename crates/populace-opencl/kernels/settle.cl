@@ -116,7 +116,7 @@ INLINE bool settles_in(Slot slot, uint layer, ulong tick) { return slot_layer(sl
 
 /* A layer's mean, or its sum of differences where it is additive, with all that settles in it. Over a mean the newest start
  * comes first: those before it lie over what was then left. */
-APART Trs settle(Clips of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs)
+SELDOM Trs settle(Clips of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs)
 {
     ulong earlier = ULONG_MAX;
     for (;;) {

@@ -320,9 +320,12 @@ fn failed(device: &str, operation: &str, error: &ClError) -> BackendError {
     BackendError::Failed { device: device.into(), operation: operation.into(), cause: error.to_string() }
 }
 
-/// Correct rounding of `/` and `sqrt`, where the device has it, makes poses equal the native ones bit for bit too.
+/// Correct rounding of `/` and `sqrt`, where the device has it, makes poses equal the native ones bit for bit too. On CPUs
+/// constraints are called, since copies of them would be most of what there is to compile.
 fn options(device: &Device) -> String {
     let rounded = device.single_fp_config().is_ok_and(|c| c & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0);
     let rounding = if rounded { " -cl-fp32-correctly-rounded-divide-sqrt" } else { "" };
-    format!("-cl-std=CL1.2 -cl-kernel-arg-info{rounding}")
+    let is_cpu = device.dev_type().is_ok_and(|kind| kind & CL_DEVICE_TYPE_CPU != 0);
+    let calls = if is_cpu { " -D CALLS" } else { "" };
+    format!("-cl-std=CL1.2 -cl-kernel-arg-info{rounding}{calls}")
 }

@@ -448,11 +448,12 @@ impl Crowd {
         self.begin_what_is_due(clock.tick)?;
         self.opened.backend_mut().update(&self.tables)?;
         self.tables.mark_clean();
-        if let Some(kept) = self.kept.take() {
+        if let Some(kept) = &self.kept {
             kept.write(self.opened.backend_mut(), &self.tables)?;
         }
         let frame = Frame::of_all(clock.tick).after_ticks(u32::try_from(whole).unwrap_or(u32::MAX));
         self.opened.backend_mut().run(&self.tables, frame)?;
+        self.kept = None;
         self.find_events(self.clock.tick, clock.tick);
         self.clock = clock;
         if self.readers > 0 {

@@ -103,8 +103,8 @@ impl Play {
     /// is usual; over longer times what moved fast overshoots.
     ///
     /// It is for [`Crowd::play`](crate::Crowd::play) and [`Crowd::queue`](crate::Crowd::queue). Where nothing is left, in
-    /// [`Crowd::blend`](crate::Crowd::blend), where a blend space begins, and where a live clip begins or is among those left,
-    /// this is a fade of the same time. Where a layer above 0 weighed more or less than this clip does, its weight runs to
+    /// [`Crowd::blend`](crate::Crowd::blend), where a blend space begins, and where a live clip or a state machine begins or is
+    /// among those left, this is a fade of the same time. Where a layer above 0 weighed more or less than this clip does, its weight runs to
     /// this clip's in that time.
     #[must_use]
     pub const fn settle_in_secs(mut self, secs: f32) -> Self {

@@ -14,7 +14,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use body::{Stage, character, distance, everywhere, joint};
-use populace::core::{Clip, ClipSource, Interpolation, PaletteSource, Property, Track};
+use populace::core::{Clip, ClipSource, Interpolation, Property, Track};
 use populace::{
     Affine, ClipId, Crowd, Device, LayerMode, LayerSettings, Mask, Member, MotionSettings, MotionSource,
     Placement, Play, Split,
@@ -216,7 +216,7 @@ fn members_are_placed_let_go_and_moved_on() {
             stage.update(0.125);
             stage.crowd.finish().expect("a device");
         }
-        PaletteSource::with_page(&mut stage.crowd, 0, &mut |_| ()).expect("a page");
+        stage.crowd.with_page(0, &mut |_| ()).expect("a page");
         let moved = stage.crowd.instances().find(|i| i.member == member).expect("a member").moved;
         assert!(distance(moved, [0.0, 0.0, 0.5]) < 1e-4, "{moved:?}");
         // A newcomer does not go on where one who left was.

@@ -68,6 +68,22 @@ impl Rigid {
         Self { shift: -(back.turn() * self.shift), ..back }
     }
 
+    /// So many times, a whole number.
+    fn times(&self, count: f64) -> Self {
+        let yaw = self.heading[0].atan2(self.heading[1]);
+        // About the place that stays where it is, or straight on where there is none.
+        let turn = DQuat::from_rotation_y(yaw * count);
+        let [across, along] = [1.0 - self.heading[1], self.heading[0]];
+        let squared = across * across + along * along;
+        let heading = [(yaw * count).sin(), (yaw * count).cos()];
+        if squared < 1e-12 {
+            return Self { shift: self.shift * count, heading };
+        }
+        let DVec3 { x, y, z } = self.shift;
+        let middle = DVec3::new(x * across + z * along, 0.0, z * across - x * along) / squared;
+        Self { shift: middle - turn * middle + DVec3::Y * (y * count), heading }
+    }
+
     /// Part of the way to another, as devices go it.
     fn mix(&self, to: &Self, part: f64) -> Self {
         let [sin, cos] = [0, 1].map(|i| self.heading[i] + (to.heading[i] - self.heading[i]) * part);
@@ -97,14 +113,11 @@ impl RootMotion {
     /// clip, 0 to 1.
     #[must_use]
     pub fn looped(&self, phase: f32, secs: f32) -> ([f32; 3], f32) {
-        let begun = f64::from(phase) * self.duration_secs;
-        let end = begun + f64::from(secs).max(0.0);
+        let finite = |value: f32| if value.is_finite() { f64::from(value).max(0.0) } else { 0.0 };
+        let begun = finite(phase) * self.duration_secs;
+        let end = begun + finite(secs);
         let cycles = if self.duration_secs > 0.0 { (end / self.duration_secs).floor() } else { 0.0 };
-        let (mut moved, cycle) = (self.rigid(begun).undone(), self.rigid(self.duration_secs));
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
-        for _ in 0..cycles as u64 {
-            moved = moved.then(&cycle);
-        }
+        let moved = self.rigid(begun).undone().then(&self.rigid(self.duration_secs).times(cycles));
         told(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
     }
 

@@ -36,6 +36,8 @@ pub(super) struct ControlSpaces {
     targets: Space,
     values: Space,
     watched: Space,
+    /// Elements of what is watched that every device has room for.
+    watched_known: usize,
     /// By control.
     runs: Vec<Runs>,
     epoch: u32,
@@ -53,6 +55,7 @@ impl ControlSpaces {
             targets: space(),
             values: stages::space(),
             watched: space(),
+            watched_known: 0,
             runs: Vec::new(),
             epoch: 0,
         }
@@ -246,6 +249,16 @@ impl Tables {
     #[must_use]
     pub fn watched_elements(&self) -> usize {
         self.control_spaces.watched.end() * WATCHED_ELEMENTS as usize
+    }
+
+    /// Of these, those that every device had room for when it last took the tables over.
+    #[must_use]
+    pub fn watched_elements_known(&self) -> usize {
+        self.control_spaces.watched_known.min(self.watched_elements())
+    }
+
+    pub(super) fn mark_watched(&mut self, known: usize) {
+        self.control_spaces.watched_known = known;
     }
 
     /// Elements of what devices keep of members from frame to frame, up to the last in use.

@@ -64,8 +64,9 @@ impl Crowd {
         self.bring_props(to)
     }
 
-    /// Lets a member that is attached fall off; it stays at the placement that it has of its bearer. Nothing happens to one
-    /// that is not attached.
+    /// Lets a member that is attached fall off; it stays at the placement that it has of its bearer, wherever clips have moved
+    /// that one ([`place_where_moved`](Self::place_where_moved) makes placements follow). Nothing happens to one that is not
+    /// attached.
     ///
     /// # Errors
     ///

@@ -3,7 +3,7 @@
 use populace_core::layout::{Float4, MOTION_STATE, NONE, STATES_PER_CONTROL, WATCHED_ELEMENTS};
 use populace_core::{BackendError, JointIndex, StageBuffer};
 
-use super::{Crowd, Member, Watch};
+use super::{Crowd, Member, MemberState, Watch};
 use crate::{Error, Placement};
 
 /// A member that its clips move.
@@ -22,28 +22,34 @@ impl Crowd {
     /// from where it was placed, from now on, or no longer: it then stands where it was placed.
     ///
     /// The device moves it, and nobody waits for that: [`placement`](Self::placement) still tells where it was placed, and its
-    /// joints and palette where it is. Constraints, gazes and watches see it where it is. Motion is mixed as poses are, by the weights of slots and layers and what masks let through at the first joint;
-    /// layers that add move nobody.
+    /// joints and palette where it is. Constraints and watches see it there; what is told in model space (targets, poles, overrides)
+    /// counts from the placement. Motion is mixed as poses are, by the weights of slots and layers and what masks let through at the first joint;
+    /// layers that add move nobody. Fused schedules move those who have a mesh: others are not evaluated.
     ///
     /// # Errors
     ///
     /// [`Error::StaleMember`].
     pub fn move_by_clips(&mut self, member: Member, moves: bool) -> Result<(), Error> {
+        self.check(member)?;
+        let known = self.moving.get(&member.place).map(|moving| moving.watch);
+        let watch = match known {
+            None if moves => Some(self.watch(member, JointIndex(0))?),
+            known => known,
+        };
         let motion = moves.then(|| self.next_motion());
-        self.change_controls(member, |controls| {
+        let changed = self.change_controls(member, |controls| {
             controls.motion = motion;
             Ok(())
-        })?;
-        match self.moving.remove(&member.place) {
-            Some(old) if !moves => self.unwatch(old.watch),
-            Some(Moving { watch, .. }) => self.note_moving(member, watch),
-            None if moves => {
-                let root = self.watch(member, JointIndex(0))?;
-                self.note_moving(member, root);
+        });
+        match watch {
+            Some(watch) if moves && changed.is_ok() => self.note_moving(member, watch),
+            Some(watch) if !moves || known.is_none() => {
+                self.moving.remove(&member.place);
+                self.unwatch(watch);
             }
-            None => {}
+            _ => {}
         }
-        Ok(())
+        changed
     }
 
     fn note_moving(&mut self, member: Member, watch: Watch) {
@@ -60,7 +66,11 @@ impl Crowd {
         for (place, moving) in self.moving.iter_mut().filter(|(_, moving)| moving.since < tick) {
             let Some((watched, _)) = self.watches.0.get(&moving.watch.key()) else { continue };
             let first = (*watched * WATCHED_ELEMENTS) as usize;
-            let placed = self.members[*place as usize].placement.position();
+            let MemberState { character, placement, .. } = self.members[*place as usize];
+            let Some(character) = character else { continue };
+            let skeleton = &self.characters[character.index()].character.skeleton;
+            let rest = skeleton.rest(JointIndex(0)).translation;
+            let placed = placement.world_from_model().transform_point(rest);
             if let Some(rows) = elements.get(first..first + WATCHED_ELEMENTS as usize) {
                 moving.moved = std::array::from_fn(|axis| rows[axis].0[3] - placed[axis]);
             }
@@ -98,8 +108,8 @@ impl Crowd {
         Ok(self.motion_of(member).is_some())
     }
 
-    /// Where a member stands after the last update, moved there from its placement by its clips. Waits for the device; a
-    /// [`watch`](Self::watch) on its root does not.
+    /// Where a member stands after the last update, moved there from its placement by its clips; what it is attached to is not
+    /// looked at. Waits for the device; a [`watch`](Self::watch) on its root does not.
     ///
     /// # Errors
     ///
@@ -111,9 +121,12 @@ impl Crowd {
         let Some(motion) = self.motion_of(member).filter(|_| begun && control != NONE) else {
             return Ok(placement);
         };
-        let mut state = [Float4::default(); 2];
         let first = control as usize * STATES_PER_CONTROL as usize + MOTION_STATE as usize;
-        self.opened.backend_mut().read(&self.tables, StageBuffer::States, first, &mut state)?;
+        let mut state = [Float4::default(); 2];
+        match &self.kept {
+            Some(kept) => state = kept.states(first),
+            None => self.opened.backend_mut().read(&self.tables, StageBuffer::States, first, &mut state)?,
+        }
         let [Float4([x, y, z, begun]), Float4([sin, cos, ..])] = state;
         if begun.to_bits() != motion {
             return Ok(placement);

@@ -14,7 +14,8 @@ impl Crowd {
     ///
     /// A page that is not in use, or a failing device.
     pub fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), Error> {
-        Ok(self.opened.backend_mut().with_page(page, reader)?)
+        self.opened.backend_mut().with_page(page, reader)?;
+        Ok(self.look_where_moved()?)
     }
 
     /// A member's matrix palette after the last update: `model_from_bind`, one for each palette entry. Waits for it.

@@ -42,8 +42,10 @@ impl Crowd {
 
     /// Lets go of a joint that was watched; one that is watched twice is until both are let go of.
     pub fn unwatch(&mut self, watch: Watch) {
-        self.readers = self.readers.saturating_sub(1);
-        self.unwatch_joint(watch.member, watch.joint);
+        if self.watched_place(watch.member, watch.joint).is_some() {
+            self.readers = self.readers.saturating_sub(1);
+            self.unwatch_joint(watch.member, watch.joint);
+        }
     }
 
     /// The newest that has come to the host of a joint that is watched: as of the last update on the native device, some

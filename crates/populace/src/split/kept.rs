@@ -28,14 +28,26 @@ impl Kept {
     /// All that a device keeps, for another. One that was lost keeps nothing any more: feet then come down anew, and machines
     /// begin anew.
     pub(crate) fn read_all(backend: &mut dyn Backend, tables: &Tables) -> Self {
-        let mut kept = Self::read(backend, tables).unwrap_or_default();
-        // Runners that were added since the last update have no place there yet.
-        let count = tables.runners().tail().start * RUNNING_ELEMENTS as usize;
-        kept.running.resize(count, Float4::default());
-        if backend.read(tables, StageBuffer::Running, 0, &mut kept.running).is_err() {
-            kept.running.clear();
+        let mut kept = Self::default();
+        // What was added since the last update has no place there yet.
+        let states = tables.controls().tail().start * STATES_PER_CONTROL as usize;
+        let running = tables.runners().tail().start * RUNNING_ELEMENTS as usize;
+        for (buffer, all, count) in [
+            (StageBuffer::States, &mut kept.states, states),
+            (StageBuffer::Watched, &mut kept.watched, tables.watched_elements_known()),
+            (StageBuffer::Running, &mut kept.running, running),
+        ] {
+            all.resize(count, Float4::default());
+            if count > 0 && backend.read(tables, buffer, 0, all).is_err() {
+                all.clear();
+            }
         }
         kept
+    }
+
+    /// Elements of the states from one on; of what is not known, zeros.
+    pub(crate) fn states<const N: usize>(&self, first: usize) -> [Float4; N] {
+        std::array::from_fn(|nth| self.states.get(first + nth).copied().unwrap_or_default())
     }
 
     /// Where a runner was; nowhere if nothing is known of it.
