@@ -232,6 +232,31 @@ fn members_are_placed_let_go_and_moved_on() {
     });
 }
 
+/// A member that a clip moves from the origin on.
+fn walker(stage: &mut Stage, walk: ClipId) -> Member {
+    let member = stage.member(Placement::at([0.0; 3]));
+    stage.crowd.play(member, walk, Play::looping()).expect("a clip");
+    stage.crowd.move_by_clips(member, true).expect("a member");
+    member
+}
+
+#[test]
+fn members_stay_where_they_are_on_a_move_before_the_newest_were_ever_evaluated() {
+    everywhere(|stage| {
+        let (_, walk) = add(stage, straight("walk ahead", 1.0));
+        let first = walker(stage, walk);
+        stage.update(0.5);
+        let newest: Vec<_> = (0..9).map(|_| walker(stage, walk)).collect();
+        let devices = stage.crowd.devices().clone();
+        stage.crowd.move_to(devices).expect("another of its kind");
+        let z = |stage: &mut Stage, member| stage.crowd.moved(member).expect("a member").position()[2];
+        assert!((z(stage, first) - 0.5).abs() < 1e-4, "{} before the next frame", z(stage, first));
+        stage.update(0.25);
+        assert!((z(stage, first) - 0.75).abs() < 1e-4, "{} after it", z(stage, first));
+        assert!(newest.iter().all(|member| (z(stage, *member) - 0.25).abs() < 1e-4));
+    });
+}
+
 #[test]
 fn feet_that_walk_in_place_set_the_pace() {
     let skeleton = character().skeleton.clone();

@@ -5,26 +5,13 @@ use populace::{Crowd, CrowdBuilder, LayerMode, LayerSettings, Mask, Member, Plac
 use populace_testkit::oracle::{OracleBody, OracleLayer, OracleSlot, evaluate};
 
 use crate::on_every_way;
-use crate::rig::{JOINTS, Motion, crowd_of};
+use crate::rig::{JOINTS, Motion, crowd_of, moving};
 
 /// Rotation components and metres: 16-bit rows over turns of up to a radian, and the chords between keys that lie dense.
 const OFF: f64 = 2e-4;
 
 fn motions() -> Vec<Motion> {
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [0.3, 0.0, 1.0], [1.0, 1.0, 0.0]];
-    let motion = |nth: usize, name| {
-        let mut joint = 0.0;
-        let turns = axes.map(|axis| {
-            joint += 1.0;
-            let angles = (0..=32).map(|key| {
-                let phase = key as f32 / 32.0 * std::f32::consts::TAU;
-                0.3 * (joint + nth as f32) * 0.3 + 0.4 * f32::sin(phase + joint * nth as f32)
-            });
-            (axis, angles.collect())
-        });
-        Motion { name, duration_secs: 1.0 + nth as f32 * 0.5, turns }
-    };
-    ["a", "b", "c", "d"].into_iter().enumerate().map(|(nth, name)| motion(nth, name)).collect()
+    moving(32, |joint, nth, phase| 0.3 * (joint + nth) * 0.3 + 0.4 * f32::sin(phase + joint * nth))
 }
 
 /// Holds a member's joints against the oracle, from what the crowd says plays.

@@ -20,6 +20,22 @@ pub(crate) struct Motion {
     pub(crate) turns: [([f32; 3], Vec<f32>); JOINTS],
 }
 
+/// Four motions of all joints about axes of their own: `angle` gives radians of a joint, counted from 1, in the
+/// nth motion, counted from 0, at a phase in radians.
+pub(crate) fn moving(keys: u8, angle: impl Fn(f32, f32, f32) -> f32) -> Vec<Motion> {
+    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [0.3, 0.0, 1.0], [1.0, 1.0, 0.0]];
+    let motion = |nth: f32, name| {
+        let mut joint = 0.0;
+        let turns = axes.map(|axis| {
+            joint += 1.0;
+            let phase = |key: u8| f32::from(key) / f32::from(keys) * std::f32::consts::TAU;
+            (axis, (0..=keys).map(|key| angle(joint, nth, phase(key))).collect())
+        });
+        Motion { name, duration_secs: 1.0 + nth * 0.5, turns }
+    };
+    [(0.0, "a"), (1.0, "b"), (2.0, "c"), (3.0, "d")].map(|(nth, name)| motion(nth, name)).into()
+}
+
 pub(crate) fn skeleton() -> Skeleton {
     let joint = |index: usize| JointSource {
         name: format!("joint {index}"),

@@ -7,7 +7,7 @@ use populace::{
 };
 
 use crate::on_every_way;
-use crate::rig::{JOINTS, Motion, character, crowd_of, one_member, step_rad, turns};
+use crate::rig::{JOINTS, Motion, character, crowd_of, moving, one_member, step_rad, turns};
 
 /// Time over which speeds are measured, and in which what is left settles.
 const BIT_SECS: f32 = 1.0 / 480.0;
@@ -18,20 +18,7 @@ const ROUNDING: f32 = 3e-6;
 
 /// Turns of all joints about axes of their own, far apart and all on the move.
 fn motions() -> Vec<Motion> {
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [0.3, 0.0, 1.0], [1.0, 1.0, 0.0]];
-    let motion = |nth: usize, name| {
-        let mut joint = 0.0;
-        let turns = axes.map(|axis| {
-            joint += 1.0;
-            let angles = (0..=64).map(|key| {
-                let phase = key as f32 / 64.0 * std::f32::consts::TAU;
-                0.2 * (joint + nth as f32) + 0.3 * f32::sin(phase + joint * nth as f32)
-            });
-            (axis, angles.collect())
-        });
-        Motion { name, duration_secs: 1.0 + nth as f32 * 0.5, turns }
-    };
-    ["a", "b", "c", "d"].into_iter().enumerate().map(|(nth, name)| motion(nth, name)).collect()
+    moving(64, |joint, nth, phase| 0.2 * (joint + nth) + 0.3 * f32::sin(phase + joint * nth))
 }
 
 /// How fast each joint turns from one pose to the next, in model space.
