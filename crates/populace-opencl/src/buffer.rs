@@ -288,10 +288,22 @@ impl<T: Element> Buffer<T> {
 
     /// Enqueues a copy of all elements of a buffer that is no longer than this one.
     pub(crate) fn copy_from(&mut self, queue: &CommandQueue, from: &Self) -> Result<(), ClError> {
-        self.check(0, from.len)?;
-        if from.len > 0 {
+        self.copy_first(queue, from, from.len)
+    }
+
+    /// Enqueues a copy of the first elements of a buffer.
+    pub(crate) fn copy_first(
+        &mut self,
+        queue: &CommandQueue,
+        from: &Self,
+        count: usize,
+    ) -> Result<(), ClError> {
+        self.check(0, count)?;
+        from.check(0, count)?;
+        if count > 0 {
+            let bytes = count * size_of::<T>();
             // SAFETY: both hold that many bytes, and they are two buffers, since one of them is borrowed mutably.
-            unsafe { queue.enqueue_copy_buffer(&from.memory, &mut self.memory, 0, 0, from.bytes(), &[]) }?;
+            unsafe { queue.enqueue_copy_buffer(&from.memory, &mut self.memory, 0, 0, bytes, &[]) }?;
         }
         Ok(())
     }

@@ -137,8 +137,9 @@ impl Pages {
             return Err(BackendError::Failed { device: device.info.name.clone(), operation, cause });
         }
         next.resize(device, self.lengths.clone())?;
-        let copied = (0..self.lengths.len()).try_for_each(|page| {
-            next.look_at(page, |to| self.look_at(page, |from| to.copy_from(queue, from)))
+        // Pages that were longer keep their room; past their length is nothing to move.
+        let copied = self.lengths.clone().into_iter().enumerate().try_for_each(|(page, length)| {
+            next.look_at(page, |to| self.look_at(page, |from| to.copy_first(queue, from, length * 3)))
         });
         copied.map_err(|e| device.failed("move its palettes", &e))?;
         *self = next;

@@ -286,6 +286,17 @@ fn demo_draws_people_without_any_file() {
     assert_eq!((picture.width(), picture.height()), (64, 36));
 }
 
+/// Bodies of many kinds are looked at one by one before the picture, so that pages of palettes were longer than they are.
+#[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
+#[test]
+fn people_of_all_kinds_are_drawn_from_an_opencl_device() {
+    let folder = Folder::new();
+    let out = folder.text("people.png");
+    let size = ["--members", "12", "--size", "64x36", "--device", "opencl:0"];
+    let output = populace(&[&["render", "@people", "--out", &out][..], &size].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn films_are_numbered_and_move() {
