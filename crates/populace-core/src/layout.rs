@@ -79,6 +79,9 @@ device_consts! {
     /// Joints per block. Each member's arrays in the joint buffer are padded to whole blocks: 16 elements of 16 bytes
     /// are 256 bytes (Lister & Day 2012, section 3, "bone buffer"). Rows of clips are stored in blocks of 16 as well.
     pub const JOINT_BLOCK: u32 = 16;
+    /// Members whose gazes, limbs and feet one work-item of the wide schedule solves at once: with two legs each, as many legs
+    /// as there are lanes. Each has matrices of its own meanwhile.
+    pub const MEMBERS_ABREAST: u32 = 8;
     /// Palette entries per block; each member's palette starts at a whole block.
     pub const PALETTE_BLOCK: u32 = 4;
     /// Palette entries per page: 48 MiB a page, within what every OpenCL and OpenGL device allows at once.

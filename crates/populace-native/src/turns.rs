@@ -2,7 +2,7 @@
 //! [`TURN_PLANES`](populace_core::layout::TURN_PLANES).
 
 use populace_core::layout::{BLOCK_TURNED, Body, BoundClip, NONE, REST_TRANSLATION, SlotSample};
-use populace_core::math::quat;
+use populace_core::math::{quat, vec3};
 use populace_core::{Property, Tables};
 
 use crate::rows::{Columns, Width, bound_block, component, load_quat, sample_vector};
@@ -26,7 +26,7 @@ pub(crate) fn turn<R: Width>(
         let planes = &tables.poses().as_slice()[clip.range_first as usize + joint..];
         if bound_block(tables, clip, joint).flags & REST_TRANSLATION == 0 {
             let arm = sample_vector::<R>(&columns, Property::Translation, at, &planes[6 * padded..], padded);
-            let [x, y, z] = quat::rotate(quat::scale(r, quat::dot(r, r).inverse_sqrt()), arm);
+            let [x, y, z] = vec3::turned(quat::scale(r, quat::dot(r, r).inverse_sqrt()), arm);
             t = [t[0] + x, t[1] + y, t[2] + z];
         }
         let mut q = load_quat::<R>(planes, padded);

@@ -74,10 +74,11 @@ INLINE float4 footing(const Steering *s, uint foot, Constraint constraint, float
     return to_model(s->control, vec(place.x, ground.w + (rest / ground.y + lift) * size, place.z));
 }
 
-/* As many legs as there are lanes: where each goes, and the ground's normal there with how much its foot follows it. */
-typedef struct { Limb limb; Quat follows; } Legs;
+/* As many legs as there are lanes: where each goes, the ground's normal there with how much its foot follows it, and what
+ * its constraint says. */
+typedef struct { Limb limb; Quat follows; Real soft, weight; } Legs;
 
-#define LEGS_MOST ((FEET_MOST + LANES - 1) / LANES)
+#define LEGS_MOST ((ABREAST * FEET_MOST + LANES - 1) / LANES)
 
 /* A leg as the clips have it, in model space. */
 typedef struct { float4 hip, knee, ankle, bend; } Leg;
@@ -101,22 +102,24 @@ INLINE Leg walk_leg(const Steering *s, Hierarchy joints, Constraint constraint, 
 
 INLINE Legs no_legs(void)
 {
-    const Legs legs = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } },
-                        { 0.0f, 0.0f, 0.0f, 0.0f } };
+    const Legs legs = { no_limb(), quat_identity(), 0.0f, 0.0f };
     return legs;
 }
 
-/* With a leg put into a lane: its ankle is to come to `goes_to`. */
-INLINE Legs with_leg(Legs legs, uint lane, Leg leg, float4 goes_to, float4 follows)
+/* A leg put into a lane: its ankle is to come to `goes_to`. */
+INLINE void put_leg(Legs *legs, uint lane, Leg leg, Constraint constraint, float4 goes_to, float4 follows)
 {
-    const Quat own = { follows.x, follows.y, follows.z, follows.w };
-    legs.limb = with_limb(legs.limb, lane, leg.knee - leg.hip, leg.ankle - leg.knee, leg.bend, goes_to - leg.hip);
-    legs.follows = quat_choose(ONLY(lane), own, legs.follows);
-    return legs;
+    put_limb(&legs->limb, lane, leg.knee - leg.hip, leg.ankle - leg.knee, leg.bend, goes_to - leg.hip);
+    PUT(legs->follows.x, lane, follows.x);
+    PUT(legs->follows.y, lane, follows.y);
+    PUT(legs->follows.z, lane, follows.z);
+    PUT(legs->follows.w, lane, follows.w);
+    PUT(legs->soft, lane, constraint.limits.x);
+    PUT(legs->weight, lane, constraint.limits.y);
 }
 
 /* How far the pelvis has to sink so that each leg gets where it goes. */
-INLINE Real sinks(Limb limb, float soft)
+INLINE Real sinks(Limb limb, Real soft)
 {
     const Real length = square_root(vec3_dot(limb.upper, limb.upper)) + square_root(vec3_dot(limb.lower, limb.lower));
     const Real reach = length * (1.0f - soft), most = length * 0.5f;
@@ -125,63 +128,95 @@ INLINE Real sinks(Limb limb, float soft)
     return needed > most ? most : needed;
 }
 
-/* Solves legs, and writes the turns of hips, knees and ankles, three for each leg, for what stands in the first lanes. */
-INLINE void step_with(const Steering *s, Legs legs, Constraint constraint, uint turn, uint count)
+/* The turns of hips, knees and ankles. */
+typedef struct { Quat hip, knee, ankle; } LegTurns;
+
+INLINE LegTurns leg_turns(Legs legs)
 {
-    const float weight = constraint.limits.y;
-    Quat hip, knee;
-    limb_turns(legs.limb, vec(0.0f, 0.0f, 0.0f), constraint.limits.x, &hip, &knee);
-    if (weight < 1.0f) {
-        hip = quat_part(hip, weight);
-        knee = quat_part(knee, weight);
-    }
+    const Vec3 no_pole = { 0.0f, 0.0f, 0.0f };
+    LegTurns turns;
+    limb_turns(legs.limb, no_pole, 0, legs.soft, &turns.hip, &turns.knee);
+    const Choice partly = legs.weight < (Real)(1.0f);
+    turns.hip = quat_choose(partly, quat_part(turns.hip, legs.weight), turns.hip);
+    turns.knee = quat_choose(partly, quat_part(turns.knee, legs.weight), turns.knee);
     /* The ankle keeps the rotation that the clips give it, and follows the slope: the turn from upwards to the normal. */
     const Quat follows = legs.follows, tilt = { follows.z, 0.0f, -follows.x, 1.0f + follows.y };
-    const Quat slope = quat_normalize_or(tilt, quat_identity()), part = quat_mix(quat_identity(), slope, follows.w * weight);
-    const Quat ankle = quat_mul(quat_normalize_or(part, quat_identity()), quat_conjugate(quat_mul(knee, hip)));
-    for (uint lane = 0; lane < count; lane++, turn += 3) {
-        s->turns[turn] = turn_in(hip, lane);
-        s->turns[turn + 1] = turn_in(knee, lane);
-        s->turns[turn + 2] = turn_in(ankle, lane);
-    }
+    const Quat slope = quat_normalize_or(tilt, quat_identity());
+    const Quat part = quat_part_as_told(slope, follows.w * legs.weight);
+    turns.ankle = quat_mul(part, quat_conjugate(quat_mul(turns.knee, turns.hip)));
+    return turns;
 }
 
-APART_STEP float16 pelvis(const Steering *s, Hierarchy joints, Step step, float16 own)
+INLINE void hand_down(const Stop *at, uint foot, LegTurns turns, uint lane)
 {
-    const Constraint first = s->of.constraints[step.index];
-    Legs legs[LEGS_MOST];
-    for (uint i = 0; i < LEGS_MOST; i++) legs[i] = no_legs();
-    float drop = 0.0f;
-    for (uint foot = 0; foot < first.target_count; foot++) {
-        const Constraint constraint = s->of.constraints[step.index + foot];
-        const Leg leg = walk_leg(s, joints, constraint, 0, own);
+    TURNS float4 *to = at->s->turns + at->step.turn + 3 * foot;
+    to[0] = quat_in(turns.hip, lane);
+    to[1] = quat_in(turns.knee, lane);
+    to[2] = quat_in(turns.ankle, lane);
+}
+
+/* Finds where a member's feet go, and puts its legs into lanes from `next` on; returns the lane after them. Where the feet
+ * go is handed down, for legs that something else moves after the pelvis. */
+INLINE uint put_feet(Legs *legs, uint next, const Stop *at, uint feet)
+{
+    for (uint foot = 0; foot < feet; foot++, next++) {
+        const Constraint constraint = at->s->of.constraints[at->step.index + foot];
+        const Leg leg = walk_leg(at->s, at->joints, constraint, 0, at->own);
         float4 follows;
-        const float4 goes_to = footing(s, foot, constraint, leg.ankle, &follows);
-        legs[foot / LANES] = with_leg(legs[foot / LANES], foot % LANES, leg, goes_to, follows);
-        s->turns[step.turn + 3 * foot] = goes_to;
-        s->turns[step.turn + 3 * foot + 1] = follows;
+        const float4 goes_to = footing(at->s, foot, constraint, leg.ankle, &follows);
+        put_leg(&legs[next / LANES], next % LANES, leg, constraint, goes_to, follows);
+        TURNS float4 *turns = at->s->turns + at->step.turn + 3 * foot;
+        turns[0] = goes_to;
+        turns[1] = follows;
     }
-    for (uint i = 0; i < LEGS_MOST; i++) {
-        const Real needed = sinks(legs[i].limb, first.limits.x);
-        for (uint foot = i * LANES; foot < min((i + 1) * LANES, first.target_count); foot++)
-            drop = LANE(needed, foot % LANES) > drop ? LANE(needed, foot % LANES) : drop;
-    }
-    drop *= first.limits.y;
-    own.s7 -= drop;
-    for (uint i = 0; i < LEGS_MOST && first.at_once; i++) {
-        legs[i].limb.to.y += drop;
-        const uint begin = i * LANES, end = min(begin + LANES, first.target_count);
-        if (begin < end) step_with(s, legs[i], first, step.turn + 3 * begin, end - begin);
-    }
-    return own;
+    return next;
 }
 
-/* A leg that something else moves after the pelvis: it goes where the pelvis found. */
-APART_STEP float16 foot(const Steering *s, Hierarchy joints, Step step, float16 own)
+/* Lets a member's pelvis sink for its legs, of which the first stands in lane `next`; returns the lane after them. */
+INLINE uint sink(Legs *legs, const Real *needed, uint next, Stop *at, Constraint first)
 {
-    const Constraint constraint = s->of.constraints[step.index];
-    const Leg leg = walk_leg(s, joints, constraint, constraint.upper, own);
-    const Legs legs = with_leg(no_legs(), 0, leg, s->turns[step.turn], s->turns[step.turn + 1]);
-    step_with(s, legs, constraint, step.turn, 1);
-    return affine_turned(own, s->turns[step.turn]);
+    float drop = 0.0f;
+    for (uint leg = next; leg < next + first.target_count; leg++)
+        drop = max(drop, LANE(needed[leg / LANES], leg % LANES));
+    drop *= first.limits.y;
+    at->own.s7 -= drop;
+    for (uint foot = 0; foot < first.target_count; foot++, next++)
+        PUT(legs[next / LANES].limb.to.y, next % LANES, LANE(legs[next / LANES].limb.to.y, next % LANES) + drop);
+    return next;
+}
+
+APART_STEP void pelvises(Stop *at, uint count)
+{
+    Legs legs[LEGS_MOST];
+    Real needed[LEGS_MOST];
+    LegTurns turns[LEGS_MOST];
+    uint all = 0, next = 0;
+    for (uint i = 0; i < LEGS_MOST; i++) legs[i] = no_legs();
+    for (uint m = 0; m < count; m++) all = put_feet(legs, all, at + m, constraint_of(at + m).target_count);
+    for (uint i = 0; i * LANES < all; i++) needed[i] = sinks(legs[i].limb, legs[i].soft);
+    for (uint m = 0; m < count; m++) next = sink(legs, needed, next, at + m, constraint_of(at + m));
+    for (uint i = 0; i * LANES < all; i++) turns[i] = leg_turns(legs[i]);
+    next = 0;
+    for (uint m = 0; m < count; m++) {
+        const Constraint first = constraint_of(at + m);
+        for (uint foot = 0; foot < first.target_count; foot++, next++)
+            if (first.at_once) hand_down(at + m, foot, turns[next / LANES], next % LANES);
+    }
+}
+
+/* Legs that something else moves after the pelvis: they go where the pelvis found. */
+APART_STEP void legs_alone(Stop *at, uint count)
+{
+    Legs legs = no_legs();
+    for (uint m = 0; m < count; m++) {
+        const Constraint constraint = constraint_of(at + m);
+        const Leg leg = walk_leg(at[m].s, at[m].joints, constraint, constraint.upper, at[m].own);
+        TURNS float4 *turns = at[m].s->turns + at[m].step.turn;
+        put_leg(&legs, m, leg, constraint, turns[0], turns[1]);
+    }
+    const LegTurns turns = leg_turns(legs);
+    for (uint m = 0; m < count; m++) {
+        hand_down(at + m, 0, turns, m);
+        at[m].own = affine_turned(at[m].own, quat_in(turns.hip, m));
+    }
 }

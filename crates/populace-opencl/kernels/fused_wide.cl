@@ -46,28 +46,90 @@ INLINE void descend_to(uint joint, __global const uint *parent, __global float16
     if (parent[joint] != NONE) models[joint] = affine_mul(models[parent[joint]], models[joint]);
 }
 
-/* Down the hierarchy of a member that more than clips moves, with its steps on the way. */
-APART void steer_down(Controls of, uint control, uint joint_count, __global const uint *parent, __global float16 *models)
+/* Where a member's palette goes, and by which entries. */
+typedef struct { __global const Entry *entries; uint count; __global float *to; } Output;
+
+INLINE void write_palette(Output output, __global const float16 *models)
 {
-    float4 turns[TURNS_MOST];
-    const Steering s = steering_of(of, control, turns);
-    const Hierarchy joints = { models };
-    uint next = 0;
-    for (uint i = 0; i < s.control.step_count; i++) {
-        const Step step = of.steps[s.control.step_first + i];
-        for (; next <= step.joint; next++) descend_to(next, parent, models);
-        const bool has_parent = parent[step.joint] != NONE;
-        const float16 own = models[step.joint], above = has_parent ? models[parent[step.joint]] : own;
-        models[step.joint] = take_step(&s, joints, step, own, above, has_parent);
+    __global const Entry *entry = output.entries;
+    __global float *to = output.to;
+    for (uint e = 0; e < output.count; e++, entry++, to += 12) {
+        const float16 out = affine_mul_rows(models[entry->joint], entry->row0, entry->row1, entry->row2);
+        *(__global Rows *)to = out.lo;
+        vstore4(out.hi.lo, 0, to + 8);
     }
-    for (; next < joint_count; next++) descend_to(next, parent, models);
 }
 
-/* A member's model_from_joint, one float16 each, and where `planes` is not 0 its local transforms there: ten planes as in
- * stored poses. */
-INLINE void member_matrices(Clips of, Locals locals, Controls controls, uint control, Playback playback,
-                            __global const Layer *layers, uint layer_count, Body body, __global const uint *parent,
-                            __global float16 *restrict models, __global float *planes)
+/* A member on its way down its hierarchy that more than clips moves. */
+typedef struct {
+    Steering s;
+    __global const uint *parent;
+    __global float16 *models;
+    uint joint_count, joint, step; /* the next of each */
+    uint stands_at;                /* the kind of that step, where others have to come to one like it; else NONE */
+    Output output;
+    float4 turns[TURNS_MOST];
+} Descent;
+
+INLINE void descend(Descent *down, uint end)
+{
+    for (; down->joint < end; down->joint++) descend_to(down->joint, down->parent, down->models);
+}
+
+/* As far down as the next step that members take abreast, or to the palette. */
+APART void go_down(Descent *down)
+{
+    const Steering *s = &down->s;
+    const Hierarchy joints = { down->models };
+    for (; down->step < s->control.step_count; down->step++) {
+        const Step step = s->of.steps[s->control.step_first + down->step];
+        descend(down, step.joint + 1);
+        down->stands_at = step.kind;
+        if (is_abreast(step.kind)) return;
+        down->models[step.joint] = take_step(s, joints, step, down->models[step.joint]);
+    }
+    descend(down, down->joint_count);
+    down->stands_at = NONE;
+    write_palette(down->output, down->models);
+}
+
+/* The step that a member stands at. */
+INLINE Stop stop_of(const Descent *down)
+{
+    const Step step = down->s.of.steps[down->s.control.step_first + down->step];
+    const uint above = down->parent[step.joint];
+    const Hierarchy joints = { down->models };
+    const Stop stop = { &down->s, joints, step, down->models[step.joint], down->models[above == NONE ? step.joint : above],
+                        above != NONE };
+    return stop;
+}
+
+/* Takes the step that the first member standing at one stands at, of all that stand at one of its kind, and goes on with
+ * those; returns whether there was one. */
+APART bool step_abreast(Descent *all, uint count)
+{
+    Stop at[ABREAST];
+    Descent *who[ABREAST];
+    uint kind = NONE, stopped = 0;
+    for (Descent *down = all; down < all + count; down++) {
+        if (kind == NONE) kind = down->stands_at;
+        if (kind == NONE || down->stands_at != kind) continue;
+        at[stopped] = stop_of(down);
+        who[stopped++] = down;
+    }
+    if (stopped == 0) return false;
+    take_abreast(kind, at, stopped);
+    for (uint m = 0; m < stopped; m++) {
+        who[m]->models[at[m].step.joint] = at[m].own;
+        who[m]->step++;
+        go_down(who[m]);
+    }
+    return true;
+}
+
+/* A member's local transforms, one float16 each, and where `planes` is not 0 there too: ten planes as in stored poses. */
+INLINE void pose_member(Clips of, Locals locals, uint control, Playback playback, __global const Layer *layers,
+                        uint layer_count, Body body, __global float16 *restrict models, __global float *planes)
 {
     for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
         const Trs trs = pose_joint(of, locals, control, playback, layers, layer_count, body, joint);
@@ -79,11 +141,19 @@ INLINE void member_matrices(Clips of, Locals locals, Controls controls, uint con
 #pragma unroll
         for (int i = 0; i < 16; i++) models[joint + i] = m[i];
     }
-    if (control != NONE) {
-        steer_down(controls, control, body.joint_count, parent, models);
-        return;
-    }
-    for (uint joint = 0; joint < body.joint_count; joint++) descend_to(joint, parent, models);
+}
+
+/* Sets a member out from the top of its hierarchy. */
+INLINE void set_out(Descent *down, Controls of, uint control, Body body, __global const uint *parents,
+                    __global float16 *models, Output output)
+{
+    down->s = steering_of(of, control, down->turns);
+    down->parent = parents + body.joint_first;
+    down->models = models;
+    down->joint_count = body.joint_count;
+    down->joint = down->step = 0;
+    down->output = output;
+    go_down(down);
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
@@ -104,27 +174,36 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
     const Machines machines = { machine_states, running };
-    __global float16 *restrict models = (__global float16 *)matrices + get_global_id(0) * padded_most;
+    __global float16 *desk = (__global float16 *)matrices + get_global_id(0) * padded_most * ABREAST;
     const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
+    Descent down[ABREAST];
+    uint count = 0;
     for (uint index = begin; index < end; index++) {
         const uint owner = page_members[index];
         if (owner < place_first || owner >= place_end) continue;
         const Member member = members[owner];
         if (member_phase(member) != phase) continue;
         const Body body = bodies[member.body];
+        __global float16 *restrict models = desk + count * padded_most;
         Playing playing[SLOTS_MOST];
         const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of,
                                            row_times, buckets, playing);
-        member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
-                        member_layers(member), body, parents + body.joint_first, models, 0);
-        __global const Entry *entry = entries + body.entry_first;
-        __global float *to = (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first));
-        for (uint e = 0; e < body.entry_count; e++, entry++, to += 12) {
-            const float16 out = affine_mul_rows(models[entry->joint], entry->row0, entry->row1, entry->row2);
-            *(__global Rows *)to = out.lo;
-            vstore4(out.hi.lo, 0, to + 8);
+        pose_member(of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
+                    models, 0);
+        const Output output = { entries + body.entry_first, body.entry_count,
+                                (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first)) };
+        if (member.control == NONE) {
+            for (uint joint = 0; joint < body.joint_count; joint++) descend_to(joint, parents + body.joint_first, models);
+            write_palette(output, models);
+            continue;
         }
+        set_out(&down[count], steering, member.control, body, parents, models, output);
+        if (down[count].stands_at != NONE) count++;
+        if (count < ABREAST) continue;
+        while (step_abreast(down, count)) {}
+        count = 0;
     }
+    while (step_abreast(down, count)) {}
 }
 
 /* What lies between slots and palette, of one member, for those who want to read it. */
@@ -146,10 +225,19 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     const Member member = members[owner];
     const Body body = bodies[member.body];
     __global const Slot *mine = slots + owner * slots_per_member;
+    __global float16 *models = (__global float16 *)matrices;
     for (uint s = 0; s < slots_per_member; s++)
         samples[s] = play(mine[s], machines, tick, of, row_times, buckets).at;
     Playing playing[SLOTS_MOST];
     const Playback playback = play_all(mine, slots_per_member, machines, tick, of, row_times, buckets, playing);
-    member_matrices(of, locals, steering, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
-                    member_layers(member), body, parents + body.joint_first, (__global float16 *)matrices, planes);
+    pose_member(of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body, models,
+                planes);
+    if (member.control == NONE) {
+        for (uint joint = 0; joint < body.joint_count; joint++) descend_to(joint, parents + body.joint_first, models);
+        return;
+    }
+    const Output none = { 0, 0, 0 };
+    Descent down;
+    set_out(&down, steering, member.control, body, parents, models, none);
+    while (step_abreast(&down, 1)) {}
 }

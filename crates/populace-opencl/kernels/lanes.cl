@@ -9,6 +9,7 @@
 #define SELDOM static __attribute__((noinline))
 
 #if LANES == 1
+#define ABREAST 1
 #define APART INLINE
 #ifdef CALLS /* a device whose calls are cheap */
 #define APART_STEP SELDOM
@@ -24,10 +25,12 @@ typedef int Choice;
 #define AS_WORDS as_uint
 #define ONLY(lane) 1
 #define LANE(value, lane) (value)
+#define PUT(value, lane, one) ((value) = (one))
 #define ANY(choice) (choice)
 #define LOAD(pointer) (*(pointer))
 #define STORE(value, pointer) (*(pointer) = (value))
 #else
+#define ABREAST MEMBERS_ABREAST
 #define APART __attribute__((noinline))
 #define APART_STEP static __attribute__((noinline))
 typedef float16 Real;
@@ -40,6 +43,7 @@ typedef int16 Choice;
 #define ONLY(lane) ((int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) == (int16)((int)(lane)))
 #define ANY(choice) any(choice)
 #define LANE(value, lane) (((const float *)&(value))[lane])
+#define PUT(value, lane, one) (((float *)&(value))[lane] = (one))
 #define LOAD(pointer) vload16(0, pointer)
 #define STORE(value, pointer) vstore16(value, 0, pointer)
 

@@ -6,7 +6,7 @@
 typedef struct { Vec3 upper, lower, bend, to; } Limb;
 
 /* How far away the end of a chain goes for a target at `distance`. */
-INLINE Real soft_distance(Real distance, Real length, Real least, float soft)
+INLINE Real soft_distance(Real distance, Real length, Real least, Real soft)
 {
     const Real far = length - length * soft, near = least + (length - least) * soft;
     const Choice beyond = distance > far;
@@ -41,14 +41,14 @@ INLINE Quat pole_turn(Limb limb, Quat first, Vec3 hinge, Vec3 pole)
 {
     const Vec3 x = { 1.0f, 0.0f, 0.0f }, ahead = vec3_unit_or(limb.to, x), upper = quat_turned(first, limb.upper);
     const Vec3 bend = vec3_cross(ahead, quat_turned(first, hinge));
-    const Vec3 out = vec3_unit_or(vec3_add_scaled(upper, ahead, -vec3_dot(upper, ahead)), bend);
-    const Vec3 drawn = vec3_unit_or(vec3_add_scaled(pole, ahead, -vec3_dot(pole, ahead)), out);
+    const Vec3 out = vec3_unit_or(vec3_across(upper, ahead), bend);
+    const Vec3 drawn = vec3_unit_or(vec3_across(pole, ahead), out);
     return swing_between(out, drawn, 1.0f, ahead);
 }
 
 /* The turns of the first joint and, as of after that, of the middle one, which bring the end to where it is to be; none for
- * a limb of no length. A pole counts where its w is above 0. */
-INLINE void limb_turns(Limb limb, float4 pole, float soft, Quat *first_turn, Quat *second_turn)
+ * a limb of no length. `pole` is the direction of a pole where `has_pole`. */
+INLINE void limb_turns(Limb limb, Vec3 pole, Choice has_pole, Real soft, Quat *first_turn, Quat *second_turn)
 {
     const Vec3 upper = limb.upper, lower = limb.lower;
     const Real aa = vec3_dot(upper, upper), bb = vec3_dot(lower, lower), shrinks = inverse_sqrt(aa);
@@ -75,10 +75,7 @@ INLINE void limb_turns(Limb limb, float4 pole, float soft, Quat *first_turn, Qua
     const Real reached = square_root(aa + bb + (still + most * k * c) * unit2 * 2.0f);
     const Vec3 axis = vec3_scale(hinge, unit);
     Quat first = swing_between(vec3_add(upper, turned_lower), limb.to, reached * distance, axis);
-    if (pole.w > 0.0f) {
-        const Vec3 to = { pole.x, pole.y, pole.z };
-        first = quat_mul(pole_turn(limb, first, axis, to), first);
-    }
+    if (ANY(has_pole)) first = quat_choose(has_pole, quat_mul(pole_turn(limb, first, axis, pole), first), first);
     const Vec3 bend = vec3_scale(quat_turned(first, axis), x * half_unit);
     const Quat second = { bend.x, bend.y, bend.z, w * half_unit };
     const Choice stands = (shorter < distance ? shorter : distance) > (Real)(1e-6f);
@@ -86,50 +83,50 @@ INLINE void limb_turns(Limb limb, float4 pole, float soft, Quat *first_turn, Qua
     *second_turn = quat_choose(stands, second, quat_identity());
 }
 
-/* Turns taken in part. */
-INLINE Quat quat_part(Quat turn, float k)
+/* A limb put into a lane. */
+INLINE void put_limb(Limb *all, uint lane, float4 upper, float4 lower, float4 bend, float4 to)
 {
-    const Quat near = quat_hemisphere(turn, quat_identity());
-    return quat_normalize_or(quat_mix(quat_identity(), near, k), quat_identity());
+    put_vec3(&all->upper, lane, upper);
+    put_vec3(&all->lower, lane, lower);
+    put_vec3(&all->bend, lane, bend);
+    put_vec3(&all->to, lane, to);
 }
 
-/* A limb of two bones put into a lane. */
-INLINE Limb with_limb(Limb all, uint lane, float4 upper, float4 lower, float4 bend, float4 to)
+INLINE Limb no_limb(void)
 {
-    const Choice only = ONLY(lane);
-    const Vec3 u = { upper.x, upper.y, upper.z }, l = { lower.x, lower.y, lower.z };
-    const Vec3 b = { bend.x, bend.y, bend.z }, t = { to.x, to.y, to.z };
-    const Limb limb = { vec3_choose(only, u, all.upper), vec3_choose(only, l, all.lower), vec3_choose(only, b, all.bend),
-                        vec3_choose(only, t, all.to) };
+    const Vec3 none = { 0.0f, 0.0f, 0.0f };
+    const Limb limb = { none, none, none, none };
     return limb;
 }
 
-/* The turn in a lane. */
-INLINE float4 turn_in(Quat turns, uint lane)
+APART_STEP void reaches(Stop *at, uint count)
 {
-    return (float4)(LANE(turns.x, lane), LANE(turns.y, lane), LANE(turns.z, lane), LANE(turns.w, lane));
-}
-
-APART_STEP float16 reach(const Steering *s, Hierarchy joints, Step step, float16 own)
-{
-    const Constraint constraint = s->of.constraints[step.index];
-    float4 places[LINKS_MOST];
-    walk(s, joints, constraint, own, places);
-    float weight;
-    const float4 target = goal_of(s, constraint, places[0], &weight), middle = places[constraint.middle];
-    Quat first = quat_identity(), second = quat_identity();
-    if (weight > 0.0f) {
-        Limb limb = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-        limb = with_limb(limb, 0, middle - places[0], places[constraint.link_count - 1] - middle,
-                         transform_vector(own, constraint.axis), target - places[0]);
-        limb_turns(limb, constraint.front, constraint.limits.x, &first, &second);
+    Limb limb = no_limb();
+    Vec3 pole = limb.to;
+    Real has_pole = 0.0f, soft = 0.0f, weight = 0.0f;
+    for (uint m = 0; m < count; m++) {
+        const Constraint constraint = constraint_of(at + m);
+        float4 places[LINKS_MOST];
+        float own;
+        walk(at[m].s, at[m].joints, constraint, at[m].own, places);
+        const float4 target = goal_of(at[m].s, constraint, places[0], &own), middle = places[constraint.middle];
+        put_limb(&limb, m, middle - places[0], places[constraint.link_count - 1] - middle,
+                 transform_vector(at[m].own, constraint.axis), target - places[0]);
+        put_vec3(&pole, m, constraint.front);
+        PUT(has_pole, m, constraint.front.w);
+        PUT(soft, m, constraint.limits.x);
+        PUT(weight, m, own);
     }
-    if (weight < 1.0f) {
-        first = quat_part(first, weight);
-        second = quat_part(second, weight);
-    }
+    Quat first, second;
+    limb_turns(limb, pole, has_pole > (Real)(0.0f), soft, &first, &second);
+    const Choice partly = weight < (Real)(1.0f);
+    first = quat_choose(partly, quat_part(first, weight), first);
+    second = quat_choose(partly, quat_part(second, weight), second);
     const Quat undone = quat_conjugate(quat_mul(second, first));
-    s->turns[step.turn] = turn_in(second, 0);
-    s->turns[step.turn + 1] = constraint.keeps_end ? turn_in(undone, 0) : IDENTITY_TURN;
-    return affine_turned(own, turn_in(first, 0));
+    for (uint m = 0; m < count; m++) {
+        TURNS float4 *turns = at[m].s->turns + at[m].step.turn;
+        turns[0] = quat_in(second, m);
+        turns[1] = constraint_of(at + m).keeps_end ? quat_in(undone, m) : IDENTITY_TURN;
+        at[m].own = affine_turned(at[m].own, quat_in(first, m));
+    }
 }

@@ -37,6 +37,9 @@ INLINE Vec3 vec3_mix(Vec3 a, Vec3 b, Real t)
     return v;
 }
 
+/* `a` less its part along a unit vector. */
+INLINE Vec3 vec3_across(Vec3 a, Vec3 axis) { return vec3_add_scaled(a, axis, -vec3_dot(a, axis)); }
+
 INLINE Vec3 vec3_choose(Choice which, Vec3 a, Vec3 b)
 {
     const Vec3 v = { which ? a.x : b.x, which ? a.y : b.y, which ? a.z : b.z };
@@ -95,6 +98,12 @@ INLINE Vec3 vec3_unit_or(Vec3 a, Vec3 fallback)
     return vec3_choose(squared > (Real)(1e-20f), vec3_scale(a, inverse_sqrt(squared)), fallback);
 }
 
+INLINE Vec3 vec3_any_across(Vec3 a)
+{
+    const Vec3 x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f }, z = { 0.0f, 0.0f, 1.0f };
+    return vec3_unit_or(vec3_across(vec3_choose(a.x * a.x < (Real)(0.5f), x, y), a), z);
+}
+
 INLINE Quat quat_normalize_or(Quat a, Quat fallback)
 {
     const Real length_squared = quat_dot(a, a);
@@ -122,20 +131,17 @@ INLINE Quat quat_mul(Quat a, Quat b)
 }
 
 /* A vector turned by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v). */
-INLINE Vec3 quat_cross(Quat q, Vec3 a)
-{
-    const Vec3 v = { q.y * a.z - q.z * a.y, q.z * a.x - q.x * a.z, q.x * a.y - q.y * a.x };
-    return v;
-}
-
-INLINE Vec3 quat_rotate(Quat q, Vec3 v)
-{
-    const Vec3 across = quat_cross(q, v), once = vec3_add(across, across), twice = quat_cross(q, once);
-    return vec3_add(vec3_add(v, vec3_scale(once, q.w)), twice);
-}
-
 INLINE Vec3 quat_turned(Quat q, Vec3 v)
 {
     const Vec3 axis = { q.x, q.y, q.z }, twice = vec3_scale(vec3_cross(axis, v), 2.0f);
     return vec3_add(vec3_add_scaled(v, twice, q.w), vec3_cross(axis, twice));
 }
+
+/* A turn taken in part, the way that its sign tells: beyond half a turn where w is below 0. */
+INLINE Quat quat_part_as_told(Quat turn, Real k)
+{
+    return quat_normalize_or(quat_mix(quat_identity(), turn, k), quat_identity());
+}
+
+/* A turn taken in part, the short way. */
+INLINE Quat quat_part(Quat turn, Real k) { return quat_part_as_told(quat_hemisphere(turn, quat_identity()), k); }

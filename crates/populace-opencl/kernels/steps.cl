@@ -76,16 +76,12 @@ APART_STEP float16 attach(const Steering *s, Step step, float16 own)
     return affine_mul(affine_mul(carrier, given_transform(s->of.overrides[step.turn])), own);
 }
 
-/* What a step makes of a joint's model transform. */
-INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16 own, float16 parent, bool has_parent)
+/* What a step of a member alone makes of a joint's model transform. */
+INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16 own)
 {
     switch (step.kind) {
     case STEP_TURN: return affine_turned(own, s->turns[step.turn]);
-    case STEP_GAZE: return gaze(s, joints, step, own, parent, has_parent);
-    case STEP_REACH: return reach(s, joints, step, own);
     case STEP_CHAIN: return chain(s, joints, step, own);
-    case STEP_PELVIS: return pelvis(s, joints, step, own);
-    case STEP_FOOT: return foot(s, joints, step, own);
     case STEP_OVERRIDE: return override_model(s->of.overrides[step.index], own);
 #ifdef USER_STAGES
     case STEP_STAGE: {
@@ -101,6 +97,22 @@ INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16
     }
 }
 
+INLINE bool is_abreast(uint kind)
+{
+    return kind == STEP_GAZE || kind == STEP_PELVIS || kind == STEP_REACH || kind == STEP_FOOT;
+}
+
+/* Takes steps of one kind, of as many members as stand abreast. */
+INLINE void take_abreast(uint kind, Stop *at, uint count)
+{
+    switch (kind) {
+    case STEP_GAZE: gazes(at, count); break;
+    case STEP_PELVIS: pelvises(at, count); break;
+    case STEP_REACH: reaches(at, count); break;
+    case STEP_FOOT: legs_alone(at, count); break;
+    }
+}
+
 #if LANES == 1
 
 /* What a member's steps make of one joint's model transform, where joints of a level are taken side by side. */
@@ -108,7 +120,14 @@ INLINE float16 steer(const Steering *s, Hierarchy joints, uint joint, float16 ow
 {
     for (uint i = 0; i < s->control.step_count; i++) {
         const Step step = s->of.steps[s->control.step_first + i];
-        if (step.joint == joint) own = take_step(s, joints, step, own, parent, has_parent);
+        if (step.joint != joint) continue;
+        if (is_abreast(step.kind)) {
+            Stop alone = { s, joints, step, own, parent, has_parent };
+            take_abreast(step.kind, &alone, 1);
+            own = alone.own;
+        } else {
+            own = take_step(s, joints, step, own);
+        }
     }
     return own;
 }

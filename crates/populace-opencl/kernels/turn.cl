@@ -1,9 +1,6 @@
 /* turn.cl - vectors, turns and angles of one joint, whatever LANES is: vectors as x y z 0, turns as unit quaternions x y z w.
- * Twin of populace-core math/vec3.rs and math/angle.rs: the same functions, each with the same order of operations, by
- * + - * / alone. */
+ * Twin of populace-core math/vec3.rs: the same functions, each with the same order of operations, by + - * / alone. */
 
-#define HALF_TURN 3.14159274101257324f
-#define QUARTER_TURN 1.57079637050628662f
 #define IDENTITY_TURN ((float4)(0.0f, 0.0f, 0.0f, 1.0f))
 
 INLINE float4 vec(float x, float y, float z) { return (float4)(x, y, z, 0.0f); }
@@ -80,39 +77,11 @@ INLINE float4 turn_between(float4 from, float4 to, float4 about)
     return unit_or(across(about, from), any_across(from));
 }
 
-/* A turn taken in part, the way that its sign tells: beyond half a turn where w is below 0. */
-INLINE float4 part_as_told(float4 turn, float k) { return turn_unit(IDENTITY_TURN + (turn - IDENTITY_TURN) * k); }
-
 /* A turn taken in part, the short way. */
-INLINE float4 part_of(float4 turn, float k) { return part_as_told(turn * (turn.w < 0.0f ? -1.0f : 1.0f), k); }
-
-/* The angle from +X towards +Y, from -pi to pi. */
-INLINE float angle_of(float y, float x)
+INLINE float4 part_of(float4 turn, float k)
 {
-    const float up = fabs(y), along = fabs(x);
-    const bool steep = up > along;
-    const float low = steep ? along : up, high = steep ? up : along;
-    if (high < 1e-20f) return 0.0f;
-    const float ratio = low / high;
-    const bool far = ratio > 0.25f;
-    const float a = far ? (ratio - 0.5f) / (1.0f + 0.5f * ratio) : ratio;
-    const float s = a * a;
-    const float series = 1.0f + s * (-1.0f / 3.0f + s * (0.2f + s * (-1.0f / 7.0f + s * (1.0f / 9.0f + s * (-1.0f / 11.0f)))));
-    const float near = a * series + (far ? 0.4636476f : 0.0f);
-    const float upper = steep ? QUARTER_TURN - near : near;
-    const float right = x < 0.0f ? HALF_TURN - upper : upper;
-    return y < 0.0f ? -right : right;
-}
-
-/* Sine and cosine of an angle from -pi to pi. */
-INLINE float2 sin_cos(float angle)
-{
-    const float x = 0.5f * angle, s = x * x;
-    const float sine = x * (1.0f + s * (-1.0f / 6.0f + s * (1.0f / 120.0f + s * (-1.0f / 5040.0f
-                       + s * (1.0f / 362880.0f - s * (1.0f / 39916800.0f))))));
-    const float cosine = 1.0f + s * (-0.5f + s * (1.0f / 24.0f + s * (-1.0f / 720.0f + s * (1.0f / 40320.0f
-                         + s * (-1.0f / 3628800.0f + s * (1.0f / 479001600.0f))))));
-    return (float2)(2.0f * sine * cosine, 1.0f - 2.0f * sine * sine);
+    const float4 near = turn * (turn.w < 0.0f ? -1.0f : 1.0f);
+    return turn_unit(IDENTITY_TURN + (near - IDENTITY_TURN) * k);
 }
 
 /* Of an affine transform, three rows of four: where its origin goes, and the image of a direction. */

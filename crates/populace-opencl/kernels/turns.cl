@@ -12,7 +12,7 @@ APART Trs turn(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, 
         if (!(columns.flags & REST_TRANSLATION)) {
             const Vec3 arm = sample_vector(of, columns, TRANSLATION, at, planes + 6 * padded, planes + 9 * padded, padded);
             const Quat unit = quat_scale(trs.r, inverse_sqrt(quat_dot(trs.r, trs.r)));
-            trs.t = vec3_add(trs.t, quat_rotate(unit, arm));
+            trs.t = vec3_add(trs.t, quat_turned(unit, arm));
         }
         Quat q = load_quat(planes, padded);
         if (columns.block.rotation_first != NONE) {

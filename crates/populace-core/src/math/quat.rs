@@ -86,13 +86,3 @@ pub fn mul<R: Real>(a: [R; 4], b: [R; 4]) -> [R; 4] {
         a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
     ]
 }
-
-/// A vector turned by a unit quaternion: `v + 2 w (q x v) + 2 q x (q x v)`.
-#[inline(always)]
-#[must_use]
-pub fn rotate<R: Real>([x, y, z, w]: [R; 4], v: [R; 3]) -> [R; 3] {
-    let cross = |a: [R; 3]| [y * a[2] - z * a[1], z * a[0] - x * a[2], x * a[1] - y * a[0]];
-    let once = cross(v).map(|c| c + c);
-    let twice = cross(once);
-    [v[0] + w * once[0] + twice[0], v[1] + w * once[1] + twice[1], v[2] + w * once[2] + twice[2]]
-}

@@ -167,7 +167,7 @@ impl Steering<'_> {
             }
             if at > 0 {
                 self.turns[step.turn as usize + at - 1] = turn;
-            } else if share > 0.0 {
+            } else {
                 models.set(joint, own.turned(turn));
             }
             place = vec3::add(place, vec3::turned(so_far, vec3::sub(places[at + 1], places[at])));

@@ -1,7 +1,7 @@
 //! How the fused schedules spread members over work-items, and where these keep `model_from_joint`.
 
 use opencl3::kernel::Kernel;
-use populace_core::layout::Float4;
+use populace_core::layout::{Float4, MEMBERS_ABREAST};
 use populace_core::{BackendError, Tables};
 
 use super::MATRIX;
@@ -19,7 +19,7 @@ const ITEMS_PER_CORE: usize = 32;
 const STRIDE_PAST_BODY: usize = 3;
 
 pub(super) enum Spread {
-    /// `fused_wide.cl`: each of so many work-items takes a run of members; the matrices of the one that it is at are in
+    /// `fused_wide.cl`: each of so many work-items takes a run of members; the matrices of those that it is at are in
     /// global memory.
     Wide { items: usize, matrices: Buffer<Float4> },
     /// `fused_grouped.cl`: a work-group for each member; matrices are in local memory.
@@ -137,7 +137,7 @@ impl Spread {
 }
 
 fn room_for(items: usize, tables: &Tables) -> usize {
-    items * tables.padded_most() * MATRIX
+    items * MEMBERS_ABREAST as usize * tables.padded_most() * MATRIX
 }
 
 fn stride_for(tables: &Tables) -> usize {
