@@ -11,8 +11,8 @@ INLINE float4 drawn_to(float4 to, float4 from, float length)
 
 APART_STEP float16 chain(const Steering *s, Hierarchy joints, Step step, float16 own)
 {
-    const Constraint constraint = s->of.constraints[step.index];
-    const uint last = constraint.link_count - 1;
+    __global const Constraint *constraint = s->of->constraints + step.index;
+    const uint last = constraint->link_count - 1;
     float4 places[LINKS_MOST], points[LINKS_MOST];
     float lengths[LINKS_MOST], total = 0.0f, weight;
     walk(s, joints, constraint, own, places);
@@ -24,7 +24,7 @@ APART_STEP float16 chain(const Steering *s, Hierarchy joints, Step step, float16
     const float distance = vec_length(to);
     for (uint at = 0; at <= last; at++) points[at] = places[at];
     if (weight > 0.0f && total > 1e-6f && distance > 1e-6f) {
-        const Real softened = soft_distance(distance, total, 0.0f, constraint.limits.x);
+        const Real softened = soft_distance(distance, total, 0.0f, constraint->limits.x);
         const float far = LANE(softened, 0);
         const float4 goal = add_scaled(places[0], to, far / distance);
         for (uint pass = 0; pass < PASSES; pass++) {

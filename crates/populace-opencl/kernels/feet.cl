@@ -10,16 +10,16 @@ INLINE uint grid_sample(float at, uint count, float *between)
 }
 
 /* The ground's upward normal and, as w, its height at a place in the world. */
-INLINE float4 ground_at(Controls of, float x, float z)
+INLINE float4 ground_at(const Controls *of, float x, float z)
 {
-    const Ground ground = *of.ground;
+    const Ground ground = *of->ground;
     float height = ground.offset + ground.slope_x * x + ground.slope_z * z;
     float slope_x = ground.slope_x, slope_z = ground.slope_z;
     if (ground.per_metre > 0.0f) {
         float fraction_x, fraction_z;
         const uint column = grid_sample((x - ground.grid_x) * ground.per_metre, ground.count_x, &fraction_x);
         const uint row = grid_sample((z - ground.grid_z) * ground.per_metre, ground.count_z, &fraction_z);
-        __global const float *at = of.heights + row * ground.count_x + column;
+        __global const float *at = of->heights + row * ground.count_x + column;
         const float h00 = at[0], h10 = at[1], h01 = at[ground.count_x], h11 = at[ground.count_x + 1];
         const float near = h00 + (h10 - h00) * fraction_x, far = h01 + (h11 - h01) * fraction_x;
         height += near + (far - near) * fraction_z;
@@ -31,18 +31,18 @@ INLINE float4 ground_at(Controls of, float x, float z)
 }
 
 /* Where a foot's ankle goes, in model space; *follows is the ground's normal there and how much the foot follows it. */
-INLINE float4 footing(const Steering *s, uint foot, Constraint constraint, float4 ankle, float4 *follows)
+INLINE float4 footing(const Steering *s, uint foot, __global const Constraint *constraint, float4 ankle, float4 *follows)
 {
-    const float rest = constraint.up.x, planted_below = constraint.up.y, lifted_above = constraint.up.z;
-    const float size = s->control.place.w, held_most = constraint.up.w * size;
+    const float rest = constraint->up.x, planted_below = constraint->up.y, lifted_above = constraint->up.z;
+    const float size = s->control.place.w, held_most = constraint->up.w * size;
     const float4 clip = to_world(s->control, ankle);
     /* What the foot left behind: where it is planted, or how far it is behind where the clip has it. */
     const uint element = s->index * STATES_PER_CONTROL + foot;
-    const float4 left = s->of.states_before[element];
+    const float4 left = s->of->states_before[element];
     const uint bits = as_uint(left.w);
     const bool ours = bits >> 1 == s->control.epoch, was_planted = ours && (bits & 1u);
     const float4 kept = ours ? vec(left.x, left.y, left.z) : vec(0.0f, 0.0f, 0.0f);
-    float4 behind = was_planted ? kept - clip : kept * (1.0f / (1.0f + s->of.elapsed_secs * (1.0f / 0.06f)));
+    float4 behind = was_planted ? kept - clip : kept * (1.0f / (1.0f + s->of->elapsed_secs * (1.0f / 0.06f)));
     behind.y = 0.0f;
     bool stays = was_planted;
     const float far2 = vec_dot(behind, behind), held2 = held_most * held_most;
@@ -57,7 +57,7 @@ INLINE float4 footing(const Steering *s, uint foot, Constraint constraint, float
     const bool planted = lift <= planted_below;
     const float4 place = planted && stays ? kept : clip + behind;
     const float4 keep = planted ? place : behind;
-    s->of.states[element] = (float4)(keep.xyz, as_float(s->control.epoch << 1 | (planted ? 1u : 0u)));
+    s->of->states[element] = (float4)(keep.xyz, as_float(s->control.epoch << 1 | (planted ? 1u : 0u)));
 
     const float4 ground = ground_at(s->of, place.x, place.z);
     const float between = (lift - planted_below) / (lifted_above - planted_below);
@@ -84,17 +84,17 @@ typedef struct { Limb limb; Quat follows; Real soft, weight; } Legs;
 typedef struct { float4 hip, knee, ankle, bend; } Leg;
 
 /* Down a leg's chain from link `start`, whose joint's model transform is `from`. */
-INLINE Leg walk_leg(const Steering *s, Hierarchy joints, Constraint constraint, uint start, float16 from)
+INLINE Leg walk_leg(const Steering *s, Hierarchy joints, __global const Constraint *constraint, uint start, float16 from)
 {
     Leg leg;
     leg.hip = leg.knee = leg.bend = vec(0.0f, 0.0f, 0.0f);
-    for (uint at = start; at < constraint.link_count; at++) {
-        if (at > start) from = affine_mul(from, local_of(joints, s->of.links[constraint.link_first + at].joint));
-        if (at == constraint.upper) {
+    for (uint at = start; at < constraint->link_count; at++) {
+        if (at > start) from = affine_mul(from, local_of(joints, s->of->links[constraint->link_first + at].joint));
+        if (at == constraint->upper) {
             leg.hip = origin_of(from);
-            leg.bend = transform_vector(from, constraint.axis);
+            leg.bend = transform_vector(from, constraint->axis);
         }
-        if (at == constraint.middle) leg.knee = origin_of(from);
+        if (at == constraint->middle) leg.knee = origin_of(from);
     }
     leg.ankle = origin_of(from);
     return leg;
@@ -107,15 +107,15 @@ INLINE Legs no_legs(void)
 }
 
 /* A leg put into a lane: its ankle is to come to `goes_to`. */
-INLINE void put_leg(Legs *legs, uint lane, Leg leg, Constraint constraint, float4 goes_to, float4 follows)
+INLINE void put_leg(Legs *legs, uint lane, Leg leg, __global const Constraint *constraint, float4 goes_to, float4 follows)
 {
     put_limb(&legs->limb, lane, leg.knee - leg.hip, leg.ankle - leg.knee, leg.bend, goes_to - leg.hip);
     PUT(legs->follows.x, lane, follows.x);
     PUT(legs->follows.y, lane, follows.y);
     PUT(legs->follows.z, lane, follows.z);
     PUT(legs->follows.w, lane, follows.w);
-    PUT(legs->soft, lane, constraint.limits.x);
-    PUT(legs->weight, lane, constraint.limits.y);
+    PUT(legs->soft, lane, constraint->limits.x);
+    PUT(legs->weight, lane, constraint->limits.y);
 }
 
 /* How far the pelvis has to sink so that each leg gets where it goes. */
@@ -160,7 +160,7 @@ INLINE void hand_down(const Stop *at, uint foot, LegTurns turns, uint lane)
 INLINE uint put_feet(Legs *legs, uint next, const Stop *at, uint feet)
 {
     for (uint foot = 0; foot < feet; foot++, next++) {
-        const Constraint constraint = at->s->of.constraints[at->step.index + foot];
+        __global const Constraint *constraint = at->s->of->constraints + at->step.index + foot;
         const Leg leg = walk_leg(at->s, at->joints, constraint, 0, at->own);
         float4 follows;
         const float4 goes_to = footing(at->s, foot, constraint, leg.ankle, &follows);
@@ -173,14 +173,14 @@ INLINE uint put_feet(Legs *legs, uint next, const Stop *at, uint feet)
 }
 
 /* Lets a member's pelvis sink for its legs, of which the first stands in lane `next`; returns the lane after them. */
-INLINE uint sink(Legs *legs, const Real *needed, uint next, Stop *at, Constraint first)
+INLINE uint sink(Legs *legs, const Real *needed, uint next, Stop *at, __global const Constraint *first)
 {
     float drop = 0.0f;
-    for (uint leg = next; leg < next + first.target_count; leg++)
+    for (uint leg = next; leg < next + first->target_count; leg++)
         drop = max(drop, LANE(needed[leg / LANES], leg % LANES));
-    drop *= first.limits.y;
+    drop *= first->limits.y;
     at->own.s7 -= drop;
-    for (uint foot = 0; foot < first.target_count; foot++, next++)
+    for (uint foot = 0; foot < first->target_count; foot++, next++)
         PUT(legs[next / LANES].limb.to.y, next % LANES, LANE(legs[next / LANES].limb.to.y, next % LANES) + drop);
     return next;
 }
@@ -192,15 +192,15 @@ APART_STEP void pelvises(Stop *at, uint count)
     LegTurns turns[LEGS_MOST];
     uint all = 0, next = 0;
     for (uint i = 0; i < LEGS_MOST; i++) legs[i] = no_legs();
-    for (uint m = 0; m < count; m++) all = put_feet(legs, all, at + m, constraint_of(at + m).target_count);
+    for (uint m = 0; m < count; m++) all = put_feet(legs, all, at + m, constraint_of(at + m)->target_count);
     for (uint i = 0; i * LANES < all; i++) needed[i] = sinks(legs[i].limb, legs[i].soft);
     for (uint m = 0; m < count; m++) next = sink(legs, needed, next, at + m, constraint_of(at + m));
     for (uint i = 0; i * LANES < all; i++) turns[i] = leg_turns(legs[i]);
     next = 0;
     for (uint m = 0; m < count; m++) {
-        const Constraint first = constraint_of(at + m);
-        for (uint foot = 0; foot < first.target_count; foot++, next++)
-            if (first.at_once) hand_down(at + m, foot, turns[next / LANES], next % LANES);
+        __global const Constraint *first = constraint_of(at + m);
+        for (uint foot = 0; foot < first->target_count; foot++, next++)
+            if (first->at_once) hand_down(at + m, foot, turns[next / LANES], next % LANES);
     }
 }
 
@@ -209,8 +209,8 @@ APART_STEP void legs_alone(Stop *at, uint count)
 {
     Legs legs = no_legs();
     for (uint m = 0; m < count; m++) {
-        const Constraint constraint = constraint_of(at + m);
-        const Leg leg = walk_leg(at[m].s, at[m].joints, constraint, constraint.upper, at[m].own);
+        __global const Constraint *constraint = constraint_of(at + m);
+        const Leg leg = walk_leg(at[m].s, at[m].joints, constraint, constraint->upper, at[m].own);
         TURNS float4 *turns = at[m].s->turns + at[m].step.turn;
         put_leg(&legs, m, leg, constraint, turns[0], turns[1]);
     }

@@ -19,7 +19,7 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
 }
 
 /* A member's joints to take down the hierarchy. */
-typedef struct { Controls of; uint control; TURNS float4 *turns; Hierarchy models; } Descent;
+typedef struct { const Controls *of; uint control; TURNS float4 *turns; Hierarchy models; } Descent;
 
 INLINE void descend_to(Descent to, uint joint, uint parent)
 {
@@ -86,7 +86,7 @@ void fused_grouped(__global const Member *members, __global const Body *bodies, 
     const Playback playback =
         play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of, row_times, buckets, playing);
     const Hierarchy models = { model_rows, stride };
-    const Descent down = { steering, member.control, turns, models };
+    const Descent down = { &steering, member.control, turns, models };
     member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
                   parents + body.joint_first, levels + body.level_first, 0);
     __global float4 *to = palette + 3 * (size_t)(member.palette_first - page_first);
@@ -120,7 +120,7 @@ void fused_grouped_joints(__global const Member *members, __global const Body *b
         play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of, row_times, buckets, playing);
     for (uint s = (uint)get_local_id(0); s < slots_per_member; s += GROUP) samples[s] = playing[s].at;
     const Hierarchy models = { model_rows, stride };
-    const Descent down = { steering, member.control, turns, models };
+    const Descent down = { &steering, member.control, turns, models };
     member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
                   parents + body.joint_first, levels + body.level_first, planes);
     for (uint joint = (uint)get_local_id(0); joint < body.joint_count; joint += GROUP)

@@ -82,7 +82,7 @@ APART void go_down(Descent *down)
     const Steering *s = &down->s;
     const Hierarchy joints = { down->models };
     for (; down->step < s->control.step_count; down->step++) {
-        const Step step = s->of.steps[s->control.step_first + down->step];
+        const Step step = s->of->steps[s->control.step_first + down->step];
         descend(down, step.joint + 1);
         down->stands_at = step.kind;
         if (is_abreast(step.kind)) return;
@@ -96,7 +96,7 @@ APART void go_down(Descent *down)
 /* The step that a member stands at. */
 INLINE Stop stop_of(const Descent *down)
 {
-    const Step step = down->s.of.steps[down->s.control.step_first + down->step];
+    const Step step = down->s.of->steps[down->s.control.step_first + down->step];
     const uint above = down->parent[step.joint];
     const Hierarchy joints = { down->models };
     const Stop stop = { &down->s, joints, step, down->models[step.joint], down->models[above == NONE ? step.joint : above],
@@ -144,7 +144,7 @@ INLINE void pose_member(Clips of, Locals locals, uint control, Playback playback
 }
 
 /* Sets a member out from the top of its hierarchy. */
-INLINE void set_out(Descent *down, Controls of, uint control, Body body, __global const uint *parents,
+INLINE void set_out(Descent *down, const Controls *of, uint control, Body body, __global const uint *parents,
                     __global float16 *models, Output output)
 {
     down->s = steering_of(of, control, down->turns);
@@ -197,7 +197,7 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
             write_palette(output, models);
             continue;
         }
-        set_out(&down[count], steering, member.control, body, parents, models, output);
+        set_out(&down[count], &steering, member.control, body, parents, models, output);
         if (down[count].stands_at != NONE) count++;
         if (count < ABREAST) continue;
         while (step_abreast(down, count)) {}
@@ -238,6 +238,6 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     }
     const Output none = { 0, 0, 0 };
     Descent down;
-    set_out(&down, steering, member.control, body, parents, models, none);
+    set_out(&down, &steering, member.control, body, parents, models, none);
     while (step_abreast(&down, 1)) {}
 }

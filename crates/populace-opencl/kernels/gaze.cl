@@ -71,10 +71,10 @@ INLINE Sight see_target(const Gazes *g, uint t, Vec3 from, Real *weight, Choice 
     *weight = 0.0f;
     for (uint m = 0; m < g->count; m++) {
         const Steering *s = g->at[m].s;
-        __global const Constraint *constraint = s->of.constraints + g->at[m].step.index;
+        __global const Constraint *constraint = constraint_of(g->at + m);
         if (t >= constraint->target_count) continue;
         float own;
-        put_vec3(&place, m, sight(s, s->of.targets[constraint->target_first + t], vec3_in(from, m), &own));
+        put_vec3(&place, m, sight(s, s->of->targets[constraint->target_first + t], vec3_in(from, m), &own));
         PUT(*weight, m, own);
     }
     const Sight seen = seen_in(g->frame, vec3_add_scaled(place, from, -1.0f));
@@ -139,18 +139,18 @@ INLINE Quat aim(const Gazes *g, Vec3 from, Real *weight)
 INLINE void put_gaze(Gazes *g, uint m, Vec3 *front, Vec3 *up, Vec3 *facing)
 {
     const Stop *at = g->at + m;
-    const Constraint constraint = constraint_of(at);
-    const float4 ahead = constraint.front, above = constraint.up;
+    __global const Constraint *constraint = constraint_of(at);
+    const float4 ahead = constraint->front, above = constraint->up;
     float4 places[LINKS_MOST];
     const float16 end = walk(at->s, at->joints, constraint, at->own, places);
     put_vec3(front, m, at->has_parent ? transform_vector(at->parent, ahead) : ahead);
     put_vec3(up, m, at->has_parent ? transform_vector(at->parent, above) : above);
-    put_vec3(facing, m, transform_vector(end, constraint.axis));
-    put_vec3(&g->tangents, m, vec(constraint.axis.w, ahead.w, above.w));
-    put_vec3(&g->limits, m, constraint.limits);
-    const uint last = constraint.link_count - 1;
+    put_vec3(facing, m, transform_vector(end, constraint->axis));
+    put_vec3(&g->tangents, m, vec(constraint->axis.w, ahead.w, above.w));
+    put_vec3(&g->limits, m, constraint->limits);
+    const uint last = constraint->link_count - 1;
     for (uint link = 0; link < g->links_most; link++) put_vec3(&g->places[link], m, places[min(link, last)]);
-    for (uint link = 0; link < last; link++) PUT(g->shares[link], m, at->s->of.links[constraint.link_first + link].share);
+    for (uint link = 0; link < last; link++) PUT(g->shares[link], m, at->s->of->links[constraint->link_first + link].share);
 }
 
 /* The sizes of the largest, and nothing in lanes that have no more links or no member. */
@@ -160,9 +160,9 @@ INLINE void clear_gazes(Gazes *g, const Stop *at, uint count)
     g->count = count;
     g->links_most = g->targets_most = 0;
     for (uint m = 0; m < count; m++) {
-        const Constraint constraint = constraint_of(at + m);
-        g->links_most = max(g->links_most, constraint.link_count);
-        g->targets_most = max(g->targets_most, constraint.target_count);
+        __global const Constraint *constraint = constraint_of(at + m);
+        g->links_most = max(g->links_most, constraint->link_count);
+        g->targets_most = max(g->targets_most, constraint->target_count);
     }
     const Vec3 none = { 0.0f, 0.0f, 0.0f };
     for (uint link = 0; link < g->links_most; link++) g->places[link] = none;
@@ -173,7 +173,7 @@ INLINE void clear_gazes(Gazes *g, const Stop *at, uint count)
 /* Hands a member's turns down its chain, the first to its own joint. */
 INLINE void turn_gaze(Stop *at, uint m, const Quat *turns, Quat left)
 {
-    const uint last = constraint_of(at).link_count - 1, first = at->step.turn;
+    const uint last = constraint_of(at)->link_count - 1, first = at->step.turn;
     const float4 own = quat_in(last == 0 ? left : turns[0], m);
     for (uint link = 1; link < last; link++) at->s->turns[first + link - 1] = quat_in(turns[link], m);
     if (last > 0) at->s->turns[first + last - 1] = quat_in(left, m);

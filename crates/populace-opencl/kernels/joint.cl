@@ -91,10 +91,12 @@ INLINE Sum sum_layer(Clips of, Playback playback, uint layer_index, bool additiv
 /* What settles in a layer; see settle.cl. */
 SELDOM Trs settle(Clips of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs);
 
-/* What the layers above 0 make of what lies beneath. */
-APART Trs lay_over(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,
-                   Trs rest, Trs trs)
+/* What the layers above 0 make of what lies beneath. Called with pointers: a call by value copies more than it computes. */
+APART void lay_over(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,
+                    const Trs *at_rest, Trs *beneath)
 {
+    const Trs rest = *at_rest;
+    Trs trs = *beneath;
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = layers[l];
         const uint mask = layer.mask_and_mode & LAYER_MASK;
@@ -111,7 +113,7 @@ APART Trs lay_over(Clips of, Playback playback, __global const Layer *layers, ui
         trs.r = quat_choose(laid, above.r, trs.r);
         trs.s = vec3_choose(laid, above.s, trs.s);
     }
-    return trs;
+    *beneath = trs;
 }
 
 /* What beside clips a member's local transforms come from. */
@@ -124,12 +126,23 @@ typedef struct {
 #endif
 } Locals;
 
-/* What a member's proportions and its overrides in local space make of a pose. */
-APART Trs adjust(Locals of, Control control, uint joint, Trs trs)
+/* Whether anything but clips is to change a pose. */
+INLINE bool is_adjusted(__global const Control *control)
 {
-    if (control.scale_first != NONE) trs.t = vec3_scale(trs.t, LOAD(of.joint_scales + control.scale_first + joint));
-    for (uint i = 0; i < control.local_count; i++) {
-        const Override given = of.overrides[control.local_first + i];
+#ifdef USER_STAGES
+    return true;
+#else
+    return control->scale_first != NONE || control->local_count > 0;
+#endif
+}
+
+/* What a member's proportions, its overrides in local space and users' stages make of a pose. */
+APART void adjust(Locals of, __global const Control *control, uint joint, Trs *pose)
+{
+    Trs trs = *pose;
+    if (control->scale_first != NONE) trs.t = vec3_scale(trs.t, LOAD(of.joint_scales + control->scale_first + joint));
+    for (uint i = 0; i < control->local_count; i++) {
+        const Override given = of.overrides[control->local_first + i];
         const uint lane = given.joint - joint;
         if (lane >= LANES) continue;
         const float4 t4 = given.translation_and_weight, r4 = given.rotation, s4 = given.scale;
@@ -142,9 +155,9 @@ APART Trs adjust(Locals of, Control control, uint joint, Trs trs)
         trs.s = vec3_choose(only, whole ? there.s : vec3_mix(trs.s, there.s, t4.w), trs.s);
     }
 #ifdef USER_STAGES
-    trs = stage_locals(of.stages, control, joint, trs);
+    trs = stage_locals(of.stages, *control, joint, trs);
 #endif
-    return trs;
+    *pose = trs;
 }
 
 /* The local transforms of one joint, or of sixteen from `joint` on. `layers` are the member's. */
@@ -158,8 +171,17 @@ INLINE Trs pose_joint(Clips of, Locals locals, uint control, Playback playback, 
     /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
     Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
     if (playback.settling.count > 0) trs = settle(of, playback.settling, 0, false, body, joint, rest, trs);
-    if (layer_count > 1) trs = lay_over(of, playback, layers, layer_count, body, joint, rest, trs);
-    return control == NONE ? trs : adjust(locals, locals.controls[control], joint, trs);
+    if (layer_count > 1) {
+        Trs laid[2] = { rest, trs };
+        lay_over(of, playback, layers, layer_count, body, joint, &laid[0], &laid[1]);
+        trs = laid[1];
+    }
+    if (control != NONE && is_adjusted(locals.controls + control)) {
+        Trs adjusted = trs;
+        adjust(locals, locals.controls + control, joint, &adjusted);
+        trs = adjusted;
+    }
+    return trs;
 }
 
 /* The matrix of translation times rotation times scale, row by row (glTF 2.0, section 3.5.3). */

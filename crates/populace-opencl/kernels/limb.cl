@@ -105,16 +105,16 @@ APART_STEP void reaches(Stop *at, uint count)
     Vec3 pole = limb.to;
     Real has_pole = 0.0f, soft = 0.0f, weight = 0.0f;
     for (uint m = 0; m < count; m++) {
-        const Constraint constraint = constraint_of(at + m);
+        __global const Constraint *constraint = constraint_of(at + m);
         float4 places[LINKS_MOST];
         float own;
         walk(at[m].s, at[m].joints, constraint, at[m].own, places);
-        const float4 target = goal_of(at[m].s, constraint, places[0], &own), middle = places[constraint.middle];
-        put_limb(&limb, m, middle - places[0], places[constraint.link_count - 1] - middle,
-                 transform_vector(at[m].own, constraint.axis), target - places[0]);
-        put_vec3(&pole, m, constraint.front);
-        PUT(has_pole, m, constraint.front.w);
-        PUT(soft, m, constraint.limits.x);
+        const float4 target = goal_of(at[m].s, constraint, places[0], &own), middle = places[constraint->middle];
+        put_limb(&limb, m, middle - places[0], places[constraint->link_count - 1] - middle,
+                 transform_vector(at[m].own, constraint->axis), target - places[0]);
+        put_vec3(&pole, m, constraint->front);
+        PUT(has_pole, m, constraint->front.w);
+        PUT(soft, m, constraint->limits.x);
         PUT(weight, m, own);
     }
     Quat first, second;
@@ -126,7 +126,7 @@ APART_STEP void reaches(Stop *at, uint count)
     for (uint m = 0; m < count; m++) {
         TURNS float4 *turns = at[m].s->turns + at[m].step.turn;
         turns[0] = quat_in(second, m);
-        turns[1] = constraint_of(at + m).keeps_end ? quat_in(undone, m) : IDENTITY_TURN;
+        turns[1] = constraint_of(at + m)->keeps_end ? quat_in(undone, m) : IDENTITY_TURN;
         at[m].own = affine_turned(at[m].own, quat_in(first, m));
     }
 }

@@ -126,13 +126,13 @@ INLINE Move move_of_frame(Controls of, uint owner)
 APART_STEP float16 moves(const Steering *s, Step step, float16 own)
 {
     const uint state = s->index * STATES_PER_CONTROL + MOTION_STATE;
-    const float4 place = s->of.states_before[state], heading = s->of.states_before[state + 1];
+    const float4 place = s->of->states_before[state], heading = s->of->states_before[state + 1];
     const Move none = NO_MOVE, kept = { place.x, place.y, place.z, heading.x, heading.y };
     const Move last = as_uint(place.w) == step.turn ? kept : none;
-    const Move now = move_then(last, move_of_frame(s->of, s->control.member));
+    const Move now = move_then(last, move_of_frame(*s->of, s->control.member));
     if (step.joint == 0) {
-        s->of.states[state] = (float4)(now.x, now.y, now.z, as_float(step.turn));
-        s->of.states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
+        s->of->states[state] = (float4)(now.x, now.y, now.z, as_float(step.turn));
+        s->of->states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
     }
     const float16 carried = (float16)(now.c, 0.0f, now.s, now.x, 0.0f, 1.0f, 0.0f, now.y, -now.s, 0.0f, now.c, now.z, (float4)(0.0f));
     return affine_mul(carried, own);

@@ -49,9 +49,9 @@ INLINE bool is_packed(Planes planes, uint property, uint component)
 }
 
 /* Where sixteen neighbouring joints, of which this is one, find their columns. */
-INLINE BoundBlock bound_block(Clips of, BoundClip bound, uint joint)
+INLINE __global const BoundBlock *bound_block(Clips of, BoundClip bound, uint joint)
 {
-    return of.bound_blocks[bound.block_first + joint / JOINT_BLOCK];
+    return of.bound_blocks + bound.block_first + joint / JOINT_BLOCK;
 }
 
 #if LANES == 1
@@ -63,7 +63,7 @@ INLINE Columns columns_of(Clips of, BoundClip bound, uint joint)
 {
     const uint map = of.joint_maps[bound.map_first + joint], column = map & MAP_COLUMN;
     Columns columns = { of.row_blocks[of.clips[bound.clip].block_first + column / JOINT_BLOCK],
-                        of.bound_blocks[bound.block_first + joint / JOINT_BLOCK].flags, column % JOINT_BLOCK };
+                        bound_block(of, bound, joint)->flags, column % JOINT_BLOCK };
     if (!(map & MAP_ROTATION)) columns.block.rotation_first = NONE;
     if (!(map & MAP_TRANSLATION)) columns.block.translation_first = NONE;
     if (!(map & MAP_SCALE)) columns.block.scale_first = NONE;
@@ -100,9 +100,9 @@ typedef struct { RowBlock block; uint flags, source_first, source_count; } Colum
 
 INLINE Columns columns_of(Clips of, BoundClip bound, uint joint)
 {
-    const BoundBlock b = bound_block(of, bound, joint);
-    const Columns columns = { { b.rotation_first, b.rotation_lanes, b.translation_first, b.translation_lanes, b.scale_first,
-                                b.scale_lanes }, b.flags, b.source_first, b.source_count };
+    __global const BoundBlock *b = bound_block(of, bound, joint);
+    const Columns columns = { { b->rotation_first, b->rotation_lanes, b->translation_first, b->translation_lanes,
+                                b->scale_first, b->scale_lanes }, b->flags, b->source_first, b->source_count };
     return columns;
 }
 

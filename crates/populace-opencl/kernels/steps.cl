@@ -62,7 +62,7 @@ INLINE float16 world_from_model(const Steering *s)
 /* Writes where a joint is, for others to see. */
 INLINE void keep_watched(const Steering *s, uint watched, float16 joint)
 {
-    __global float4 *rows = s->of.watched + watched * WATCHED_ELEMENTS;
+    __global float4 *rows = s->of->watched + watched * WATCHED_ELEMENTS;
     rows[0] = joint.s0123;
     rows[1] = joint.s4567;
     rows[2] = joint.s89ab;
@@ -71,9 +71,9 @@ INLINE void keep_watched(const Steering *s, uint watched, float16 joint)
 /* Brings a root to the joint that the member is attached to, where an earlier phase of this frame left that. */
 APART_STEP float16 attach(const Steering *s, Step step, float16 own)
 {
-    __global const float4 *rows = s->of.watched + step.index * WATCHED_ELEMENTS;
+    __global const float4 *rows = s->of->watched + step.index * WATCHED_ELEMENTS;
     const float16 carrier = (float16)(rows[0], rows[1], rows[2], (float4)(0.0f));
-    return affine_mul(affine_mul(carrier, given_transform(s->of.overrides[step.turn])), own);
+    return affine_mul(affine_mul(carrier, given_transform(s->of->overrides[step.turn])), own);
 }
 
 /* What a step of a member alone makes of a joint's model transform. */
@@ -82,10 +82,10 @@ INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16
     switch (step.kind) {
     case STEP_TURN: return affine_turned(own, s->turns[step.turn]);
     case STEP_CHAIN: return chain(s, joints, step, own);
-    case STEP_OVERRIDE: return override_model(s->of.overrides[step.index], own);
+    case STEP_OVERRIDE: return override_model(s->of->overrides[step.index], own);
 #ifdef USER_STAGES
     case STEP_STAGE: {
-        const StageTables of = { s->of.steps, s->of.stage_values, s->of.tick, s->of.elapsed_secs };
+        const StageTables of = { s->of->steps, s->of->stage_values, s->of->tick, s->of->elapsed_secs };
         return stage_model(of, step, s->control, own);
     }
 #endif
@@ -119,7 +119,7 @@ INLINE void take_abreast(uint kind, Stop *at, uint count)
 INLINE float16 steer(const Steering *s, Hierarchy joints, uint joint, float16 own, float16 parent, bool has_parent)
 {
     for (uint i = 0; i < s->control.step_count; i++) {
-        const Step step = s->of.steps[s->control.step_first + i];
+        const Step step = s->of->steps[s->control.step_first + i];
         if (step.joint != joint) continue;
         if (is_abreast(step.kind)) {
             Stop alone = { s, joints, step, own, parent, has_parent };

@@ -4,7 +4,7 @@
 /* A member at a step: its joint's model transform, which the step changes, and the one's of the joint above. */
 typedef struct { const Steering *s; Hierarchy joints; Step step; float16 own, parent; bool has_parent; } Stop;
 
-INLINE Constraint constraint_of(const Stop *at) { return at->s->of.constraints[at->step.index]; }
+INLINE __global const Constraint *constraint_of(const Stop *at) { return at->s->of->constraints + at->step.index; }
 
 INLINE void put_vec3(Vec3 *all, uint lane, float4 one)
 {

@@ -40,11 +40,11 @@ typedef struct {
     elapsed_ticks, (float)elapsed_ticks * TICK_SECS }
 
 /* A member's own, and the turns that its steps hand down. */
-typedef struct { Controls of; Control control; uint index; TURNS float4 *turns; } Steering;
+typedef struct { const Controls *of; Control control; uint index; TURNS float4 *turns; } Steering;
 
-INLINE Steering steering_of(Controls of, uint control, TURNS float4 *turns)
+INLINE Steering steering_of(const Controls *of, uint control, TURNS float4 *turns)
 {
-    const Steering steering = { of, of.controls[control], control, turns };
+    const Steering steering = { of, of->controls[control], control, turns };
     return steering;
 }
 
@@ -79,12 +79,12 @@ INLINE float target_weight(Target target, ulong tick)
 /* Where a target is in model space, seen from a point there; nothing before it was ever seen. */
 INLINE float4 sight(const Steering *s, Target target, float4 from, float *weight)
 {
-    *weight = target_weight(target, s->of.tick);
+    *weight = target_weight(target, s->of->tick);
     const float4 point = vec(target.point.x, target.point.y, target.point.z);
     if (target.kind == TARGET_WORLD) return to_model(s->control, point);
     if (target.kind == TARGET_DIRECTION) return add_scaled(from, direction_to_model(s->control, point), 1000.0f);
     if (target.kind == TARGET_WATCHED) {
-        __global const float4 *rows = s->of.watched_before + target.watched * WATCHED_ELEMENTS;
+        __global const float4 *rows = s->of->watched_before + target.watched * WATCHED_ELEMENTS;
         const float4 a = rows[0];
         const float4 place = vec(a.w + point.x, rows[1].w + point.y, rows[2].w + point.z);
         /* Written so that what is not finite counts as never seen. */
@@ -96,13 +96,13 @@ INLINE float4 sight(const Steering *s, Target target, float4 from, float *weight
 }
 
 /* The mean of all targets, weighted, and how much it weighs, at most 1. */
-INLINE float4 goal_of(const Steering *s, Constraint constraint, float4 from, float *weight)
+INLINE float4 goal_of(const Steering *s, __global const Constraint *constraint, float4 from, float *weight)
 {
     float4 sum = vec(0.0f, 0.0f, 0.0f);
     float total = 0.0f;
-    for (uint t = 0; t < constraint.target_count; t++) {
+    for (uint t = 0; t < constraint->target_count; t++) {
         float own;
-        const float4 place = sight(s, s->of.targets[constraint.target_first + t], from, &own);
+        const float4 place = sight(s, s->of->targets[constraint->target_first + t], from, &own);
         if (own <= 0.0f) continue;
         sum = add_scaled(sum, place, own);
         total += own;
@@ -114,11 +114,11 @@ INLINE float4 goal_of(const Steering *s, Constraint constraint, float4 from, flo
 }
 
 /* Where the joints of a chain are, as the clips have them, and the last one's model transform; `from` is the first one's. */
-INLINE float16 walk(const Steering *s, Hierarchy joints, Constraint constraint, float16 from, float4 *places)
+INLINE float16 walk(const Steering *s, Hierarchy joints, __global const Constraint *constraint, float16 from, float4 *places)
 {
     places[0] = origin_of(from);
-    for (uint at = 1; at < constraint.link_count; at++) {
-        from = affine_mul(from, local_of(joints, s->of.links[constraint.link_first + at].joint));
+    for (uint at = 1; at < constraint->link_count; at++) {
+        from = affine_mul(from, local_of(joints, s->of->links[constraint->link_first + at].joint));
         places[at] = origin_of(from);
     }
     return from;

@@ -34,7 +34,7 @@ __kernel void transform(__global const Member *members, __global const Body *bod
     }
     if (member.control != NONE) {
         const Controls of = CONTROLS;
-        const Steering s = steering_of(of, member.control, turns + member.control * TURNS_MOST);
+        const Steering s = steering_of(&of, member.control, turns + member.control * TURNS_MOST);
         model = steer(&s, joints, joint, model, above, parent != NONE);
     }
     row0[place] = model.s0123;

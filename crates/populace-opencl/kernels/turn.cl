@@ -92,15 +92,16 @@ INLINE float4 transform_vector(float16 m, float4 v)
     return vec(m.s0 * v.x + m.s1 * v.y + m.s2 * v.z, m.s4 * v.x + m.s5 * v.y + m.s6 * v.z, m.s8 * v.x + m.s9 * v.y + m.sa * v.z);
 }
 
-/* A transform turned about its own origin. */
+/* A transform turned about its own origin: by the rotation's matrix, every element of which is a sum of two products. */
 INLINE float16 affine_turned(float16 m, float4 turn)
 {
-    const float x = turn.x, y = turn.y, z = turn.z, w = turn.w;
-    const float16 r = (float16)(1.0f - 2.0f * (y * y + z * z), 2.0f * (x * y - w * z), 2.0f * (x * z + w * y), 0.0f,
-                                2.0f * (x * y + w * z), 1.0f - 2.0f * (x * x + z * z), 2.0f * (y * z - w * x), 0.0f,
-                                2.0f * (x * z - w * y), 2.0f * (y * z + w * x), 1.0f - 2.0f * (x * x + y * y), 0.0f,
-                                (float4)(0.0f));
-    float16 result = affine_mul(r, m);
+    const float16 q = repeated(turn), one = q.s1003001301030000 * q.s1123102322030000;
+    const float16 other = q.s2333323333130000 * q.s2213220310130000;
+    const float16 sign = (float16)(1.0f, -1.0f, 1.0f, 0.0f, 1.0f, 1.0f, -1.0f, 0.0f, -1.0f, 1.0f, 1.0f, 0.0f, (float4)(0.0f));
+    const float16 twice = (float16)(-2.0f, 2.0f, 2.0f, 0.0f, 2.0f, -2.0f, 2.0f, 0.0f, 2.0f, 2.0f, -2.0f, 0.0f, (float4)(0.0f));
+    /* Adding -0 changes no bit. */
+    const float16 unit = (float16)(1.0f, -0.0f, -0.0f, 0.0f, -0.0f, 1.0f, -0.0f, 0.0f, -0.0f, -0.0f, 1.0f, 0.0f, (float4)(0.0f));
+    float16 result = affine_mul(unit + twice * (one + sign * other), m);
     result.s3 = m.s3;
     result.s7 = m.s7;
     result.sb = m.sb;

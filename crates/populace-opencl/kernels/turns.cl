@@ -5,7 +5,7 @@
 APART Trs turn(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs)
 {
     const uint padded = body.padded_count;
-    while (bound_block(of, bound, joint).flags & BLOCK_TURNED) {
+    while (bound_block(of, bound, joint)->flags & BLOCK_TURNED) {
         bound = of.bound_clips[bound.next];
         const Columns columns = columns_of(of, bound, joint);
         __global const float *planes = of.poses + bound.range_first + joint;
