@@ -1,11 +1,11 @@
 /* fused.cl - what the fused schedules share. */
 
 /* What a slot plays now; its weight is 0 where that is nothing. */
-INLINE Playing play(Slot given, Machines machines, ulong tick, Clips of, __global const float *row_times,
+INLINE Playing play(Slot given, Machines machines, ulong tick, const Clips *of, __global const float *row_times,
                     __global const uint *buckets)
 {
     const Slot slot = slot_now(given, tick, machines);
-    const Playing playing = { sample_of(slot, tick, of.bound_clips, of.clips, row_times, buckets), slot.bound_clip,
+    const Playing playing = { sample_of(slot, tick, of->bound_clips, of->clips, row_times, buckets), slot.bound_clip,
                               slot_layer(slot) };
     return playing;
 }

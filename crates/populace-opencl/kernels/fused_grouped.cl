@@ -8,7 +8,7 @@
  * Oracle   populace-testkit; the same arithmetic as populace-native fused.rs */
 
 /* What a member plays, for the whole group. Slots that weigh nothing stay where they are: what mixes passes them over. */
-INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick, Clips of,
+INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick, const Clips *of,
                          __global const float *row_times, __global const uint *buckets, __local Playing *playing)
 {
     for (uint s = (uint)get_local_id(0); s < slot_count; s += GROUP)
@@ -38,7 +38,7 @@ INLINE void descend_to(Descent to, uint joint, uint parent)
 
 /* A member's model_from_joint, for the whole group, and where `planes` is not 0 its local transforms there: ten planes as
  * in stored poses. */
-INLINE void member_models(Clips of, Locals locals, Descent to, Playback playback, __global const Layer *layers,
+INLINE void member_models(const Clips *of, Locals locals, Descent to, Playback playback, __global const Layer *layers,
                           uint layer_count, Body body, __global const uint *parent, __global const uint *level,
                           __global float *planes)
 {
@@ -84,10 +84,10 @@ void fused_grouped(__global const Member *members, __global const Body *bodies, 
     const Machines machines = { machine_states, running };
     const Body body = bodies[member.body];
     const Playback playback =
-        play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of, row_times, buckets, playing);
+        play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, &of, row_times, buckets, playing);
     const Hierarchy models = { model_rows, stride };
     const Descent down = { &steering, member.control, turns, models };
-    member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
+    member_models(&of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
                   parents + body.joint_first, levels + body.level_first, 0);
     __global float4 *to = palette + 3 * (size_t)(member.palette_first - page_first);
     for (uint i = (uint)get_local_id(0); i < 3 * body.entry_count; i += GROUP) {
@@ -117,11 +117,11 @@ void fused_grouped_joints(__global const Member *members, __global const Body *b
     const Member member = members[owner];
     const Body body = bodies[member.body];
     const Playback playback =
-        play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of, row_times, buckets, playing);
+        play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, &of, row_times, buckets, playing);
     for (uint s = (uint)get_local_id(0); s < slots_per_member; s += GROUP) samples[s] = playing[s].at;
     const Hierarchy models = { model_rows, stride };
     const Descent down = { &steering, member.control, turns, models };
-    member_models(of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
+    member_models(&of, locals, down, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
                   parents + body.joint_first, levels + body.level_first, planes);
     for (uint joint = (uint)get_local_id(0); joint < body.joint_count; joint += GROUP)
         vstore16(model_of(models, joint), joint, (__global float *)matrices);

@@ -29,7 +29,7 @@ INLINE void transpose(float16 m[16])
 }
 
 /* The member's slots that weigh anything now, in order. */
-INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick, Clips of,
+INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick, const Clips *of,
                          __global const float *row_times, __global const uint *buckets, Playing *playing)
 {
     uint count = 0;
@@ -128,7 +128,7 @@ APART bool step_abreast(Descent *all, uint count)
 }
 
 /* A member's local transforms, one float16 each, and where `planes` is not 0 there too: ten planes as in stored poses. */
-INLINE void pose_member(Clips of, Locals locals, uint control, Playback playback, __global const Layer *layers,
+INLINE void pose_member(const Clips *of, Locals locals, uint control, Playback playback, __global const Layer *layers,
                         uint layer_count, Body body, __global float16 *restrict models, __global float *planes)
 {
     for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
@@ -186,9 +186,9 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
         const Body body = bodies[member.body];
         __global float16 *restrict models = desk + count * padded_most;
         Playing playing[SLOTS_MOST];
-        const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, of,
+        const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick, &of,
                                            row_times, buckets, playing);
-        pose_member(of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
+        pose_member(&of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body,
                     models, 0);
         const Output output = { entries + body.entry_first, body.entry_count,
                                 (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first)) };
@@ -227,10 +227,10 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     __global const Slot *mine = slots + owner * slots_per_member;
     __global float16 *models = (__global float16 *)matrices;
     for (uint s = 0; s < slots_per_member; s++)
-        samples[s] = play(mine[s], machines, tick, of, row_times, buckets).at;
+        samples[s] = play(mine[s], machines, tick, &of, row_times, buckets).at;
     Playing playing[SLOTS_MOST];
-    const Playback playback = play_all(mine, slots_per_member, machines, tick, of, row_times, buckets, playing);
-    pose_member(of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body, models,
+    const Playback playback = play_all(mine, slots_per_member, machines, tick, &of, row_times, buckets, playing);
+    pose_member(&of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER, member_layers(member), body, models,
                 planes);
     if (member.control == NONE) {
         for (uint joint = 0; joint < body.joint_count; joint++) descend_to(joint, parents + body.joint_first, models);

@@ -1,12 +1,14 @@
 /* joint.cl - what Pose computes for a joint: a member's slots mixed layer by layer (Lister & Day 2012, section 4.1), and
  * the matrix that comes of it. Twin of populace-native pose.rs. */
 
-/* What takes `reference` to `value`, its rotation on the side of another one. */
-INLINE Trs quotient(Trs value, Trs reference, Quat side)
+/* What takes `reference` to `value`, its rotation on the side of another one; scales that stand at rest in both are not
+ * divided. */
+INLINE Trs quotient(Trs value, Trs reference, Quat side, uint at_rest)
 {
-    Trs trs;
+    Trs trs = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 1.0f } };
     trs.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), side);
     trs.t = vec3_add(value.t, vec3_scale(reference.t, -1.0f));
+    if (at_rest & REST_SCALE) return trs;
     trs.s.x = reference.s.x == (Real)(0.0f) ? (Real)(1.0f) : value.s.x / reference.s.x;
     trs.s.y = reference.s.y == (Real)(0.0f) ? (Real)(1.0f) : value.s.y / reference.s.y;
     trs.s.z = reference.s.z == (Real)(0.0f) ? (Real)(1.0f) : value.s.z / reference.s.z;
@@ -62,21 +64,21 @@ INLINE Trs mix_layer(Trs beneath, Trs above, float total, Real layer_weight, Trs
 }
 
 /* The sum over a layer's slots of weight times value, or times difference from the first row. */
-INLINE Sum sum_layer(Clips of, Playback playback, uint layer_index, bool additive, Body body, uint joint, Trs rest)
+INLINE Sum sum_layer(const Clips *of, Playback playback, uint layer_index, bool additive, Body body, uint joint, Trs rest)
 {
     Sum sum = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }, 0.0f,
                 REST_TRANSLATION | REST_SCALE };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
-        const BoundClip bound = of.bound_clips[playing.bound_clip];
+        const BoundClip bound = of->bound_clips[playing.bound_clip];
         const float weight = playing.at.weight;
         Sample sample = sample_joint(of, bound, body, joint, playing.at, rest);
         if (additive) {
-            const uint first = of.clips[bound.clip].row_first;
+            const uint first = of->clips[bound.clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
             const Trs reference = normalized(sample_joint(of, bound, body, joint, start, rest));
-            sample.trs = change(quotient(normalized(sample), reference, quat_identity()));
+            sample.trs = change(quotient(normalized(sample), reference, quat_identity(), sample.at_rest));
             sample.unit = 1.0f;
         }
         sum.trs.t = vec3_add(sum.trs.t, vec3_scale(sample.trs.t, weight));
@@ -89,10 +91,10 @@ INLINE Sum sum_layer(Clips of, Playback playback, uint layer_index, bool additiv
 }
 
 /* What settles in a layer; see settle.cl. */
-SELDOM Trs settle(Clips of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs);
+SELDOM Trs settle(const Clips *of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs);
 
 /* What the layers above 0 make of what lies beneath. Called with pointers: a call by value copies more than it computes. */
-APART void lay_over(Clips of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,
+APART void lay_over(const Clips *of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,
                     const Trs *at_rest, Trs *beneath)
 {
     const Trs rest = *at_rest;
@@ -100,7 +102,7 @@ APART void lay_over(Clips of, Playback playback, __global const Layer *layers, u
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = layers[l];
         const uint mask = layer.mask_and_mode & LAYER_MASK;
-        const Real weight = mask == LAYER_MASK ? (Real)(layer.weight) : layer.weight * LOAD(of.masks + mask + joint);
+        const Real weight = mask == LAYER_MASK ? (Real)(layer.weight) : layer.weight * LOAD(of->masks + mask + joint);
         const Choice laid = weight > (Real)(0.0f);
         if (!ANY(laid)) continue;
         const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
@@ -161,11 +163,11 @@ APART void adjust(Locals of, __global const Control *control, uint joint, Trs *p
 }
 
 /* The local transforms of one joint, or of sixteen from `joint` on. `layers` are the member's. */
-INLINE Trs pose_joint(Clips of, Locals locals, uint control, Playback playback, __global const Layer *layers,
+INLINE Trs pose_joint(const Clips *of, Locals locals, uint control, Playback playback, __global const Layer *layers,
                       uint layer_count, Body body, uint joint)
 {
     const uint padded = body.padded_count;
-    __global const float *planes = of.poses + body.rest_first + joint;
+    __global const float *planes = of->poses + body.rest_first + joint;
     const Trs rest = { load_vec3(planes + 4 * padded, padded), load_quat(planes, padded), load_vec3(planes + 7 * padded, padded) };
     const Sum sum = sum_layer(of, playback, 0, false, body, joint, rest);
     /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */

@@ -29,7 +29,7 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
     const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member, machines,
                                 settling_of(slots + first_slot, slots_per_member, tick) };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
-    const Trs trs = pose_joint(of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
+    const Trs trs = pose_joint(&of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
                                member_layers(member), body, joint);
     translations[place] = (float4)(trs.t.x, trs.t.y, trs.t.z, 0.0f);
     rotations[place] = (float4)(trs.r.x, trs.r.y, trs.r.z, trs.r.w);

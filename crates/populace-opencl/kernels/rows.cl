@@ -49,9 +49,9 @@ INLINE bool is_packed(Planes planes, uint property, uint component)
 }
 
 /* Where sixteen neighbouring joints, of which this is one, find their columns. */
-INLINE __global const BoundBlock *bound_block(Clips of, BoundClip bound, uint joint)
+INLINE __global const BoundBlock *bound_block(const Clips *of, BoundClip bound, uint joint)
 {
-    return of.bound_blocks + bound.block_first + joint / JOINT_BLOCK;
+    return of->bound_blocks + bound.block_first + joint / JOINT_BLOCK;
 }
 
 #if LANES == 1
@@ -59,10 +59,10 @@ INLINE __global const BoundBlock *bound_block(Clips of, BoundClip bound, uint jo
 /* Where a joint's column stands. */
 typedef struct { RowBlock block; uint flags, lane; } Columns;
 
-INLINE Columns columns_of(Clips of, BoundClip bound, uint joint)
+INLINE Columns columns_of(const Clips *of, BoundClip bound, uint joint)
 {
-    const uint map = of.joint_maps[bound.map_first + joint], column = map & MAP_COLUMN;
-    Columns columns = { of.row_blocks[of.clips[bound.clip].block_first + column / JOINT_BLOCK],
+    const uint map = of->joint_maps[bound.map_first + joint], column = map & MAP_COLUMN;
+    Columns columns = { of->row_blocks[of->clips[bound.clip].block_first + column / JOINT_BLOCK],
                         bound_block(of, bound, joint)->flags, column % JOINT_BLOCK };
     if (!(map & MAP_ROTATION)) columns.block.rotation_first = NONE;
     if (!(map & MAP_TRANSLATION)) columns.block.translation_first = NONE;
@@ -73,19 +73,19 @@ INLINE Columns columns_of(Clips of, BoundClip bound, uint joint)
 /* Whether a property is stored as nearly all are: in halves. */
 INLINE bool is_plain(Columns columns, Planes planes) { return !(planes.lanes & ROW_FLOATS); }
 
-INLINE Words words_at(Clips of, Columns columns, Planes planes, uint row, uint plane)
+INLINE Words words_at(const Clips *of, Columns columns, Planes planes, uint row, uint plane)
 {
-    return of.rows[plane_at(planes, row, plane) + columns.lane];
+    return of->rows[plane_at(planes, row, plane) + columns.lane];
 }
 
-INLINE Real halves_at(Clips of, Columns columns, Planes planes, uint row, uint plane)
+INLINE Real halves_at(const Clips *of, Columns columns, Planes planes, uint row, uint plane)
 {
-    const uint word = of.rows[plane_at(planes, row, plane) + columns.lane / 2];
+    const uint word = of->rows[plane_at(planes, row, plane) + columns.lane / 2];
     return convert_float((int)(word >> 16 * (columns.lane % 2) & 0xffffu));
 }
 
 /* A component of a row, in steps. */
-INLINE Real steps(Clips of, Columns columns, uint property, uint row, uint component)
+INLINE Real steps(const Clips *of, Columns columns, uint property, uint row, uint component)
 {
     const Planes planes = planes_of(columns.block, property);
     if (is_packed(planes, property, component)) return halves_at(of, columns, planes, row, 1);
@@ -98,7 +98,7 @@ INLINE Real steps(Clips of, Columns columns, uint property, uint row, uint compo
  * several; `block` then tells no more than what moves. */
 typedef struct { RowBlock block; uint flags, source_first, source_count; } Columns;
 
-INLINE Columns columns_of(Clips of, BoundClip bound, uint joint)
+INLINE Columns columns_of(const Clips *of, BoundClip bound, uint joint)
 {
     __global const BoundBlock *b = bound_block(of, bound, joint);
     const Columns columns = { { b->rotation_first, b->rotation_lanes, b->translation_first, b->translation_lanes,
@@ -109,33 +109,33 @@ INLINE Columns columns_of(Clips of, BoundClip bound, uint joint)
 /* Whether a property is stored as nearly all are: in halves, each joint's in its own lane. */
 INLINE bool is_plain(Columns columns, Planes planes) { return (columns.flags & BLOCK_STRAIGHT) && !(planes.lanes & ROW_FLOATS); }
 
-INLINE Words words_at(Clips of, Columns columns, Planes planes, uint row, uint plane)
+INLINE Words words_at(const Clips *of, Columns columns, Planes planes, uint row, uint plane)
 {
-    return vload16(0, of.rows + plane_at(planes, row, plane));
+    return vload16(0, of->rows + plane_at(planes, row, plane));
 }
 
-INLINE Real halves_at(Clips of, Columns columns, Planes planes, uint row, uint plane)
+INLINE Real halves_at(const Clips *of, Columns columns, Planes planes, uint row, uint plane)
 {
-    __global const ushort *halves = (__global const ushort *)(of.rows + plane_at(planes, row, plane));
+    __global const ushort *halves = (__global const ushort *)(of->rows + plane_at(planes, row, plane));
     return convert_float16(convert_int16(vload16(0, halves)));
 }
 
 /* A component of a row, in steps, of the columns of one block. */
-INLINE Real block_steps(Clips of, Columns columns, Planes planes, uint property, uint row, uint component)
+INLINE Real block_steps(const Clips *of, Columns columns, Planes planes, uint property, uint row, uint component)
 {
     if (is_packed(planes, property, component)) return halves_at(of, columns, planes, row, 1);
     return steps_in(words_at(of, columns, planes, row, plane_of(planes, component)), planes, component);
 }
 
 /* A component of a row, in steps, of each lane's column in the block that it follows. */
-INLINE Real gathered_steps(Clips of, Columns columns, uint property, uint row, uint component)
+INLINE Real gathered_steps(const Clips *of, Columns columns, uint property, uint row, uint component)
 {
     Words found = 0;
     for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = of.sources[columns.source_first + s];
-        const Planes planes = planes_of(of.row_blocks[source.block], property);
+        const Source source = of->sources[columns.source_first + s];
+        const Planes planes = planes_of(of->row_blocks[source.block], property);
         if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, of.source_lanes + source.lanes_first);
+        const Words lanes = vload16(0, of->source_lanes + source.lanes_first);
         const Words here = AS_WORDS(block_steps(of, columns, planes, property, row, component));
         found = lanes == (Words)(NONE) ? found : permute(here, lanes);
     }
@@ -143,7 +143,7 @@ INLINE Real gathered_steps(Clips of, Columns columns, uint property, uint row, u
 }
 
 /* A component of a row, in steps. */
-INLINE Real steps(Clips of, Columns columns, uint property, uint row, uint component)
+INLINE Real steps(const Clips *of, Columns columns, uint property, uint row, uint component)
 {
     if (!(columns.flags & BLOCK_STRAIGHT)) return gathered_steps(of, columns, property, row, component);
     return block_steps(of, columns, planes_of(columns.block, property), property, row, component);
@@ -152,7 +152,7 @@ INLINE Real steps(Clips of, Columns columns, uint property, uint row, uint compo
 #endif
 
 /* Components between two rows, in steps, however they are stored; the way for what is seldom. */
-APART Quat any_rotation_steps(Clips of, Columns columns, SlotSample at)
+APART Quat any_rotation_steps(const Clips *of, Columns columns, SlotSample at)
 {
     const Quat from = { steps(of, columns, ROTATION, at.row0, 0), steps(of, columns, ROTATION, at.row0, 1),
                         steps(of, columns, ROTATION, at.row0, 2), steps(of, columns, ROTATION, at.row0, 3) };
@@ -161,7 +161,7 @@ APART Quat any_rotation_steps(Clips of, Columns columns, SlotSample at)
     return quat_mix(from, to, at.between);
 }
 
-APART Vec3 any_vector_steps(Clips of, Columns columns, uint property, SlotSample at)
+APART Vec3 any_vector_steps(const Clips *of, Columns columns, uint property, SlotSample at)
 {
     const Vec3 from = { steps(of, columns, property, at.row0, 0), steps(of, columns, property, at.row0, 1),
                         steps(of, columns, property, at.row0, 2) };
@@ -177,14 +177,14 @@ INLINE Real high_half(Words words) { return CONVERT_REAL(AS_INTS(words >> 16)); 
 #if LANES > 1
 
 /* The same where columns stand here and there, but none is held as floats: whole words are gathered, not components. */
-APART Quat gathered_rotation_steps(Clips of, Columns columns, SlotSample at)
+APART Quat gathered_rotation_steps(const Clips *of, Columns columns, SlotSample at)
 {
     Words xy0 = 0, zw0 = 0, xy1 = 0, zw1 = 0;
     for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = of.sources[columns.source_first + s];
-        const Planes planes = planes_of(of.row_blocks[source.block], ROTATION);
+        const Source source = of->sources[columns.source_first + s];
+        const Planes planes = planes_of(of->row_blocks[source.block], ROTATION);
         if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, of.source_lanes + source.lanes_first);
+        const Words lanes = vload16(0, of->source_lanes + source.lanes_first);
         const Choice elsewhere = lanes == (Words)(NONE);
         xy0 = elsewhere ? xy0 : permute(words_at(of, columns, planes, at.row0, 0), lanes);
         zw0 = elsewhere ? zw0 : permute(words_at(of, columns, planes, at.row0, 1), lanes);
@@ -199,7 +199,7 @@ APART Quat gathered_rotation_steps(Clips of, Columns columns, SlotSample at)
 #endif
 
 /* Rotations between two rows, in steps. */
-INLINE Quat rotation_steps(Clips of, Columns columns, SlotSample at)
+INLINE Quat rotation_steps(const Clips *of, Columns columns, SlotSample at)
 {
     const Planes planes = planes_of(columns.block, ROTATION);
 #if LANES > 1
@@ -215,14 +215,14 @@ INLINE Quat rotation_steps(Clips of, Columns columns, SlotSample at)
 
 #if LANES > 1
 
-APART Vec3 gathered_vector_steps(Clips of, Columns columns, uint property, SlotSample at)
+APART Vec3 gathered_vector_steps(const Clips *of, Columns columns, uint property, SlotSample at)
 {
     Words xy0 = 0, z0 = 0, xy1 = 0, z1 = 0;
     for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = of.sources[columns.source_first + s];
-        const Planes planes = planes_of(of.row_blocks[source.block], property);
+        const Source source = of->sources[columns.source_first + s];
+        const Planes planes = planes_of(of->row_blocks[source.block], property);
         if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, of.source_lanes + source.lanes_first);
+        const Words lanes = vload16(0, of->source_lanes + source.lanes_first);
         const Choice elsewhere = lanes == (Words)(NONE);
         xy0 = elsewhere ? xy0 : permute(words_at(of, columns, planes, at.row0, 0), lanes);
         z0 = elsewhere ? z0 : permute(AS_WORDS(halves_at(of, columns, planes, at.row0, 1)), lanes);
@@ -237,7 +237,7 @@ APART Vec3 gathered_vector_steps(Clips of, Columns columns, uint property, SlotS
 #endif
 
 /* Translations or scales between two rows, in steps. */
-INLINE Vec3 vector_steps(Clips of, Columns columns, uint property, SlotSample at)
+INLINE Vec3 vector_steps(const Clips *of, Columns columns, uint property, SlotSample at)
 {
     const Planes planes = planes_of(columns.block, property);
 #if LANES > 1
@@ -264,7 +264,7 @@ INLINE Vec3 load_vec3(__global const float *planes, uint padded)
 }
 
 /* Translations or scales between two rows; `offset` and `step` are planes. */
-INLINE Vec3 sample_vector(Clips of, Columns columns, uint property, SlotSample at, __global const float *offset,
+INLINE Vec3 sample_vector(const Clips *of, Columns columns, uint property, SlotSample at, __global const float *offset,
                    __global const float *step, uint padded)
 {
     const Vec3 still = load_vec3(offset, padded);
@@ -284,14 +284,14 @@ INLINE Trs normalized(Sample sample)
 }
 
 /* What a retargeted clip's poses go through; see turns.cl. */
-APART Trs turn(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs);
+APART Trs turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs);
 
 /* Local transforms between two rows. */
-INLINE Sample sample_joint(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Trs rest)
+INLINE Sample sample_joint(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs rest)
 {
     const Columns columns = columns_of(of, bound, joint);
     const uint padded = body.padded_count;
-    __global const float *range = of.poses + bound.range_first + joint;
+    __global const float *range = of->poses + bound.range_first + joint;
     Sample sample = { { rest.t, load_quat(range, padded), rest.s }, 0.0f, columns.flags & (REST_TRANSLATION | REST_SCALE) };
     Trs *trs = &sample.trs;
     if (columns.block.rotation_first != NONE)

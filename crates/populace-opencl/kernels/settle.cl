@@ -41,10 +41,10 @@ INLINE SlotSample place_of(ClipRows clip, float at)
  * first row. */
 typedef struct { Trs at, far, reference; } Stands;
 
-INLINE Stands stands_of(Clips of, Stand stand, bool additive, Body body, uint joint, Trs rest)
+INLINE Stands stands_of(const Clips *of, Stand stand, bool additive, Body body, uint joint, Trs rest)
 {
-    const BoundClip bound = of.bound_clips[stand.bound_clip];
-    const ClipRows clip = of.clips[bound.clip];
+    const BoundClip bound = of->bound_clips[stand.bound_clip];
+    const ClipRows clip = of->clips[bound.clip];
     const SlotSample places[3] = { place_of(clip, stand.row), row_of(clip, far_row(stand.row, clip.row_count - 1)),
                                    row_of(clip, 0) };
     Trs found[3];
@@ -82,14 +82,14 @@ INLINE SettlingWeights settling_weights(Slot slot, ulong tick, bool additive)
     return by;
 }
 
-INLINE Trs add_settling(Clips of, Slot slot, ulong tick, bool additive, Body body, uint joint, Trs rest, Trs sum)
+INLINE Trs add_settling(const Clips *of, Slot slot, ulong tick, bool additive, Body body, uint joint, Trs rest, Trs sum)
 {
     const SettlingWeights by = settling_weights(slot, tick, additive);
     const Stands left = stands_of(of, stand_of(slot.bound_clip, slot.phase_rate), additive, body, joint, rest);
     const Stands taking = stands_of(of, stand_of(slot.start_phase, slot.weight_tick), additive, body, joint, rest);
     const Trs reference = additive ? left.reference : taking.reference;
-    Trs a = quotient(left.at, reference, quat_identity()), f = quotient(left.far, reference, a.r);
-    Trs n = quotient(taking.at, taking.reference, quat_identity()), b = quotient(taking.far, taking.reference, n.r);
+    Trs a = quotient(left.at, reference, quat_identity(), 0), f = quotient(left.far, reference, a.r, 0);
+    Trs n = quotient(taking.at, taking.reference, quat_identity(), 0), b = quotient(taking.far, taking.reference, n.r, 0);
     if (!additive) {
         /* The difference lies over what took the place, and is carried along as that moves. */
         n = a;
@@ -116,7 +116,7 @@ INLINE bool settles_in(Slot slot, uint layer, ulong tick) { return slot_layer(sl
 
 /* A layer's mean, or its sum of differences where it is additive, with all that settles in it. Over a mean the newest start
  * comes first: those before it lie over what was then left. */
-SELDOM Trs settle(Clips of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs)
+SELDOM Trs settle(const Clips *of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs)
 {
     ulong earlier = ULONG_MAX;
     for (;;) {

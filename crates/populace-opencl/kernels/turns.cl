@@ -2,13 +2,13 @@
  * turns.rs. */
 
 /* A translation and a rotation, not of length 1, through all turns of a clip. Apart: most clips have none. */
-APART Trs turn(Clips of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs)
+APART Trs turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs)
 {
     const uint padded = body.padded_count;
     while (bound_block(of, bound, joint)->flags & BLOCK_TURNED) {
-        bound = of.bound_clips[bound.next];
+        bound = of->bound_clips[bound.next];
         const Columns columns = columns_of(of, bound, joint);
-        __global const float *planes = of.poses + bound.range_first + joint;
+        __global const float *planes = of->poses + bound.range_first + joint;
         if (!(columns.flags & REST_TRANSLATION)) {
             const Vec3 arm = sample_vector(of, columns, TRANSLATION, at, planes + 6 * padded, planes + 9 * padded, padded);
             const Quat unit = quat_scale(trs.r, inverse_sqrt(quat_dot(trs.r, trs.r)));
