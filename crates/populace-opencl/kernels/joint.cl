@@ -91,7 +91,8 @@ INLINE Sum sum_layer(const Clips *of, Playback playback, uint layer_index, bool 
 }
 
 /* What settles in a layer; see settle.cl. */
-SELDOM Trs settle(const Clips *of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs);
+SELDOM void settle(const Clips *of, Settling settling, uint layer, bool additive, Body body, uint joint, const Trs *at_rest,
+                   Trs *mean);
 
 /* What the layers above 0 make of what lies beneath. Called with pointers: a call by value copies more than it computes. */
 APART void lay_over(const Clips *of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,
@@ -109,7 +110,7 @@ APART void lay_over(const Clips *of, Playback playback, __global const Layer *la
         const Sum sum = sum_layer(of, playback, l, additive, body, joint, rest);
         if (!additive && sum.total <= 0.0f) continue;
         Trs own = additive ? sum.trs : mean_of(sum, rest);
-        if (playback.settling.count > 0) own = settle(of, playback.settling, l, additive, body, joint, rest, own);
+        if (playback.settling.count > 0) settle(of, playback.settling, l, additive, body, joint, &rest, &own);
         const Trs above = additive ? add_layer(trs, own, weight) : mix_layer(trs, own, sum.total, weight, rest);
         trs.t = vec3_choose(laid, above.t, trs.t);
         trs.r = quat_choose(laid, above.r, trs.r);
@@ -172,17 +173,9 @@ INLINE Trs pose_joint(const Clips *of, Locals locals, uint control, Playback pla
     const Sum sum = sum_layer(of, playback, 0, false, body, joint, rest);
     /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
     Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
-    if (playback.settling.count > 0) trs = settle(of, playback.settling, 0, false, body, joint, rest, trs);
-    if (layer_count > 1) {
-        Trs laid[2] = { rest, trs };
-        lay_over(of, playback, layers, layer_count, body, joint, &laid[0], &laid[1]);
-        trs = laid[1];
-    }
-    if (control != NONE && is_adjusted(locals.controls + control)) {
-        Trs adjusted = trs;
-        adjust(locals, locals.controls + control, joint, &adjusted);
-        trs = adjusted;
-    }
+    if (playback.settling.count > 0) settle(of, playback.settling, 0, false, body, joint, &rest, &trs);
+    if (layer_count > 1) lay_over(of, playback, layers, layer_count, body, joint, &rest, &trs);
+    if (control != NONE && is_adjusted(locals.controls + control)) adjust(locals, locals.controls + control, joint, &trs);
     return trs;
 }
 

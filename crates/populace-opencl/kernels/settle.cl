@@ -116,8 +116,11 @@ INLINE bool settles_in(Slot slot, uint layer, ulong tick) { return slot_layer(sl
 
 /* A layer's mean, or its sum of differences where it is additive, with all that settles in it. Over a mean the newest start
  * comes first: those before it lie over what was then left. */
-SELDOM Trs settle(const Clips *of, Settling settling, uint layer, bool additive, Body body, uint joint, Trs rest, Trs trs)
+SELDOM void settle(const Clips *of, Settling settling, uint layer, bool additive, Body body, uint joint, const Trs *at_rest,
+                   Trs *mean)
 {
+    const Trs rest = *at_rest;
+    Trs trs = *mean;
     ulong earlier = ULONG_MAX;
     for (;;) {
         ulong start = 0;
@@ -128,7 +131,7 @@ SELDOM Trs settle(const Clips *of, Settling settling, uint layer, bool additive,
             start = any ? max(start, slot.start_tick) : slot.start_tick;
             any = true;
         }
-        if (!any) return trs;
+        if (!any) break;
         Trs sum = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
         for (uint s = 0; s < settling.count; s++) {
             const Slot slot = settling.slots[s];
@@ -139,4 +142,5 @@ SELDOM Trs settle(const Clips *of, Settling settling, uint layer, bool additive,
         trs = additive ? added : add_layer(trs, sum, 1.0f);
         earlier = start;
     }
+    *mean = trs;
 }
