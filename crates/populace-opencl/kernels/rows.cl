@@ -284,7 +284,7 @@ INLINE Trs normalized(Sample sample)
 }
 
 /* What a retargeted clip's poses go through; see turns.cl. */
-APART Trs turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs);
+APART void turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs *posed);
 
 /* Local transforms between two rows. */
 INLINE Sample sample_joint(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs rest)
@@ -300,7 +300,7 @@ INLINE Sample sample_joint(const Clips *of, BoundClip bound, Body body, uint joi
         trs->t = sample_vector(of, columns, TRANSLATION, at, range + 5 * padded, range + 8 * padded, padded);
     if (!(sample.at_rest & REST_SCALE))
         trs->s = sample_vector(of, columns, SCALE, at, range + 9 * padded, range + 12 * padded, padded);
-    if (columns.flags & BLOCK_TURNED) *trs = turn(of, bound, body, joint, at, *trs);
+    if (columns.flags & BLOCK_TURNED) turn(of, bound, body, joint, at, trs);
     sample.unit = inverse_sqrt(quat_dot(trs->r, trs->r)) * quat_side(trs->r, rest.r);
     return sample;
 }

@@ -2,8 +2,9 @@
  * turns.rs. */
 
 /* A translation and a rotation, not of length 1, through all turns of a clip. Apart: most clips have none. */
-APART Trs turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs trs)
+APART void turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs *posed)
 {
+    Trs trs = *posed;
     const uint padded = body.padded_count;
     while (bound_block(of, bound, joint)->flags & BLOCK_TURNED) {
         bound = of->bound_clips[bound.next];
@@ -23,5 +24,5 @@ APART Trs turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSamp
         }
         trs.r = quat_mul(quat_mul(trs.r, q), load_quat(planes + 10 * padded, padded));
     }
-    return trs;
+    *posed = trs;
 }
