@@ -48,7 +48,10 @@ fn constrain(stage: &mut Stage, member: Member, number: u8, watched: Option<Memb
     crowd.plant_with(member, &feet(if number % 5 == 4 { 0.6 } else { 1.0 })).expect("feet");
     let hand = [0.3 * x.sin() + 0.2, 1.2 + 0.4 * (x * 0.6).cos(), 0.4];
     if number.is_multiple_of(2) {
-        let reach = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
+        let mut reach = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
+        if number.is_multiple_of(4) {
+            reach = reach.pole([0.2, -1.0, 0.1 * x]);
+        }
         crowd.reach(member, reach, Target::InModel(hand), at_once()).expect("a limb that reaches");
     }
     if number.is_multiple_of(3) {
@@ -85,5 +88,55 @@ fn every_device_and_schedule_moves_a_constrained_crowd_to_the_same_bits() {
         let expected = first.get_or_insert_with(|| bits.clone());
         let apart = expected.iter().zip(&bits).filter(|(a, b)| a != b).count();
         assert_eq!((apart, expected.len()), (0, bits.len()), "numbers that differ from the first stage's");
+    });
+}
+
+/// Members whose constraints are solved side by side do not touch each other: alike ones come out alike, whoever stands
+/// beside them, as many as no work-item takes one by one.
+#[test]
+fn nobody_is_moved_by_who_stands_beside_them() {
+    const KINDS: u8 = 16;
+    let first: RefCell<Option<Vec<Vec<u32>>>> = RefCell::new(None);
+    everywhere(|stage| {
+        let order = (0..640u16).map(|at| ((at * 7 + at / 16) % u16::from(KINDS)) as u8);
+        let members: Vec<(u8, Member)> = order
+            .map(|number| {
+                let x = f32::from(number);
+                let member = stage.member(Placement::at([x, 0.0, 0.0]).facing(x));
+                let clip = stage.clip(if number % 2 == 0 { "walk" } else { "sway" });
+                stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
+                match number {
+                    15 => {} // plain
+                    14 => {
+                        let mut one = feet(1.0);
+                        one.feet.truncate(1);
+                        stage.crowd.plant_with(member, &one).expect("a foot");
+                    }
+                    _ => constrain(stage, member, number, None),
+                }
+                (number, member)
+            })
+            .collect();
+        stage.update(0.2);
+        // Two targets at once, for some.
+        for (_, member) in members.iter().filter(|(number, _)| number % 4 == 1) {
+            let target = Target::InModel([1.0, 1.2, 1.5]);
+            stage.crowd.look_with(*member, &gaze("spine"), target, Weight::FULL.over_secs(0.3)).expect("a gaze");
+        }
+        stage.update(0.1);
+        let mut of_kind: Vec<Vec<u32>> = vec![Vec::new(); usize::from(KINDS)];
+        for (number, member) in &members {
+            let palette = stage.crowd.palette(*member).expect("a palette");
+            let bits: Vec<u32> = palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect();
+            let kind = &mut of_kind[usize::from(*number)];
+            if kind.is_empty() {
+                *kind = bits;
+            } else {
+                assert!(*kind == bits, "two members of kind {number} differ");
+            }
+        }
+        let mut first = first.borrow_mut();
+        let expected = first.get_or_insert_with(|| of_kind.clone());
+        assert!(*expected == of_kind, "the first stage's members differ from this one's");
     });
 }
