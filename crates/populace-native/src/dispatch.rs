@@ -10,6 +10,9 @@
 use populace_core::layout::Float4;
 
 use crate::fused::{self, Desk, Evaluation};
+use crate::joint::Posing;
+use crate::lanes::Lanes;
+use crate::rows::Local;
 
 /// The widest registers that the processor and this crate both know.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,17 +25,48 @@ pub(crate) enum Dispatch {
     Avx512,
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn write_palette_avx2(member: Evaluation, desk: &mut Desk, palette: &mut [Float4]) {
-    fused::write_palette(member, desk, palette);
+/// Compiles a function for each kind of registers, and makes the method that calls the one for this machine.
+macro_rules! for_each_processor {
+    ($(#[$doc:meta])* $name:ident, $of_avx2:ident, $of_avx512:ident, $function:path, ($($arg:ident: $type:ty),*)) => {
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2")]
+        fn $of_avx2($($arg: $type),*) {
+            $function($($arg),*);
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+        fn $of_avx512($($arg: $type),*) {
+            $function($($arg),*);
+        }
+
+        impl Dispatch {
+            $(#[$doc])*
+            pub(crate) fn $name(self, $($arg: $type),*) {
+                match self {
+                    Self::Baseline => $function($($arg),*),
+                    // SAFETY: `detect` makes this value only where the processor has AVX2.
+                    #[cfg(target_arch = "x86_64")]
+                    Self::Avx2 => unsafe { $of_avx2($($arg),*) },
+                    // SAFETY: `detect` makes this value only where the processor has these parts of AVX-512.
+                    #[cfg(target_arch = "x86_64")]
+                    Self::Avx512 => unsafe { $of_avx512($($arg),*) },
+                }
+            }
+        }
+    };
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn write_palette_avx512(member: Evaluation, desk: &mut Desk, palette: &mut [Float4]) {
-    fused::write_palette(member, desk, palette);
-}
+for_each_processor!(
+    /// See [`fused::write_palette`].
+    write_palette, write_palette_avx2, write_palette_avx512, fused::write_palette,
+    (member: Evaluation, desk: &mut Desk, palette: &mut [Float4])
+);
+for_each_processor!(
+    /// See [`Posing::lay_over`].
+    lay_over, lay_over_avx2, lay_over_avx512, Posing::lay_over,
+    (posing: &Posing, rest: &Local<Lanes>, pose: &mut Local<Lanes>)
+);
 
 impl Dispatch {
     /// What this machine has.
@@ -61,19 +95,6 @@ impl Dispatch {
             Self::Avx2 => "AVX2",
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 => "AVX-512",
-        }
-    }
-
-    /// See [`fused::write_palette`].
-    pub(crate) fn write_palette(self, member: Evaluation, desk: &mut Desk, palette: &mut [Float4]) {
-        match self {
-            Self::Baseline => fused::write_palette(member, desk, palette),
-            // SAFETY: `detect` makes this value only where the processor has AVX2.
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => unsafe { write_palette_avx2(member, desk, palette) },
-            // SAFETY: `detect` makes this value only where the processor has these parts of AVX-512.
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => unsafe { write_palette_avx512(member, desk, palette) },
         }
     }
 }

@@ -49,6 +49,8 @@ pub(crate) struct Evaluation<'a> {
     pub(crate) place: u32,
     pub(crate) clock: Clock<'a>,
     pub(crate) keeping: &'a Keeping,
+    /// The registers that sixteen joints are computed in.
+    pub(crate) dispatch: Dispatch,
 }
 
 /// Writes the palettes of the frame's members.
@@ -66,7 +68,7 @@ pub(crate) fn run(
         let blocks = &all[first..first + palettes.len() / BLOCK];
         split::for_each_member::<BLOCK, 1>(blocks, [palettes], &|place, _, [palette]| {
             if frame.evaluates(place) && frame.reaches(&members[place as usize]) {
-                let member = Evaluation { tables, place, clock: Clock::of(frame, stages), keeping };
+                let member = Evaluation { tables, place, clock: Clock::of(frame, stages), keeping, dispatch };
                 dispatch.write_palette(member, &mut scratch_of(scratch), palette);
             }
         });
@@ -114,7 +116,7 @@ pub(crate) fn member_matrices(
     desk: &mut Desk,
     mut keep: impl FnMut(usize, &Local<Lanes>),
 ) {
-    let Evaluation { tables, place, clock, keeping } = member;
+    let Evaluation { tables, place, clock, keeping, dispatch } = member;
     let (body, control) = (body_of(tables, place), control_of(tables, place));
     desk.models.resize(body.padded_count as usize, Affine::IDENTITY);
     let mut playing = [Playing::default(); MAX_SLOTS];
@@ -123,7 +125,7 @@ pub(crate) fn member_matrices(
     let settling = settling_slots(tables, place, clock.tick);
     for (block, matrices) in desk.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joint = block * LANES;
-        let posing = Posing { tables, playing, settling, layers, body, control, joint, clock };
+        let posing = Posing { tables, playing, settling, layers, body, control, joint, clock, dispatch };
         let local = posing.pose::<Lanes>();
         keep(joint, &local);
         let m = components(local.t, local.r, local.s);

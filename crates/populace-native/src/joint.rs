@@ -5,6 +5,7 @@ use populace_core::layout::{Body, Control, Layer, NONE, REST_SCALE, REST_TRANSLA
 use populace_core::math::{Real, quat};
 
 use crate::controls::Clock;
+use crate::dispatch::Dispatch;
 use crate::rows::{Local, Width, load_quat, load_vec3, sample_joint};
 use crate::stages;
 
@@ -94,6 +95,12 @@ fn mix_layer<R: Real>(
     }
 }
 
+/// Whether anything but clips is to change a pose.
+#[inline(always)]
+fn is_adjusted(control: &Control) -> bool {
+    control.scale_first != NONE || control.local_count > 0 || control.pose_step_count > 0
+}
+
 /// A member's joints to pose: one, or the sixteen from it on.
 pub(crate) struct Posing<'a> {
     pub(crate) tables: &'a Tables,
@@ -106,6 +113,8 @@ pub(crate) struct Posing<'a> {
     pub(crate) control: Option<&'a Control>,
     pub(crate) joint: usize,
     pub(crate) clock: Clock<'a>,
+    /// The registers that sixteen joints are computed in.
+    pub(crate) dispatch: Dispatch,
 }
 
 impl Posing<'_> {
@@ -154,11 +163,13 @@ impl Posing<'_> {
         let sum = self.sum_layer::<R>(0, false, &rest);
         // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
         let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
-        let pose = if self.settling.is_empty() { pose } else { self.settle(0, false, &rest, pose) };
-        let pose = if self.layers.len() > 1 { self.lay_over(&rest, pose) } else { pose };
+        let mut pose = if self.settling.is_empty() { pose } else { self.settle(0, false, &rest, pose) };
+        if self.layers.len() > 1 {
+            R::lay_over(self, &rest, &mut pose);
+        }
         match self.control {
-            Some(control) => self.adjust(control, pose),
-            None => pose,
+            Some(control) if is_adjusted(control) => self.adjust(control, pose),
+            _ => pose,
         }
     }
 
@@ -194,10 +205,9 @@ impl Posing<'_> {
         pose
     }
 
-    /// What the layers above 0 make of what lies beneath. Apart: it is seldom, and must not take the registers of what
-    /// is not.
-    #[inline(never)]
-    fn lay_over<R: Width>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
+    /// What the layers above 0 make of what lies beneath. Called by [`Width::lay_over`].
+    #[inline(always)]
+    pub(crate) fn lay_over<R: Width>(&self, rest: &Local<R>, pose: &mut Local<R>) {
         for (index, layer) in (0..).zip(self.layers).skip(1) {
             let mut weight = R::splat(layer.weight);
             if let Some(mask) = layer.mask() {
@@ -217,16 +227,15 @@ impl Posing<'_> {
                 own = self.settle(index, additive, rest, own);
             }
             let above = if additive {
-                add_layer(&pose, &own, weight)
+                add_layer(pose, &own, weight)
             } else {
-                mix_layer(&pose, &own, sum.total, weight, rest)
+                mix_layer(pose, &own, sum.total, weight, rest)
             };
-            pose = Local {
+            *pose = Local {
                 t: each3(|i| R::choose(laid, above.t[i], pose.t[i])),
                 r: quat::choose(laid, above.r, pose.r),
                 s: each3(|i| R::choose(laid, above.s[i], pose.s[i])),
             };
         }
-        pose
     }
 }

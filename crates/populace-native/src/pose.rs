@@ -4,6 +4,7 @@ use populace_core::layout::{Float4, JOINT_BLOCK, SlotSample};
 use populace_core::{Frame, MAX_SLOTS, Tables};
 
 use crate::controls::{Clock, control_of};
+use crate::dispatch::Dispatch;
 use crate::joint::{Playing, Posing};
 use crate::machines::slot_now;
 use crate::settle::settling_slots;
@@ -36,7 +37,8 @@ pub(crate) fn run(
         let settling = settling_slots(tables, place, frame.tick);
         let control = control_of(tables, place);
         for joint in 0..body.joint_count as usize {
-            let posing = Posing { tables, playing, settling, layers, body, control, joint, clock };
+            let dispatch = Dispatch::Baseline;
+            let posing = Posing { tables, playing, settling, layers, body, control, joint, clock, dispatch };
             let local = posing.pose::<f32>();
             translations[joint] = Float4::from_xyz(local.t);
             rotations[joint] = Float4(local.r);

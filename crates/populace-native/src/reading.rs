@@ -4,6 +4,7 @@ use populace_core::layout::{Float4, SlotSample};
 use populace_core::{Affine, BackendError, StageBuffer, Tables};
 
 use crate::controls::{Clock, Keeping};
+use crate::dispatch::Dispatch;
 use crate::evaluate::evaluate;
 use crate::fused::{Desk, Evaluation};
 use crate::machines::slot_now;
@@ -71,7 +72,7 @@ pub(crate) fn read(
     let (place, at) = tables.place_of(buffer, first).ok_or_else(past_the_end)?;
     let reading = match last.take() {
         Some(reading) if reading.place == place => reading,
-        _ => Reading::new(Evaluation { tables, place, clock, keeping }),
+        _ => Reading::new(Evaluation { tables, place, clock, keeping, dispatch: Dispatch::Baseline }),
     };
     for (offset, element) in into.iter_mut().enumerate() {
         *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;

@@ -10,6 +10,7 @@ use populace_core::layout::{
 use populace_core::math::{Real, quat};
 use populace_core::{Property, Tables};
 
+use crate::joint::Posing;
 use crate::lanes::{LANES, Lanes, Several};
 use crate::turns::turn;
 
@@ -42,6 +43,9 @@ pub(crate) trait Width: Real {
     fn any(which: Self::Choice) -> bool;
 
     fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> Self::Columns<'a>;
+
+    /// Lays a member's layers over a pose. Apart: it is seldom, and must not take the registers of what is not.
+    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>);
 }
 
 /// Where the columns of what is computed at once stand in a clip's rows.
@@ -167,6 +171,11 @@ impl Width for f32 {
         }
         JointColumn { rows: tables.rows().as_slice(), block, lane: (column % JOINT_BLOCK) as usize }
     }
+
+    #[inline(never)]
+    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>) {
+        posing.lay_over(rest, pose);
+    }
 }
 
 impl Columns<f32> for JointColumn<'_> {
@@ -216,6 +225,11 @@ impl Width for Lanes {
     #[inline(always)]
     fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> BlockColumns<'a> {
         BlockColumns { tables, bound: bound_block(tables, bound, joint) }
+    }
+
+    #[inline(always)]
+    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>) {
+        posing.dispatch.lay_over(posing, rest, pose);
     }
 }
 

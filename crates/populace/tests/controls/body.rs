@@ -173,7 +173,8 @@ pub(crate) fn everywhere(check: impl Fn(&mut Stage)) {
 }
 
 pub(crate) fn stage(device: Device, schedule: Schedule) -> Stage {
-    let mut crowd = Crowd::builder().device(device).schedule(schedule).capacity(640).build().expect("a crowd");
+    let mut crowd =
+        Crowd::builder().device(device).schedule(schedule).capacity(640).build().expect("a crowd");
     let body = crowd.add_character(character()).expect("room");
     Stage { crowd, body }
 }
