@@ -2,12 +2,15 @@
 
 #![expect(clippy::print_stdout, reason = "what was measured is for those who run tests with --nocapture")]
 
+mod soles;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use populace::core::{Affine, Character, JointIndex, Role, RoleMap, Side};
+use soles::Soles;
 use populace::{CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play};
 
 const WALKS: [(&str, &str); 3] =
@@ -44,6 +47,7 @@ fn trials(folder: &Path) -> Vec<Trial> {
                 if from != onto {
                     walk(&folder, (from, clip), onto)?;
                 }
+                drawn(&folder, (from, clip), onto)?;
                 walk_on(&folder, (from, clip), onto)
             }));
         }
@@ -257,6 +261,20 @@ fn walk_on(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), 
     } else {
         Err(format!("feet slide by {:.1} % of the way", 100.0 * part).into())
     }
+}
+
+/// No foot is drawn in the ground, whatever the body's own shoes.
+fn drawn(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Failed> {
+    let (source, target) = (load(folder, from)?, load(folder, onto)?);
+    let roles = RoleMap::detect(&target.skeleton).ok_or("a body without roles")?;
+    let walk = source.clips.iter().find(|c| c.name() == clip).ok_or("no walk")?;
+    let (mut crowd, [_, (id, member)]) = crowd_of([&source, &target])?;
+    let clip = crowd.add_clip(id, walk)?;
+    let (sunk, part) = Soles::of(&target, &roles).sink(&mut crowd, member, (clip, walk))?;
+    let sunk = sunk / f64::from(target.height_m());
+    let text = format!("a foot is drawn {:.2} % of the height deep, at {part:.2} of the cycle", 100.0 * sunk);
+    println!("{text}");
+    if sunk <= SINKS || from == onto { Ok(()) } else { Err(text.into()) }
 }
 
 /// The mage shares the knight's rig: its members get the same bits as if clips knew nothing of roles.

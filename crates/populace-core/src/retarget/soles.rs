@@ -1,0 +1,197 @@
+//! Feet that roll where the mesh of the target would go into the ground: a foot of another shape, or without toes, that
+//! turns as the source's does reaches deeper than its ankle tells.
+
+use std::f64::consts::FRAC_PI_2;
+
+use glam::{DAffine3, DQuat, DVec3};
+
+use super::ground::{SIDES, SINKS, Stands};
+use super::{Common, Figure};
+use crate::JointIndex;
+use crate::humanoid::{Role, Side};
+
+/// What feet of the source sink, in parts of its body, is a walk that is not exact; so much deeper they are meant to, and
+/// those of the target are let.
+const MEANT: f64 = 0.03;
+/// Halvings of the angle by which a foot rolls.
+const HALVINGS: u32 = 24;
+/// Rotations that are no further from none, in radians, are none.
+const STILL_RAD: f64 = 0.01;
+
+/// A foot without its toes, or toes.
+struct Sole {
+    joint: JointIndex,
+    /// Where the joint rests, in model space.
+    rest: DVec3,
+    /// Points that may touch the ground, at rest, from the joint.
+    points: Vec<DVec3>,
+}
+
+impl Sole {
+    /// Of the joint and all that hangs on it, less `without` and what hangs on that.
+    fn new(figure: &Figure<'_>, joint: JointIndex, without: Option<JointIndex>) -> Self {
+        let skeleton = figure.skeleton;
+        let hangs = |on: JointIndex, j: JointIndex| j == on || skeleton.is_below(j, on);
+        let own = skeleton.joints().filter(|&j| hangs(joint, j) && !without.is_some_and(|w| hangs(w, j)));
+        let rest = figure.place(joint);
+        let points = own.flat_map(|j| skeleton.soles(j)).map(|&p| crate::f64math::vec3(p) - rest).collect();
+        Self { joint, rest, points }
+    }
+
+    fn lowest_at_rest(&self) -> f64 {
+        self.points.iter().map(|p| self.rest.y + p.y).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The soles of a figure.
+struct Feet {
+    /// Of each side a foot, and its toes where there are any.
+    sides: [Vec<Sole>; 2],
+    /// How high they are at rest.
+    ground: f64,
+}
+
+impl Feet {
+    fn new(figure: &Figure<'_>) -> Self {
+        let sides = SIDES.map(|side| {
+            let (foot, toes) = (figure.roles.joint(Role::Foot(side)), figure.roles.joint(Role::Toes(side)));
+            let foot = foot.map(|foot| Sole::new(figure, foot, toes));
+            foot.into_iter().chain(toes.map(|toes| Sole::new(figure, toes, None))).collect()
+        });
+        Self { ground: ground(&sides), sides }
+    }
+
+    /// Where no mesh is known, what is under the joints is the sole.
+    fn or_under_joints(mut self) -> Self {
+        if !self.ground.is_finite() {
+            let soles = || self.sides.iter().flatten();
+            self.ground = soles().map(|sole| sole.rest.y).fold(f64::INFINITY, f64::min);
+            for sole in self.sides.iter_mut().flatten() {
+                sole.points.push(DVec3::new(0.0, self.ground - sole.rest.y, 0.0));
+            }
+        }
+        self
+    }
+}
+
+fn ground(sides: &[Vec<Sole>; 2]) -> f64 {
+    sides.iter().flatten().map(Sole::lowest_at_rest).fold(f64::INFINITY, f64::min)
+}
+
+/// What keeps the soles of the target above the ground.
+pub(crate) struct Soles<'a> {
+    common: &'a Common<'a>,
+    source: Feet,
+    target: Feet,
+}
+
+impl<'a> Soles<'a> {
+    /// `None` where the target's soles are not known, or a foot would be torn from toes that do not hang on it.
+    pub(crate) fn new(common: &'a Common<'a>) -> Option<Self> {
+        let target = Feet::new(&common.target);
+        let whole = |sides: &Vec<Sole>| {
+            sides.windows(2).all(|pair| common.target.skeleton.is_below(pair[1].joint, pair[0].joint))
+        };
+        let known = target.ground.is_finite() && target.sides.iter().all(whole);
+        known.then(|| Self { common, source: Feet::new(&common.source).or_under_joints(), target })
+    }
+
+    /// The joints that are turned.
+    pub(crate) fn joints(&self) -> Vec<JointIndex> {
+        self.target.sides.iter().flatten().map(|sole| sole.joint).collect()
+    }
+
+    /// The rotations that keep feet above the ground in a pose of the source's joints, in the order of
+    /// [`joints`](Self::joints): each comes after the joint's own.
+    pub(crate) fn turns(&self, pose: &[DAffine3]) -> Vec<DQuat> {
+        let (turns, models) = self.common.source_models(pose);
+        let of = |side| {
+            let mut feet = self.common.feet(side, &turns, &models);
+            self.stand(side, &mut feet, self.depth(&turns, &models, side))
+        };
+        SIDES.into_iter().flat_map(of).collect()
+    }
+
+    /// Whether rotations change nothing that can be seen.
+    pub(crate) fn are_none(turns: &[DQuat]) -> bool {
+        turns.iter().all(|turn| turn.angle_between(DQuat::IDENTITY) <= STILL_RAD)
+    }
+
+    /// How deep a foot of the target may be in the ground: the source's may be meant to.
+    pub(super) fn depth(&self, turns: &[DQuat], models: &[DAffine3], side: Side) -> f64 {
+        let source = &self.common.source;
+        let lowest = |sole: &Sole| {
+            let turn = turns[sole.joint.index()] * source.turn[sole.joint.index()].inverse();
+            let place = models[sole.joint.index()].translation;
+            sole.points.iter().map(|p| place.y + (turn * *p).y).fold(f64::INFINITY, f64::min)
+        };
+        let lowest = self.source.sides[side as usize].iter().map(lowest).fold(f64::INFINITY, f64::min);
+        let (size, depth) = (f64::from(source.skeleton.size_m()), self.source.ground - lowest);
+        // From none at all to all of it, without a step.
+        let meant = (2.0 * (depth - MEANT * size)).min(depth);
+        (self.common.scale * meant).max(SINKS * f64::from(self.common.target.skeleton.size_m()))
+    }
+
+    /// Rolls a foot, then its toes, about their own left-right axes by as little as keeps them no deeper than `depth`, and
+    /// returns how the joints are turned for it. Toes keep their own direction while the foot rolls where they have one.
+    pub(super) fn stand(&self, side: Side, feet: &mut [Stands], depth: f64) -> Vec<DQuat> {
+        let bottom = self.target.ground - depth;
+        let mut found = Vec::new();
+        let mut above: Option<(DQuat, Stands, DVec3)> = None;
+        for sole in &self.target.sides[side as usize] {
+            let own = feet.iter().position(|foot| foot.joint == sole.joint);
+            let (before, mut now) = match (&above, own) {
+                (None, None) => return vec![DQuat::IDENTITY; self.target.sides[side as usize].len()],
+                (None, Some(own)) => (feet[own].turn, feet[own]),
+                (Some((before, foot, rest)), own) => {
+                    // As it would be turned, and as it is once the foot has rolled.
+                    let turn = own.map_or(*before, |own| feet[own].turn);
+                    let place = foot.place + foot.turn * (sole.rest - *rest);
+                    (turn, Stands { joint: sole.joint, place, turn: own.map_or(foot.turn, |_| turn) })
+                }
+            };
+            let roll = roll(sole, &now, bottom);
+            now.turn *= DQuat::from_rotation_x(roll);
+            if let Some(own) = own {
+                feet[own] = now;
+            }
+            let at_rest = self.common.target.turn[sole.joint.index()];
+            let (was, is) = (before * at_rest, now.turn * at_rest);
+            let carried = above.map_or(DQuat::IDENTITY, |(before, foot, _)| foot.turn * before.inverse());
+            found.push(((carried * was).inverse() * is).normalize());
+            above = Some((before, now, sole.rest));
+        }
+        found
+    }
+}
+
+/// The smallest angle about its own left-right axis, in radians, that brings a sole above `bottom`, or as far as rolling
+/// does: then it is flat.
+fn roll(sole: &Sole, now: &Stands, bottom: f64) -> f64 {
+    let up = now.turn.inverse() * DVec3::Y;
+    // The height of a point turned by an angle, and how fast that changes.
+    let height = |p: &DVec3, (sin, cos): (f64, f64)| {
+        let (along, across) = (up.y * p.y + up.z * p.z, up.z * p.y - up.y * p.z);
+        (now.place.y + up.x * p.x + cos * along + sin * across, cos * across - sin * along)
+    };
+    let lowest = |angle: f64| {
+        let heights = sole.points.iter().map(|p| height(p, angle.sin_cos()));
+        heights.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0.0))
+    };
+    let (at, rises) = lowest(0.0);
+    if at >= bottom {
+        return 0.0;
+    }
+    let towards = rises.signum();
+    let (mut less, mut enough) = (0.0, FRAC_PI_2);
+    for _ in 0..HALVINGS {
+        let angle = (less + enough) / 2.0;
+        let (at, rises) = lowest(towards * angle);
+        if at >= bottom || rises * towards <= 0.0 {
+            enough = angle;
+        } else {
+            less = angle;
+        }
+    }
+    towards * enough
+}
