@@ -199,6 +199,8 @@ impl Binding {
         let every = clip.rows.times.len().div_ceil(GROUND_POSES).max(1);
         let poses: Vec<_> = clip.rows.poses(&clip.skeleton, every).collect();
         common.keep_above_ground(&poses);
+        let heels = Soles::new(&common).map_or(0.0, |soles| soles.heels(&poses));
+        common.lift_by(heels);
         let soles = Soles::new(&common);
         let by_feet = clip.motion.as_ref().is_some_and(|motion| motion.by_feet);
         let motion_scale = if by_feet { common.pace(&poses, soles.as_ref()) } else { common.legs() };

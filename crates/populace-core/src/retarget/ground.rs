@@ -8,7 +8,7 @@ use crate::{JointIndex, f64math};
 
 /// Feet may sink by this part of the body's size before the whole body is lifted, and it is lifted by no more than that:
 /// who lies or swims is meant to.
-pub(super) const SINKS: f64 = 0.004;
+const SINKS: f64 = 0.004;
 const MOST: f64 = 0.02;
 pub(super) const SIDES: [Side; 2] = [Side::Left, Side::Right];
 /// A pace that is further from what the length of legs says is none.
@@ -46,6 +46,11 @@ impl Common<'_> {
         let deepest = poses.iter().map(depth).fold(0.0, f64::max);
         let size = f64::from(self.target.skeleton.size_m());
         self.lift += (deepest - SINKS * size).clamp(0.0, MOST * size);
+    }
+
+    /// Lifts the whole body.
+    pub(crate) fn lift_by(&mut self, height: f64) {
+        self.lift += height;
     }
 
     /// How fast the ground passes under the target's feet, in parts of how fast it passes under the source's; as long as its

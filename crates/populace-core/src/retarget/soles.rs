@@ -5,14 +5,24 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DAffine3, DQuat, DVec3};
 
-use super::ground::{SIDES, SINKS, Stands};
+use super::ground::{SIDES, Stands};
 use super::{Common, Figure};
 use crate::JointIndex;
 use crate::humanoid::{Role, Side};
 
+/// Soles may be this deep in the ground, in parts of the body's height: nobody sees it, and feet roll the less.
+const SINKS: f64 = 0.007;
+/// The whole body is lifted by no more than this part of its hips' height for the sake of heels.
+const LIFTS: f64 = 0.015;
 /// What feet of the source sink, in parts of its body, is a walk that is not exact; so much deeper they are meant to, and
 /// those of the target are let.
 const MEANT: f64 = 0.03;
+/// A foot that is further from flat than this, in radians, rolls towards that.
+const TILTED_RAD: f64 = 0.2;
+/// It rolls all of its way where its contact is no nearer than this to straight under the joint, or as much too deep, in
+/// parts of the body's height.
+const NEAR: f64 = 0.02;
+const DEEP: f64 = 0.005;
 /// Halvings of the angle by which a foot rolls.
 const HALVINGS: u32 = 24;
 /// Rotations that are no further from none, in radians, are none.
@@ -49,6 +59,8 @@ struct Feet {
     sides: [Vec<Sole>; 2],
     /// How high they are at rest.
     ground: f64,
+    /// How much higher the highest joint is.
+    height: f64,
 }
 
 impl Feet {
@@ -58,7 +70,9 @@ impl Feet {
             let foot = foot.map(|foot| Sole::new(figure, foot, toes));
             foot.into_iter().chain(toes.map(|toes| Sole::new(figure, toes, None))).collect()
         });
-        Self { ground: ground(&sides), sides }
+        let ground = sides.iter().flatten().map(Sole::lowest_at_rest).fold(f64::INFINITY, f64::min);
+        let top = figure.skeleton.joints().map(|j| figure.place(j).y).fold(f64::NEG_INFINITY, f64::max);
+        Self { sides, ground, height: top - ground }
     }
 
     /// Where no mesh is known, what is under the joints is the sole.
@@ -72,10 +86,6 @@ impl Feet {
         }
         self
     }
-}
-
-fn ground(sides: &[Vec<Sole>; 2]) -> f64 {
-    sides.iter().flatten().map(Sole::lowest_at_rest).fold(f64::INFINITY, f64::min)
 }
 
 /// What keeps the soles of the target above the ground.
@@ -112,6 +122,25 @@ impl<'a> Soles<'a> {
         SIDES.into_iter().flat_map(of).collect()
     }
 
+    /// How much the whole body is to be lifted for heels that would strike too deep: to roll the foot until it is flat would
+    /// be no heel strike. `poses` are local transforms of the source's joints.
+    pub(crate) fn heels(&self, poses: &[Vec<DAffine3>]) -> f64 {
+        let deep = |pose: &Vec<DAffine3>| {
+            let (turns, models) = self.common.source_models(pose);
+            let of = |side: Side| {
+                let bottom = self.target.ground - self.depth(&turns, &models, side);
+                let feet = self.common.feet(side, &turns, &models);
+                let sole = self.target.sides[side as usize].first()?;
+                let contact = Contact::new(sole, feet.iter().find(|foot| foot.joint == sole.joint)?);
+                (contact.flat() > TILTED_RAD).then(|| bottom - contact.lowest(0.0).0)
+            };
+            SIDES.into_iter().filter_map(of).fold(0.0, f64::max)
+        };
+        let target = &self.common.target;
+        let hips = target.roles.joint(Role::Hips).map_or(0.0, |hips| target.place(hips).y - self.target.ground);
+        poses.iter().map(deep).fold(0.0, f64::max).min(LIFTS * hips.max(0.0))
+    }
+
     /// Whether rotations change nothing that can be seen.
     pub(crate) fn are_none(turns: &[DQuat]) -> bool {
         turns.iter().all(|turn| turn.angle_between(DQuat::IDENTITY) <= STILL_RAD)
@@ -129,7 +158,7 @@ impl<'a> Soles<'a> {
         let (size, depth) = (f64::from(source.skeleton.size_m()), self.source.ground - lowest);
         // From none at all to all of it, without a step.
         let meant = (2.0 * (depth - MEANT * size)).min(depth);
-        (self.common.scale * meant).max(SINKS * f64::from(self.common.target.skeleton.size_m()))
+        (self.common.scale * meant).max(SINKS * self.target.height)
     }
 
     /// Rolls a foot, then its toes, about their own left-right axes by as little as keeps them no deeper than `depth`, and
@@ -150,7 +179,7 @@ impl<'a> Soles<'a> {
                     (turn, Stands { joint: sole.joint, place, turn: own.map_or(foot.turn, |_| turn) })
                 }
             };
-            let roll = roll(sole, &now, bottom);
+            let roll = Contact::new(sole, &now).roll(bottom, self.target.height);
             now.turn *= DQuat::from_rotation_x(roll);
             if let Some(own) = own {
                 feet[own] = now;
@@ -165,33 +194,58 @@ impl<'a> Soles<'a> {
     }
 }
 
-/// The smallest angle about its own left-right axis, in radians, that brings a sole above `bottom`, or as far as rolling
-/// does: then it is flat.
-fn roll(sole: &Sole, now: &Stands, bottom: f64) -> f64 {
-    let up = now.turn.inverse() * DVec3::Y;
-    // The height of a point turned by an angle, and how fast that changes.
-    let height = |p: &DVec3, (sin, cos): (f64, f64)| {
-        let (along, across) = (up.y * p.y + up.z * p.z, up.z * p.y - up.y * p.z);
-        (now.place.y + up.x * p.x + cos * along + sin * across, cos * across - sin * along)
-    };
-    let lowest = |angle: f64| {
-        let heights = sole.points.iter().map(|p| height(p, angle.sin_cos()));
+/// A sole in a pose, rolled about its own left-right axis.
+struct Contact<'a> {
+    sole: &'a Sole,
+    /// Of the joint.
+    height: f64,
+    /// Up as the foot sees it.
+    up: DVec3,
+}
+
+impl<'a> Contact<'a> {
+    fn new(sole: &'a Sole, now: &Stands) -> Self {
+        Self { sole, height: now.place.y, up: now.turn.inverse() * DVec3::Y }
+    }
+
+    /// The angle by which it would have to roll to be flat; more than 0 where toes are up.
+    fn flat(&self) -> f64 {
+        self.up.z.atan2(self.up.y)
+    }
+
+    /// The height of its lowest point once it has rolled by an angle, and how fast that changes.
+    fn lowest(&self, angle: f64) -> (f64, f64) {
+        let (up, (sin, cos)) = (self.up, angle.sin_cos());
+        let heights = self.sole.points.iter().map(|p| {
+            let (along, across) = (up.y * p.y + up.z * p.z, up.z * p.y - up.y * p.z);
+            (self.height + up.x * p.x + cos * along + sin * across, cos * across - sin * along)
+        });
         heights.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0.0))
-    };
-    let (at, rises) = lowest(0.0);
-    if at >= bottom {
-        return 0.0;
     }
-    let towards = rises.signum();
-    let (mut less, mut enough) = (0.0, FRAC_PI_2);
-    for _ in 0..HALVINGS {
-        let angle = (less + enough) / 2.0;
-        let (at, rises) = lowest(towards * angle);
-        if at >= bottom || rises * towards <= 0.0 {
-            enough = angle;
-        } else {
-            less = angle;
+
+    /// The smallest angle, in radians, that brings it above `bottom`, or as far as rolling does: then it is flat. What a heel
+    /// rests on passes straight under the ankle as it strikes; there it would take much to gain little, and the foot would
+    /// flip from one side of that to the other, so it rolls less and stays a little too deep.
+    fn roll(&self, bottom: f64, body_height: f64) -> f64 {
+        let (at, rises) = self.lowest(0.0);
+        if at >= bottom {
+            return 0.0;
         }
+        let flat = self.flat();
+        let tilted = flat.abs() > TILTED_RAD;
+        let (towards, mut enough) =
+            if tilted { (flat.signum(), flat.abs()) } else { (rises.signum(), FRAC_PI_2) };
+        let mut less = 0.0;
+        for _ in 0..HALVINGS {
+            let angle = (less + enough) / 2.0;
+            let (at, rises) = self.lowest(towards * angle);
+            if at >= bottom || !tilted && rises * towards <= 0.0 {
+                enough = angle;
+            } else {
+                less = angle;
+            }
+        }
+        let part = (bottom - at) / (DEEP * body_height) + (towards * rises).max(0.0) / (NEAR * body_height);
+        towards * enough * part.min(1.0)
     }
-    towards * enough
 }
