@@ -1,4 +1,4 @@
-//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names.
+//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names, and of built-in people.
 
 #![expect(clippy::print_stdout, reason = "what was measured is for those who run tests with --nocapture")]
 
@@ -12,6 +12,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use populace::core::{Affine, Character, JointIndex, Role, RoleMap, Side};
 use soles::Soles;
 use populace::{CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play};
+use populace_cast::{Look, person};
 
 const WALKS: [(&str, &str); 3] =
     [("kaykit_knight", "Walking_A"), ("m2m_human_base", "Walk_Loop"), ("quaternius_robot", "Robot_Walking")];
@@ -30,13 +31,14 @@ type Check = fn(&Path) -> Result<(), Failed>;
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let trials = match std::env::var_os("POPULACE_TEST_DATA") {
+    let mut trials = match std::env::var_os("POPULACE_TEST_DATA") {
         Some(folder) => trials(Path::new(&folder)),
         None => {
             let name = "retarget (POPULACE_TEST_DATA does not name a folder of test data)";
             vec![Trial::test(name, || Ok(())).with_ignored_flag(true)]
         }
     };
+    trials.push(Trial::test("built-in people on each other", people));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
@@ -48,7 +50,7 @@ fn trials(folder: &Path) -> Vec<Trial> {
             trials.push(Trial::test(format!("{clip} of {from} on {onto}"), move || {
                 if from != onto {
                     walk(&folder, (from, clip), onto)?;
-                    drawn(&folder, (from, clip), onto)?;
+                    drawn(&load(&folder, from)?, clip, &load(&folder, onto)?)?;
                 }
                 walk_on(&folder, (from, clip), onto)
             }));
@@ -266,12 +268,11 @@ fn walk_on(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), 
 }
 
 /// No foot is drawn in the ground, whatever shoes the body has, and none flips to stay out of it.
-fn drawn(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Failed> {
-    let (source, target) = (load(folder, from)?, load(folder, onto)?);
+fn drawn(source: &Character, clip: &str, target: &Character) -> Result<(), Failed> {
     let walk = source.clips.iter().find(|c| c.name() == clip).ok_or("no walk")?;
-    let (mut crowd, members) = crowd_of([&source, &target])?;
+    let (mut crowd, members) = crowd_of([source, target])?;
     let mut seen = Vec::new();
-    for (body, (id, member)) in [&source, &target].into_iter().zip(members) {
+    for (body, (id, member)) in [source, target].into_iter().zip(members) {
         let roles = RoleMap::detect(&body.skeleton).ok_or("a body without roles")?;
         let clip = crowd.add_clip(id, walk)?;
         seen.push(Soles::of(body, &roles).watch(&mut crowd, member, (clip, walk))?);
@@ -289,6 +290,18 @@ fn drawn(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Fa
         return Err(sunk.into());
     }
     if lent.turned > FLIPS * own.turned { Err(turned.into()) } else { Ok(()) }
+}
+
+/// Built-in people of other builds and rigs.
+fn people() -> Result<(), Failed> {
+    let looks = [Look::woman(), Look::man(), Look::child()];
+    let people = looks.iter().map(person).collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string())?;
+    for (from, onto) in [(0, 1), (0, 2), (1, 0), (2, 1)] {
+        for clip in ["Walk", "Run"] {
+            drawn(&people[from], clip, &people[onto])?;
+        }
+    }
+    Ok(())
 }
 
 /// The mage shares the knight's rig: its members get the same bits as if clips knew nothing of roles.
