@@ -1,8 +1,6 @@
 //! Feet that roll where the mesh of the target would go into the ground: a foot of another shape, or without toes, that
 //! turns as the source's does reaches deeper than its ankle tells.
 
-use std::f64::consts::FRAC_PI_2;
-
 use glam::{DAffine3, DQuat, DVec3};
 
 use super::ground::{SIDES, Stands};
@@ -23,6 +21,13 @@ const TILTED_RAD: f64 = 0.2;
 /// parts of the body's height.
 const NEAR: f64 = 0.02;
 const DEEP: f64 = 0.005;
+/// Feet of who walks have toes up, toes down and an edge down, in radians, by no more than the first of each pair; those of
+/// who lies, sits or kneels by the second or more, and rolling does not help them.
+const TOES_UP_RAD: [f64; 2] = [0.6, 1.1];
+const TOES_DOWN_RAD: [f64; 2] = [1.7, 2.1];
+const EDGE_DOWN_RAD: [f64; 2] = [0.6, 1.0];
+/// Nor does it where the joint itself is too deep by as much, in parts of the body's height.
+const HOPELESS: [f64; 2] = [0.01, 0.03];
 /// Halvings of the angle by which a foot rolls.
 const HALVINGS: u32 = 24;
 /// Rotations that are no further from none, in radians, are none.
@@ -132,7 +137,7 @@ impl<'a> Soles<'a> {
                 let feet = self.common.feet(side, &turns, &models);
                 let sole = self.target.sides[side as usize].first()?;
                 let contact = Contact::new(sole, feet.iter().find(|foot| foot.joint == sole.joint)?);
-                (contact.flat() > TILTED_RAD).then(|| bottom - contact.lowest(0.0).0)
+                (contact.flat() > TILTED_RAD).then(|| contact.walks() * (bottom - contact.lowest(0.0).0))
             };
             SIDES.into_iter().filter_map(of).fold(0.0, f64::max)
         };
@@ -213,6 +218,12 @@ impl<'a> Contact<'a> {
         self.up.z.atan2(self.up.y)
     }
 
+    /// 1 for a foot that may be that of who walks, 0 for one that is not, or between.
+    fn walks(&self) -> f64 {
+        let (flat, edge) = (self.flat(), self.up.x.clamp(-1.0, 1.0).asin().abs());
+        fade(flat, TOES_UP_RAD) * fade(-flat, TOES_DOWN_RAD) * fade(edge, EDGE_DOWN_RAD)
+    }
+
     /// The height of its lowest point once it has rolled by an angle, and how fast that changes.
     fn lowest(&self, angle: f64) -> (f64, f64) {
         let (up, (sin, cos)) = (self.up, angle.sin_cos());
@@ -234,7 +245,7 @@ impl<'a> Contact<'a> {
         let flat = self.flat();
         let tilted = flat.abs() > TILTED_RAD;
         let (towards, mut enough) =
-            if tilted { (flat.signum(), flat.abs()) } else { (rises.signum(), FRAC_PI_2) };
+            if tilted { (flat.signum(), flat.abs()) } else { (rises.signum(), 2.0 * TILTED_RAD) };
         let mut less = 0.0;
         for _ in 0..HALVINGS {
             let angle = (less + enough) / 2.0;
@@ -246,6 +257,12 @@ impl<'a> Contact<'a> {
             }
         }
         let part = (bottom - at) / (DEEP * body_height) + (towards * rises).max(0.0) / (NEAR * body_height);
-        towards * enough * part.min(1.0)
+        let left = bottom - self.lowest(towards * enough).0;
+        towards * enough * part.min(1.0) * fade(left / body_height, HOPELESS) * self.walks()
     }
+}
+
+/// 1 up to the first of two values, 0 from the second on.
+fn fade(value: f64, [from, to]: [f64; 2]) -> f64 {
+    ((to - value) / (to - from)).clamp(0.0, 1.0)
 }
