@@ -300,7 +300,9 @@ impl Character {
 /// passed over.
 pub(crate) fn rest_place(mesh: &Mesh, vertex: usize, binds: &[DAffine3]) -> DVec3 {
     let position = f64math::vec3(mesh.positions[vertex]);
-    let moved = |(entry, weight): (usize, f32)| Some(binds.get(entry)?.transform_point3(position) * f64::from(weight));
+    let moved = |(entry, weight): (usize, f32)| {
+        Some(binds.get(entry)?.transform_point3(position) * f64::from(weight))
+    };
     mesh.influences.of(vertex).filter_map(moved).sum()
 }
 

@@ -59,3 +59,42 @@ fn lowest(points: &[DVec3]) -> Vec<[f32; 3]> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Affine, Influences, JointIndex, JointSource, Mesh, Trs};
+
+    #[test]
+    fn the_lowest_vertices_of_each_joint_are_found() {
+        let joint = |name: &str, parent, y| JointSource {
+            name: name.into(),
+            parent,
+            rest: Trs { translation: [0.0, y, 0.0], ..Trs::IDENTITY },
+        };
+        let skeleton = Skeleton::new(&[joint("shin", None, 0.5), joint("foot", Some(0), -0.25)]).unwrap();
+        let mut joint_from_bind = Affine::IDENTITY;
+        joint_from_bind.rows[1][3] = -0.25;
+        let palette = [
+            PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY },
+            PaletteEntry { joint: JointIndex(1), joint_from_bind },
+        ];
+        // Heel, tip, the top of the foot, what is moved by less than half, by no joint, and by the shin, too high up.
+        let positions =
+            vec![[0.0, 0.0, -0.1], [0.0, 0.0, 0.2], [0.0, 0.05, 0.05], [0.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+        let entries = vec![1, 1, 1, 1, 9, 0].into_iter().flat_map(|entry| [entry, 0, 0, 0]).collect();
+        let weights = [1.0, 1.0, 1.0, 0.4, 1.0, 1.0].into_iter().flat_map(|w| [w, 0.0, 0.0, 0.0]).collect();
+        let mesh = Mesh {
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            influences: Influences { per_vertex: 4, entries, weights },
+            indices: Vec::new(),
+            positions,
+        };
+        let part = Part { node: 0, node_name: String::new(), primitive: 0, material: None, mesh };
+        let mut found = sole_points(&skeleton, &palette, &[part]);
+        found[1].sort_by(|a, b| a[2].total_cmp(&b[2]));
+        assert_eq!(found, [vec![], vec![[0.0, 0.0, -0.1], [0.0, 0.0, 0.2]]]);
+    }
+}

@@ -10,9 +10,9 @@ use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use populace::core::{Affine, Character, JointIndex, Role, RoleMap, Side};
-use soles::Soles;
 use populace::{CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play};
 use populace_cast::{Look, person};
+use soles::Soles;
 
 const WALKS: [(&str, &str); 3] =
     [("kaykit_knight", "Walking_A"), ("m2m_human_base", "Walk_Loop"), ("quaternius_robot", "Robot_Walking")];
@@ -284,7 +284,8 @@ fn drawn(source: &Character, clip: &str, target: &Character) -> Result<(), Faile
         lent.at,
         100.0 * own.sunk
     );
-    let turned = format!("feet turn by up to {:.2} radians at once, and {:.2} there", lent.turned, own.turned);
+    let turned =
+        format!("feet turn by up to {:.2} radians at once, and {:.2} there", lent.turned, own.turned);
     println!("{sunk}; {turned}");
     if lent.sunk > SINKS {
         return Err(sunk.into());

@@ -322,11 +322,7 @@ impl Rows {
     }
 
     /// One row of so many, as local transforms of all joints.
-    fn poses<'a>(
-        &'a self,
-        skeleton: &'a Skeleton,
-        every: usize,
-    ) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
+    fn poses<'a>(&'a self, skeleton: &'a Skeleton, every: usize) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
         let pose = move |row| skeleton.joints().map(|joint| self.local(joint, row, 0.0).affine()).collect();
         (0..self.times.len()).step_by(every).map(pose)
     }

@@ -107,7 +107,7 @@ impl<'a> Soles<'a> {
         let whole = |sides: &Vec<Sole>| {
             sides.windows(2).all(|pair| common.target.skeleton.is_below(pair[1].joint, pair[0].joint))
         };
-        let known = target.ground.is_finite() && target.sides.iter().all(whole);
+        let known = target.height.is_finite() && target.height > 0.0 && target.sides.iter().all(whole);
         known.then(|| Self { common, source: Feet::new(&common.source).or_under_joints(), target })
     }
 
@@ -124,7 +124,9 @@ impl<'a> Soles<'a> {
             let mut feet = self.common.feet(side, &turns, &models);
             self.stand(side, &mut feet, self.depth(&turns, &models, side))
         };
-        SIDES.into_iter().flat_map(of).collect()
+        // What a clip scales to nothing has no direction.
+        let sound = |turn: DQuat| if turn.is_finite() { turn } else { DQuat::IDENTITY };
+        SIDES.into_iter().flat_map(of).map(sound).collect()
     }
 
     /// How much the whole body is to be lifted for heels that would strike too deep: to roll the foot until it is flat would
@@ -142,7 +144,8 @@ impl<'a> Soles<'a> {
             SIDES.into_iter().filter_map(of).fold(0.0, f64::max)
         };
         let target = &self.common.target;
-        let hips = target.roles.joint(Role::Hips).map_or(0.0, |hips| target.place(hips).y - self.target.ground);
+        let hips =
+            target.roles.joint(Role::Hips).map_or(0.0, |hips| target.place(hips).y - self.target.ground);
         poses.iter().map(deep).fold(0.0, f64::max).min(LIFTS * hips.max(0.0))
     }
 
@@ -266,3 +269,6 @@ impl<'a> Contact<'a> {
 fn fade(value: f64, [from, to]: [f64; 2]) -> f64 {
     ((to - value) / (to - from)).clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests;
