@@ -2,7 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use populace_core::{JointIndex, JointSource, PaletteEntry, Part, Skeleton, Trs, sole_points, vertex_reach_m};
+use populace_core::{
+    JointIndex, JointSource, PaletteEntry, Part, Skeleton, Trs, sole_points, vertex_reach_m,
+};
 
 use crate::log::{Checked, Log};
 use crate::nodes::Node;
