@@ -2,7 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use populace_core::{JointIndex, JointSource, PaletteEntry, Part, Skeleton, Trs, vertex_reach_m};
+use populace_core::{
+    JointIndex, JointSource, PaletteEntry, Part, Skeleton, Trs, sole_points, vertex_reach_m,
+};
 
 use crate::log::{Checked, Log};
 use crate::nodes::Node;
@@ -49,10 +51,11 @@ impl Rig {
         Ok(Self { skeleton, joint_from_node })
     }
 
-    /// Lets clips be stored so that these vertices too stay within the error bound.
+    /// Lets clips be stored so that these vertices too stay within the error bound, and feet be kept above the ground.
     pub(crate) fn reach_vertices(&mut self, palette: &[PaletteEntry], parts: &[Part]) {
         let reach = vertex_reach_m(&self.skeleton, palette, parts);
-        self.skeleton = self.skeleton.clone().with_reach(&reach);
+        let soles = sole_points(&self.skeleton, palette, parts);
+        self.skeleton = self.skeleton.clone().with_reach(&reach).with_soles(&soles);
     }
 
     /// For each joint the node that it is; `None` for a joint that was made up.

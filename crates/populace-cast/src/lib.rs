@@ -27,7 +27,7 @@ mod surface;
 
 use std::sync::Arc;
 
-use populace_core::{Character, CharacterSource, Clip, Error, SkinInstance, vertex_reach_m};
+use populace_core::{Character, CharacterSource, Clip, Error, SkinInstance, sole_points, vertex_reach_m};
 
 pub use look::{Colors, Hair, Look, Reach, Rig};
 
@@ -62,7 +62,8 @@ pub fn person(look: &Look) -> Result<Character, Error> {
     let palette = joints.palette(&skeleton);
     let (parts, materials) = surface::parts(&surface::Surface::of(&body), &joints, &look.colors);
     let reach = vertex_reach_m(&skeleton, &palette, &parts);
-    let skeleton = skeleton.with_reach(&reach);
+    let soles = sole_points(&skeleton, &palette, &parts);
+    let skeleton = skeleton.with_reach(&reach).with_soles(&soles);
     let clips = motion::all(&body)
         .iter()
         .map(|motion| Clip::new(joints.tracks(&body, motion), &skeleton).map(Arc::new))

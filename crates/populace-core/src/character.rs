@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::{DAffine3, DVec3};
+
 use crate::{Affine, Clip, Error, JointIndex, Skeleton, f64math};
 
 /// A distinct pair of a joint and a bind matrix that some vertex uses. Two skins may bind one joint differently, rigid
@@ -24,6 +26,16 @@ pub struct Influences {
     /// `vertices x per_vertex` weights, as the source has them. A vertex's weights should sum to 1; where they do not,
     /// the skinning equation is taken at its word, and drawing divides by their sum.
     pub weights: Vec<f32>,
+}
+
+impl Influences {
+    /// What moves a vertex: palette entries and their weights. Nothing past the last vertex.
+    pub(crate) fn of(&self, vertex: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
+        let range = vertex * self.per_vertex..(vertex + 1) * self.per_vertex;
+        let entries = self.entries.get(range.clone()).unwrap_or_default();
+        let weights = self.weights.get(range).unwrap_or_default();
+        entries.iter().zip(weights).map(|(entry, weight)| (usize::from(*entry), *weight))
+    }
 }
 
 /// A triangle mesh in bind space.
@@ -274,49 +286,31 @@ impl Character {
     }
 
     fn rest_vertices(&self) -> impl Iterator<Item = [f32; 3]> {
-        let skeleton = &self.skeleton;
-        let parents: Vec<_> = skeleton.joints().map(|j| skeleton.parent(j)).collect();
-        let models = f64math::model_from_joints(
-            &parents,
-            skeleton.joints().map(|j| f64math::affine(skeleton.rest(j))),
-        );
-        let palette: Vec<_> = self
-            .palette
-            .iter()
-            .map(|e| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind))
-            .collect();
+        let models = f64math::rest_models(&self.skeleton);
+        let bind = |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
+        let binds: Vec<_> = self.palette.iter().map(bind).collect();
         self.parts.iter().flat_map(move |part| {
-            let influences = &part.mesh.influences;
-            let width = influences.per_vertex;
-            part.mesh
-                .positions
-                .iter()
-                .enumerate()
-                .map(|(vertex, position)| {
-                    let range = vertex * width..(vertex + 1) * width;
-                    let moved = influences.entries[range.clone()].iter().zip(&influences.weights[range]).map(
-                        |(&entry, &weight)| {
-                            palette[usize::from(entry)].transform_point3(f64math::vec3(*position))
-                                * f64::from(weight)
-                        },
-                    );
-                    f64math::to_f32(moved.sum::<glam::DVec3>().to_array())
-                })
-                .collect::<Vec<_>>()
+            let place = |vertex| f64math::to_f32(rest_place(&part.mesh, vertex, &binds).to_array());
+            (0..part.mesh.positions.len()).map(place).collect::<Vec<_>>()
         })
     }
 }
 
-fn rest_models(skeleton: &Skeleton) -> Vec<glam::DAffine3> {
-    let parents: Vec<_> = skeleton.joints().map(|j| skeleton.parent(j)).collect();
-    f64math::model_from_joints(&parents, skeleton.joints().map(|j| f64math::affine(skeleton.rest(j))))
+/// Where a vertex is at rest in model space; `binds` are `model_from_bind` of each palette entry. Indices past the end are
+/// passed over.
+pub(crate) fn rest_place(mesh: &Mesh, vertex: usize, binds: &[DAffine3]) -> DVec3 {
+    let position = f64math::vec3(mesh.positions[vertex]);
+    let moved = |(entry, weight): (usize, f32)| {
+        Some(binds.get(entry)?.transform_point3(position) * f64::from(weight))
+    };
+    mesh.influences.of(vertex).filter_map(moved).sum()
 }
 
 /// How far from each joint, in level order, the vertices that it moves lie at rest, times the weight by which it moves
 /// them; what [`Skeleton::with_reach`] takes. Indices past the end are passed over.
 #[must_use]
 pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]) -> Vec<f32> {
-    let models = rest_models(skeleton);
+    let models = f64math::rest_models(skeleton);
     let mut reach: Vec<f64> = vec![0.0; models.len()];
     for mesh in parts.iter().map(|p| &p.mesh) {
         let Influences { per_vertex, entries, weights } = &mesh.influences;

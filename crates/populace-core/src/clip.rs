@@ -12,7 +12,7 @@ mod storage;
 use crate::layout::{JOINT_BLOCK, RowBlock};
 use crate::{ClipSource, Error, JointIndex, Property, Skeleton};
 pub use binding::Binding;
-pub(crate) use binding::Turn;
+pub(crate) use binding::{Footing, Turn};
 use ground::Contacts;
 pub use ground::Footstep;
 pub use live::{LiveRing, LiveSettings, Streamed};

@@ -358,6 +358,12 @@ device_struct! {
         pub next: u32,
         /// How far root motion takes the body, in parts of how far it takes that of the clip.
         pub motion_scale: f32,
+        /// Into `row_blocks`: where in a row the first 16 columns stand.
+        pub row_block_first: u32,
+        /// Into `rows`, in words: where the rows of a turn begin that has its own, one for each of the clip's.
+        pub row_first: u32,
+        /// Words from one of these to the next; 0 where the clip's rows are taken.
+        pub row_stride: u32,
     }
 }
 

@@ -38,6 +38,7 @@ mod names;
 mod playback;
 mod retarget;
 mod skeleton;
+mod soles;
 mod stage;
 mod tables;
 mod track;
@@ -68,6 +69,7 @@ pub use playback::{
     row_before, ticks_from_secs,
 };
 pub use skeleton::{JointIndex, JointSource, Skeleton};
+pub use soles::sole_points;
 pub use stage::{After, StageFn, StageJoint, StageUse, UserStage};
 pub use tables::{BodyIndex, Condition, Ground, LiveNewest, MachineState, Table, Tables, Transition};
 pub use track::{ClipSource, Interpolation, Property, Track};

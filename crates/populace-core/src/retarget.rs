@@ -7,6 +7,7 @@
 
 mod chain;
 mod ground;
+mod soles;
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -14,6 +15,7 @@ use crate::humanoid::{Role, RoleMap, Side};
 use crate::{JointIndex, Skeleton, f64math};
 
 pub(crate) use chain::{Chain, ColumnMotion, Value};
+pub(crate) use soles::Soles;
 
 /// Lengths below this part of the body's size have no direction.
 const SHORT: f64 = 1e-5;

@@ -52,6 +52,7 @@ struct Parts {
     joint_from_source: Vec<JointIndex>,
     size_m: f32,
     reach_m: Vec<f32>,
+    soles: Vec<Vec<[f32; 3]>>,
 }
 
 impl Skeleton {
@@ -77,7 +78,7 @@ impl Skeleton {
         let names: Vec<_> = order.iter().map(|&s| joints[s].name.clone()).collect();
         let by_name = names.iter().cloned().zip(order.iter().map(|&s| joint_from_source[s])).collect();
         let size_m = f64math::rest_extent(&parents, &rest);
-        let reach_m = vec![0.0; joints.len()];
+        let (reach_m, soles) = (vec![0.0; joints.len()], vec![Vec::new(); joints.len()]);
         let parts = Parts {
             names,
             by_name,
@@ -88,6 +89,7 @@ impl Skeleton {
             joint_from_source,
             size_m,
             reach_m,
+            soles,
         };
         Ok(Self { parts: Arc::new(parts) })
     }
@@ -98,6 +100,17 @@ impl Skeleton {
     pub fn with_reach(mut self, reach_m: &[f32]) -> Self {
         for (reach, given) in Arc::make_mut(&mut self.parts).reach_m.iter_mut().zip(reach_m) {
             *reach = if given.is_finite() { given.max(0.0) } else { 0.0 };
+        }
+        self
+    }
+
+    /// Says which points of each joint, in level order, may touch the ground ([`sole_points`](crate::sole_points)): places at
+    /// rest in model space, in metres. The feet of clips that were made for other bodies are then kept above the ground
+    /// ([`Binding::retarget`](crate::Binding::retarget)). Points that are not finite are passed over.
+    #[must_use]
+    pub fn with_soles(mut self, soles: &[Vec<[f32; 3]>]) -> Self {
+        for (own, given) in Arc::make_mut(&mut self.parts).soles.iter_mut().zip(soles) {
+            *own = given.iter().copied().filter(|place| place.iter().all(|c| c.is_finite())).collect();
         }
         self
     }
@@ -206,6 +219,12 @@ impl Skeleton {
     #[must_use]
     pub fn reach_m(&self) -> &[f32] {
         &self.parts.reach_m
+    }
+
+    /// Points of a joint that may touch the ground, at rest in model space; none where that is not known.
+    #[must_use]
+    pub fn soles(&self, joint: JointIndex) -> &[[f32; 3]] {
+        &self.parts.soles[joint.index()]
     }
 
     /// The largest side of the box around the joints at rest, in metres; 1 where all joints coincide. Error bounds

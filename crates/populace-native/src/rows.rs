@@ -158,8 +158,8 @@ impl Width for f32 {
     fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> JointColumn<'a> {
         let map = tables.joint_maps().as_slice()[bound.map_first as usize + joint];
         let column = map & MAP_COLUMN;
-        let clip = &tables.clips().as_slice()[bound.clip as usize];
-        let mut block = tables.row_blocks().as_slice()[(clip.block_first + column / JOINT_BLOCK) as usize];
+        let block = (bound.row_block_first + column / JOINT_BLOCK) as usize;
+        let mut block = tables.row_blocks().as_slice()[block];
         for (flag, first) in [
             (MAP_ROTATION, &mut block.rotation_first),
             (MAP_TRANSLATION, &mut block.translation_first),

@@ -62,7 +62,7 @@ typedef struct { RowBlock block; uint flags, lane; } Columns;
 INLINE Columns columns_of(const Clips *of, BoundClip bound, uint joint)
 {
     const uint map = of->joint_maps[bound.map_first + joint], column = map & MAP_COLUMN;
-    Columns columns = { of->row_blocks[of->clips[bound.clip].block_first + column / JOINT_BLOCK],
+    Columns columns = { of->row_blocks[bound.row_block_first + column / JOINT_BLOCK],
                         bound_block(of, bound, joint)->flags, column % JOINT_BLOCK };
     if (!(map & MAP_ROTATION)) columns.block.rotation_first = NONE;
     if (!(map & MAP_TRANSLATION)) columns.block.translation_first = NONE;

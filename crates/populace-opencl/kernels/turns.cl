@@ -1,6 +1,15 @@
 /* turns.cl - what a retargeted clip's poses go through; see TURN_PLANES in populace-core layout.rs. Twin of populace-native
  * turns.rs. */
 
+/* The rows that a turn has for two of its clip's. */
+INLINE SlotSample own_rows(const Clips *of, BoundClip bound, SlotSample at)
+{
+    const ClipRows clip = of->clips[bound.clip];
+    at.row0 = bound.row_first + (at.row0 - clip.row_first) / clip.row_stride * bound.row_stride;
+    at.row1 = bound.row_first + (at.row1 - clip.row_first) / clip.row_stride * bound.row_stride;
+    return at;
+}
+
 /* A translation and a rotation, not of length 1, through all turns of a clip. Apart: most clips have none. */
 APART void turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs *posed)
 {
@@ -8,6 +17,7 @@ APART void turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSam
     const uint padded = body.padded_count;
     while (bound_block(of, bound, joint)->flags & BLOCK_TURNED) {
         bound = of->bound_clips[bound.next];
+        if (bound.row_stride != 0) at = own_rows(of, bound, at);
         const Columns columns = columns_of(of, bound, joint);
         __global const float *planes = of->poses + bound.range_first + joint;
         if (!(columns.flags & REST_TRANSLATION)) {

@@ -1,19 +1,20 @@
 //! Clips bound to skeletons: by joint names, or by humanoid roles.
 
-use glam::DAffine3;
+use glam::{DAffine3, DQuat};
 
 use super::rows::Rows;
+use super::storage::Storage;
 use super::{Clip, Range};
 use crate::humanoid::RoleMap;
-use crate::layout::{MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION};
-use crate::retarget::{Chain, ColumnMotion, Common, Figure, Value};
+use crate::layout::{MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, RowBlock};
+use crate::retarget::{Chain, ColumnMotion, Common, Figure, Soles, Value};
 use crate::{Error, JointIndex, Property, Skeleton, Trs, f64math};
 
 /// Rests of joints of one name that turn no further from each other than this, in radians, and are no further apart than
 /// this part of the bodies' size, are the same.
 const SAME_TURN_RAD: f64 = 0.01;
 const SAME_PLACE: f64 = 0.002;
-/// Poses by which feet are kept above the ground.
+/// Poses by which hips are lifted, and the pace of feet is found: some hundred.
 const GROUND_POSES: usize = 128;
 
 /// A clip bound to a skeleton: which column each joint follows, and what its stored components mean.
@@ -25,6 +26,7 @@ pub struct Binding {
     joint_map: Vec<u32>,
     ranges: Vec<[Range; 3]>,
     turns: Vec<Vec<Turn>>,
+    footing: Option<Footing>,
     bound_joint_count: usize,
     /// How far root motion takes the body, in parts of how far it takes the clip's own.
     motion_scale: f32,
@@ -58,10 +60,50 @@ impl Turn {
     }
 }
 
+/// What keeps the feet of a retargeted clip above the ground: a last turn with rows of its own, as many as the clip has.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Footing {
+    pub(crate) turns: Vec<Turn>,
+    pub(crate) rows: Vec<u32>,
+    /// Words from one row to the next.
+    pub(crate) stride: usize,
+    pub(crate) blocks: Vec<RowBlock>,
+}
+
+impl Footing {
+    /// `None` where nothing would sink.
+    fn new(clip: &Clip, soles: &Soles<'_>, joint_count: usize) -> Option<Self> {
+        // Rows of live clips are still to come.
+        if clip.ring.is_some() {
+            return None;
+        }
+        let rows: Vec<Vec<DQuat>> =
+            clip.rows.poses(&clip.skeleton, 1).map(|pose| soles.turns(&pose)).collect();
+        if rows.iter().all(|row| Soles::are_none(row)) {
+            return None;
+        }
+        let mut turns = vec![Turn::NONE; joint_count];
+        let joints = soles.joints();
+        if clip.row_stride() == 0 {
+            // All rows are one.
+            for (joint, turn) in joints.iter().zip(&rows[0]) {
+                turns[joint.index()].after = f64math::to_f32(turn.to_array());
+            }
+            return Some(Self { turns, rows: Vec::new(), stride: 0, blocks: Vec::new() });
+        }
+        let Storage { words, stride, blocks, ranges, .. } = Storage::of_turns(&rows);
+        for ((column, joint), [_, rotation, _]) in (0..).zip(joints).zip(ranges) {
+            let map = column | MAP_ROTATION;
+            turns[joint.index()] = Turn { map, rotation, step_w: rotation.step, ..Turn::NONE };
+        }
+        Some(Self { turns, rows: words, stride, blocks })
+    }
+}
+
 impl Binding {
     fn empty(motion_scale: f32) -> Self {
         let (joint_map, ranges, turns) = (Vec::new(), Vec::new(), Vec::new());
-        Self { joint_map, ranges, turns, bound_joint_count: 0, motion_scale }
+        Self { joint_map, ranges, turns, footing: None, bound_joint_count: 0, motion_scale }
     }
 
     /// Binds by name.
@@ -127,6 +169,10 @@ impl Binding {
     /// hips stand so high in the common pose that feet do on the ground. Feet and fingers that do not hang on their limbs
     /// follow these.
     ///
+    /// Where the skeleton knows its soles ([`Skeleton::with_soles`]), feet, and then toes, roll about their own left-right
+    /// axes by as little as keeps the mesh out of the ground, row by row; those of the clip's own body may be in it by more
+    /// than a few hundredths of its size, and the others then are too.
+    ///
     /// # Errors
     ///
     /// [`Error::CannotBind`] where a map is not that of its skeleton, or the clip moves no joint that both have.
@@ -150,11 +196,16 @@ impl Binding {
         if bound_joint_count == 0 {
             return refused("it drives no joint with a humanoid role that both bodies have".into());
         }
-        let poses: Vec<_> = clip.rows.some_poses(&clip.skeleton).collect();
+        let every = clip.rows.times.len().div_ceil(GROUND_POSES).max(1);
+        let poses: Vec<_> = clip.rows.poses(&clip.skeleton, every).collect();
         common.keep_above_ground(&poses);
+        let heels = Soles::new(&common).map_or(0.0, |soles| soles.heels(&poses));
+        common.lift_by(heels);
+        let soles = Soles::new(&common);
         let by_feet = clip.motion.as_ref().is_some_and(|motion| motion.by_feet);
-        let motion_scale = if by_feet { common.pace(&poses) } else { common.legs() };
-        let mut binding = Self { bound_joint_count, ..Self::empty(motion_scale) };
+        let motion_scale = if by_feet { common.pace(&poses, soles.as_ref()) } else { common.legs() };
+        let footing = soles.and_then(|soles| Footing::new(clip, &soles, skeleton.joint_count()));
+        let mut binding = Self { bound_joint_count, footing, ..Self::empty(motion_scale) };
         let motion = |joint: JointIndex| clip.rows.motion(joint);
         for joint in skeleton.joints() {
             binding.push(clip, skeleton.rest(joint), common.chain(joint, &motion));
@@ -222,6 +273,11 @@ impl Binding {
         &self.turns
     }
 
+    /// The turn after those.
+    pub(crate) fn footing(&self) -> Option<&Footing> {
+        self.footing.as_ref()
+    }
+
     /// How far root motion takes the body, in parts of how far it takes that of the clip.
     #[must_use]
     pub fn motion_scale(&self) -> f32 {
@@ -265,9 +321,8 @@ impl Rows {
         self.driven[column as usize].iter().any(|driven| *driven)
     }
 
-    /// Some hundred rows, or all of fewer.
-    fn some_poses<'a>(&'a self, skeleton: &'a Skeleton) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
-        let every = self.times.len().div_ceil(GROUND_POSES).max(1);
+    /// One row of so many, as local transforms of all joints.
+    fn poses<'a>(&'a self, skeleton: &'a Skeleton, every: usize) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
         let pose = move |row| skeleton.joints().map(|joint| self.local(joint, row, 0.0).affine()).collect();
         (0..self.times.len()).step_by(every).map(pose)
     }

@@ -34,6 +34,13 @@ impl Range {
     pub(crate) fn still(value: [f32; 4]) -> Self {
         Self { offset: value.map(|v| v + 0.0), step: 0.0 }
     }
+
+    /// From the least of each component to the greatest.
+    fn over([low, high]: [[f32; 4]; 2]) -> Self {
+        let widest = (0..4).map(|c| f64::from(high[c]) - f64::from(low[c])).fold(0.0, f64::max);
+        let [step] = f64math::to_f32([widest / STEPS]);
+        Self { offset: low.map(|v| v + 0.0), step: step.max(f32::MIN_POSITIVE) }
+    }
 }
 
 /// Rows of one clip as stored.
@@ -132,6 +139,27 @@ impl Storage {
         let floats = vec![[true; 3]; ranges.len().div_ceil(BLOCK)];
         let worst = vec![[0.0; 3]; ranges.len()];
         Self { worst, ..Self::encode(&[pose], ranges, &floats) }
+    }
+
+    /// Rows of nothing but small rotations, a column each, all of which count as moving.
+    pub(super) fn of_turns(rows: &[Vec<DQuat>]) -> Self {
+        let pose = |row: &Vec<DQuat>| -> Vec<Trs> {
+            let near = |turn: &DQuat| if turn.w < 0.0 { -*turn } else { *turn };
+            let rotation = |turn: &DQuat| f64math::to_f32(near(turn).to_array());
+            row.iter().map(|turn| Trs { rotation: rotation(turn), ..Trs::IDENTITY }).collect()
+        };
+        let poses: Vec<_> = rows.iter().map(pose).collect();
+        let columns = rows.first().map_or(0, Vec::len);
+        let range = |column: usize| {
+            let rotation = Range::over(bounds(poses.iter().map(|pose| pose[column].rotation)));
+            PROPERTIES.map(|property| match property {
+                Property::Rotation => rotation,
+                _ => Range::still(property.of(&Trs::IDENTITY)),
+            })
+        };
+        let ranges: Vec<_> = (0..columns).map(range).collect();
+        let floats = vec![[false; 3]; columns.div_ceil(BLOCK)];
+        Self::encode(&poses, ranges, &floats)
     }
 
     /// A pose as the words of a row of floats; what does not move is left out.
@@ -282,13 +310,7 @@ fn ranges(poses: &[Vec<Trs>], judge: &Judge) -> Vec<[Range; 3]> {
                 Property::Rotation => 4.0 * judge.reach[joint.index()],
                 Property::Scale => judge.reach[joint.index()],
             };
-        let mut bounds = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
-        for pose in poses {
-            for (c, v) in value(&pose[joint.index()]).into_iter().enumerate() {
-                bounds = [with(bounds[0], c, bounds[0][c].min(v)), with(bounds[1], c, bounds[1][c].max(v))];
-            }
-        }
-        let [low, high] = bounds;
+        let [low, high] = bounds(poses.iter().map(|pose| value(&pose[joint.index()])));
         let within = |at: [f32; 4]| {
             (0..4).all(|c| f64::from(high[c] - at[c]) <= still && f64::from(at[c] - low[c]) <= still)
         };
@@ -297,17 +319,18 @@ fn ranges(poses: &[Vec<Trs>], judge: &Judge) -> Vec<[Range; 3]> {
         if let Some(constant) = [rest, first].into_iter().find(|&at| within(at)) {
             return Range::still(constant);
         }
-        let widest = (0..4).map(|c| f64::from(high[c]) - f64::from(low[c])).fold(0.0, f64::max);
-        let [step] = f64math::to_f32([widest / STEPS]);
-        Range { offset: low.map(|v| v + 0.0), step: step.max(f32::MIN_POSITIVE) }
+        Range::over([low, high])
     };
     let all = |joint| PROPERTIES.map(|property| range(joint, property));
     judge.skeleton.joints().map(all).collect()
 }
 
-fn with(mut v: [f32; 4], at: usize, value: f32) -> [f32; 4] {
-    v[at] = value;
-    v
+/// The least and the greatest of each component.
+fn bounds(values: impl Iterator<Item = [f32; 4]>) -> [[f32; 4]; 2] {
+    let none = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
+    values.fold(none, |[low, high], value| {
+        [std::array::from_fn(|c| low[c].min(value[c])), std::array::from_fn(|c| high[c].max(value[c]))]
+    })
 }
 
 /// Where each block's planes stand in a row, and the row's length, both in words.

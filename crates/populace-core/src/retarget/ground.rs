@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 
-use super::Common;
+use super::{Common, Soles};
 use crate::humanoid::{Role, Side};
 use crate::{JointIndex, f64math};
 
@@ -10,16 +10,18 @@ use crate::{JointIndex, f64math};
 /// who lies or swims is meant to.
 const SINKS: f64 = 0.004;
 const MOST: f64 = 0.02;
-const SIDES: [Side; 2] = [Side::Left, Side::Right];
+pub(super) const SIDES: [Side; 2] = [Side::Left, Side::Right];
 /// A pace that is further from what the length of legs says is none.
 const LIKELY: std::ops::Range<f64> = 0.4..2.5;
 
 /// What of the target touches the ground: a foot, or its toes.
-struct Sole {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stands {
+    pub(super) joint: JointIndex,
     /// In model space.
-    place: DVec3,
-    /// How far it is below where it rests.
-    depth: f64,
+    pub(super) place: DVec3,
+    /// From rest, in model space.
+    pub(super) turn: DQuat,
 }
 
 /// How far the ground passes under feet: each moment has the place of one or none for each side.
@@ -38,17 +40,22 @@ impl Common<'_> {
     pub(crate) fn keep_above_ground(&mut self, poses: &[Vec<DAffine3>]) {
         let depth = |pose: &Vec<DAffine3>| {
             let (turns, models) = self.source_models(pose);
-            let soles = SIDES.into_iter().flat_map(|side| self.soles(side, &turns, &models));
-            soles.map(|sole| sole.depth).fold(0.0, f64::max)
+            let feet = SIDES.into_iter().flat_map(|side| self.feet(side, &turns, &models));
+            feet.map(|foot| self.target.place(foot.joint).y - foot.place.y).fold(0.0, f64::max)
         };
         let deepest = poses.iter().map(depth).fold(0.0, f64::max);
         let size = f64::from(self.target.skeleton.size_m());
         self.lift += (deepest - SINKS * size).clamp(0.0, MOST * size);
     }
 
+    /// Lifts the whole body.
+    pub(crate) fn lift_by(&mut self, height: f64) {
+        self.lift += height;
+    }
+
     /// How fast the ground passes under the target's feet, in parts of how fast it passes under the source's; as long as its
     /// legs are against the source's where nothing is planted.
-    pub(crate) fn pace(&self, poses: &[Vec<DAffine3>]) -> f32 {
+    pub(crate) fn pace(&self, poses: &[Vec<DAffine3>], soles: Option<&Soles<'_>>) -> f32 {
         // The last of a leg bears it: toes where there are any.
         let last = |side| {
             let roles = &self.source.roles;
@@ -59,7 +66,13 @@ impl Common<'_> {
             let (turns, models) = self.source_models(pose);
             let place = |joint: JointIndex| models[joint.index()].translation;
             source.push(SIDES.map(|side| last(side).map(place)));
-            target.push(SIDES.map(|side| self.soles(side, &turns, &models).pop().map(|sole| sole.place)));
+            target.push(SIDES.map(|side| {
+                let mut feet = self.feet(side, &turns, &models);
+                if let Some(soles) = soles {
+                    soles.stand(side, &mut feet, soles.depth(&turns, &models, side));
+                }
+                feet.pop().map(|foot| foot.place)
+            }));
         }
         let (source, target) = (passed(&source), passed(&target));
         let pace = target / source;
@@ -68,7 +81,7 @@ impl Common<'_> {
     }
 
     /// How the source's joints are turned, and where they are, in model space.
-    fn source_models(&self, pose: &[DAffine3]) -> (Vec<DQuat>, Vec<DAffine3>) {
+    pub(super) fn source_models(&self, pose: &[DAffine3]) -> (Vec<DQuat>, Vec<DAffine3>) {
         let parents: Vec<_> = self.source.skeleton.joints().map(|j| self.source.skeleton.parent(j)).collect();
         let turns = pose.iter().map(|local| local.to_scale_rotation_translation().1);
         (f64math::turns(&parents, turns), f64math::model_from_joints(&parents, pose.iter().copied()))
@@ -96,32 +109,32 @@ impl Common<'_> {
     }
 
     /// The foot and the toes of a side.
-    fn soles(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> Vec<Sole> {
+    pub(super) fn feet(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> Vec<Stands> {
         let roles =
             [Role::Hips, Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side), Role::Toes(side)];
         let mut at: Option<(JointIndex, DVec3)> = None;
-        let mut soles = Vec::new();
+        let mut feet = Vec::new();
         for role in roles {
             let Some((joint, partner)) =
                 self.target.roles.joint(role).and_then(|joint| Some((joint, self.partner(joint)?)))
             else {
                 continue;
             };
+            let away =
+                |partner: JointIndex| turns[partner.index()] * self.source.turn[partner.index()].inverse();
             let place = match at {
                 None => self.hips_place(joint, partner, turns, models),
                 Some((above, place)) => {
-                    let guide = self.partner(above).map_or(DQuat::IDENTITY, |partner| {
-                        turns[partner.index()] * self.source.turn[partner.index()].inverse()
-                    });
+                    let guide = self.partner(above).map_or(DQuat::IDENTITY, away);
                     place + guide * (self.place[joint.index()] - self.place[above.index()])
                 }
             };
             if matches!(role, Role::Foot(_) | Role::Toes(_)) {
-                let depth = self.target.place(joint).y - place.y;
-                soles.push(Sole { place, depth });
+                let from_rest = self.turn[joint.index()] * self.target.turn[joint.index()].inverse();
+                feet.push(Stands { joint, place, turn: away(partner) * from_rest });
             }
             at = Some((joint, place));
         }
-        soles
+        feet
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{BodyIndex, Tables, padded, u32_from};
 use crate::Error;
-use crate::clip::{Binding, Turn};
+use crate::clip::{Binding, Footing, Turn};
 use crate::layout::{
     BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION,
     MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE, REST_TRANSLATION, RowBlock, Source,
@@ -50,19 +50,16 @@ impl Tables {
             return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
         }
         let body_row = self.all.bodies.as_slice()[body.0 as usize];
+        let row_block_first = self.all.clips.as_slice()[clip as usize].block_first;
+        let of_clip = BoundClip { clip, row_block_first, body: NONE, next: NONE, ..BoundClip::default() };
         // From the last turn on, so that each knows the next.
         let (mut next, mut later) = (NONE, Later::none(&body_row));
-        for turn in binding.turns().iter().rev() {
-            let map: Vec<u32> = turn.iter().map(|turn| turn.map).collect();
-            let range_first = self.add_turn(turn)?;
-            let own = Later::of(turn, &body_row);
-            let flags = own.arms.iter().zip(&later.turns).map(|(arms, turned)| {
-                let still = if *arms { 0 } else { REST_TRANSLATION };
-                still | (u32::from(*turned) * BLOCK_TURNED)
-            });
-            let bound = BoundClip { clip, range_first, body: NONE, next, ..BoundClip::default() };
-            next = self.add_bound(bound, &map, flags.collect())?;
-            later = later.or(&own);
+        if let Some(footing) = binding.footing() {
+            let bound = self.add_footing(footing, of_clip)?;
+            (next, later) = self.add_turn(&footing.turns, bound, (next, later), &body_row)?;
+        }
+        for turns in binding.turns().iter().rev() {
+            (next, later) = self.add_turn(turns, of_clip, (next, later), &body_row)?;
         }
         let range_first = self.add_ranges(binding)?;
         let first_joints = (0..body_row.padded_count as usize).step_by(JOINT_BLOCK as usize);
@@ -72,7 +69,7 @@ impl Tables {
         });
         let flags = flags.collect();
         let motion_scale = binding.motion_scale();
-        let bound = BoundClip { clip, range_first, body: body.0, next, motion_scale, ..BoundClip::default() };
+        let bound = BoundClip { range_first, body: body.0, next, motion_scale, ..of_clip };
         self.add_bound(bound, binding.joint_map(), flags)
     }
 
@@ -83,13 +80,42 @@ impl Tables {
         for (block, flags) in flags.into_iter().enumerate() {
             let first = (block * JOINT_BLOCK as usize).min(map.len());
             let last = map.len().min(first + JOINT_BLOCK as usize);
-            let block = self.bind_block(bound.clip, &map[first..last], flags)?;
+            let block = self.bind_block(bound.row_block_first, &map[first..last], flags)?;
             self.all.bound_blocks.extend([block])?;
         }
         self.all.bound_clips.extend([BoundClip { map_first, block_first, ..bound }])
     }
 
-    fn add_turn(&mut self, turns: &[Turn]) -> Result<u32, Error> {
+    /// Adds a turn of `of` before those that come later, and returns its index and what there is from it on.
+    fn add_turn(
+        &mut self,
+        turns: &[Turn],
+        of: BoundClip,
+        (next, later): (u32, Later),
+        body: &Body,
+    ) -> Result<(u32, Later), Error> {
+        let map: Vec<u32> = turns.iter().map(|turn| turn.map).collect();
+        let range_first = self.add_turn_planes(turns)?;
+        let own = Later::of(turns, body);
+        let flags = own.arms.iter().zip(&later.turns).map(|(arms, turned)| {
+            let still = if *arms { 0 } else { REST_TRANSLATION };
+            still | (u32::from(*turned) * BLOCK_TURNED)
+        });
+        let index = self.add_bound(BoundClip { range_first, next, ..of }, &map, flags.collect())?;
+        Ok((index, later.or(&own)))
+    }
+
+    /// Adds the rows of a turn that has its own; one that stands still has none.
+    fn add_footing(&mut self, footing: &Footing, of: BoundClip) -> Result<BoundClip, Error> {
+        if footing.rows.is_empty() {
+            return Ok(of);
+        }
+        let row_first = self.add_words(footing.rows.iter().copied())?;
+        let row_block_first = self.all.row_blocks.extend(footing.blocks.iter().copied())?;
+        Ok(BoundClip { row_block_first, row_first, row_stride: u32_from(footing.stride), ..of })
+    }
+
+    fn add_turn_planes(&mut self, turns: &[Turn]) -> Result<u32, Error> {
         let padded = padded(turns.len());
         let mut planes = vec![0.0; TURN_PLANES * padded];
         for joint in 0..padded {
@@ -118,7 +144,7 @@ impl Tables {
     }
 
     /// Where 16 joints of these maps find their columns.
-    fn bind_block(&mut self, clip: u32, maps: &[u32], flags: u32) -> Result<BoundBlock, Error> {
+    fn bind_block(&mut self, blocks: u32, maps: &[u32], flags: u32) -> Result<BoundBlock, Error> {
         const BLOCK: usize = JOINT_BLOCK as usize;
         let moves = MAP_ROTATION | MAP_TRANSLATION | MAP_SCALE;
         let mut sources: Vec<(u32, [u32; BLOCK])> = Vec::new();
@@ -134,7 +160,6 @@ impl Tables {
         let own_lane = |(lane, from): (u32, &u32)| *from == NONE || *from == lane;
         let straight = sources.len() == 1 && (0..).zip(&sources[0].1).all(own_lane);
         let source_first = u32_from(self.all.sources.len());
-        let blocks = self.all.clips.as_slice()[clip as usize].block_first;
         for (block, lanes) in &sources {
             let lanes_first = self.all.source_lanes.extend(lanes.iter().copied())?;
             self.all.sources.extend([Source { block: blocks + block, lanes_first }])?;

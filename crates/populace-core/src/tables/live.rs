@@ -32,14 +32,18 @@ pub(super) fn new_ring(clip: &Clip) -> ClipRows {
 impl Tables {
     /// Adds the rows of a clip, or the room for them, and returns where they begin.
     pub(super) fn add_rows(&mut self, clip: &Clip) -> Result<u32, Error> {
-        let past_the_end = [0; JOINT_BLOCK as usize];
         // The first row, from which additive layers measure, and the ring.
         let times = clip.ring().map_or(1, |ring| 1 + ring.rows as usize);
         let (rows, count) = (clip.rows(), clip.rows().len().saturating_mul(times));
         if self.all.rows.len().saturating_add(count) > u32::MAX as usize {
             return Err(Error::TooLarge { what: "rows", count, limit: u32::MAX as usize });
         }
-        let words = rows.iter().copied().cycle().take(count);
+        self.add_words(rows.iter().copied().cycle().take(count))
+    }
+
+    /// Adds rows and returns where they begin.
+    pub(super) fn add_words(&mut self, words: impl Iterator<Item = u32>) -> Result<u32, Error> {
+        let past_the_end = [0; JOINT_BLOCK as usize];
         self.all.rows.extend(words.chain(past_the_end))
     }
 

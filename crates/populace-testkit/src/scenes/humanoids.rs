@@ -111,6 +111,27 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// The same with soles beneath feet and toes, so that feet of retargeted clips roll where they would sink; the oracle
+    /// does not.
+    #[must_use]
+    pub fn on_soles(mut self) -> Self {
+        for body in &mut self.bodies {
+            let (skeleton, roles) = (body.skeleton.clone(), body.role_map());
+            let long = 0.1 * skeleton.size_m();
+            let points = |joint| {
+                let is_foot = |role: Role| matches!(role, Role::Foot(_) | Role::Toes(_));
+                let touches = roles.iter().any(|(role, of)| of == joint && is_foot(role));
+                let [x, _, z] = skeleton.rest_model(joint).origin();
+                if touches { vec![[x, 0.0, z - long], [x, 0.0, z + long]] } else { Vec::new() }
+            };
+            let points: Vec<_> = skeleton.joints().map(points).collect();
+            body.skeleton = skeleton.with_soles(&points);
+        }
+        self
+    }
+}
+
 impl super::SceneBody {
     fn with_roles(self, roles: Vec<(Role, usize)>) -> Self {
         Self { roles, ..self }

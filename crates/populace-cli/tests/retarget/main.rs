@@ -1,6 +1,8 @@
-//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names.
+//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names, and of built-in people.
 
 #![expect(clippy::print_stdout, reason = "what was measured is for those who run tests with --nocapture")]
+
+mod soles;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,13 +11,17 @@ use std::process::ExitCode;
 use libtest_mimic::{Arguments, Failed, Trial};
 use populace::core::{Affine, Character, JointIndex, Role, RoleMap, Side};
 use populace::{CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play};
+use populace_cast::{Look, person};
+use soles::Soles;
 
 const WALKS: [(&str, &str); 3] =
     [("kaykit_knight", "Walking_A"), ("m2m_human_base", "Walk_Loop"), ("quaternius_robot", "Robot_Walking")];
 /// Of limbs, between the body that the walk was made for and the other.
 const LIMB_DEGREES: f64 = 5.0;
-/// How far ankles and toes may sink below where they rest, in parts of the body's height.
+/// How far ankles and toes, and feet as they are drawn, may sink below where they rest, in parts of the body's height.
 const SINKS: f64 = 0.01;
+/// How much faster than on its own body a clip may turn feet.
+const FLIPS: f64 = 1.5;
 /// The hips' mean height over that at rest, between bodies.
 const HIPS: f64 = 0.05;
 /// How far toes, or ankles where there are none, of feet that bear a walker slide, in parts of the way it goes.
@@ -25,13 +31,14 @@ type Check = fn(&Path) -> Result<(), Failed>;
 
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
-    let trials = match std::env::var_os("POPULACE_TEST_DATA") {
+    let mut trials = match std::env::var_os("POPULACE_TEST_DATA") {
         Some(folder) => trials(Path::new(&folder)),
         None => {
             let name = "retarget (POPULACE_TEST_DATA does not name a folder of test data)";
             vec![Trial::test(name, || Ok(())).with_ignored_flag(true)]
         }
     };
+    trials.push(Trial::test("built-in people on each other", people));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
@@ -43,6 +50,7 @@ fn trials(folder: &Path) -> Vec<Trial> {
             trials.push(Trial::test(format!("{clip} of {from} on {onto}"), move || {
                 if from != onto {
                     walk(&folder, (from, clip), onto)?;
+                    drawn(&load(&folder, from)?, clip, &load(&folder, onto)?)?;
                 }
                 walk_on(&folder, (from, clip), onto)
             }));
@@ -257,6 +265,44 @@ fn walk_on(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), 
     } else {
         Err(format!("feet slide by {:.1} % of the way", 100.0 * part).into())
     }
+}
+
+/// No foot is drawn in the ground, whatever shoes the body has, and none flips to stay out of it.
+fn drawn(source: &Character, clip: &str, target: &Character) -> Result<(), Failed> {
+    let walk = source.clips.iter().find(|c| c.name() == clip).ok_or("no walk")?;
+    let (mut crowd, members) = crowd_of([source, target])?;
+    let mut seen = Vec::new();
+    for (body, (id, member)) in [source, target].into_iter().zip(members) {
+        let roles = RoleMap::detect(&body.skeleton).ok_or("a body without roles")?;
+        let clip = crowd.add_clip(id, walk)?;
+        seen.push(Soles::of(body, &roles).watch(&mut crowd, member, (clip, walk))?);
+    }
+    let [own, lent] = &seen[..] else { return Err("two bodies were watched".into()) };
+    let sunk = format!(
+        "a foot is drawn {:.2} % of the height deep at {:.2} of the cycle, and {:.2} % on its own body",
+        100.0 * lent.sunk,
+        lent.at,
+        100.0 * own.sunk
+    );
+    let turned =
+        format!("feet turn by up to {:.2} radians at once, and {:.2} there", lent.turned, own.turned);
+    println!("{sunk}; {turned}");
+    if lent.sunk > SINKS {
+        return Err(sunk.into());
+    }
+    if lent.turned > FLIPS * own.turned { Err(turned.into()) } else { Ok(()) }
+}
+
+/// Built-in people of other builds and rigs.
+fn people() -> Result<(), Failed> {
+    let looks = [Look::woman(), Look::man(), Look::child()];
+    let people = looks.iter().map(person).collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string())?;
+    for (from, onto) in [(0, 1), (0, 2), (1, 0), (2, 1)] {
+        for clip in ["Walk", "Run"] {
+            drawn(&people[from], clip, &people[onto])?;
+        }
+    }
+    Ok(())
 }
 
 /// The mage shares the knight's rig: its members get the same bits as if clips knew nothing of roles.
