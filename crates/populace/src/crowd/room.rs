@@ -42,11 +42,6 @@ pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
     slot.bound_clip == NONE || slot.is_settling() || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
 }
 
-/// Whether something of a slot that settles is left.
-fn settles(slot: &Slot, tick: u64) -> bool {
-    slot.bound_clip != NONE && slot.is_settling() && slot.settled_at(tick) < 1.0
-}
-
 impl Crowd {
     pub(super) fn slots(&self, place: u32) -> &[Slot] {
         &self.tables.slots().as_slice()[self.tables.slot_range(place)]
@@ -69,7 +64,7 @@ impl Crowd {
         for (share, slot) in shares.iter_mut().zip(self.slots(place)) {
             let of_layer = weighing(slot) / totals[slot.layer() as usize].max(f32::MIN_POSITIVE);
             let free = faded_out(slot, tick) || (slot.end_weight <= 0.0 && of_layer < NEGLIGIBLE);
-            *share = (!free || settles(slot, tick)).then_some(of_layer);
+            *share = (!free || slot.settles(tick)).then_some(of_layer);
         }
         shares
     }
@@ -227,7 +222,7 @@ impl Crowd {
             if slot.layer() as usize != layer {
                 continue;
             }
-            if secs <= 0.0 && settles(&slot, tick) {
+            if secs <= 0.0 && slot.settles(tick) {
                 self.empty_slot(place, index)?;
             } else if !faded_out(&slot, tick) {
                 slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
