@@ -48,6 +48,11 @@ pub fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
     if (rising && weight > end) || (!rising && weight < end) { end } else { weight }
 }
 
+/// How fast a weight runs from one number to another in so many seconds, a tick at least; 0 where it is there at once.
+pub(crate) fn ramp_rate(from: f32, to: f32, secs: f32) -> f32 {
+    if secs > 0.0 { (to - from) / secs.max(TICK_SECS) } else { 0.0 }
+}
+
 impl Slot {
     /// A slot that loops over a clip.
     ///
@@ -154,12 +159,13 @@ impl Slot {
         self
     }
 
-    /// Lets the weight run from `from` to `to` in `secs`, beginning at `tick`; at once where `secs` is not above zero.
+    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at once where `secs` is not
+    /// above zero.
     pub fn ramp_weight(&mut self, tick: u64, from: f32, to: f32, secs: f32) {
-        let ramps = secs > 0.0 && from != to;
-        self.start_weight = if ramps { from } else { to };
+        let rate = ramp_rate(from, to, secs);
+        self.start_weight = if rate != 0.0 { from } else { to };
         self.end_weight = to;
-        self.weight_rate = if ramps { (to - from) / secs } else { 0.0 };
+        self.weight_rate = rate;
         self.weight_tick = tick;
     }
 

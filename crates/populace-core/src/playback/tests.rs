@@ -127,3 +127,19 @@ fn usual_frame_rates_are_whole_ticks() {
         assert_eq!(TICKS_PER_SEC % rate, 0, "{rate}");
     }
 }
+
+#[test]
+fn a_fade_of_no_time_to_speak_of_takes_a_tick_and_stays_finite() {
+    for secs in [f32::from_bits(1), f32::MIN_POSITIVE, 1e-20, 1e-7] {
+        for (from, to) in [(0.0, 1.0), (1.0, 0.0), (0.25, 0.5)] {
+            let mut slot = Slot::looping(0, FIRST_TICK, 1.0, 0.0, 1.0);
+            slot.ramp_weight(FIRST_TICK, from, to, secs);
+            assert!(slot.weight_rate.is_finite(), "{secs}: {slot:?}");
+            assert_eq!(slot.weight_at(FIRST_TICK), from);
+            assert!((slot.weight_at(FIRST_TICK + 1) - to).abs() < 1e-6);
+            assert_eq!(slot.weight_at(FIRST_TICK + 2), to);
+            let target = crate::layout::Target::default().with_ramp(FIRST_TICK, from, to, secs);
+            assert_eq!((target.ramp_at(FIRST_TICK), target.ramp_at(FIRST_TICK + 2)), (from, to));
+        }
+    }
+}
