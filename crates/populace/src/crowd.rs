@@ -19,7 +19,7 @@ mod stages;
 mod waiting;
 mod watches;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use populace_core::layout::{PAGE_ENTRIES, Slot};
@@ -174,7 +174,7 @@ pub struct Crowd {
     attachments: HashMap<u32, Attached>,
     stages: UserStages,
     /// Watches that bring joints to the host.
-    readers: usize,
+    readers: HashSet<Watch>,
     /// Members of whom is told what happens.
     listening: Vec<Member>,
     /// Moments of clips that were asked for.
@@ -456,7 +456,7 @@ impl Crowd {
         self.kept = None;
         self.find_events(self.clock.tick, clock.tick);
         self.clock = clock;
-        if self.readers > 0 {
+        if !self.readers.is_empty() {
             self.opened.backend_mut().fetch_watched(&self.tables, clock.tick)?;
         }
         Ok(())

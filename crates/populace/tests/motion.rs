@@ -182,6 +182,29 @@ fn motion_is_mixed_as_poses_are() {
 }
 
 #[test]
+fn a_watch_that_was_let_go_of_touches_nobody_elses() {
+    let mut stage = body::stage(Device::native(), populace::Schedule::Fused);
+    let (_, walk) = add(&mut stage, straight("walk ahead", 1.0));
+    let member = walker(&mut stage, walk);
+    let root = joint("root");
+    let [gone, kept] = [(); 2].map(|()| stage.crowd.watch(member, root).expect("a joint"));
+    assert_ne!(gone, kept);
+    for _ in 0..3 {
+        stage.crowd.unwatch(gone);
+    }
+    for frame in 1..=3_u8 {
+        stage.update(0.25);
+        stage.crowd.with_page(0, &mut |_| ()).expect("a page");
+        let moved = stage.crowd.instances().find(|i| i.member == member).expect("a member").moved;
+        assert!((moved[2] - 0.25 * f32::from(frame)).abs() < 1e-4, "{moved:?}");
+        assert!(stage.crowd.sighting(kept).expect("a device").is_some());
+        assert_eq!(stage.crowd.sighting(gone), Ok(None));
+    }
+    stage.crowd.unwatch(kept);
+    assert_eq!(stage.crowd.sighting(kept), Ok(None));
+}
+
+#[test]
 fn members_are_placed_let_go_and_moved_on() {
     everywhere(|stage| {
         let (_, walk) = add(stage, straight("walk ahead", 1.0));
