@@ -435,9 +435,9 @@ device_struct! {
         pub bound_clip: u32,
         /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is mixed in.
         pub layer_and_mode: u32,
-        /// Weight at `weight_tick`. [`SLOT_SETTLING`]: the clip's part of what the layer showed.
+        /// Weight up to `weight_tick`. [`SLOT_SETTLING`]: the clip's part of what the layer showed.
         pub start_weight: f32,
-        /// Weight per second. [`SLOT_SETTLING`]: by how much that part would have changed while the slot settles.
+        /// Weight per second; 0 where it is at its end from `weight_tick` on. [`SLOT_SETTLING`]: by how much that part would have changed while the slot settles.
         pub weight_rate: f32,
         /// Where the weight stops. [`SLOT_SETTLING`]: 1 divided by the ticks that it settles in.
         pub end_weight: f32,

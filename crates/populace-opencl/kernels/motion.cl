@@ -1,6 +1,7 @@
 /* motion.cl - root motion: where its clips move a member, frame after frame. Each clip says how far it moves the body between
  * the last frame and this one, seen from where it had it; these moves are mixed as poses are, and the mix goes on from where the
- * member was. Twin of populace-native controls/motion.rs. */
+ * member was. A clip that played for a part of the frame moves the body for that part, by the mean of what it weighed then: so
+ * nothing is lost of what is left in the midst of a frame. Twin of populace-native controls/motion.rs. */
 
 /* A turn about +Y, then a shift; s and c are sine and cosine. */
 typedef struct { float x, y, z, s, c; } Move;
@@ -64,60 +65,91 @@ INLINE Move motion_at(__global const float4 *motions, ClipRows clip, float secs)
     return move_mix(motion_row(motions, clip, row), motion_row(motions, clip, next), place - (float)row);
 }
 
-/* How far a slot's clip moves its own body since the frame before, seen from where it had it. */
-INLINE Move move_of_slot(Controls of, Slot slot, ClipRows clip)
+/* From one time of the clock to a later one; to the same one or before it where there is nothing between. */
+typedef struct { ulong from, until; } Span;
+
+/* When a slot plays within a span; not once it was cut. */
+INLINE Span span_of(Slot slot, Span within)
+{
+    const bool is_cut = slot.end_weight <= 0.0f && slot.weight_rate == 0.0f;
+    const Span span = { max(within.from, slot.start_tick), is_cut ? min(within.until, slot.weight_tick) : within.until };
+    const Span none = { 0, 0 };
+    return slot.bound_clip == NONE ? none : span;
+}
+
+INLINE float part_of_frame(Controls of, Span span) { return (float)(span.until - span.from) / (float)of.elapsed_ticks; }
+
+/* How far a slot's clip moves its own body within a span, seen from where it had it. */
+INLINE Move move_of_slot(Controls of, Slot slot, ClipRows clip, Span span)
 {
     const Move none = NO_MOVE;
-    const ulong before = of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0;
-    const ulong from_tick = before > slot.start_tick ? before : slot.start_tick;
     const uint mode = slot_mode(slot);
-    if (clip.motion_count == 0 || from_tick >= of.tick || (mode != SLOT_LOOP && mode != SLOT_ONCE)) return none;
-    const Move from = motion_at(of.motions, clip, slot_time(slot, from_tick, clip));
-    const Move to = motion_at(of.motions, clip, slot_time(slot, of.tick, clip));
+    if (clip.motion_count == 0 || (mode != SLOT_LOOP && mode != SLOT_ONCE)) return none;
+    const Move from = motion_at(of.motions, clip, slot_time(slot, span.from, clip));
+    const Move to = motion_at(of.motions, clip, slot_time(slot, span.until, clip));
     const Move cycle = motion_at(of.motions, clip, clip.start_secs + clip.duration_secs);
     const bool backwards = (slot.phase_rate >> 63) != 0;
-    const Move whole = move_times(backwards ? move_undone(cycle) : cycle, slot_cycles(slot, from_tick, of.tick));
+    const Move whole = move_times(backwards ? move_undone(cycle) : cycle, slot_cycles(slot, span.from, span.until));
     return move_then(move_undone(from), move_then(whole, to));
 }
 
-/* The weighted mean of what a layer's slots do; *total is how much they weigh. */
-INLINE Move move_of_layer(Controls of, uint owner, uint layer, float *total)
+/* A weighted sum of moves: what each weighed while it played, the mean over the frame of what all weighed, and when any
+ * played. */
+typedef struct { float x, y, z, sine, cosine, weight, total; Span span; } Moves;
+
+/* Where moves that weighed so much in all go. Those that each played in a part of the frame come after each other, so that what
+ * all weighed while they played is more: each turns from straight ahead. */
+INLINE Move moves_over(Moves sum, float total)
 {
-    float x = 0.0f, y = 0.0f, z = 0.0f, sine = 0.0f, cosine = 0.0f, sum = 0.0f;
-    for (uint i = 0; i < of.slots_per_member; i++) {
-        const Slot slot = slot_now(of.slots[owner * of.slots_per_member + i], of.tick, of.machines);
-        const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, of.tick);
-        if (weight <= 0.0f || slot_layer(slot) != layer) continue;
-        const BoundClip bound = of.bound_clips[slot.bound_clip];
-        const Move move = move_of_slot(of, slot, of.clips[bound.clip]);
-        const float far = weight * bound.motion_scale;
-        x += move.x * far;
-        y += move.y * far;
-        z += move.z * far;
-        sine += move.s * weight;
-        cosine += move.c * weight;
-        sum += weight;
-    }
-    *total = sum;
-    const float k = 1.0f / sum;
-    return move_of(x * k, y * k, z * k, sine * k, cosine * k);
+    const float k = 1.0f / total;
+    return move_of(sum.x * k, sum.y * k, sum.z * k, sum.sine * k, (sum.cosine + (total - sum.weight)) * k);
 }
 
-/* The mix of what all clips do since the frame before. Layers that add to what lies beneath move nobody. */
+INLINE Moves moves_of_layer(Controls of, uint owner, uint layer)
+{
+    Moves sum = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, { of.tick, 0 } };
+    const Span frame = { of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0, of.tick };
+    for (uint i = 0; i < of.slots_per_member; i++) {
+        Slot slot = of.slots[owner * of.slots_per_member + i];
+        Span span = span_of(slot, frame);
+        if (span.from < span.until && slot_mode(slot) == SLOT_MACHINE) {
+            slot = machine_slot(slot, slot_mean_weight(slot, span.from, span.until), of.machines);
+            span = span_of(slot, span);
+        }
+        if (span.from >= span.until) continue;
+        const float weight = slot_mean_weight(slot, span.from, span.until);
+        if (weight <= 0.0f || slot_layer(slot) != layer) continue;
+        const BoundClip bound = of.bound_clips[slot.bound_clip];
+        const Move move = move_of_slot(of, slot, of.clips[bound.clip], span);
+        const float far = weight * bound.motion_scale;
+        sum.x += move.x * far;
+        sum.y += move.y * far;
+        sum.z += move.z * far;
+        sum.sine += move.s * weight;
+        sum.cosine += move.c * weight;
+        sum.weight += weight;
+        sum.total += weight * part_of_frame(of, span);
+        sum.span.from = min(sum.span.from, span.from);
+        sum.span.until = max(sum.span.until, span.until);
+    }
+    return sum;
+}
+
+/* The mix of what all clips do since the frame before, each for as long as it played. Layers that add to what lies beneath
+ * move nobody. */
 INLINE Move move_of_frame(Controls of, uint owner)
 {
-    float total;
     Move moved = NO_MOVE;
-    const Move lowest = move_of_layer(of, owner, 0, &total);
-    if (total > 1e-3f) moved = lowest;
+    const Moves lowest = moves_of_layer(of, owner, 0);
+    if (lowest.total > 1e-3f) moved = moves_over(lowest, lowest.total / part_of_frame(of, lowest.span));
     const uint layer_count = member_layers(of.members[owner]);
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = of.layers[owner * LAYERS_PER_MEMBER + l];
-        const Move above = move_of_layer(of, owner, l, &total);
-        if (total <= 0.0f || (layer.mask_and_mode & LAYER_ADDITIVE) != 0) continue;
+        const Moves above = moves_of_layer(of, owner, l);
+        if (above.total <= 0.0f || (layer.mask_and_mode & LAYER_ADDITIVE) != 0) continue;
         const uint mask = layer.mask_and_mode & LAYER_MASK;
         const float weight = mask == LAYER_MASK ? layer.weight : layer.weight * of.masks[mask];
-        moved = move_mix(moved, above, weight * (total < 1.0f ? total : 1.0f));
+        moved = move_mix(moved, moves_over(above, above.total), weight * (above.total < 1.0f ? above.total : 1.0f));
     }
     return moved;
 }

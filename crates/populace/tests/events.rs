@@ -137,3 +137,22 @@ fn what_is_left_is_told_of_up_to_then() {
         assert_eq!((ends(events), events.len()), (1, found[0].len()));
     }
 }
+
+/// One that is cut has happened up to then too.
+#[test]
+fn what_is_cut_is_told_of_up_to_then() {
+    let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
+        let mut stage = native();
+        let (walk, sway) = (stage.clip("walk"), stage.clip("sway"));
+        let member = stage.member(Placement::at([0.0; 3]));
+        stage.crowd.play(member, walk, Play::once()).expect("a clip that plays");
+        stage.crowd.queue(member, sway, Play::looping()).expect("a clip to follow");
+        stage.crowd.queue(member, walk, Play::looping()).expect("a clip to follow");
+        stage.crowd.listen(member).expect("a member");
+        events(&mut stage, step, 3.0)
+    });
+    let ends = |events: &[Event]| events.iter().filter(|event| event.kind == EventKind::ClipEnd).count();
+    for events in &found {
+        assert_eq!((ends(events), events.len()), (1, found[0].len()));
+    }
+}

@@ -16,8 +16,8 @@ use std::sync::Arc;
 use body::{Stage, character, distance, everywhere, joint};
 use populace::core::{Clip, ClipSource, Interpolation, Property, Track};
 use populace::{
-    Affine, ClipId, Crowd, Device, LayerMode, LayerSettings, Mask, Member, MotionSettings, MotionSource,
-    Placement, Play, Split,
+    Affine, ClipId, Condition, Crowd, Device, LayerMode, LayerSettings, Mask, Member, MotionSettings,
+    MotionSource, Placement, Play, Split, StateMachine,
 };
 
 const SECS: f32 = 1.0;
@@ -160,7 +160,8 @@ fn motion_is_mixed_as_poses_are() {
         close(step_of(stage, member, 0.01), 0.02);
         stage.crowd.crossfade(member, slow, 1.0).expect("a clip");
         stage.update(0.49);
-        close(step_of(stage, member, 0.01), 0.0125);
+        // Between 0.49 and 0.5 of the fade.
+        close(step_of(stage, member, 0.01), 0.02 - 0.015 * 0.495);
         stage.update(0.51);
         close(step_of(stage, member, 0.01), 0.005);
         // Layers: through a mask without the root, for the whole body by half, and adding.
@@ -178,6 +179,78 @@ fn motion_is_mixed_as_poses_are() {
             .expect("a layer");
         stage.crowd.play(member, fast, Play::looping().on_layer(1)).expect("a clip");
         close(step_of(stage, member, 0.01), 0.005);
+    });
+}
+
+#[test]
+fn a_start_within_a_long_step_leaves_what_was_played_before_it() {
+    let cut = Play::looping().after_secs(0.3);
+    let faded = Play::looping().fade_in_secs(0.2);
+    everywhere(|stage| {
+        let (_, fast) = add(stage, straight("fast", 2.0));
+        let (_, slow) = add(stage, straight("slow", 0.5));
+        let machine = StateMachine::new().state("slow", slow, Play::looping());
+        let machine = stage.crowd.add_machine(&machine).expect("a machine");
+        let [late, cuts, fades, above, left, entering, leaving] = [(); 7].map(|()| {
+            let member = stage.member(Placement::at([0.0; 3]));
+            stage.crowd.move_by_clips(member, true).expect("a member");
+            member
+        });
+        let crowd = &mut stage.crowd;
+        crowd.play(late, slow, cut).expect("a clip");
+        for member in [cuts, fades, above, left, entering] {
+            crowd.play(member, fast, Play::looping()).expect("a clip");
+        }
+        crowd.play(cuts, slow, cut).expect("a clip");
+        crowd.play(fades, slow, faded.after_secs(0.1)).expect("a clip");
+        crowd.set_layer(above, 1, LayerSettings::default(), None).expect("a layer");
+        crowd.play(above, slow, cut.on_layer(1)).expect("a clip");
+        crowd.play(left, slow, cut.settle_in_secs(0.1)).expect("a clip");
+        crowd.run_machine(entering, machine, cut).expect("a machine");
+        crowd.run_machine(leaving, machine, Play::looping()).expect("a machine");
+        crowd.play(leaving, fast, faded.after_secs(0.1)).expect("a clip");
+        stage.update(0.5);
+        for (member, wanted) in [
+            (late, 0.1),
+            (cuts, 0.7),
+            (fades, 0.55),
+            (above, 0.7),
+            (left, 0.7),
+            (entering, 0.7),
+            (leaving, 0.05 + 0.25 + 0.4),
+        ] {
+            let found = stage.crowd.moved(member).expect("a member").position()[2];
+            assert!((found - wanted).abs() < 1e-4, "{found} m is not {wanted} m");
+        }
+    });
+}
+
+#[test]
+fn a_machine_that_cuts_moves_its_member_in_that_frame_too() {
+    everywhere(|stage| {
+        let (_, fast) = add(stage, straight("fast", 2.0));
+        let (_, slow) = add(stage, straight("slow", 0.5));
+        let machine = StateMachine::new()
+            .parameter("tired", 0.0)
+            .state("fast", fast, Play::looping())
+            .state("slow", slow, Play::looping())
+            .transition("fast", "slow", 0.0, &[Condition::above("tired", 0.5)])
+            .transition("slow", "fast", 0.1, &[Condition::below("tired", 0.5)]);
+        let machine = stage.crowd.add_machine(&machine).expect("a machine");
+        let member = stage.member(Placement::at([0.0; 3]));
+        stage.crowd.run_machine(member, machine, Play::looping()).expect("a machine");
+        stage.crowd.move_by_clips(member, true).expect("a member");
+        let mut goes = |tired: f32, wanted: [f32; 3]| {
+            stage.crowd.set_parameter(member, "tired", tired).expect("a parameter");
+            for wanted in wanted {
+                let found = step_of(stage, member, 0.04);
+                assert!((found - 0.04 * wanted).abs() < 2e-5, "{found} m at {wanted} m/s");
+            }
+        };
+        goes(0.0, [2.0; 3]);
+        goes(1.0, [2.0, 0.5, 0.5]); // cut as of the end of the first
+        goes(0.0, [0.5, 0.5 + 1.5 * 0.2, 0.5 + 1.5 * 0.6]);
+        goes(0.0, [2.0 - 1.5 * 0.05, 2.0, 2.0]);
     });
 }
 
@@ -300,6 +373,13 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
     let mut stage = Stage { crowd, body };
     let (_, curve) = add(&mut stage, curve());
     let (_, walk) = add(&mut stage, straight("walk ahead", 1.3));
+    let after = [Condition::AfterSecs(0.2)];
+    let machine = StateMachine::new()
+        .state("walk", walk, Play::looping())
+        .state("curve", curve, Play::looping())
+        .transition("curve", "walk", 0.0, &after)
+        .transition("walk", "curve", 0.07, &after);
+    let machine = stage.crowd.add_machine(&machine).expect("a machine");
     let members: Vec<_> = (0..12_u8)
         .map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]).facing(f32::from(n))))
         .collect();
@@ -308,6 +388,14 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
         stage.crowd.play(member, curve, play).expect("a clip");
         stage.crowd.crossfade(member, walk, 0.1 * f32::from(n)).expect("a clip");
         stage.crowd.move_by_clips(member, true).expect("a member");
+        // What starts in the midst of a frame.
+        let secs = 0.02 * f32::from(n % 3);
+        let later = Play::looping().after_secs(0.31 + 0.07 * f32::from(n));
+        match n % 4 {
+            3 => stage.crowd.run_machine(member, machine, later.fade_in_secs(secs)).expect("a machine"),
+            2 => stage.crowd.play(member, curve, later.settle_in_secs(secs)).expect("a clip"),
+            _ => stage.crowd.play(member, curve, later.fade_in_secs(secs)).expect("a clip"),
+        };
     }
     (stage, members)
 }

@@ -143,3 +143,23 @@ fn a_fade_of_no_time_to_speak_of_takes_a_tick_and_stays_finite() {
         }
     }
 }
+
+#[test]
+fn the_mean_of_a_weight_is_that_of_its_ticks() {
+    let mean = |slot: &Slot, from: u64, to: u64| {
+        let at = |tick| if tick < slot.weight_tick { slot.start_weight } else { slot.weight_at(tick) };
+        let sum: f64 = (from..to).map(|tick| f64::from(at(tick) + at(tick + 1)) / 2.0).sum();
+        sum / (to - from) as f64
+    };
+    for (from, to, secs) in
+        [(0.2, 0.9, 1e-4), (0.9, 0.0, 3e-4), (1.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.5, 0.5, 1.0)]
+    {
+        let mut slot = Slot::looping(0, 0, 1.0, 0.0, 1.0);
+        slot.ramp_weight(500, from, to, secs);
+        for (begin, end) in [(0, 1000), (0, 520), (505, 540), (500, 501), (0, 500), (900, 1000)] {
+            let (found, wanted) = (slot.mean_weight(begin, end), mean(&slot, begin, end));
+            let near = (f64::from(found) - wanted).abs() < 2e-3;
+            assert!(near, "{from} to {to} in {secs} s, {begin}..{end}: {found} is not {wanted}");
+        }
+    }
+}

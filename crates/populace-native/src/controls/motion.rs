@@ -1,17 +1,18 @@
 //! Root motion: where its clips move a member, frame after frame; the twin of `kernels/motion.cl`.
 //!
 //! Each clip says how far it moves the body between the last frame and this one, seen from where it had it; these moves are
-//! mixed as poses are, and the mix goes on from where the member was.
+//! mixed as poses are, and the mix goes on from where the member was. A clip that played for a part of the frame moves the
+//! body for that part, by the mean of what it weighed then: so nothing is lost of what is left in the midst of a frame.
 
 use populace_core::Affine;
 use populace_core::layout::{
-    BoundClip, ClipRows, FEET_MOST, Float4, Layer, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP, SLOT_ONCE,
-    Slot, Step,
+    BoundClip, ClipRows, FEET_MOST, Float4, Layer, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP,
+    SLOT_MACHINE, SLOT_ONCE, Slot, Step,
 };
 use populace_core::math::{Real, vec3};
 
 use super::{Models, Steering};
-use crate::machines::slot_now;
+use crate::machines::machine_slot;
 use crate::pose::member_layers;
 
 /// A turn about +Y, then a shift.
@@ -70,18 +71,28 @@ impl Move {
     }
 }
 
+/// From one time of the clock to a later one.
+type Span = (u64, u64);
+
 /// A weighted sum of moves.
 #[derive(Default)]
 struct Sum {
     shift: [f32; 3],
     heading: [f32; 2],
+    /// What each weighed while it played.
+    weight: f32,
+    /// The mean over the frame of what all weighed.
     total: f32,
+    /// When any played.
+    span: Option<Span>,
 }
 
 impl Sum {
-    fn mean(&self) -> Move {
-        let k = 1.0 / self.total;
-        Move::new(vec3::scale(self.shift, k), self.heading.map(|h| h * k))
+    /// Where moves that weighed so much in all go. Those that each played in a part of the frame come after each other, so
+    /// that what all weighed while they played is more: each turns from straight ahead.
+    fn over(&self, total: f32) -> Move {
+        let ([sin, cos], k) = (self.heading, 1.0 / total);
+        Move::new(vec3::scale(self.shift, k), [sin * k, (cos + (total - self.weight)) * k])
     }
 }
 
@@ -107,16 +118,18 @@ impl Steering<'_> {
         models.set(joint, carried.mul(&models.model(joint)));
     }
 
-    /// The mix of what all clips do since the frame before. Layers that add to what lies beneath move nobody.
+    /// The mix of what all clips do since the frame before, each for as long as it played. Layers that add to what lies
+    /// beneath move nobody.
     fn move_of_frame(&self) -> Move {
         let mut moved = Move::NONE;
         for (index, layer) in (0..).zip(member_layers(self.tables, self.control.member)) {
             let sum = self.sum_of_layer(index);
             if index == 0 {
-                moved = if sum.total > 1e-3 { sum.mean() } else { moved };
+                let part = sum.span.map_or(1.0, |span| self.part_of_frame(span));
+                moved = if sum.total > 1e-3 { sum.over(sum.total / part) } else { moved };
             } else if sum.total > 0.0 && !layer.is_additive() {
                 let part = self.weight_at_root(layer) * if sum.total < 1.0 { sum.total } else { 1.0 };
-                moved = moved.mix(&sum.mean(), part);
+                moved = moved.mix(&sum.over(sum.total), part);
             }
         }
         moved
@@ -133,31 +146,56 @@ impl Steering<'_> {
     fn sum_of_layer(&self, layer: u32) -> Sum {
         let mut sum = Sum::default();
         for slot in &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)] {
-            let slot = &slot_now(self.tables, &self.keeping.running, slot, self.tick);
-            let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(self.tick) };
+            let Some((slot, span)) = self.slot_of_frame(slot) else { continue };
+            let weight = slot.mean_weight(span.0, span.1);
             if weight <= 0.0 || slot.layer() != layer {
                 continue;
             }
             let bound = &self.tables.bound_clips().as_slice()[slot.bound_clip as usize];
-            let moved = self.move_of_slot(slot, bound);
+            let moved = self.move_of_slot(&slot, bound, span);
             sum.shift = vec3::add_scaled(sum.shift, moved.shift, weight * bound.motion_scale);
             sum.heading = [0, 1].map(|i: usize| sum.heading[i] + moved.heading[i] * weight);
-            sum.total += weight;
+            sum.weight += weight;
+            sum.total += weight * self.part_of_frame(span);
+            sum.span = sum.span.map_or(Some(span), |all| Some((all.0.min(span.0), all.1.max(span.1))));
         }
         sum
     }
 
-    /// How far a slot's clip moves its own body since the frame before, seen from where it had it.
-    fn move_of_slot(&self, slot: &Slot, bound: &BoundClip) -> Move {
+    fn part_of_frame(&self, (from, until): Span) -> f32 {
+        (until - from) as f32 / self.clock.elapsed_ticks as f32
+    }
+
+    /// When a slot plays within a span; not once it was cut.
+    fn span_of(slot: &Slot, (from, until): Span) -> Option<Span> {
+        let is_cut = slot.end_weight <= 0.0 && slot.weight_rate == 0.0;
+        let until = if is_cut { until.min(slot.weight_tick) } else { until };
+        Some((from.max(slot.start_tick), until))
+            .filter(|(from, until)| slot.bound_clip != NONE && from < until)
+    }
+
+    /// A slot that plays within the frame, or in place of a machine's the one that it stands for, and when it does.
+    fn slot_of_frame(&self, slot: &Slot) -> Option<(Slot, Span)> {
+        let before = self.tick.saturating_sub(u64::from(self.clock.elapsed_ticks));
+        let span = Self::span_of(slot, (before, self.tick))?;
+        if slot.mode() != SLOT_MACHINE {
+            return Some((*slot, span));
+        }
+        let weight = slot.mean_weight(span.0, span.1);
+        let slot = machine_slot(self.tables, &self.keeping.running, slot, weight);
+        Some((slot, Self::span_of(&slot, span)?))
+    }
+
+    /// How far a slot's clip moves its own body from one time of the clock to another, seen from where it had it.
+    fn move_of_slot(&self, slot: &Slot, bound: &BoundClip, (from_tick, until): Span) -> Move {
         let clip = &self.tables.clips().as_slice()[bound.clip as usize];
-        let from_tick = self.tick.saturating_sub(u64::from(self.clock.elapsed_ticks)).max(slot.start_tick);
-        if clip.motion_count == 0 || from_tick >= self.tick || !matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE) {
+        if clip.motion_count == 0 || !matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE) {
             return Move::NONE;
         }
         let at = |tick| self.motion_at(clip, slot.time_at(tick, clip.start_secs, clip.duration_secs));
-        let (from, to) = (at(from_tick), at(self.tick));
+        let (from, to) = (at(from_tick), at(until));
         let cycle = self.motion_at(clip, clip.start_secs + clip.duration_secs);
-        let whole = match (slot.cycles_between(from_tick, self.tick), slot.phase_rate >> 63 != 0) {
+        let whole = match (slot.cycles_between(from_tick, until), slot.phase_rate >> 63 != 0) {
             (count, true) => cycle.undone().times(count),
             (count, false) => cycle.times(count),
         };
