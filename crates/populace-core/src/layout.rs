@@ -154,7 +154,8 @@ device_consts! {
     pub const STEP_ATTACH: u32 = 10;
     /// [`Step::kind`]: clips move the whole body, on from where the frame before left it if `turn` is still the same.
     pub const STEP_MOTION: u32 = 11;
-    /// Of a member's state, the first of two elements that say where its clips have moved it.
+    /// Of a member's state, the first of four elements of its root motion: where its clips have moved it, its heading, how fast
+    /// they last did, and how much faster than what it plays it was when something began to settle: shift and turn in a tick.
     pub const MOTION_STATE: u32 = FEET_MOST;
     /// Elements of a row of root motion: a shift, then sine and cosine of a heading.
     pub const MOTION_ELEMENTS: u32 = 2;

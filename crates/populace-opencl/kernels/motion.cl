@@ -1,7 +1,8 @@
 /* motion.cl - root motion: where its clips move a member, frame after frame. Each clip says how far it moves the body between
  * the last frame and this one, seen from where it had it; these moves are mixed as poses are, and the mix goes on from where the
  * member was. A clip that played for a part of the frame moves the body for that part, by the mean of what it weighed then: so
- * nothing is lost of what is left in the midst of a frame. Twin of populace-native controls/motion.rs. */
+ * nothing is lost of what is left in the midst of a frame. Where something settles, the speed of the frame before goes over into
+ * that of what plays now, as poses do. Twin of populace-native controls/motion.rs. */
 
 /* A turn about +Y, then a shift; s and c are sine and cosine. */
 typedef struct { float x, y, z, s, c; } Move;
@@ -77,7 +78,7 @@ INLINE Span span_of(Slot slot, Span within)
     return slot.bound_clip == NONE ? none : span;
 }
 
-INLINE float part_of_frame(Controls of, Span span) { return (float)(span.until - span.from) / (float)of.elapsed_ticks; }
+INLINE float span_part(Span all, Span span) { return (float)(span.until - span.from) / (float)(all.until - all.from); }
 
 /* How far a slot's clip moves its own body within a span, seen from where it had it. */
 INLINE Move move_of_slot(Controls of, Slot slot, ClipRows clip, Span span)
@@ -105,13 +106,12 @@ INLINE Move moves_over(Moves sum, float total)
     return move_of(sum.x * k, sum.y * k, sum.z * k, sum.sine * k, (sum.cosine + (total - sum.weight)) * k);
 }
 
-INLINE Moves moves_of_layer(Controls of, uint owner, uint layer)
+INLINE Moves moves_of_layer(Controls of, uint owner, uint layer, Span within)
 {
-    Moves sum = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, { of.tick, 0 } };
-    const Span frame = { of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0, of.tick };
+    Moves sum = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, { within.until, 0 } };
     for (uint i = 0; i < of.slots_per_member; i++) {
         Slot slot = of.slots[owner * of.slots_per_member + i];
-        Span span = span_of(slot, frame);
+        Span span = span_of(slot, within);
         if (span.from < span.until && slot_mode(slot) == SLOT_MACHINE) {
             slot = machine_slot(slot, slot_mean_weight(slot, span.from, span.until), of.machines);
             span = span_of(slot, span);
@@ -128,24 +128,24 @@ INLINE Moves moves_of_layer(Controls of, uint owner, uint layer)
         sum.sine += move.s * weight;
         sum.cosine += move.c * weight;
         sum.weight += weight;
-        sum.total += weight * part_of_frame(of, span);
+        sum.total += weight * span_part(within, span);
         sum.span.from = min(sum.span.from, span.from);
         sum.span.until = max(sum.span.until, span.until);
     }
     return sum;
 }
 
-/* The mix of what all clips do since the frame before, each for as long as it played. Layers that add to what lies beneath
- * move nobody. */
-INLINE Move move_of_frame(Controls of, uint owner)
+/* The mix of what all clips do within a span, each for as long as it plays. Layers that add to what lies beneath move
+ * nobody. */
+APART_STEP Move move_within(Controls of, uint owner, Span span)
 {
     Move moved = NO_MOVE;
-    const Moves lowest = moves_of_layer(of, owner, 0);
-    if (lowest.total > 1e-3f) moved = moves_over(lowest, lowest.total / part_of_frame(of, lowest.span));
+    const Moves lowest = moves_of_layer(of, owner, 0, span);
+    if (lowest.total > 1e-3f) moved = moves_over(lowest, lowest.total / span_part(span, lowest.span));
     const uint layer_count = member_layers(of.members[owner]);
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = of.layers[owner * LAYERS_PER_MEMBER + l];
-        const Moves above = moves_of_layer(of, owner, l);
+        const Moves above = moves_of_layer(of, owner, l, span);
         if (above.total <= 0.0f || (layer.mask_and_mode & LAYER_ADDITIVE) != 0) continue;
         const uint mask = layer.mask_and_mode & LAYER_MASK;
         const float weight = mask == LAYER_MASK ? layer.weight : layer.weight * of.masks[mask];
@@ -154,17 +154,72 @@ INLINE Move move_of_frame(Controls of, uint owner)
     return moved;
 }
 
+/* Where the frame before left a member, and how fast that moved it: shift and turn in a tick; and how much faster than what it
+ * plays it was when something began to settle. */
+typedef struct { Move place; float4 speed, excess; } Last;
+
+INLINE float4 speed_of(Move m, uint ticks)
+{
+    return (float4)(m.x / (float)ticks, m.y / (float)ticks, m.z / (float)ticks, m.s / (float)ticks);
+}
+
+/* The integral of what is left of a difference that settles: of the quintic by which poses do. */
+INLINE float still_until(float settled)
+{
+    const float s = settled < 1.0f ? settled : 1.0f;
+    return s - s * s * s * s * (2.5f - 3.0f * s + s * s);
+}
+
+/* Of the member's slots that settle, or have, the one that began last, or NONE. */
+INLINE uint newest_settling(Controls of, uint owner)
+{
+    uint newest = NONE;
+    for (uint i = owner * of.slots_per_member; i < (owner + 1) * of.slots_per_member; i++) {
+        const Slot slot = of.slots[i];
+        if (slot_mode(slot) != SLOT_SETTLING || slot.bound_clip == NONE || slot.start_tick >= of.tick) continue;
+        if (newest == NONE || slot.start_tick >= of.slots[newest].start_tick) newest = i;
+    }
+    return newest;
+}
+
+/* Where the member is after this frame, and how fast it went. */
+INLINE Last next_of(Controls of, uint owner, Last last, bool begun)
+{
+    if (of.elapsed_ticks == 0) return last;
+    const Span frame = { of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0, of.tick };
+    Move moved = move_within(of, owner, frame);
+    const uint newest = newest_settling(of, owner);
+    if (newest != NONE) {
+        const Slot slot = of.slots[newest];
+        const Span after = { slot.start_tick, slot.start_tick + of.elapsed_ticks };
+        if (slot.start_tick >= frame.from && begun)
+            last.excess = last.speed - speed_of(move_within(of, owner, after), of.elapsed_ticks);
+        const float from = still_until(slot_settled(slot, max(slot.start_tick, frame.from)));
+        const float ticks = (still_until(slot_settled(slot, of.tick)) - from) / slot.end_weight;
+        const float4 on = last.excess * ticks;
+        moved = move_then(moved, move_of(on.x, on.y, on.z, on.w, 1.0f));
+        if (!slot_settles(slot, of.tick)) last.excess = (float4)(0.0f);
+    }
+    const Last next = { move_then(last.place, moved), speed_of(moved, of.elapsed_ticks), last.excess };
+    return next;
+}
+
 /* Moves a root to where clips have moved the member. */
 APART_STEP float16 moves(const Steering *s, Step step, float16 own)
 {
     const uint state = s->index * STATES_PER_CONTROL + MOTION_STATE;
     const float4 place = s->of.states_before[state], heading = s->of.states_before[state + 1];
-    const Move none = NO_MOVE, kept = { place.x, place.y, place.z, heading.x, heading.y };
-    const Move last = as_uint(place.w) == step.turn ? kept : none;
-    const Move now = move_then(last, move_of_frame(s->of, s->control.member));
+    const Last none = { NO_MOVE, (float4)(0.0f), (float4)(0.0f) };
+    const Last kept = { { place.x, place.y, place.z, heading.x, heading.y }, s->of.states_before[state + 2],
+                        s->of.states_before[state + 3] };
+    const bool begun = as_uint(place.w) == step.turn;
+    const Last next = next_of(s->of, s->control.member, begun ? kept : none, begun);
+    const Move now = next.place;
     if (step.joint == 0) {
         s->of.states[state] = (float4)(now.x, now.y, now.z, as_float(step.turn));
         s->of.states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
+        s->of.states[state + 2] = next.speed;
+        s->of.states[state + 3] = next.excess;
     }
     const float16 carried = (float16)(now.c, 0.0f, now.s, now.x, 0.0f, 1.0f, 0.0f, now.y, -now.s, 0.0f, now.c, now.z, (float4)(0.0f));
     return affine_mul(carried, own);

@@ -254,6 +254,45 @@ fn a_machine_that_cuts_moves_its_member_in_that_frame_too() {
     });
 }
 
+/// Where something settles, a member's speed goes over in that time; interrupted or not, and from the midst of a frame.
+#[test]
+fn the_speed_of_a_member_settles_as_its_pose_does() {
+    const FRAME: f32 = 1.0 / 60.0;
+    everywhere(|stage| {
+        let (_, fast) = add(stage, straight("fast", 2.0));
+        let (_, slow) = add(stage, straight("slow", 0.5));
+        let settling = Play::looping().settle_in_secs(0.3);
+        let [once, twice] = [(); 2].map(|()| walker(stage, fast));
+        stage.update(FRAME);
+        stage.crowd.play(once, slow, settling.after_secs(0.11)).expect("a clip");
+        stage.crowd.play(twice, slow, settling).expect("a clip");
+        let place =
+            |stage: &mut Stage| [once, twice].map(|m| stage.crowd.moved(m).expect("a member").position()[2]);
+        let (mut before, mut speeds, mut worst) = (place(stage), [2.0_f32; 2], 0.0_f32);
+        let begun = before;
+        for frame in 0..60 {
+            if frame == 8 {
+                stage.crowd.play(twice, fast, settling).expect("a clip");
+            }
+            stage.update(FRAME);
+            let now = place(stage);
+            for i in 0..2 {
+                let speed = (now[i] - before[i]) / FRAME;
+                worst = worst.max((speed - speeds[i]).abs());
+                assert!((0.49..2.01).contains(&speed), "frame {frame}: {speed} m/s");
+                speeds[i] = speed;
+            }
+            before = now;
+        }
+        // A quintic over 18 frames is at most 1.875 / 18 a frame; without it a frame changes all of it.
+        assert!(worst < 1.5 * 1.875 / 18.0 + 0.01, "{worst} m/s from one frame to the next");
+        let [far, _] = [0, 1].map(|i: usize| before[i] - begun[i]);
+        let wanted = 0.11 * 2.0 + 0.89 * 0.5 + 0.3 * 1.5 / 2.0;
+        assert!((far - wanted).abs() < 2e-3, "{far} m is not {wanted} m");
+        assert!((speeds[0] - 0.5).abs() < 1e-3 && (speeds[1] - 2.0).abs() < 1e-3, "{speeds:?}");
+    });
+}
+
 #[test]
 fn a_watch_that_was_let_go_of_touches_nobody_elses() {
     let mut stage = body::stage(Device::native(), populace::Schedule::Fused);
@@ -393,7 +432,7 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
         let later = Play::looping().after_secs(0.31 + 0.07 * f32::from(n));
         match n % 4 {
             3 => stage.crowd.run_machine(member, machine, later.fade_in_secs(secs)).expect("a machine"),
-            2 => stage.crowd.play(member, curve, later.settle_in_secs(secs)).expect("a clip"),
+            2 => stage.crowd.play(member, curve, later.settle_in_secs(0.1 + secs)).expect("a clip"),
             _ => stage.crowd.play(member, curve, later.fade_in_secs(secs)).expect("a clip"),
         };
     }
