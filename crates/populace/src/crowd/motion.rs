@@ -25,7 +25,7 @@ impl Crowd {
     /// joints and palette where it is. Constraints and watches see it there; what is told in model space (targets, poles, overrides)
     /// counts from the placement. Motion is mixed as poses are, by the weights of slots and layers and what masks let through at the first joint;
     /// layers that add move nobody. What plays for a part of an update moves it for that part, unless something else took its
-    /// slot within the same update. Fused schedules move those who have a mesh: others are not evaluated.
+    /// slot, or a blend space that waited for one went on, within the same update. Fused schedules move those who have a mesh: others are not evaluated.
     ///
     /// # Errors
     ///
