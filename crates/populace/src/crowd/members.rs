@@ -18,7 +18,8 @@ pub struct Instance {
     /// How far from there its clips have moved it, in metres of the world, as far as was known when palettes were last taken:
     /// the palette has it there already.
     pub moved: [f32; 3],
-    /// Its first palette entry: page times [`PAGE_ENTRIES`] plus the place within the page.
+    /// Its first palette entry: page times
+    /// [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES) plus the place within the page.
     pub palette_first: u32,
 }
 
