@@ -4,7 +4,7 @@ use crate::layout::{
     Float4, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD, Target,
 };
 use crate::math::{quat, vec3};
-use crate::playback::ramp;
+use crate::playback::{ramp, ramp_rate};
 use crate::{Error, JointIndex, Skeleton, StageUse, Trs};
 
 /// What a transform is relative to.
@@ -65,13 +65,14 @@ impl Target {
         Self { watched, ..Self::new(TARGET_WATCHED, offset) }
     }
 
-    /// Lets the weight run from `from` to `to` in `secs`, beginning at `tick`; at once where `secs` is not above zero.
+    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at once where `secs` is not
+    /// above zero.
     #[must_use]
     pub fn with_ramp(mut self, tick: u64, from: f32, to: f32, secs: f32) -> Self {
-        let ramps = secs > 0.0 && from != to;
-        self.start_weight = if ramps { from } else { to };
+        let rate = ramp_rate(from, to, secs);
+        self.start_weight = if rate != 0.0 { from } else { to };
         self.end_weight = to;
-        self.weight_rate = if ramps { (to - from) / secs } else { 0.0 };
+        self.weight_rate = rate;
         self.weight_tick = tick;
         self
     }

@@ -157,7 +157,8 @@ device_consts! {
     pub const STEP_ATTACH: u32 = 10;
     /// [`Step::kind`]: clips move the whole body, on from where the frame before left it if `turn` is still the same.
     pub const STEP_MOTION: u32 = 11;
-    /// Of a member's state, the first of two elements that say where its clips have moved it.
+    /// Of a member's state, the first of four elements of its root motion: where its clips have moved it, its heading, how fast
+    /// they last did, and how much faster than what it plays it was when something began to settle: shift and turn in a tick.
     pub const MOTION_STATE: u32 = FEET_MOST;
     /// Elements of a row of root motion: a shift, then sine and cosine of a heading.
     pub const MOTION_ELEMENTS: u32 = 2;
@@ -444,9 +445,9 @@ device_struct! {
         pub bound_clip: u32,
         /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is mixed in.
         pub layer_and_mode: u32,
-        /// Weight at `weight_tick`. [`SLOT_SETTLING`]: the clip's part of what the layer showed.
+        /// Weight up to `weight_tick`. [`SLOT_SETTLING`]: the clip's part of what the layer showed.
         pub start_weight: f32,
-        /// Weight per second. [`SLOT_SETTLING`]: by how much that part would have changed while the slot settles.
+        /// Weight per second; 0 where it is at its end from `weight_tick` on. [`SLOT_SETTLING`]: by how much that part would have changed while the slot settles.
         pub weight_rate: f32,
         /// Where the weight stops. [`SLOT_SETTLING`]: 1 divided by the ticks that it settles in.
         pub end_weight: f32,

@@ -65,7 +65,7 @@ pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
 pub use math::{Affine, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use playback::{
-    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, Stand, TICKS_PER_SEC, far_row, ramp,
+    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, Stand, TICKS_PER_SEC, far_row,
     row_before, ticks_from_secs,
 };
 pub use skeleton::{JointIndex, JointSource, Skeleton};

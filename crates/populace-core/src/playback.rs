@@ -42,10 +42,15 @@ pub fn ticks_from_secs(secs: f64) -> u64 {
 /// A weight that runs from `start` by `rate` per second to `end`; the twin of `ramp` in `kernels/slot.cl`.
 #[inline]
 #[must_use]
-pub fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
+pub(crate) fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
     let weight = start + rate * (elapsed_ticks as f32 * TICK_SECS);
     let rising = rate >= 0.0;
     if (rising && weight > end) || (!rising && weight < end) { end } else { weight }
+}
+
+/// How fast a weight runs from one number to another in so many seconds, a tick at least; 0 where it is there at once.
+pub(crate) fn ramp_rate(from: f32, to: f32, secs: f32) -> f32 {
+    if secs > 0.0 { (to - from) / secs.max(TICK_SECS) } else { 0.0 }
 }
 
 impl Slot {
@@ -154,12 +159,14 @@ impl Slot {
         self
     }
 
-    /// Lets the weight run from `from` to `to` in `secs`, beginning at `tick`; at once where `secs` is not above zero.
+    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at once where `secs` is not
+    /// above zero.
     pub fn ramp_weight(&mut self, tick: u64, from: f32, to: f32, secs: f32) {
-        let ramps = secs > 0.0 && from != to;
-        self.start_weight = if ramps { from } else { to };
+        let rate = ramp_rate(from, to, secs);
+        // What falls at no rate has fallen, and still tells what it weighed before.
+        self.start_weight = if rate != 0.0 || from > to { from } else { to };
         self.end_weight = to;
-        self.weight_rate = if ramps { (to - from) / secs } else { 0.0 };
+        self.weight_rate = rate;
         self.weight_tick = tick;
     }
 
@@ -172,6 +179,23 @@ impl Slot {
             return 0.0;
         }
         ramp(tick.saturating_sub(self.weight_tick), self.start_weight, self.weight_rate, self.end_weight)
+    }
+
+    /// The mean of the weight from one time of the clock, not before the slot begins, to a later one; the twin of
+    /// `slot_mean_weight` in `kernels/slot.cl`.
+    #[inline]
+    #[must_use]
+    pub fn mean_weight(&self, from_tick: u64, to_tick: u64) -> f32 {
+        let end = self.weight_at(to_tick);
+        let start = if from_tick < self.weight_tick { self.start_weight } else { self.weight_at(from_tick) };
+        if start == end || self.is_settling() {
+            return end;
+        }
+        // Ticks before it changes, and half of those in which it does.
+        let still = self.weight_tick.saturating_sub(from_tick) as f32;
+        let per_tick = self.weight_rate * TICK_SECS;
+        let half = if per_tick == 0.0 { 0.0 } else { 0.5 * ((end - start) / per_tick) };
+        end + (start - end) * ((still + half) / (to_tick - from_tick) as f32)
     }
 
     /// The time on the clip's own axis at a time of the clock that is not before the start, of a clip whose axis begins

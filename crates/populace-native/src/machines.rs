@@ -1,10 +1,10 @@
 //! State machines: where each goes in a frame, and what its two slots then play; the twin of `kernels/machines.cl`.
 
+use populace_core::Tables;
 use populace_core::layout::{
     CONDITION_ABOVE, CONDITION_BELOW, Condition, Float4, MACHINE_PARAMETERS, NONE, Runner, Running,
     SLOT_MACHINE, SLOT_MODE_BITS, Slot,
 };
-use populace_core::{Tables, ramp};
 use rayon::prelude::*;
 
 /// Lets every machine take a transition that holds, one at most.
@@ -64,11 +64,16 @@ fn holds(condition: &Condition, parameters: &[f32], elapsed: u64) -> bool {
 /// A slot, or in place of a machine's the one that it stands for, with the product of both weights.
 #[inline(always)]
 pub(crate) fn slot_now(tables: &Tables, running: &[Float4], slot: &Slot, tick: u64) -> Slot {
-    if slot.mode() == SLOT_MACHINE { machine_slot(tables, running, slot, tick) } else { *slot }
+    if slot.mode() == SLOT_MACHINE {
+        machine_slot(tables, running, slot, slot.weight_at(tick))
+    } else {
+        *slot
+    }
 }
 
+/// The slot that one of a machine stands for where that weighs so much.
 #[inline(never)]
-fn machine_slot(tables: &Tables, running: &[Float4], slot: &Slot, tick: u64) -> Slot {
+pub(crate) fn machine_slot(tables: &Tables, running: &[Float4], slot: &Slot, weight: f32) -> Slot {
     let index = (slot.bound_clip >> 1) as usize;
     let runner = &tables.runners().as_slice()[index];
     // One that no frame has run yet can be read all the same.
@@ -81,27 +86,17 @@ fn machine_slot(tables: &Tables, running: &[Float4], slot: &Slot, tick: u64) -> 
         return Slot { bound_clip: NONE, ..*slot };
     };
     // Each of the two has half the machine's weight.
-    let weight = 2.0 * slot.weight_at(tick) * share(&at, is_current, tick);
+    let whole = 2.0 * weight;
+    let rate = whole * at.fade_rate;
     Slot {
         start_tick,
         phase_rate: state.phase_rate,
-        weight_tick: tick,
+        weight_tick: at.entry_tick,
         start_phase: state.start_phase,
         bound_clip: state.bound_clip,
         layer_and_mode: slot.layer() << SLOT_MODE_BITS | state.mode,
-        start_weight: weight,
-        weight_rate: 0.0,
-        end_weight: weight,
+        start_weight: if is_current && rate > 0.0 { 0.0 } else { whole },
+        weight_rate: if is_current { rate } else { -rate },
+        end_weight: if is_current { whole } else { 0.0 },
     }
-}
-
-/// How much of a machine its state is, or the one before.
-fn share(at: &Running, is_current: bool, tick: u64) -> f32 {
-    let elapsed = tick.saturating_sub(at.entry_tick);
-    let end = if is_current { 1.0 } else { 0.0 };
-    if elapsed >= u64::from(at.fade_ticks) {
-        return end;
-    }
-    let rate = if is_current { at.fade_rate } else { -at.fade_rate };
-    ramp(elapsed, 1.0 - end, rate, end)
 }

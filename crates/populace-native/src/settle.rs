@@ -1,7 +1,7 @@
 //! What clips that were left leave behind for a while: the difference from what took their place, in pose and in speed; the
 //! twin of `kernels/settle.cl`.
 
-use populace_core::layout::{ClipRows, NONE, Slot, SlotSample};
+use populace_core::layout::{ClipRows, Slot, SlotSample};
 use populace_core::math::quat;
 use populace_core::{Stand, Tables, far_row, row_before};
 
@@ -12,12 +12,7 @@ use crate::rows::{Local, Width, sample_joint};
 #[inline(always)]
 pub(crate) fn settling_slots(tables: &Tables, place: u32, tick: u64) -> &[Slot] {
     let slots = &tables.slots().as_slice()[tables.slot_range(place)];
-    if slots.iter().any(|slot| settles(slot, tick)) { slots } else { &[] }
-}
-
-#[inline(always)]
-fn settles(slot: &Slot, tick: u64) -> bool {
-    slot.is_settling() && slot.bound_clip != NONE && slot.settled_at(tick) < 1.0
+    if slots.iter().any(|slot| slot.settles(tick)) { slots } else { &[] }
 }
 
 /// By what each way that a clip stood is multiplied.
@@ -66,7 +61,7 @@ impl Posing<'_> {
         mut pose: Local<R>,
     ) -> Local<R> {
         let tick = self.clock.tick;
-        let of_layer = |slot: &&Slot| slot.layer() == layer && settles(slot, tick);
+        let of_layer = |slot: &&Slot| slot.layer() == layer && slot.settles(tick);
         let mut earlier = u64::MAX;
         loop {
             let starts = self.settling.iter().filter(of_layer).map(|slot| slot.start_tick);

@@ -9,17 +9,8 @@ INLINE uint machine_clip(uint bound_clip, Machines of)
     return of.states[(bound_clip & 1u) == at.which ? at.state : at.previous].bound_clip;
 }
 
-/* How much of a machine its state is, or the one before. */
-INLINE float machine_share(Running at, bool is_current, ulong tick)
-{
-    const ulong elapsed = tick > at.entry_tick ? tick - at.entry_tick : 0;
-    const float end = is_current ? 1.0f : 0.0f;
-    if (elapsed >= at.fade_ticks) return end;
-    return ramp(elapsed, 1.0f - end, is_current ? at.fade_rate : -at.fade_rate, end);
-}
-
-/* The slot that one of a machine stands for, with the product of both weights. */
-APART Slot machine_slot(Slot slot, ulong tick, Machines of)
+/* The slot that one of a machine stands for where that weighs so much. */
+APART Slot machine_slot(Slot slot, float weight, Machines of)
 {
     const Running at = of.running[slot.bound_clip >> 1];
     const bool is_current = (slot.bound_clip & 1u) == at.which;
@@ -30,19 +21,21 @@ APART Slot machine_slot(Slot slot, ulong tick, Machines of)
     const MachineState state = of.states[index];
     now.start_tick = is_current ? at.entry_tick : at.previous_tick;
     now.phase_rate = state.phase_rate;
-    now.weight_tick = tick;
+    now.weight_tick = at.entry_tick;
     now.start_phase = state.start_phase;
     now.bound_clip = state.bound_clip;
     now.layer_and_mode = slot_layer(slot) << SLOT_MODE_BITS | state.mode;
     /* Each of the two has half the machine's weight. */
-    now.start_weight = now.end_weight = 2.0f * slot_weight(slot, tick) * machine_share(at, is_current, tick);
-    now.weight_rate = 0.0f;
+    const float whole = 2.0f * weight, rate = whole * at.fade_rate;
+    now.start_weight = is_current && rate > 0.0f ? 0.0f : whole;
+    now.weight_rate = is_current ? rate : -rate;
+    now.end_weight = is_current ? whole : 0.0f;
     return now;
 }
 
 /* A slot, or in place of a machine's the one that it stands for. */
 INLINE Slot slot_now(Slot slot, ulong tick, Machines of)
 {
-    if (slot_mode(slot) == SLOT_MACHINE) slot = machine_slot(slot, tick, of);
+    if (slot_mode(slot) == SLOT_MACHINE) slot = machine_slot(slot, slot_weight(slot, tick), of);
     return slot;
 }

@@ -1,6 +1,8 @@
 /* motion.cl - root motion: where its clips move a member, frame after frame. Each clip says how far it moves the body between
  * the last frame and this one, seen from where it had it; these moves are mixed as poses are, and the mix goes on from where the
- * member was. Twin of populace-native controls/motion.rs. */
+ * member was. A clip that played for a part of the frame moves the body for that part, by the mean of what it weighed then: so
+ * nothing is lost of what is left in the midst of a frame. Where something settles, the speed of the frame before goes over into
+ * that of what plays now, as poses do. Twin of populace-native controls/motion.rs. */
 
 /* A turn about +Y, then a shift; s and c are sine and cosine. */
 typedef struct { float x, y, z, s, c; } Move;
@@ -64,62 +66,142 @@ INLINE Move motion_at(__global const float4 *motions, ClipRows clip, float secs)
     return move_mix(motion_row(motions, clip, row), motion_row(motions, clip, next), place - (float)row);
 }
 
-/* How far a slot's clip moves its own body since the frame before, seen from where it had it. */
-INLINE Move move_of_slot(Controls of, Slot slot, ClipRows clip)
+/* From one time of the clock to a later one; to the same one or before it where there is nothing between. */
+typedef struct { ulong from, until; } Span;
+
+/* When a slot plays within a span; not once it was cut. */
+INLINE Span span_of(Slot slot, Span within)
+{
+    const bool is_cut = slot.end_weight <= 0.0f && slot.weight_rate == 0.0f;
+    const Span span = { max(within.from, slot.start_tick), is_cut ? min(within.until, slot.weight_tick) : within.until };
+    const Span none = { 0, 0 };
+    return slot.bound_clip == NONE ? none : span;
+}
+
+INLINE float span_part(Span all, Span span) { return (float)(span.until - span.from) / (float)(all.until - all.from); }
+
+/* How far a slot's clip moves its own body within a span, seen from where it had it. */
+INLINE Move move_of_slot(Controls of, Slot slot, ClipRows clip, Span span)
 {
     const Move none = NO_MOVE;
-    const ulong before = of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0;
-    const ulong from_tick = before > slot.start_tick ? before : slot.start_tick;
     const uint mode = slot_mode(slot);
-    if (clip.motion_count == 0 || from_tick >= of.tick || (mode != SLOT_LOOP && mode != SLOT_ONCE)) return none;
-    const Move from = motion_at(of.motions, clip, slot_time(slot, from_tick, clip));
-    const Move to = motion_at(of.motions, clip, slot_time(slot, of.tick, clip));
+    if (clip.motion_count == 0 || (mode != SLOT_LOOP && mode != SLOT_ONCE)) return none;
+    const Move from = motion_at(of.motions, clip, slot_time(slot, span.from, clip));
+    const Move to = motion_at(of.motions, clip, slot_time(slot, span.until, clip));
     const Move cycle = motion_at(of.motions, clip, clip.start_secs + clip.duration_secs);
     const bool backwards = (slot.phase_rate >> 63) != 0;
-    const Move whole = move_times(backwards ? move_undone(cycle) : cycle, slot_cycles(slot, from_tick, of.tick));
+    const Move whole = move_times(backwards ? move_undone(cycle) : cycle, slot_cycles(slot, span.from, span.until));
     return move_then(move_undone(from), move_then(whole, to));
 }
 
-/* The weighted mean of what a layer's slots do; *total is how much they weigh. */
-INLINE Move move_of_layer(Controls of, uint owner, uint layer, float *total)
+/* A weighted sum of moves: what each weighed while it played, the mean over the frame of what all weighed, and when any
+ * played. */
+typedef struct { float x, y, z, sine, cosine, weight, total; Span span; } Moves;
+
+/* Where moves that weighed so much in all go. Those that each played in a part of the frame come after each other, so that what
+ * all weighed while they played is more: each turns from straight ahead. */
+INLINE Move moves_over(Moves sum, float total)
 {
-    float x = 0.0f, y = 0.0f, z = 0.0f, sine = 0.0f, cosine = 0.0f, sum = 0.0f;
-    for (uint i = 0; i < of.slots_per_member; i++) {
-        const Slot slot = slot_now(of.slots[owner * of.slots_per_member + i], of.tick, of.machines);
-        const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, of.tick);
-        if (weight <= 0.0f || slot_layer(slot) != layer) continue;
-        const BoundClip bound = of.bound_clips[slot.bound_clip];
-        const Move move = move_of_slot(of, slot, of.clips[bound.clip]);
-        const float far = weight * bound.motion_scale;
-        x += move.x * far;
-        y += move.y * far;
-        z += move.z * far;
-        sine += move.s * weight;
-        cosine += move.c * weight;
-        sum += weight;
-    }
-    *total = sum;
-    const float k = 1.0f / sum;
-    return move_of(x * k, y * k, z * k, sine * k, cosine * k);
+    const float k = 1.0f / total;
+    return move_of(sum.x * k, sum.y * k, sum.z * k, sum.sine * k, (sum.cosine + (total - sum.weight)) * k);
 }
 
-/* The mix of what all clips do since the frame before. Layers that add to what lies beneath move nobody. */
-INLINE Move move_of_frame(Controls of, uint owner)
+INLINE Moves moves_of_layer(Controls of, uint owner, uint layer, Span within)
 {
-    float total;
+    Moves sum = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, { within.until, 0 } };
+    for (uint i = 0; i < of.slots_per_member; i++) {
+        Slot slot = of.slots[owner * of.slots_per_member + i];
+        Span span = span_of(slot, within);
+        if (span.from < span.until && slot_mode(slot) == SLOT_MACHINE) {
+            slot = machine_slot(slot, slot_mean_weight(slot, span.from, span.until), of.machines);
+            span = span_of(slot, span);
+        }
+        if (span.from >= span.until) continue;
+        const float weight = slot_mean_weight(slot, span.from, span.until);
+        if (weight <= 0.0f || slot_layer(slot) != layer) continue;
+        const BoundClip bound = of.bound_clips[slot.bound_clip];
+        const Move move = move_of_slot(of, slot, of.clips[bound.clip], span);
+        const float far = weight * bound.motion_scale;
+        sum.x += move.x * far;
+        sum.y += move.y * far;
+        sum.z += move.z * far;
+        sum.sine += move.s * weight;
+        sum.cosine += move.c * weight;
+        sum.weight += weight;
+        sum.total += weight * span_part(within, span);
+        sum.span.from = min(sum.span.from, span.from);
+        sum.span.until = max(sum.span.until, span.until);
+    }
+    return sum;
+}
+
+/* The mix of what all clips do within a span, each for as long as it plays. Layers that add to what lies beneath move
+ * nobody. */
+APART_STEP Move move_within(Controls of, uint owner, Span span)
+{
     Move moved = NO_MOVE;
-    const Move lowest = move_of_layer(of, owner, 0, &total);
-    if (total > 1e-3f) moved = lowest;
+    const Moves lowest = moves_of_layer(of, owner, 0, span);
+    if (lowest.total > 1e-3f) moved = moves_over(lowest, lowest.total / span_part(span, lowest.span));
     const uint layer_count = member_layers(of.members[owner]);
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = of.layers[owner * LAYERS_PER_MEMBER + l];
-        const Move above = move_of_layer(of, owner, l, &total);
-        if (total <= 0.0f || (layer.mask_and_mode & LAYER_ADDITIVE) != 0) continue;
+        const Moves above = moves_of_layer(of, owner, l, span);
+        if (above.total <= 0.0f || (layer.mask_and_mode & LAYER_ADDITIVE) != 0) continue;
         const uint mask = layer.mask_and_mode & LAYER_MASK;
         const float weight = mask == LAYER_MASK ? layer.weight : layer.weight * of.masks[mask];
-        moved = move_mix(moved, above, weight * (total < 1.0f ? total : 1.0f));
+        moved = move_mix(moved, moves_over(above, above.total), weight * (above.total < 1.0f ? above.total : 1.0f));
     }
     return moved;
+}
+
+/* Where the frame before left a member, and how fast that moved it: shift and turn in a tick; and how much faster than what it
+ * plays it was when something began to settle. */
+typedef struct { Move place; float4 speed, excess; } Last;
+
+INLINE float4 speed_of(Move m, uint ticks)
+{
+    return (float4)(m.x / (float)ticks, m.y / (float)ticks, m.z / (float)ticks, m.s / (float)ticks);
+}
+
+/* The integral of what is left of a difference that settles: of the quintic by which poses do. */
+INLINE float still_until(float settled)
+{
+    const float s = settled < 1.0f ? settled : 1.0f;
+    return s - s * s * s * s * (2.5f - 3.0f * s + s * s);
+}
+
+/* Of the member's slots that settle, or have, the one that began last, or NONE. */
+INLINE uint newest_settling(Controls of, uint owner)
+{
+    uint newest = NONE;
+    for (uint i = owner * of.slots_per_member; i < (owner + 1) * of.slots_per_member; i++) {
+        const Slot slot = of.slots[i];
+        if (slot_mode(slot) != SLOT_SETTLING || slot.bound_clip == NONE || slot.start_tick >= of.tick) continue;
+        if (newest == NONE || slot.start_tick >= of.slots[newest].start_tick) newest = i;
+    }
+    return newest;
+}
+
+/* Where the member is after this frame, and how fast it went. */
+INLINE Last next_of(Controls of, uint owner, Last last, bool begun)
+{
+    if (of.elapsed_ticks == 0) return last;
+    const Span frame = { of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0, of.tick };
+    Move moved = move_within(of, owner, frame);
+    const uint newest = newest_settling(of, owner);
+    if (newest != NONE) {
+        const Slot slot = of.slots[newest];
+        const Span after = { slot.start_tick, slot.start_tick + of.elapsed_ticks };
+        if (slot.start_tick >= frame.from && begun)
+            last.excess = last.speed - speed_of(move_within(of, owner, after), of.elapsed_ticks);
+        const float from = still_until(slot_settled(slot, max(slot.start_tick, frame.from)));
+        const float ticks = (still_until(slot_settled(slot, of.tick)) - from) / slot.end_weight;
+        const float4 on = last.excess * ticks;
+        moved = move_then(moved, move_of(on.x, on.y, on.z, on.w, 1.0f));
+        if (!slot_settles(slot, of.tick)) last.excess = (float4)(0.0f);
+    }
+    const Last next = { move_then(last.place, moved), speed_of(moved, of.elapsed_ticks), last.excess };
+    return next;
 }
 
 /* Moves a root to where clips have moved the member. */
@@ -127,12 +209,17 @@ APART_STEP float16 moves(const Steering *s, Step step, float16 own)
 {
     const uint state = s->index * STATES_PER_CONTROL + MOTION_STATE;
     const float4 place = s->of->states_before[state], heading = s->of->states_before[state + 1];
-    const Move none = NO_MOVE, kept = { place.x, place.y, place.z, heading.x, heading.y };
-    const Move last = as_uint(place.w) == step.turn ? kept : none;
-    const Move now = move_then(last, move_of_frame(*s->of, s->control.member));
+    const Last none = { NO_MOVE, (float4)(0.0f), (float4)(0.0f) };
+    const Last kept = { { place.x, place.y, place.z, heading.x, heading.y }, s->of->states_before[state + 2],
+                        s->of->states_before[state + 3] };
+    const bool begun = as_uint(place.w) == step.turn;
+    const Last next = next_of(*s->of, s->control.member, begun ? kept : none, begun);
+    const Move now = next.place;
     if (step.joint == 0) {
         s->of->states[state] = (float4)(now.x, now.y, now.z, as_float(step.turn));
         s->of->states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
+        s->of->states[state + 2] = next.speed;
+        s->of->states[state + 3] = next.excess;
     }
     const float16 carried = (float16)(now.c, 0.0f, now.s, now.x, 0.0f, 1.0f, 0.0f, now.y, -now.s, 0.0f, now.c, now.z, (float4)(0.0f));
     return affine_mul(carried, own);

@@ -32,6 +32,19 @@ INLINE bool slot_settles(Slot slot, ulong tick)
     return slot_mode(slot) == SLOT_SETTLING && slot.bound_clip != NONE && slot_settled(slot, tick) < 1.0f;
 }
 
+/* The mean of a slot's weight from one time of the clock, not before it begins, to a later one. */
+INLINE float slot_mean_weight(Slot slot, ulong from_tick, ulong to_tick)
+{
+    const float end = slot_weight(slot, to_tick);
+    const float start = from_tick < slot.weight_tick ? slot.start_weight : slot_weight(slot, from_tick);
+    if (start == end || slot_mode(slot) == SLOT_SETTLING) return end;
+    /* Ticks before it changes, and half of those in which it does. */
+    const float still = (float)(slot.weight_tick > from_tick ? slot.weight_tick - from_tick : 0);
+    const float per_tick = slot.weight_rate * TICK_SECS;
+    const float half_changing = per_tick == 0.0f ? 0.0f : 0.5f * ((end - start) / per_tick);
+    return end + (start - end) * ((still + half_changing) / (float)(to_tick - from_tick));
+}
+
 INLINE float slot_time(Slot slot, ulong tick, ClipRows clip)
 {
     if (slot_mode(slot) == SLOT_HELD) return as_float(slot.start_phase);

@@ -100,7 +100,8 @@ impl Play {
 
     /// In place of a fade, an inertialised transition: has its full weight at once, and the difference between what the
     /// layer showed and this clip, in pose and in speed, decays to nothing within so many seconds. A tenth to half a second
-    /// is usual; over longer times what moved fast overshoots.
+    /// is usual; over longer times what moved fast overshoots. The speed at which clips move a member (that of the update
+    /// before) goes over into the new one's in the same time, without overshooting.
     ///
     /// It is for [`Crowd::play`](crate::Crowd::play) and [`Crowd::queue`](crate::Crowd::queue). Where nothing is left, in
     /// [`Crowd::blend`](crate::Crowd::blend), where a blend space begins, and where a live clip or a state machine begins or is

@@ -11,7 +11,7 @@
 mod body;
 
 use body::{Stage, stage};
-use populace::{Device, Error, Event, EventKind, Placement, Play, Schedule};
+use populace::{BlendSpace, Crowd, Device, Error, Event, EventKind, Placement, Play, Schedule};
 
 fn native() -> Stage {
     stage(Device::native(), Schedule::Fused)
@@ -136,4 +136,44 @@ fn what_is_left_is_told_of_up_to_then() {
     for events in &found {
         assert_eq!((ends(events), events.len()), (1, found[0].len()));
     }
+}
+
+/// One that is cut has happened up to then too.
+#[test]
+fn what_is_cut_is_told_of_up_to_then() {
+    let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
+        let mut stage = native();
+        let (walk, sway) = (stage.clip("walk"), stage.clip("sway"));
+        let member = stage.member(Placement::at([0.0; 3]));
+        stage.crowd.play(member, walk, Play::once()).expect("a clip that plays");
+        stage.crowd.queue(member, sway, Play::looping()).expect("a clip to follow");
+        stage.crowd.queue(member, walk, Play::looping()).expect("a clip to follow");
+        stage.crowd.listen(member).expect("a member");
+        events(&mut stage, step, 3.0)
+    });
+    let ends = |events: &[Event]| events.iter().filter(|event| event.kind == EventKind::ClipEnd).count();
+    for events in &found {
+        assert_eq!((ends(events), events.len()), (1, found[0].len()));
+    }
+}
+
+/// A blend space that found one slot goes on to its point once there is another, in the midst of a step.
+#[test]
+fn what_is_steered_within_a_step_is_told_of_before_and_after() {
+    let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
+        let builder = Crowd::builder().device(Device::native()).slots_per_member(2);
+        let mut crowd = builder.build().expect("a crowd");
+        let body = crowd.add_character(body::character()).expect("room");
+        let mut stage = Stage { crowd, body };
+        let (walk, sway) = (stage.clip("walk"), stage.clip("sway"));
+        let space = BlendSpace::line(&[(walk, 0.0), (sway, 1.0)]).expect("a space");
+        let space = stage.crowd.add_space(space).expect("a space");
+        let member = stage.member(Placement::at([0.0; 3]));
+        stage.crowd.play(member, sway, Play::held_at_secs(0.0)).expect("a clip that plays");
+        stage.crowd.play_space(member, space, 0.4, Play::looping().fade_in_secs(0.9)).expect("a space");
+        stage.crowd.listen(member).expect("a member");
+        events(&mut stage, step, 3.0)
+    });
+    assert!(found[0].len() > 4, "{found:?}");
+    assert!(found.iter().all(|events| events.len() == found[0].len()), "{found:?}");
 }

@@ -16,8 +16,8 @@ use std::sync::Arc;
 use body::{Stage, character, distance, everywhere, joint};
 use populace::core::{Clip, ClipSource, Interpolation, Property, Track};
 use populace::{
-    Affine, ClipId, Crowd, Device, LayerMode, LayerSettings, Mask, Member, MotionSettings, MotionSource,
-    Placement, Play, Split,
+    Affine, ClipId, Condition, Crowd, Device, LayerMode, LayerSettings, Mask, Member, MotionSettings,
+    MotionSource, Placement, Play, Split, StateMachine,
 };
 
 const SECS: f32 = 1.0;
@@ -160,7 +160,8 @@ fn motion_is_mixed_as_poses_are() {
         close(step_of(stage, member, 0.01), 0.02);
         stage.crowd.crossfade(member, slow, 1.0).expect("a clip");
         stage.update(0.49);
-        close(step_of(stage, member, 0.01), 0.0125);
+        // Between 0.49 and 0.5 of the fade.
+        close(step_of(stage, member, 0.01), 0.02 - 0.015 * 0.495);
         stage.update(0.51);
         close(step_of(stage, member, 0.01), 0.005);
         // Layers: through a mask without the root, for the whole body by half, and adding.
@@ -179,6 +180,140 @@ fn motion_is_mixed_as_poses_are() {
         stage.crowd.play(member, fast, Play::looping().on_layer(1)).expect("a clip");
         close(step_of(stage, member, 0.01), 0.005);
     });
+}
+
+#[test]
+fn a_start_within_a_long_step_leaves_what_was_played_before_it() {
+    let cut = Play::looping().after_secs(0.3);
+    let faded = Play::looping().fade_in_secs(0.2);
+    everywhere(|stage| {
+        let (_, fast) = add(stage, straight("fast", 2.0));
+        let (_, slow) = add(stage, straight("slow", 0.5));
+        let machine = StateMachine::new().state("slow", slow, Play::looping());
+        let machine = stage.crowd.add_machine(&machine).expect("a machine");
+        let [late, cuts, fades, above, left, entering, leaving] = [(); 7].map(|()| {
+            let member = stage.member(Placement::at([0.0; 3]));
+            stage.crowd.move_by_clips(member, true).expect("a member");
+            member
+        });
+        let crowd = &mut stage.crowd;
+        crowd.play(late, slow, cut).expect("a clip");
+        for member in [cuts, fades, above, left, entering] {
+            crowd.play(member, fast, Play::looping()).expect("a clip");
+        }
+        crowd.play(cuts, slow, cut).expect("a clip");
+        crowd.play(fades, slow, faded.after_secs(0.1)).expect("a clip");
+        crowd.set_layer(above, 1, LayerSettings::default(), None).expect("a layer");
+        crowd.play(above, slow, cut.on_layer(1)).expect("a clip");
+        crowd.play(left, slow, cut.settle_in_secs(0.1)).expect("a clip");
+        crowd.run_machine(entering, machine, cut).expect("a machine");
+        crowd.run_machine(leaving, machine, Play::looping()).expect("a machine");
+        crowd.play(leaving, fast, faded.after_secs(0.1)).expect("a clip");
+        stage.update(0.5);
+        for (member, wanted) in [
+            (late, 0.1),
+            (cuts, 0.7),
+            (fades, 0.55),
+            (above, 0.7),
+            (left, 0.7),
+            (entering, 0.7),
+            (leaving, 0.05 + 0.25 + 0.4),
+        ] {
+            let found = stage.crowd.moved(member).expect("a member").position()[2];
+            assert!((found - wanted).abs() < 1e-4, "{found} m is not {wanted} m");
+        }
+    });
+}
+
+#[test]
+fn a_machine_that_cuts_moves_its_member_in_that_frame_too() {
+    everywhere(|stage| {
+        let (_, fast) = add(stage, straight("fast", 2.0));
+        let (_, slow) = add(stage, straight("slow", 0.5));
+        let machine = StateMachine::new()
+            .parameter("tired", 0.0)
+            .state("fast", fast, Play::looping())
+            .state("slow", slow, Play::looping())
+            .transition("fast", "slow", 0.0, &[Condition::above("tired", 0.5)])
+            .transition("slow", "fast", 0.1, &[Condition::below("tired", 0.5)]);
+        let machine = stage.crowd.add_machine(&machine).expect("a machine");
+        let member = stage.member(Placement::at([0.0; 3]));
+        stage.crowd.run_machine(member, machine, Play::looping()).expect("a machine");
+        stage.crowd.move_by_clips(member, true).expect("a member");
+        let mut goes = |tired: f32, wanted: [f32; 3]| {
+            stage.crowd.set_parameter(member, "tired", tired).expect("a parameter");
+            for wanted in wanted {
+                let found = step_of(stage, member, 0.04);
+                assert!((found - 0.04 * wanted).abs() < 2e-5, "{found} m at {wanted} m/s");
+            }
+        };
+        goes(0.0, [2.0; 3]);
+        goes(1.0, [2.0, 0.5, 0.5]); // cut as of the end of the first
+        goes(0.0, [0.5, 0.5 + 1.5 * 0.2, 0.5 + 1.5 * 0.6]);
+        goes(0.0, [2.0 - 1.5 * 0.05, 2.0, 2.0]);
+    });
+}
+
+/// Where something settles, a member's speed goes over in that time; interrupted or not, and from the midst of a frame.
+#[test]
+fn the_speed_of_a_member_settles_as_its_pose_does() {
+    const FRAME: f32 = 1.0 / 60.0;
+    everywhere(|stage| {
+        let (_, fast) = add(stage, straight("fast", 2.0));
+        let (_, slow) = add(stage, straight("slow", 0.5));
+        let settling = Play::looping().settle_in_secs(0.3);
+        let [once, twice] = [(); 2].map(|()| walker(stage, fast));
+        stage.update(FRAME);
+        stage.crowd.play(once, slow, settling.after_secs(0.11)).expect("a clip");
+        stage.crowd.play(twice, slow, settling).expect("a clip");
+        let place =
+            |stage: &mut Stage| [once, twice].map(|m| stage.crowd.moved(m).expect("a member").position()[2]);
+        let (mut before, mut speeds, mut worst) = (place(stage), [2.0_f32; 2], 0.0_f32);
+        let begun = before;
+        for frame in 0..60 {
+            if frame == 8 {
+                stage.crowd.play(twice, fast, settling).expect("a clip");
+            }
+            stage.update(FRAME);
+            let now = place(stage);
+            for i in 0..2 {
+                let speed = (now[i] - before[i]) / FRAME;
+                worst = worst.max((speed - speeds[i]).abs());
+                assert!((0.49..2.01).contains(&speed), "frame {frame}: {speed} m/s");
+                speeds[i] = speed;
+            }
+            before = now;
+        }
+        // A quintic over 18 frames is at most 1.875 / 18 a frame; without it a frame changes all of it.
+        assert!(worst < 1.5 * 1.875 / 18.0 + 0.01, "{worst} m/s from one frame to the next");
+        let [far, _] = [0, 1].map(|i: usize| before[i] - begun[i]);
+        let wanted = 0.11 * 2.0 + 0.89 * 0.5 + 0.3 * 1.5 / 2.0;
+        assert!((far - wanted).abs() < 2e-3, "{far} m is not {wanted} m");
+        assert!((speeds[0] - 0.5).abs() < 1e-3 && (speeds[1] - 2.0).abs() < 1e-3, "{speeds:?}");
+    });
+}
+
+#[test]
+fn a_watch_that_was_let_go_of_touches_nobody_elses() {
+    let mut stage = body::stage(Device::native(), populace::Schedule::Fused);
+    let (_, walk) = add(&mut stage, straight("walk ahead", 1.0));
+    let member = walker(&mut stage, walk);
+    let root = joint("root");
+    let [gone, kept] = [(); 2].map(|()| stage.crowd.watch(member, root).expect("a joint"));
+    assert_ne!(gone, kept);
+    for _ in 0..3 {
+        stage.crowd.unwatch(gone);
+    }
+    for frame in 1..=3_u8 {
+        stage.update(0.25);
+        stage.crowd.with_page(0, &mut |_| ()).expect("a page");
+        let moved = stage.crowd.instances().find(|i| i.member == member).expect("a member").moved;
+        assert!((moved[2] - 0.25 * f32::from(frame)).abs() < 1e-4, "{moved:?}");
+        assert!(stage.crowd.sighting(kept).expect("a device").is_some());
+        assert_eq!(stage.crowd.sighting(gone), Ok(None));
+    }
+    stage.crowd.unwatch(kept);
+    assert_eq!(stage.crowd.sighting(kept), Ok(None));
 }
 
 #[test]
@@ -277,6 +412,13 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
     let mut stage = Stage { crowd, body };
     let (_, curve) = add(&mut stage, curve());
     let (_, walk) = add(&mut stage, straight("walk ahead", 1.3));
+    let after = [Condition::AfterSecs(0.2)];
+    let machine = StateMachine::new()
+        .state("walk", walk, Play::looping())
+        .state("curve", curve, Play::looping())
+        .transition("curve", "walk", 0.0, &after)
+        .transition("walk", "curve", 0.07, &after);
+    let machine = stage.crowd.add_machine(&machine).expect("a machine");
     let members: Vec<_> = (0..12_u8)
         .map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]).facing(f32::from(n))))
         .collect();
@@ -285,6 +427,14 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
         stage.crowd.play(member, curve, play).expect("a clip");
         stage.crowd.crossfade(member, walk, 0.1 * f32::from(n)).expect("a clip");
         stage.crowd.move_by_clips(member, true).expect("a member");
+        // What starts in the midst of a frame.
+        let secs = 0.02 * f32::from(n % 3);
+        let later = Play::looping().after_secs(0.31 + 0.07 * f32::from(n));
+        match n % 4 {
+            3 => stage.crowd.run_machine(member, machine, later.fade_in_secs(secs)).expect("a machine"),
+            2 => stage.crowd.play(member, curve, later.settle_in_secs(0.1 + secs)).expect("a clip"),
+            _ => stage.crowd.play(member, curve, later.fade_in_secs(secs)).expect("a clip"),
+        };
     }
     (stage, members)
 }

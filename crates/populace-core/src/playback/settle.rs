@@ -3,7 +3,7 @@
 
 use super::TICKS_PER_SEC;
 use crate::Tables;
-use crate::layout::{ClipRows, SLOT_HELD, SLOT_LOOP, SLOT_ONCE, SLOT_SETTLING, Slot};
+use crate::layout::{ClipRows, NONE, SLOT_HELD, SLOT_LOOP, SLOT_ONCE, SLOT_SETTLING, Slot};
 
 /// Rows nearer to each other than this are a step of the clip, over which it has no speed.
 const STEP_SECS: f32 = 1e-3;
@@ -90,6 +90,13 @@ impl Slot {
     #[must_use]
     pub const fn settled_at(&self, tick: u64) -> f32 {
         tick.wrapping_sub(self.start_tick) as f32 * self.end_weight
+    }
+
+    /// Whether it is one of [`SLOT_SETTLING`] of which something is left; the twin of `slot_settles` in `kernels/slot.cl`.
+    #[inline]
+    #[must_use]
+    pub const fn settles(&self, tick: u64) -> bool {
+        self.is_settling() && self.bound_clip != NONE && self.settled_at(tick) < 1.0
     }
 
     /// Of [`SLOT_SETTLING`]: a tick by which nothing is left, at most a few after the first.

@@ -127,3 +127,39 @@ fn usual_frame_rates_are_whole_ticks() {
         assert_eq!(TICKS_PER_SEC % rate, 0, "{rate}");
     }
 }
+
+#[test]
+fn a_fade_of_no_time_to_speak_of_takes_a_tick_and_stays_finite() {
+    for secs in [f32::from_bits(1), f32::MIN_POSITIVE, 1e-20, 1e-7] {
+        for (from, to) in [(0.0, 1.0), (1.0, 0.0), (0.25, 0.5)] {
+            let mut slot = Slot::looping(0, FIRST_TICK, 1.0, 0.0, 1.0);
+            slot.ramp_weight(FIRST_TICK, from, to, secs);
+            assert!(slot.weight_rate.is_finite(), "{secs}: {slot:?}");
+            assert_eq!(slot.weight_at(FIRST_TICK), from);
+            assert!((slot.weight_at(FIRST_TICK + 1) - to).abs() < 1e-6);
+            assert_eq!(slot.weight_at(FIRST_TICK + 2), to);
+            let target = crate::layout::Target::default().with_ramp(FIRST_TICK, from, to, secs);
+            assert_eq!((target.ramp_at(FIRST_TICK), target.ramp_at(FIRST_TICK + 2)), (from, to));
+        }
+    }
+}
+
+#[test]
+fn the_mean_of_a_weight_is_that_of_its_ticks() {
+    let mean = |slot: &Slot, from: u64, to: u64| {
+        let at = |tick| if tick < slot.weight_tick { slot.start_weight } else { slot.weight_at(tick) };
+        let sum: f64 = (from..to).map(|tick| f64::from(at(tick) + at(tick + 1)) / 2.0).sum();
+        sum / (to - from) as f64
+    };
+    for (from, to, secs) in
+        [(0.2, 0.9, 1e-4), (0.9, 0.0, 3e-4), (1.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.5, 0.5, 1.0)]
+    {
+        let mut slot = Slot::looping(0, 0, 1.0, 0.0, 1.0);
+        slot.ramp_weight(500, from, to, secs);
+        for (begin, end) in [(0, 1000), (0, 520), (505, 540), (500, 501), (0, 500), (900, 1000)] {
+            let (found, wanted) = (slot.mean_weight(begin, end), mean(&slot, begin, end));
+            let near = (f64::from(found) - wanted).abs() < 2e-3;
+            assert!(near, "{from} to {to} in {secs} s, {begin}..{end}: {found} is not {wanted}");
+        }
+    }
+}

@@ -1,17 +1,19 @@
 //! Root motion: where its clips move a member, frame after frame; the twin of `kernels/motion.cl`.
 //!
 //! Each clip says how far it moves the body between the last frame and this one, seen from where it had it; these moves are
-//! mixed as poses are, and the mix goes on from where the member was.
+//! mixed as poses are, and the mix goes on from where the member was. A clip that played for a part of the frame moves the
+//! body for that part, by the mean of what it weighed then: so nothing is lost of what is left in the midst of a frame.
+//! Where something settles, the speed of the frame before goes over into that of what plays now, as poses do.
 
 use populace_core::Affine;
 use populace_core::layout::{
-    BoundClip, ClipRows, FEET_MOST, Float4, Layer, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP, SLOT_ONCE,
-    Slot, Step,
+    BoundClip, ClipRows, FEET_MOST, Float4, Layer, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP,
+    SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
 use populace_core::math::{Real, vec3};
 
 use super::{Models, Steering};
-use crate::machines::slot_now;
+use crate::machines::machine_slot;
 use crate::pose::member_layers;
 
 /// A turn about +Y, then a shift.
@@ -64,59 +66,143 @@ impl Move {
         all
     }
 
+    fn speed(&self, ticks: u64) -> Speed {
+        let ([x, y, z], [turn, _]) = (self.shift, self.heading);
+        [x, y, z, turn].map(|far| far / ticks as f32)
+    }
+
     fn mix(&self, to: &Self, part: f32) -> Self {
         let [s, c] = [0, 1].map(|i: usize| self.heading[i].mix(to.heading[i], part));
         Self::new([0, 1, 2].map(|i: usize| self.shift[i].mix(to.shift[i], part)), [s, c])
     }
 }
 
+/// From one time of the clock to a later one.
+type Span = (u64, u64);
+
 /// A weighted sum of moves.
 #[derive(Default)]
 struct Sum {
     shift: [f32; 3],
     heading: [f32; 2],
+    /// What each weighed while it played.
+    weight: f32,
+    /// The mean over the frame of what all weighed.
     total: f32,
+    /// When any played.
+    span: Option<Span>,
 }
 
 impl Sum {
-    fn mean(&self) -> Move {
-        let k = 1.0 / self.total;
-        Move::new(vec3::scale(self.shift, k), self.heading.map(|h| h * k))
+    /// Where moves that weighed so much in all go. Those that each played in a part of the frame come after each other, so
+    /// that what all weighed while they played is more: each turns from straight ahead.
+    fn over(&self, total: f32) -> Move {
+        let ([sin, cos], k) = (self.heading, 1.0 / total);
+        Move::new(vec3::scale(self.shift, k), [sin * k, (cos + (total - self.weight)) * k])
     }
+}
+
+/// How far a member goes in a tick: a shift, and the sine of a turn.
+type Speed = [f32; 4];
+
+/// Where the frame before left a member, and how fast that moved it.
+#[derive(Clone, Copy)]
+struct Last {
+    place: Move,
+    speed: Speed,
+    /// How much faster than what it plays it was when something began to settle.
+    excess: Speed,
+}
+
+impl Last {
+    const NONE: Self = Self { place: Move::NONE, speed: [0.0; 4], excess: [0.0; 4] };
+}
+
+fn span_part((begin, end): Span, (from, until): Span) -> f32 {
+    (until - from) as f32 / (end - begin) as f32
+}
+
+/// When a slot plays within a span; not once it was cut.
+fn span_of(slot: &Slot, (from, until): Span) -> Option<Span> {
+    let is_cut = slot.end_weight <= 0.0 && slot.weight_rate == 0.0;
+    let until = if is_cut { until.min(slot.weight_tick) } else { until };
+    Some((from.max(slot.start_tick), until)).filter(|(from, until)| slot.bound_clip != NONE && from < until)
+}
+
+/// The integral of what is left of a difference that settles: of the quintic by which poses do.
+fn still_until(settled: f32) -> f32 {
+    let s = if settled < 1.0 { settled } else { 1.0 };
+    s - s * s * s * s * (2.5 - 3.0 * s + s * s)
 }
 
 impl Steering<'_> {
     /// Moves a root to where clips have moved the member.
     #[inline(never)]
     pub(super) fn moves(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
-        let [place, heading] = [0, 1].map(|element| self.state(MOTION_STATE + element).0);
-        let ours = place[3].to_bits() == step.turn;
-        let last = if ours {
-            Move { shift: [place[0], place[1], place[2]], heading: [heading[0], heading[1]] }
-        } else {
-            Move::NONE
-        };
-        let now = last.then(&self.move_of_frame());
+        let [place, heading, speed, excess] =
+            [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
+        let last = (place[3].to_bits() == step.turn).then(|| Last {
+            place: Move { shift: [place[0], place[1], place[2]], heading: [heading[0], heading[1]] },
+            speed,
+            excess,
+        });
+        let Last { place: now, speed, excess } = self.next(last);
         if joint == 0 {
             let [x, y, z] = now.shift;
             self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(step.turn)]));
             self.keep_state(MOTION_STATE + 1, Float4([now.heading[0], now.heading[1], 0.0, 0.0]));
+            self.keep_state(MOTION_STATE + 2, Float4(speed));
+            self.keep_state(MOTION_STATE + 3, Float4(excess));
         }
         let ([x, y, z], [s, c]) = (now.shift, now.heading);
         let carried = Affine { rows: [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]] };
         models.set(joint, carried.mul(&models.model(joint)));
     }
 
-    /// The mix of what all clips do since the frame before. Layers that add to what lies beneath move nobody.
-    fn move_of_frame(&self) -> Move {
+    /// Where the member is after this frame, and how fast it went.
+    fn next(&self, last: Option<Last>) -> Last {
+        let elapsed = u64::from(self.clock.elapsed_ticks);
+        let Last { place, speed, mut excess } = last.unwrap_or(Last::NONE);
+        if elapsed == 0 {
+            return Last { place, speed, excess };
+        }
+        let before = self.tick.saturating_sub(elapsed);
+        let mut moved = self.move_within((before, self.tick));
+        if let Some(slot) = self.newest_settling() {
+            let start = slot.start_tick;
+            if start >= before && last.is_some() {
+                let taking = self.move_within((start, start + elapsed)).speed(elapsed);
+                excess = [0, 1, 2, 3].map(|i: usize| speed[i] - taking[i]);
+            }
+            let [from, to] = [start.max(before), self.tick].map(|tick| still_until(slot.settled_at(tick)));
+            let ticks = (to - from) / slot.end_weight;
+            let [x, y, z, turn] = excess.map(|per_tick| per_tick * ticks);
+            moved = moved.then(&Move::new([x, y, z], [turn, 1.0]));
+            excess = if slot.settles(self.tick) { excess } else { [0.0; 4] };
+        }
+        Last { place: place.then(&moved), speed: moved.speed(elapsed), excess }
+    }
+
+    /// Of the member's slots that settle, or have, the one that began last.
+    fn newest_settling(&self) -> Option<&Slot> {
+        let slots = &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)];
+        let settling =
+            |slot: &&Slot| slot.is_settling() && slot.bound_clip != NONE && slot.start_tick < self.tick;
+        slots.iter().filter(settling).max_by_key(|slot| slot.start_tick)
+    }
+
+    /// The mix of what all clips do within a span, each for as long as it plays. Layers that add to what lies beneath move
+    /// nobody.
+    fn move_within(&self, span: Span) -> Move {
         let mut moved = Move::NONE;
         for (index, layer) in (0..).zip(member_layers(self.tables, self.control.member)) {
-            let sum = self.sum_of_layer(index);
+            let sum = self.sum_of_layer(index, span);
             if index == 0 {
-                moved = if sum.total > 1e-3 { sum.mean() } else { moved };
+                let part = sum.span.map_or(1.0, |played| span_part(span, played));
+                moved = if sum.total > 1e-3 { sum.over(sum.total / part) } else { moved };
             } else if sum.total > 0.0 && !layer.is_additive() {
                 let part = self.weight_at_root(layer) * if sum.total < 1.0 { sum.total } else { 1.0 };
-                moved = moved.mix(&sum.mean(), part);
+                moved = moved.mix(&sum.over(sum.total), part);
             }
         }
         moved
@@ -130,34 +216,46 @@ impl Steering<'_> {
         }
     }
 
-    fn sum_of_layer(&self, layer: u32) -> Sum {
+    fn sum_of_layer(&self, layer: u32, within: Span) -> Sum {
         let mut sum = Sum::default();
         for slot in &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)] {
-            let slot = &slot_now(self.tables, &self.keeping.running, slot, self.tick);
-            let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(self.tick) };
+            let Some((slot, span)) = self.slot_within(slot, within) else { continue };
+            let weight = slot.mean_weight(span.0, span.1);
             if weight <= 0.0 || slot.layer() != layer {
                 continue;
             }
             let bound = &self.tables.bound_clips().as_slice()[slot.bound_clip as usize];
-            let moved = self.move_of_slot(slot, bound);
+            let moved = self.move_of_slot(&slot, bound, span);
             sum.shift = vec3::add_scaled(sum.shift, moved.shift, weight * bound.motion_scale);
             sum.heading = [0, 1].map(|i: usize| sum.heading[i] + moved.heading[i] * weight);
-            sum.total += weight;
+            sum.weight += weight;
+            sum.total += weight * span_part(within, span);
+            sum.span = sum.span.map_or(Some(span), |all| Some((all.0.min(span.0), all.1.max(span.1))));
         }
         sum
     }
 
-    /// How far a slot's clip moves its own body since the frame before, seen from where it had it.
-    fn move_of_slot(&self, slot: &Slot, bound: &BoundClip) -> Move {
+    /// A slot that plays within a span, or in place of a machine's the one that it stands for, and when it does.
+    fn slot_within(&self, slot: &Slot, within: Span) -> Option<(Slot, Span)> {
+        let span = span_of(slot, within)?;
+        if slot.mode() != SLOT_MACHINE {
+            return Some((*slot, span));
+        }
+        let weight = slot.mean_weight(span.0, span.1);
+        let slot = machine_slot(self.tables, &self.keeping.running, slot, weight);
+        Some((slot, span_of(&slot, span)?))
+    }
+
+    /// How far a slot's clip moves its own body from one time of the clock to another, seen from where it had it.
+    fn move_of_slot(&self, slot: &Slot, bound: &BoundClip, (from_tick, until): Span) -> Move {
         let clip = &self.tables.clips().as_slice()[bound.clip as usize];
-        let from_tick = self.tick.saturating_sub(u64::from(self.clock.elapsed_ticks)).max(slot.start_tick);
-        if clip.motion_count == 0 || from_tick >= self.tick || !matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE) {
+        if clip.motion_count == 0 || !matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE) {
             return Move::NONE;
         }
         let at = |tick| self.motion_at(clip, slot.time_at(tick, clip.start_secs, clip.duration_secs));
-        let (from, to) = (at(from_tick), at(self.tick));
+        let (from, to) = (at(from_tick), at(until));
         let cycle = self.motion_at(clip, clip.start_secs + clip.duration_secs);
-        let whole = match (slot.cycles_between(from_tick, self.tick), slot.phase_rate >> 63 != 0) {
+        let whole = match (slot.cycles_between(from_tick, until), slot.phase_rate >> 63 != 0) {
             (count, true) => cycle.undone().times(count),
             (count, false) => cycle.times(count),
         };
@@ -182,4 +280,7 @@ impl Steering<'_> {
     }
 }
 
-const _: () = assert!(MOTION_STATE == FEET_MOST, "elements of feet come first");
+const _: () = assert!(
+    MOTION_STATE == FEET_MOST && MOTION_STATE + 4 <= STATES_PER_CONTROL,
+    "elements of feet come first, then those of motion"
+);

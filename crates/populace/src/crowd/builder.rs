@@ -1,6 +1,6 @@
 //! Building a crowd.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -115,7 +115,7 @@ impl CrowdBuilder {
             watches: Watches::default(),
             attachments: HashMap::new(),
             stages: UserStages::default(),
-            readers: 0,
+            readers: HashSet::new(),
             listening: Vec::new(),
             marks: HashMap::new(),
             events: Vec::new(),

@@ -300,11 +300,6 @@ impl Crowd {
         Ok(watched)
     }
 
-    /// Where a joint that is watched stands among all that are.
-    pub(super) fn watched_place(&self, member: Member, joint: JointIndex) -> Option<u32> {
-        self.watches.0.get(&(member, joint)).map(|(watched, _)| *watched)
-    }
-
     pub(super) fn unwatch_joint(&mut self, other: Member, joint: JointIndex) {
         let Some((watched, count)) = self.watches.0.get_mut(&(other, joint)) else { return };
         *count -= 1;

@@ -1,5 +1,5 @@
 //! What happens while clips play: feet that come down, clips that end, moments that were named. Slots are closed-form, so the
-//! host knows of all of it from the clock alone: nothing is read from a device.
+//! host knows of all of it from the clock alone: nothing is read from a device. What state machines play it does not know.
 
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ pub(super) struct Mark {
 }
 
 impl Crowd {
-    /// Tells from the next update on what happens to a member.
+    /// Tells from the next update on what happens to a member, but for the clips that its state machines play.
     ///
     /// # Errors
     ///
@@ -88,7 +88,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// What happened in the last update to the members that are listened to, in order of time.
+    /// What happened in the last update to the members that are listened to, in order of time. Nothing is told of clips that
+    /// state machines play: only the device knows which, and [`state_of`](Self::state_of), which asks it, waits.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events

@@ -129,13 +129,15 @@ impl Crowd {
     }
 
     fn no_parameter(&self, place: u32, name: &str) -> Error {
-        let runners = self.slots(place).iter().filter_map(Slot::runner);
+        let running = self.slots(place).iter().filter(|slot| !faded_out(slot, self.clock.tick));
+        let runners = running.filter_map(Slot::runner);
         let states = runners.filter_map(|runner| Some(self.tables.runner(runner).ok()?.state));
-        let machines: Vec<_> = states.filter_map(|state| self.machines.of_state(state)).collect();
+        let all = states.chain(self.waiting.of(place).filter_map(|(_, start)| start.machine()));
+        let machines: Vec<_> = all.filter_map(|state| self.machines.of_state(state)).collect();
         let names = machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
         match find("parameter", name, names) {
             Err(error) if !machines.is_empty() => error,
-            _ => bad("to set a parameter of is not there: the member runs none"),
+            _ => bad("to set a parameter of is not there: the member runs none; start one by run_machine"),
         }
     }
 
@@ -144,8 +146,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a layer that is not there, [`Error::BadStateMachine`] where the layer runs no machine, or a
-    /// failing device.
+    /// [`Error::StaleMember`], a layer that is not there, [`Error::BadStateMachine`] where the layer runs no machine, or one
+    /// that has not begun, or a failing device.
     pub fn state_of(&mut self, member: Member, layer: usize) -> Result<Arc<str>, Error> {
         self.check(member)?;
         check_layer(layer)?;
@@ -156,6 +158,12 @@ impl Crowd {
         let newest = runners.max_by_key(|(index, _)| self.started(place, *index).serial);
         let none =
             || bad(&format!("to ask for the state of is not there: the member runs none in layer {layer}"));
+        let waits = |start: &Start| start.play.layer == layer && start.machine().is_some();
+        if newest.is_none() && self.waiting.of(place).any(|(_, start)| waits(start)) {
+            return Err(bad(&format!(
+                "of layer {layer} has not begun: it waits; ask for its state after the update in which it begins"
+            )));
+        }
         let (_, index) = newest.ok_or_else(none)?;
         let (runner, at) = (self.tables.runner(index)?, self.running(index)?);
         // One that no frame has run yet is where it begins.

@@ -24,7 +24,8 @@ impl Crowd {
     /// The device moves it, and nobody waits for that: [`placement`](Self::placement) still tells where it was placed, and its
     /// joints and palette where it is. Constraints and watches see it there; what is told in model space (targets, poles, overrides)
     /// counts from the placement. Motion is mixed as poses are, by the weights of slots and layers and what masks let through at the first joint;
-    /// layers that add move nobody. Fused schedules move those who have a mesh: others are not evaluated.
+    /// layers that add move nobody. What plays for a part of an update moves it for that part, unless something else took its
+    /// slot, or a blend space that waited for one went on, within the same update. Fused schedules move those who have a mesh: others are not evaluated.
     ///
     /// # Errors
     ///

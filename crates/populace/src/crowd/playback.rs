@@ -154,7 +154,8 @@ impl Crowd {
     }
 
     /// What a member plays now, layer by layer, the clip that was started first in front. What waits for its time is not
-    /// among it, nor what has faded out, nor what state machines play, which only the device knows.
+    /// among it, nor what has faded out, nor what state machines play: where those are depends on their parameters in every
+    /// frame, and only the device follows that. [`state_of`](Self::state_of) asks it, and waits.
     ///
     /// # Errors
     ///

@@ -42,11 +42,6 @@ pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
     slot.bound_clip == NONE || slot.is_settling() || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
 }
 
-/// Whether something of a slot that settles is left.
-fn settles(slot: &Slot, tick: u64) -> bool {
-    slot.bound_clip != NONE && slot.is_settling() && slot.settled_at(tick) < 1.0
-}
-
 impl Crowd {
     pub(super) fn slots(&self, place: u32) -> &[Slot] {
         &self.tables.slots().as_slice()[self.tables.slot_range(place)]
@@ -69,7 +64,7 @@ impl Crowd {
         for (share, slot) in shares.iter_mut().zip(self.slots(place)) {
             let of_layer = weighing(slot) / totals[slot.layer() as usize].max(f32::MIN_POSITIVE);
             let free = faded_out(slot, tick) || (slot.end_weight <= 0.0 && of_layer < NEGLIGIBLE);
-            *share = (!free || settles(slot, tick)).then_some(of_layer);
+            *share = (!free || slot.settles(tick)).then_some(of_layer);
         }
         shares
     }
@@ -78,7 +73,13 @@ impl Crowd {
     pub(super) fn free_slot(&self, place: u32, tick: u64) -> Option<usize> {
         let shares = self.slot_shares(place, tick);
         let slots = self.slots(place).iter().enumerate().filter(|(index, _)| shares[*index].is_none());
-        let weight = |slot: &Slot| if faded_out(slot, tick) { -1.0 } else { slot.weight_at(tick) };
+        // One that was cut since the last update still moves the member up to then.
+        let played = |slot: &Slot| !slot.is_settling() && slot.weight_tick > self.clock.tick;
+        let weight = |slot: &Slot| match faded_out(slot, tick) {
+            true if played(slot) => -1.0,
+            true => -2.0,
+            false => slot.weight_at(tick),
+        };
         slots.min_by(|a, b| weight(a.1).total_cmp(&weight(b.1))).map(|(index, _)| index)
     }
 
@@ -107,7 +108,7 @@ impl Crowd {
         victims.truncate(missing + usize::from(splits));
         if secs <= 0.0 || !smoothly {
             for index in victims {
-                self.empty_slot(place, index)?;
+                self.cut(place, index, tick)?;
             }
             return Ok(None);
         }
@@ -227,14 +228,45 @@ impl Crowd {
             if slot.layer() as usize != layer {
                 continue;
             }
-            if secs <= 0.0 && settles(&slot, tick) {
-                self.empty_slot(place, index)?;
+            if secs <= 0.0 {
+                self.cut(place, index, tick)?;
             } else if !faded_out(&slot, tick) {
                 slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
                 self.tables.set_slot(place, index, slot)?;
             }
         }
         Ok(())
+    }
+
+    /// Lets a slot weigh nothing from now on; until another takes it, it tells what it weighed before.
+    fn cut(&mut self, place: u32, index: usize, tick: u64) -> Result<(), Error> {
+        let mut slot = self.slots(place)[index];
+        if slot.settles(tick) {
+            return self.empty_slot(place, index);
+        }
+        if faded_out(&slot, tick) {
+            return Ok(());
+        }
+        self.note_left(place, &slot, tick);
+        slot.ramp_weight(tick, slot.weight_at(tick), 0.0, 0.0);
+        Ok(self.tables.set_slot(place, index, slot)?)
+    }
+
+    /// Keeps a slot that is left in the course of an update for those who ask what happened until then.
+    pub(super) fn note_left(&mut self, place: u32, slot: &Slot, tick: u64) {
+        if tick > self.clock.tick && self.listening.iter().any(|member| member.place == place) {
+            self.left.push((place, *slot, tick));
+        }
+    }
+
+    /// Keeps a slot that is left in the course of an update in a free one, where there is one: cut, so that it moves the
+    /// member up to then.
+    pub(super) fn leave(&mut self, place: u32, mut slot: Slot, tick: u64) -> Result<(), Error> {
+        self.note_left(place, &slot, tick);
+        let moves = tick > self.clock.tick && self.moving.contains_key(&place);
+        let Some(index) = self.free_slot(place, tick).filter(|_| moves) else { return Ok(()) };
+        slot.ramp_weight(tick, slot.weight_at(tick), 0.0, 0.0);
+        self.put_slot(place, index, slot, Started::default())
     }
 
     pub(super) fn empty_slot(&mut self, place: u32, index: usize) -> Result<(), Error> {
@@ -250,7 +282,16 @@ impl Crowd {
         started: Started,
         tick: u64,
     ) -> Result<(), Error> {
-        let index = self.free_slot(place, tick).unwrap_or(0);
+        self.put_slot(place, self.free_slot(place, tick).unwrap_or(0), slot, started)
+    }
+
+    pub(super) fn put_slot(
+        &mut self,
+        place: u32,
+        index: usize,
+        slot: Slot,
+        started: Started,
+    ) -> Result<(), Error> {
         self.tables.set_slot(place, index, slot)?;
         let range = self.tables.slot_range(place);
         self.started[range.start + index] = started;

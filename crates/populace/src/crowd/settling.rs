@@ -48,16 +48,12 @@ impl Crowd {
                 self.empty_slot(place, index)?;
                 continue;
             }
-            if tick > self.clock.tick && self.listening.iter().any(|member| member.place == place) {
-                self.left.push((place, slot, tick));
-            }
             let part = weight / total[0];
             let share = [part * in_all, (rate - part * total[1]) / total[0] * in_all];
             let stands = [self.tables.stand(&slot, tick), taking];
             let settling = Slot::settling(tick, ticks, stands, share).on_layer(layer);
-            self.tables.set_slot(place, index, settling)?;
-            let range = self.tables.slot_range(place);
-            self.started[range.start + index] = Started::default();
+            self.put_slot(place, index, settling, Started::default())?;
+            self.leave(place, slot, tick)?;
         }
         Ok(total[0])
     }

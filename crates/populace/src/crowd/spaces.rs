@@ -278,6 +278,7 @@ impl Crowd {
             let own = started.sample.filter(|_| started.serial == steered.serial);
             if let Some(sample) = own {
                 let paced = self.in_phase(place, steered, usize::from(sample), tick);
+                self.note_left(place, &slot, tick);
                 slot = Slot {
                     start_tick: tick,
                     start_phase: paced.start_phase,

@@ -3,13 +3,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use populace_core::layout::Float4;
 use populace_core::{
-    Backend, BackendError, CharacterSource, ClipSource, HandedOver, Interpolation, JointIndex, JointSource,
-    PaletteEntry, PaletteSource, PaletteTarget, PaletteWay, Property, Skeleton, Stage, StageBuffer,
-    TargetMark, Track, Trs,
+    Affine, Backend, BackendError, CharacterSource, Clip, ClipSource, HandedOver, Interpolation, JointIndex,
+    JointSource, PaletteEntry, PaletteSource, PaletteTarget, PaletteWay, Property, Schedule, Skeleton, Stage,
+    StageBuffer, TargetMark, Track, Trs,
 };
 use populace_native::NativeBackend;
 
 use super::*;
+use crate::device::Engine;
 use crate::split::SplitBackend;
 use crate::{Device, Play};
 

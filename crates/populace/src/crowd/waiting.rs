@@ -38,6 +38,11 @@ impl Start {
     pub(crate) fn at_its_time(&self) -> Self {
         Self { follows_after: None, ..*self }
     }
+
+    /// The state in which the machine begins that is to start, if it is one.
+    pub(crate) fn machine(&self) -> Option<u32> {
+        if let Action::Machine { state, .. } = self.action { Some(state) } else { None }
+    }
 }
 
 /// A start, when it is due, and its place in the order of all.

@@ -6,11 +6,12 @@ use populace_core::{Affine, JointIndex, TICKS_PER_SEC};
 use super::{Crowd, FIRST_TICK, Member};
 use crate::Error;
 
-/// A joint that is brought to the host after each frame.
+/// A joint that is brought to the host after each frame. It goes stale once it is let go of, whoever else watches the joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Watch {
     member: Member,
     joint: JointIndex,
+    serial: u32,
 }
 
 /// A joint as it was a little while ago.
@@ -36,27 +37,31 @@ impl Crowd {
     /// [`Error::StaleMember`], or a joint that is not there.
     pub fn watch(&mut self, member: Member, joint: JointIndex) -> Result<Watch, Error> {
         self.watch_joint(member, joint)?;
-        self.readers += 1;
-        Ok(Watch { member, joint })
+        let watch = Watch { member, joint, serial: self.next_serial() };
+        self.readers.insert(watch);
+        Ok(watch)
     }
 
-    /// Lets go of a joint that was watched; one that is watched twice is until both are let go of.
+    /// Lets go of a joint that was watched; one that is watched twice is until both are let go of. A watch that was let go of
+    /// before, and one of another crowd, does nothing.
     pub fn unwatch(&mut self, watch: Watch) {
-        if self.watched_place(watch.member, watch.joint).is_some() {
-            self.readers = self.readers.saturating_sub(1);
+        if self.readers.remove(&watch) {
             self.unwatch_joint(watch.member, watch.joint);
         }
     }
 
     /// The newest that has come to the host of a joint that is watched: as of the last update on the native device, some
-    /// frames ago on others. `None` before the first has, and where the joint is not watched any longer.
+    /// frames ago on others. `None` before the first has, and once the watch was let go of.
     ///
     /// # Errors
     ///
     /// A failing device.
     pub fn sighting(&mut self, watch: Watch) -> Result<Option<Sighting>, Error> {
-        let Some(watched) = self.watched_place(watch.member, watch.joint) else { return Ok(None) };
-        let first = (watched * WATCHED_ELEMENTS) as usize;
+        let Some((watched, _)) = self.watches.0.get(&watch.key()).filter(|_| self.readers.contains(&watch))
+        else {
+            return Ok(None);
+        };
+        let first = (*watched * WATCHED_ELEMENTS) as usize;
         let Some((tick, elements)) = self.opened.backend_mut().fetched()? else { return Ok(None) };
         let Some(rows) = elements.get(first..first + WATCHED_ELEMENTS as usize) else { return Ok(None) };
         let world_from_joint = Affine { rows: [rows[0].0, rows[1].0, rows[2].0] };

@@ -60,6 +60,13 @@ fn machines_that_cannot_run_so() {
     assert_says(stage.crowd.set_parameter(member, "speed", f32::NAN), "is NaN");
     assert_says(stage.crowd.state_of(member, 1), "runs none in layer 1");
     assert_says(stage.crowd.state_of(member, 9), "the layer is 9");
+    stage.crowd.stop(member, 0, 0.0).unwrap();
+    assert_says(stage.crowd.set_parameter(member, "speed", 1.0), "runs none");
+    assert_says(stage.crowd.set_parameter(member, "sped", 1.0), "runs none");
+    stage.crowd.run_machine(member, machine, Play::looping().after_secs(1.0)).unwrap();
+    stage.crowd.set_parameter(member, "speed", 1.0).unwrap();
+    assert_says(stage.crowd.set_parameter(member, "sped", 1.0), "did you mean \"speed\"");
+    assert_says(stage.crowd.state_of(member, 0), "has not begun");
     stage.crowd.despawn(member).unwrap();
     assert_says(stage.crowd.set_parameter(member, "speed", 1.0), "stale");
     assert_says(stage.crowd.state_of(member, 0), "stale");

@@ -183,6 +183,7 @@ on_every_way!(
     what_is_started_later_starts_on_its_tick_and_can_be_taken_back,
     speeds_change_without_a_jump_and_the_queue_follows,
     weights_run_and_end,
+    a_fade_of_no_time_to_speak_of_is_over_in_a_tick,
 );
 
 #[test]
@@ -201,6 +202,18 @@ fn what_plays_is_told() {
     assert!((found[0].ends_in_secs.unwrap() - 1.5).abs() < 1e-5);
     crowd.update(9.0).unwrap();
     assert_eq!(crowd.playing(member).unwrap()[0].ends_in_secs, Some(0.0));
+}
+
+fn a_fade_of_no_time_to_speak_of_is_over_in_a_tick(builder: &CrowdBuilder) {
+    let (mut crowd, clips, member) = one_member(builder, &motions());
+    crowd.play(member, clips[0], Play::held_at_secs(0.5)).unwrap();
+    for (secs, from, to) in [(f32::from_bits(1), 0.5, 1.0), (1e-20, 1.0, 0.5), (1e-7, 0.5, 1.0)] {
+        crowd.play(member, clips[0], Play::held_at_secs(to).fade_in_secs(secs)).unwrap();
+        crowd.update(0.0).unwrap();
+        assert_near(root(&mut crowd, member), from);
+        crowd.update(0.001).unwrap();
+        assert_near(root(&mut crowd, member), to);
+    }
 }
 
 #[test]
