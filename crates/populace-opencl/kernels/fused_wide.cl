@@ -1,11 +1,12 @@
 /* fused_wide.cl - the whole frame of a member in one work-item, for CPUs: sixteen joints at a time from rows to local
  * transforms, transposed into one matrix each, then parents first down the hierarchy and out to the palette. Nothing
- * between clip and palette leaves the core's caches.
+ * between clip and palette leaves the core's caches. Members with constraints wait at these until eight can take them side by
+ * side; see stops.cl.
  * NDRange  (runs of members of one page), groups of one; one enqueue for each phase
  * Reads    the page's members; slots, machines, layers, rows, controls and all that they point at; what earlier phases wrote of
  *          what is watched
- * Writes   palette: every entry of the phase's members in [place_first, place_end) exactly once; matrices of its own run as
- *          scratch; states of those members, and what of them is watched
+ * Writes   palette: every entry of the phase's members in [place_first, place_end) exactly once; matrices of its own, for
+ *          as many members as stand abreast, as scratch; states of those members, and what of them is watched
  * Oracle   populace-testkit; twin of populace-native fused.rs */
 
 /* Two rows of a matrix in memory, where matrices stand 48 bytes apart. */
