@@ -168,14 +168,14 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
                 __global const uint *source_lanes, ulong tick, uint slots_per_member,
                 __global const float *joint_scales, CONTROL_PARAMETERS,
                 __global const uint *page_members, __global const Entry *entries, uint place_first, uint place_end,
-                uint phase, uint page_first, __global float4 *restrict palette, uint member_count, uint run, uint padded_most,
-                __global float4 *restrict matrices)
+                uint phase, uint page_first, __global float4 *restrict palette, uint member_count, uint run, uint abreast,
+                uint padded_most, __global float4 *restrict matrices)
 {
     const Clips of = { bound_clips, bound_blocks, sources, source_lanes, clips, row_blocks, 0, rows, poses, masks };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Controls steering = CONTROLS;
     const Machines machines = { machine_states, running };
-    __global float16 *desk = (__global float16 *)matrices + get_global_id(0) * padded_most * ABREAST;
+    __global float16 *desk = (__global float16 *)matrices + get_global_id(0) * padded_most * abreast;
     const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
     Descent down[ABREAST];
     uint count = 0;
@@ -200,7 +200,7 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
         }
         set_out(&down[count], &steering, member.control, body, parents, models, output);
         if (down[count].stands_at != NONE) count++;
-        if (count < ABREAST) continue;
+        if (count < abreast) continue;
         while (step_abreast(down, count)) {}
         count = 0;
     }

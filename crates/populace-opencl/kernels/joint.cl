@@ -110,7 +110,11 @@ APART void lay_over(const Clips *of, Playback playback, __global const Layer *la
         const Sum sum = sum_layer(of, playback, l, additive, body, joint, rest);
         if (!additive && sum.total <= 0.0f) continue;
         Trs own = additive ? sum.trs : mean_of(sum, rest);
-        if (playback.settling.count > 0) settle(of, playback.settling, l, additive, body, joint, &rest, &own);
+        if (playback.settling.count > 0) {
+            Trs settled = own;
+            settle(of, playback.settling, l, additive, body, joint, at_rest, &settled);
+            own = settled;
+        }
         const Trs above = additive ? add_layer(trs, own, weight) : mix_layer(trs, own, sum.total, weight, rest);
         trs.t = vec3_choose(laid, above.t, trs.t);
         trs.r = quat_choose(laid, above.r, trs.r);
@@ -173,10 +177,15 @@ INLINE Trs pose_joint(const Clips *of, Locals locals, uint control, Playback pla
     const Sum sum = sum_layer(of, playback, 0, false, body, joint, rest);
     /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
     Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
-    if (playback.settling.count > 0) settle(of, playback.settling, 0, false, body, joint, &rest, &trs);
-    if (layer_count > 1) lay_over(of, playback, layers, layer_count, body, joint, &rest, &trs);
-    if (control != NONE && is_adjusted(locals.controls + control)) adjust(locals, locals.controls + control, joint, &trs);
-    return trs;
+    const bool settles = playback.settling.count > 0, adjusts = control != NONE && is_adjusted(locals.controls + control);
+    if (!settles && layer_count == 1 && !adjusts) return trs;
+    /* Copies, so that what is seldom called does not keep what all compute in memory. */
+    const Trs at_rest = rest;
+    Trs posed = trs;
+    if (settles) settle(of, playback.settling, 0, false, body, joint, &at_rest, &posed);
+    if (layer_count > 1) lay_over(of, playback, layers, layer_count, body, joint, &at_rest, &posed);
+    if (adjusts) adjust(locals, locals.controls + control, joint, &posed);
+    return posed;
 }
 
 /* The matrix of translation times rotation times scale, row by row (glTF 2.0, section 3.5.3). */

@@ -3,7 +3,7 @@
  * `Choice`, which `? :` takes: component by component where there are several. */
 
 /* Functions pass whole vectors of sixteen around, so those on every joint's way must not be called; those off it must not
- * take its registers. With one lane none is called: a GPU would pass what it is given through memory. */
+ * take its registers. With one lane none of these is called: a GPU would pass what it is given through memory. */
 #define INLINE static inline __attribute__((always_inline))
 /* What is large and seldom is called from anywhere: several copies of it would be most of what there is to compile. */
 #define SELDOM static __attribute__((noinline))

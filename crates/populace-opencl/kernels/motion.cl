@@ -135,6 +135,17 @@ INLINE Moves moves_of_layer(Controls of, uint owner, uint layer, Span within)
     return sum;
 }
 
+/* How much a layer weighs at the first joint, where it moves that: one that adds does not. */
+INLINE float weight_at_root(Controls of, uint owner, uint l)
+{
+    if (l == 0) return 1.0f;
+    if (l >= member_layers(of.members[owner])) return 0.0f;
+    const Layer layer = of.layers[owner * LAYERS_PER_MEMBER + l];
+    if ((layer.mask_and_mode & LAYER_ADDITIVE) != 0) return 0.0f;
+    const uint mask = layer.mask_and_mode & LAYER_MASK;
+    return mask == LAYER_MASK ? layer.weight : layer.weight * of.masks[mask];
+}
+
 /* The mix of what all clips do within a span, each for as long as it plays. Layers that add to what lies beneath move
  * nobody. */
 APART_STEP Move move_within(Controls of, uint owner, Span span)
@@ -144,11 +155,9 @@ APART_STEP Move move_within(Controls of, uint owner, Span span)
     if (lowest.total > 1e-3f) moved = moves_over(lowest, lowest.total / span_part(span, lowest.span));
     const uint layer_count = member_layers(of.members[owner]);
     for (uint l = 1; l < layer_count; l++) {
-        const Layer layer = of.layers[owner * LAYERS_PER_MEMBER + l];
         const Moves above = moves_of_layer(of, owner, l, span);
-        if (above.total <= 0.0f || (layer.mask_and_mode & LAYER_ADDITIVE) != 0) continue;
-        const uint mask = layer.mask_and_mode & LAYER_MASK;
-        const float weight = mask == LAYER_MASK ? layer.weight : layer.weight * of.masks[mask];
+        const float weight = weight_at_root(of, owner, l);
+        if (above.total <= 0.0f || weight <= 0.0f) continue;
         moved = move_mix(moved, moves_over(above, above.total), weight * (above.total < 1.0f ? above.total : 1.0f));
     }
     return moved;
@@ -170,36 +179,45 @@ INLINE float still_until(float settled)
     return s - s * s * s * s * (2.5f - 3.0f * s + s * s);
 }
 
-/* Of the member's slots that settle, or have, the one that began last, or NONE. */
-INLINE uint newest_settling(Controls of, uint owner)
+/* Of the member's slots that began to settle before a time of the clock, where they move its root, the last, or NONE. */
+INLINE uint newest_settling(Controls of, uint owner, ulong before)
 {
     uint newest = NONE;
     for (uint i = owner * of.slots_per_member; i < (owner + 1) * of.slots_per_member; i++) {
         const Slot slot = of.slots[i];
-        if (slot_mode(slot) != SLOT_SETTLING || slot.bound_clip == NONE || slot.start_tick >= of.tick) continue;
+        if (slot_mode(slot) != SLOT_SETTLING || slot.bound_clip == NONE || slot.start_tick >= before) continue;
+        if (weight_at_root(of, owner, slot_layer(slot)) <= 0.0f) continue;
         if (newest == NONE || slot.start_tick >= of.slots[newest].start_tick) newest = i;
     }
     return newest;
 }
 
+/* What is left of a difference in speed within a span, while it settles as a slot does. */
+INLINE Move settled_within(Slot slot, float4 excess, ulong from, ulong until)
+{
+    const float begin = still_until(slot_settled(slot, from));
+    const float4 on = excess * ((still_until(slot_settled(slot, until)) - begin) / slot.end_weight);
+    return move_of(on.x, on.y, on.z, on.w, 1.0f);
+}
+
 /* Where the member is after this frame, and how fast it went. */
-INLINE Last next_of(Controls of, uint owner, Last last, bool begun)
+INLINE Last next_of(Controls of, uint owner, Last last, bool has_last)
 {
     if (of.elapsed_ticks == 0) return last;
     const Span frame = { of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0, of.tick };
     Move moved = move_within(of, owner, frame);
-    const uint newest = newest_settling(of, owner);
-    if (newest != NONE) {
-        const Slot slot = of.slots[newest];
-        const Span after = { slot.start_tick, slot.start_tick + of.elapsed_ticks };
-        if (slot.start_tick >= frame.from && begun)
-            last.excess = last.speed - speed_of(move_within(of, owner, after), of.elapsed_ticks);
-        const float from = still_until(slot_settled(slot, max(slot.start_tick, frame.from)));
-        const float ticks = (still_until(slot_settled(slot, of.tick)) - from) / slot.end_weight;
-        const float4 on = last.excess * ticks;
-        moved = move_then(moved, move_of(on.x, on.y, on.z, on.w, 1.0f));
-        if (!slot_settles(slot, of.tick)) last.excess = (float4)(0.0f);
+    const uint newest = newest_settling(of, owner, of.tick);
+    const bool begins = newest != NONE && of.slots[newest].start_tick >= frame.from;
+    /* What settles already goes on until something else begins to. */
+    const uint settling = begins ? newest_settling(of, owner, frame.from) : newest;
+    const ulong until = begins ? of.slots[newest].start_tick : of.tick;
+    if (settling != NONE) moved = move_then(moved, settled_within(of.slots[settling], last.excess, frame.from, until));
+    if (begins && has_last) {
+        const Span after = { until, until + of.elapsed_ticks };
+        last.excess = last.speed - speed_of(move_within(of, owner, after), of.elapsed_ticks);
+        moved = move_then(moved, settled_within(of.slots[newest], last.excess, until, of.tick));
     }
+    if (newest == NONE || !slot_settles(of.slots[newest], of.tick)) last.excess = (float4)(0.0f);
     const Last next = { move_then(last.place, moved), speed_of(moved, of.elapsed_ticks), last.excess };
     return next;
 }

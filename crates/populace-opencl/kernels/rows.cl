@@ -300,7 +300,11 @@ INLINE Sample sample_joint(const Clips *of, BoundClip bound, Body body, uint joi
         trs->t = sample_vector(of, columns, TRANSLATION, at, range + 5 * padded, range + 8 * padded, padded);
     if (!(sample.at_rest & REST_SCALE))
         trs->s = sample_vector(of, columns, SCALE, at, range + 9 * padded, range + 12 * padded, padded);
-    if (columns.flags & BLOCK_TURNED) turn(of, bound, body, joint, at, trs);
+    if (columns.flags & BLOCK_TURNED) {
+        Trs turned = *trs;
+        turn(of, bound, body, joint, at, &turned);
+        *trs = turned;
+    }
     sample.unit = inverse_sqrt(quat_dot(trs->r, trs->r)) * quat_side(trs->r, rest.r);
     return sample;
 }

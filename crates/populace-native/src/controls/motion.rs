@@ -7,8 +7,8 @@
 
 use populace_core::Affine;
 use populace_core::layout::{
-    BoundClip, ClipRows, FEET_MOST, Float4, Layer, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP,
-    SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
+    BoundClip, ClipRows, FEET_MOST, Float4, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE,
+    SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
 use populace_core::math::{Real, vec3};
 
@@ -135,6 +135,14 @@ fn still_until(settled: f32) -> f32 {
     s - s * s * s * s * (2.5 - 3.0 * s + s * s)
 }
 
+/// What is left of a difference in speed within a span, while it settles as a slot does.
+fn settled_within(slot: &Slot, excess: [f32; 4], (from, until): Span) -> Move {
+    let [from, until] = [from, until].map(|tick| still_until(slot.settled_at(tick)));
+    let ticks = (until - from) / slot.end_weight;
+    let [x, y, z, turn] = excess.map(|per_tick| per_tick * ticks);
+    Move::new([x, y, z], [turn, 1.0])
+}
+
 impl Steering<'_> {
     /// Moves a root to where clips have moved the member.
     #[inline(never)]
@@ -168,26 +176,34 @@ impl Steering<'_> {
         }
         let before = self.tick.saturating_sub(elapsed);
         let mut moved = self.move_within((before, self.tick));
-        if let Some(slot) = self.newest_settling() {
-            let start = slot.start_tick;
-            if start >= before && last.is_some() {
-                let taking = self.move_within((start, start + elapsed)).speed(elapsed);
-                excess = [0, 1, 2, 3].map(|i: usize| speed[i] - taking[i]);
-            }
-            let [from, to] = [start.max(before), self.tick].map(|tick| still_until(slot.settled_at(tick)));
-            let ticks = (to - from) / slot.end_weight;
-            let [x, y, z, turn] = excess.map(|per_tick| per_tick * ticks);
-            moved = moved.then(&Move::new([x, y, z], [turn, 1.0]));
-            excess = if slot.settles(self.tick) { excess } else { [0.0; 4] };
+        let newest = self.newest_settling(self.tick);
+        let begun = newest.filter(|slot| slot.start_tick >= before);
+        // What settles already goes on until something else begins to.
+        let (settling, until) = match begun {
+            Some(slot) => (self.newest_settling(before), slot.start_tick),
+            None => (newest, self.tick),
+        };
+        if let Some(slot) = settling {
+            moved = moved.then(&settled_within(slot, excess, (before, until)));
         }
+        if let (Some(slot), Some(_)) = (begun, last) {
+            let taking = self.move_within((slot.start_tick, slot.start_tick + elapsed)).speed(elapsed);
+            excess = [0, 1, 2, 3].map(|i: usize| speed[i] - taking[i]);
+            moved = moved.then(&settled_within(slot, excess, (slot.start_tick, self.tick)));
+        }
+        excess = if newest.is_some_and(|slot| slot.settles(self.tick)) { excess } else { [0.0; 4] };
         Last { place: place.then(&moved), speed: moved.speed(elapsed), excess }
     }
 
-    /// Of the member's slots that settle, or have, the one that began last.
-    fn newest_settling(&self) -> Option<&Slot> {
+    /// Of the member's slots that began to settle before a time of the clock, where they move its root, the last.
+    fn newest_settling(&self, before: u64) -> Option<&Slot> {
         let slots = &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)];
-        let settling =
-            |slot: &&Slot| slot.is_settling() && slot.bound_clip != NONE && slot.start_tick < self.tick;
+        let settling = |slot: &&Slot| {
+            slot.is_settling()
+                && slot.bound_clip != NONE
+                && slot.start_tick < before
+                && self.weight_at_root(slot.layer()) > 0.0
+        };
         slots.iter().filter(settling).max_by_key(|slot| slot.start_tick)
     }
 
@@ -195,24 +211,29 @@ impl Steering<'_> {
     /// nobody.
     fn move_within(&self, span: Span) -> Move {
         let mut moved = Move::NONE;
-        for (index, layer) in (0..).zip(member_layers(self.tables, self.control.member)) {
-            let sum = self.sum_of_layer(index, span);
-            if index == 0 {
+        for layer in 0..member_layers(self.tables, self.control.member).len() as u32 {
+            let (sum, weight) = (self.sum_of_layer(layer, span), self.weight_at_root(layer));
+            if layer == 0 {
                 let part = sum.span.map_or(1.0, |played| span_part(span, played));
                 moved = if sum.total > 1e-3 { sum.over(sum.total / part) } else { moved };
-            } else if sum.total > 0.0 && !layer.is_additive() {
-                let part = self.weight_at_root(layer) * if sum.total < 1.0 { sum.total } else { 1.0 };
+            } else if sum.total > 0.0 && weight > 0.0 {
+                let part = weight * if sum.total < 1.0 { sum.total } else { 1.0 };
                 moved = moved.mix(&sum.over(sum.total), part);
             }
         }
         moved
     }
 
-    /// How much a layer weighs at the first joint.
-    fn weight_at_root(&self, layer: &Layer) -> f32 {
-        match layer.mask() {
-            Some(mask) => layer.weight * self.tables.masks().as_slice()[mask as usize],
-            None => layer.weight,
+    /// How much a layer weighs at the first joint, where it moves that: one that adds does not.
+    fn weight_at_root(&self, layer: u32) -> f32 {
+        let of_member = member_layers(self.tables, self.control.member);
+        match of_member.get(layer as usize) {
+            _ if layer == 0 => 1.0,
+            Some(layer) if !layer.is_additive() => match layer.mask() {
+                Some(mask) => layer.weight * self.tables.masks().as_slice()[mask as usize],
+                None => layer.weight,
+            },
+            _ => 0.0,
         }
     }
 

@@ -11,17 +11,20 @@ use crate::buffer::Buffer;
 use crate::launch::Launch;
 use crate::tables::DeviceTables;
 
-/// Work-items for each core: enough to even out their work, few enough that their matrices take little memory.
-const ITEMS_PER_CORE: usize = 32;
+/// Desks for each core, where the matrices of one member lie: enough work-items to even out their work, few enough that
+/// their matrices take little memory.
+const DESKS_PER_CORE: usize = 32;
+/// The same where members wait for each other: twice as many for a fourth of the work-items.
+const DESKS_ABREAST: usize = 2 * DESKS_PER_CORE;
 /// What rows of matrices in local memory are longer than the largest body by. Bodies are padded to 16, so that the first
 /// rows of the three arrays stand three times 16 bytes apart, modulo 128: the eight rows of the palette that are computed
 /// at once then come out of all 32 banks.
 const STRIDE_PAST_BODY: usize = 3;
 
 pub(super) enum Spread {
-    /// `fused_wide.cl`: each of so many work-items takes a run of members; the matrices of those that it is at are in
-    /// global memory.
-    Wide { items: usize, matrices: Buffer<Float4> },
+    /// `fused_wide.cl`: each of some work-items for each core takes a run of members; the matrices of those that it is at are
+    /// in global memory.
+    Wide { cores: usize, matrices: Buffer<Float4> },
     /// `fused_grouped.cl`: a work-group for each member; matrices are in local memory.
     Grouped {
         group: usize,
@@ -37,8 +40,8 @@ type Range = ([usize; 2], [usize; 2]);
 
 impl Spread {
     pub(super) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
-        let items = device.info.compute_units as usize * ITEMS_PER_CORE;
-        Ok(Self::Wide { items, matrices: Buffer::new(device, 0, "an empty buffer")? })
+        let cores = device.info.compute_units as usize;
+        Ok(Self::Wide { cores, matrices: Buffer::new(device, 0, "an empty buffer")? })
     }
 
     /// For a kernel built for groups of that size.
@@ -58,8 +61,8 @@ impl Spread {
             return Ok(());
         }
         match self {
-            Self::Wide { items, matrices } => {
-                *matrices = Buffer::new(device, room_for(*items, tables), "the matrices of members at work")?;
+            Self::Wide { cores, matrices } => {
+                *matrices = Buffer::new(device, room_for(*cores, tables), "the matrices of members at work")?;
             }
             Self::Grouped { stride, beside_bytes, .. } => {
                 let wished = stride_for(tables);
@@ -83,7 +86,7 @@ impl Spread {
     /// Whether there is room for what the tables hold, as there is after an update.
     pub(super) fn holds(&self, tables: &Tables) -> bool {
         match self {
-            Self::Wide { items, matrices } => room_for(*items, tables) <= matrices.len(),
+            Self::Wide { cores, matrices } => room_for(*cores, tables) <= matrices.len(),
             Self::Grouped { stride, .. } => stride_for(tables) <= *stride,
         }
     }
@@ -111,11 +114,13 @@ impl Spread {
     /// Sets what the frame's kernel works in for so many members.
     pub(super) fn frame<'a>(&self, launch: Launch<'a>, host: &Tables, members: usize) -> (Launch<'a>, Range) {
         match self {
-            Self::Wide { items, matrices } => {
-                let run = members.div_ceil(*items);
+            Self::Wide { cores, matrices } => {
+                let (desks, abreast) = desks(host);
+                let run = members.div_ceil(cores * desks / abreast);
                 let launch = launch
                     .uint("member_count", narrow(members))
                     .uint("run", narrow(run))
+                    .uint("abreast", narrow(abreast))
                     .uint("padded_most", narrow(host.padded_most()))
                     .buffer("matrices", matrices);
                 (launch, ([members.div_ceil(run), 1], [1, 1]))
@@ -136,8 +141,17 @@ impl Spread {
     }
 }
 
-fn room_for(items: usize, tables: &Tables) -> usize {
-    items * MEMBERS_ABREAST as usize * tables.padded_most() * MATRIX
+/// Desks for each core, and how many of them a work-item has: members that nothing but clips moves never wait for others.
+fn desks(tables: &Tables) -> (usize, usize) {
+    if tables.controls().as_slice().is_empty() {
+        (DESKS_PER_CORE, 1)
+    } else {
+        (DESKS_ABREAST, MEMBERS_ABREAST as usize)
+    }
+}
+
+fn room_for(cores: usize, tables: &Tables) -> usize {
+    cores * desks(tables).0 * tables.padded_most() * MATRIX
 }
 
 fn stride_for(tables: &Tables) -> usize {

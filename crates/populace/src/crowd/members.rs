@@ -55,6 +55,7 @@ impl Crowd {
     /// [`Error::StaleMember`].
     pub fn despawn(&mut self, member: Member) -> Result<(), Error> {
         self.detach_all(member)?;
+        self.forget_watches(member);
         self.forget_motion(member);
         self.forget_controls(member);
         self.tables.remove_member(member.place);

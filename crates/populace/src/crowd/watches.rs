@@ -50,8 +50,16 @@ impl Crowd {
         }
     }
 
+    /// Lets go of all that is watched of a member that leaves.
+    pub(super) fn forget_watches(&mut self, member: Member) {
+        let of_member = |watch: &Watch| watch.member == member;
+        for watch in self.readers.extract_if(of_member).collect::<Vec<_>>() {
+            self.unwatch_joint(watch.member, watch.joint);
+        }
+    }
+
     /// The newest that has come to the host of a joint that is watched: as of the last update on the native device, some
-    /// frames ago on others. `None` before the first has, and once the watch was let go of.
+    /// frames ago on others. `None` before the first has, and once the watch was let go of or the member has left.
     ///
     /// # Errors
     ///

@@ -49,6 +49,14 @@ fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
     }
 }
 
+/// Of length 1, however long it was given; as it is where that has no length.
+#[expect(clippy::cast_possible_truncation, reason = "to the nearest")]
+fn direction(of: [f32; 3]) -> [f32; 3] {
+    let wide = of.map(f64::from);
+    let length = wide.iter().map(|v| v * v).sum::<f64>().sqrt();
+    if length > 0.0 { wide.map(|v| (v / length) as f32) } else { of }
+}
+
 /// A transform that the host gives.
 fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
     let length: f32 = given.rotation.iter().map(|v| v * v).sum();
@@ -168,7 +176,7 @@ impl Program {
             joints.iter().map(|joint| Link { joint: joint.0, share: share_of(joint) }).collect();
         let parent = skeleton.parent(first);
         let row = layout::Constraint {
-            axis: float4(in_joint(skeleton, Some(last), gaze.facing), tangent(limits.yaw_rad)),
+            axis: float4(in_joint(skeleton, Some(last), direction(gaze.facing)), tangent(limits.yaw_rad)),
             front: float4(in_joint(skeleton, parent, [0.0, 0.0, 1.0]), tangent(limits.up_rad)),
             up: float4(in_joint(skeleton, parent, [0.0, 1.0, 0.0]), tangent(limits.down_rad)),
             limits: Float4([limits.yaw_rad, limits.up_rad, limits.down_rad, 0.0]),
