@@ -30,15 +30,14 @@ INLINE float4 ground_at(const Controls *of, float x, float z)
     return (float4)(normal.xyz, height);
 }
 
-/* Where a foot's ankle goes, in model space; *follows is the ground's normal there and how much the foot follows it. */
-INLINE float4 footing(const Steering *s, uint foot, __global const Constraint *constraint, float4 ankle, float4 *follows)
+/* Where a foot's ankle goes, in model space; *follows is the ground's normal there and how much the foot follows it. `left`
+ * is what the foot left behind: where it is planted, or how far it is behind where the clip has it. */
+INLINE float4 footing(const Steering *s, uint foot, __global const Constraint *constraint, float4 ankle, float4 left,
+                      float4 *follows)
 {
     const float rest = constraint->up.x, planted_below = constraint->up.y, lifted_above = constraint->up.z;
     const float size = s->control.place.w, held_most = constraint->up.w * size;
     const float4 clip = to_world(s->control, ankle);
-    /* What the foot left behind: where it is planted, or how far it is behind where the clip has it. */
-    const uint element = s->index * STATES_PER_CONTROL + foot;
-    const float4 left = s->of->states_before[element];
     const uint bits = as_uint(left.w);
     const bool ours = bits >> 1 == s->control.epoch, was_planted = ours && (bits & 1u);
     const float4 kept = ours ? vec(left.x, left.y, left.z) : vec(0.0f, 0.0f, 0.0f);
@@ -57,7 +56,7 @@ INLINE float4 footing(const Steering *s, uint foot, __global const Constraint *c
     const bool planted = lift <= planted_below;
     const float4 place = planted && stays ? kept : clip + behind;
     const float4 keep = planted ? place : behind;
-    s->of->states[element] = (float4)(keep.xyz, as_float(s->control.epoch << 1 | (planted ? 1u : 0u)));
+    s->of->states[s->index * STATES_PER_CONTROL + foot] = (float4)(keep.xyz, as_float(s->control.epoch << 1 | (planted ? 1u : 0u)));
 
     const float4 ground = ground_at(s->of, place.x, place.z);
     const float between = (lift - planted_below) / (lifted_above - planted_below);
@@ -100,10 +99,12 @@ INLINE Leg walk_leg(const Steering *s, Hierarchy joints, __global const Constrai
     return leg;
 }
 
-INLINE Legs no_legs(void)
+/* Nothing in lanes where no leg stands. */
+INLINE void clear_legs(Legs *legs)
 {
-    const Legs legs = { no_limb(), quat_identity(), 0.0f, 0.0f };
-    return legs;
+    legs->limb = no_limb();
+    legs->follows = quat_identity();
+    legs->soft = legs->weight = 0.0f;
 }
 
 /* A leg put into a lane: its ankle is to come to `goes_to`. */
@@ -131,18 +132,18 @@ INLINE Real sinks(Limb limb, Real soft)
 /* The turns of hips, knees and ankles. */
 typedef struct { Quat hip, knee, ankle; } LegTurns;
 
-INLINE LegTurns leg_turns(Legs legs)
+INLINE LegTurns leg_turns(const Legs *legs)
 {
     const Vec3 no_pole = { 0.0f, 0.0f, 0.0f };
     LegTurns turns;
-    limb_turns(legs.limb, no_pole, 0, legs.soft, &turns.hip, &turns.knee);
-    const Choice partly = legs.weight < (Real)(1.0f);
-    turns.hip = quat_choose(partly, quat_part(turns.hip, legs.weight), turns.hip);
-    turns.knee = quat_choose(partly, quat_part(turns.knee, legs.weight), turns.knee);
+    limb_turns(legs->limb, no_pole, 0, legs->soft, &turns.hip, &turns.knee);
+    const Choice partly = legs->weight < (Real)(1.0f);
+    turns.hip = quat_choose(partly, quat_part(turns.hip, legs->weight), turns.hip);
+    turns.knee = quat_choose(partly, quat_part(turns.knee, legs->weight), turns.knee);
     /* The ankle keeps the rotation that the clips give it, and follows the slope: the turn from upwards to the normal. */
-    const Quat follows = legs.follows, tilt = { follows.z, 0.0f, -follows.x, 1.0f + follows.y };
+    const Quat follows = legs->follows, tilt = { follows.z, 0.0f, -follows.x, 1.0f + follows.y };
     const Quat slope = quat_normalize_or(tilt, quat_identity());
-    const Quat part = quat_part_as_told(slope, follows.w * legs.weight);
+    const Quat part = quat_part_as_told(slope, follows.w * legs->weight);
     turns.ankle = quat_mul(part, quat_conjugate(quat_mul(turns.knee, turns.hip)));
     return turns;
 }
@@ -157,13 +158,13 @@ INLINE void hand_down(const Stop *at, uint foot, LegTurns turns, uint lane)
 
 /* Finds where a member's feet go, and puts its legs into lanes from `next` on; returns the lane after them. Where the feet
  * go is handed down, for legs that something else moves after the pelvis. */
-INLINE uint put_feet(Legs *legs, uint next, const Stop *at, uint feet)
+INLINE uint put_feet(Legs *legs, uint next, const Stop *at, uint feet, const float4 *left)
 {
     for (uint foot = 0; foot < feet; foot++, next++) {
         __global const Constraint *constraint = at->s->of->constraints + at->step.index + foot;
         const Leg leg = walk_leg(at->s, at->joints, constraint, 0, at->own);
         float4 follows;
-        const float4 goes_to = footing(at->s, foot, constraint, leg.ankle, &follows);
+        const float4 goes_to = footing(at->s, foot, constraint, leg.ankle, left[foot], &follows);
         put_leg(&legs[next / LANES], next % LANES, leg, constraint, goes_to, follows);
         TURNS float4 *turns = at->s->turns + at->step.turn + 3 * foot;
         turns[0] = goes_to;
@@ -191,11 +192,16 @@ APART_STEP void pelvises(Stop *at, uint count)
     Real needed[LEGS_MOST];
     LegTurns turns[LEGS_MOST];
     uint all = 0, next = 0;
-    for (uint i = 0; i < LEGS_MOST; i++) legs[i] = no_legs();
-    for (uint m = 0; m < count; m++) all = put_feet(legs, all, at + m, constraint_of(at + m)->target_count);
+    for (uint i = 0; i < LEGS_MOST; i++) clear_legs(&legs[i]);
+    /* What all feet left behind comes from far: asked for at once it is waited for once. */
+    float4 left[ABREAST][FEET_MOST];
+    for (uint m = 0; m < count; m++)
+        for (uint foot = 0; foot < FEET_MOST; foot++)
+            left[m][foot] = at[m].s->of->states_before[at[m].s->index * STATES_PER_CONTROL + foot];
+    for (uint m = 0; m < count; m++) all = put_feet(legs, all, at + m, constraint_of(at + m)->target_count, left[m]);
     for (uint i = 0; i * LANES < all; i++) needed[i] = sinks(legs[i].limb, legs[i].soft);
     for (uint m = 0; m < count; m++) next = sink(legs, needed, next, at + m, constraint_of(at + m));
-    for (uint i = 0; i * LANES < all; i++) turns[i] = leg_turns(legs[i]);
+    for (uint i = 0; i * LANES < all; i++) turns[i] = leg_turns(&legs[i]);
     next = 0;
     for (uint m = 0; m < count; m++) {
         __global const Constraint *first = constraint_of(at + m);
@@ -207,14 +213,15 @@ APART_STEP void pelvises(Stop *at, uint count)
 /* Legs that something else moves after the pelvis: they go where the pelvis found. */
 APART_STEP void legs_alone(Stop *at, uint count)
 {
-    Legs legs = no_legs();
+    Legs legs;
+    clear_legs(&legs);
     for (uint m = 0; m < count; m++) {
         __global const Constraint *constraint = constraint_of(at + m);
         const Leg leg = walk_leg(at[m].s, at[m].joints, constraint, constraint->upper, at[m].own);
         TURNS float4 *turns = at[m].s->turns + at[m].step.turn;
         put_leg(&legs, m, leg, constraint, turns[0], turns[1]);
     }
-    const LegTurns turns = leg_turns(legs);
+    const LegTurns turns = leg_turns(&legs);
     for (uint m = 0; m < count; m++) {
         hand_down(at + m, 0, turns, m);
         at[m].own = affine_turned(at[m].own, quat_in(turns.hip, m));
