@@ -211,7 +211,7 @@ impl Steering<'_> {
     /// nobody.
     fn move_within(&self, span: Span) -> Move {
         let mut moved = Move::NONE;
-        for layer in 0..member_layers(self.tables, self.control.member).len() as u32 {
+        for (layer, _) in (0..).zip(member_layers(self.tables, self.control.member)) {
             let (sum, weight) = (self.sum_of_layer(layer, span), self.weight_at_root(layer));
             if layer == 0 {
                 let part = sum.span.map_or(1.0, |played| span_part(span, played));
