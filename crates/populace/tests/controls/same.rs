@@ -98,7 +98,7 @@ fn nobody_is_moved_by_who_stands_beside_them() {
     const KINDS: u8 = 16;
     let first: RefCell<Option<Vec<Vec<u32>>>> = RefCell::new(None);
     everywhere(|stage| {
-        let order = (0..640u16).map(|at| ((at * 7 + at / 16) % u16::from(KINDS)) as u8);
+        let order = (0..40u8).flat_map(|round| (0..KINDS).map(move |at| (at * 7 + round) % KINDS));
         let members: Vec<(u8, Member)> = order
             .map(|number| {
                 let x = f32::from(number);
