@@ -96,7 +96,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) frames: Option<u32>,
     /// Frames per second, from 0.001 to 1000
-    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = frame_rate)]
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = frame_rate, requires = "frames")]
     pub(crate) fps: f32,
     /// From where: crowd shows all members, close one of them, six numbers are the eye and what it looks at, in metres
     #[arg(long, value_name = "crowd|close|X,Y,Z,X,Y,Z", default_value = "crowd", allow_hyphen_values = true)]

@@ -85,13 +85,23 @@ pub(crate) fn devices_and_shares(crowd: &Crowd) -> String {
     }
 }
 
+/// Refuses names of files of another kind, as they were typed.
+pub(crate) fn check_kind(path: &Path, kind: &str) -> Result<(), Failure> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(kind)) {
+        return Ok(());
+    }
+    let (path, kind_name) = (path.display(), kind.to_uppercase());
+    Err(Failure::usage(format!("{path} does not end in .{kind}, and {kind_name} is what is written")))
+}
+
 /// Opens the output before the work, so that a wrong path costs no waiting; what stands there is left as it is.
 pub(crate) fn check_output(path: &Path, kind: &str) -> Result<(), Failure> {
-    if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case(kind)) {
-        return Err(Failure::usage(format!(
-            "{} does not end in .{kind}, and {} is what is written",
-            path.display(),
-            kind.to_uppercase()
+    check_kind(path, kind)?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+    if let Some(folder) = folder {
+        let (path, folder) = (path.display(), folder.display());
+        return Err(Failure::Run(anyhow::anyhow!(
+            "cannot write {path}: there is no folder {folder}; create it first"
         )));
     }
     // A link counts as standing there, even one that leads nowhere yet.

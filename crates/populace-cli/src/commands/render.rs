@@ -6,9 +6,10 @@ use crate::cast::{self, Role, Wanted};
 use crate::cli::{RenderArgs, View};
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
-use crate::studio::{Studio, check_output, devices_and_shares, drawn_with, frame_path};
+use crate::studio::{Studio, check_kind, check_output, devices_and_shares, drawn_with, frame_path};
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    check_kind(&args.out, "png")?;
     let first = args.frames.map_or(args.out.clone(), |_| frame_path(&args.out, 0));
     check_output(&first, "png")?;
     // Without OpenGL the inputs are still checked first: what is wrong with them is of more use.

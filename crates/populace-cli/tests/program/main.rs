@@ -328,6 +328,10 @@ fn films_are_numbered_and_move() {
 fn outputs_are_pngs_and_links_are_left_alone() {
     let folder = Folder::new();
     refused(&["render", "@child", "--out", &folder.text("x.jpg")], 2, &["does not end in .png"]);
+    let unnumbered = ["x does not end in .png"];
+    refused(&["render", "@child", "--frames", "2", "--out", &folder.text("x")], 2, &unnumbered);
+    refused(&["render", "@child", "--out", &folder.text("no/x.png")], 4, &["there is no folder"]);
+    refused(&["render", "@child", "--fps", "20", "--out", &folder.text("x.png")], 2, &["--frames"]);
     #[cfg(unix)]
     {
         let link = folder.path("link.png");
