@@ -123,7 +123,7 @@ INLINE Quat aim(const Gazes *g, Vec3 from, Real *weight)
         seen_count += counts ? (Real)(1.0f) : (Real)(0.0f);
     }
     *weight = total < (Real)(1.0f) ? total : (Real)(1.0f);
-    /* With both in front of the limits' tangents, the short way is the one that passes the front. */
+    /* By the tangents of the limits. With both in front, the short way is the one that passes the front. */
     const Choice within = (to.level >= (Real)(STEEP)) & (fabs(to.left) <= g->tangents.x * to.front)
                           & (to.up <= g->tangents.y * to.level) & (-to.up <= g->tangents.z * to.level);
     const Choice some = seen_count > (Real)(0.0f), one = seen_count == (Real)(1.0f);

@@ -60,8 +60,6 @@ INLINE float4 turn_mul(float4 a, float4 b)
                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
 }
 
-INLINE float4 turn_back(float4 a) { return (float4)(-a.x, -a.y, -a.z, a.w); }
-
 INLINE float4 turned(float4 q, float4 v)
 {
     const float4 axis = vec(q.x, q.y, q.z), twice = vec_cross(axis, v) * 2.0f;
