@@ -282,6 +282,10 @@ pub enum BackendError {
         /// The compiler's own words.
         log: String,
     },
+    /// A read of what no frame has evaluated: before the first update, after a move to another device, after an update that
+    /// failed, or of a member that came since.
+    #[error("nothing has been evaluated yet that could be read; update the crowd first")]
+    NotEvaluated,
     /// A call that the device or its driver failed.
     #[error("{device} failed to {operation}: {cause}")]
     Failed {
@@ -351,11 +355,13 @@ pub trait Backend: PaletteSource + Send {
     }
 
     /// Reads elements of a buffer as of the last frame, waiting for what was enqueued before. A fused schedule keeps only
-    /// the palettes; of other buffers it reads those of one member at a time, which it evaluates once more for that.
+    /// the palettes; of other buffers it reads those of one member at a time, which it evaluates once more for that. Changes
+    /// of the tables since the last [`update`](Self::update) do not show.
     ///
     /// # Errors
     ///
-    /// A failing device, or a range past the end or, for a fused schedule, past the member.
+    /// [`BackendError::NotEvaluated`] before the first frame, a failing device, or a range past the end or, for a fused
+    /// schedule, past the member.
     fn read(
         &mut self,
         tables: &Tables,

@@ -148,6 +148,23 @@ pub enum Error {
         /// The index.
         value: u32,
     },
+    /// A range that reaches past the end of its table: a fault of the library, found before a device follows it.
+    #[error(
+        "control {control} names {count} of {table} from {first} on, and there are {length}; this is a fault of the \
+         library: please report it"
+    )]
+    OutOfRange {
+        /// The table.
+        table: &'static str,
+        /// The control that names the range.
+        control: usize,
+        /// The first element of the range.
+        first: usize,
+        /// Elements of the range.
+        count: usize,
+        /// Elements of the table.
+        length: usize,
+    },
     /// A schedule's name that means nothing.
     #[error("there is no schedule \"{name}\"; schedules are staged, fused, fused-wide and fused-grouped")]
     UnknownSchedule {

@@ -62,7 +62,7 @@ pub use hand_over::{
     SharedPage, TargetMark,
 };
 pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
-pub use math::{Affine, Trs};
+pub use math::{Affine, LARGEST, LARGEST_SCALE, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use playback::{
     FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, Stand, TICKS_PER_SEC, far_row,

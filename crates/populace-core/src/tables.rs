@@ -11,6 +11,7 @@ mod set;
 mod space;
 mod table;
 
+use std::borrow::Cow;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -279,15 +280,27 @@ impl Tables {
 
     /// Forgets which elements changed; called once every device took them over.
     pub fn mark_clean(&mut self) {
-        self.mark_watched(self.watched_elements());
+        self.mark_controls_clean();
         self.all.mark_clean();
         self.blocks.mark_clean();
         self.page_lists.mark_clean();
     }
 
+    /// The tables as devices last took them over: these, where nothing changed since, else a copy for reading.
+    #[must_use]
+    pub fn as_taken_over(&self) -> Cow<'_, Self> {
+        if self.all.is_clean() && self.blocks.is_clean() {
+            return Cow::Borrowed(self);
+        }
+        let mut copy = self.clone();
+        copy.all.revert();
+        copy.blocks.revert();
+        Cow::Owned(copy)
+    }
+
     /// Marks every element as changed, for a device that knows nothing yet.
     pub fn mark_dirty(&mut self) {
-        self.mark_watched(0);
+        self.mark_controls_dirty();
         self.all.mark_dirty();
         self.blocks.mark_dirty();
         self.page_lists.mark_dirty();

@@ -36,6 +36,7 @@ mod transform;
 mod turns;
 mod write_back;
 
+use std::borrow::Cow;
 use std::sync::PoisonError;
 use std::time::Instant;
 
@@ -61,7 +62,10 @@ pub struct NativeBackend {
     scratch: Vec<Scratch>,
     /// What a fused schedule was last asked to read.
     reading: Option<Reading>,
-    last: Frame,
+    /// The tables as of the last update, where they changed since and a member was read.
+    taken_over: Option<Box<Tables>>,
+    /// The last frame; `None` before the first.
+    last: Option<Frame>,
     keeping: Keeping,
     stages: Stages,
     /// Those that run from the next update on.
@@ -114,7 +118,8 @@ impl NativeBackend {
             dispatch: Dispatch::detect(),
             scratch,
             reading: None,
-            last: Frame::of_all(0),
+            taken_over: None,
+            last: None,
             keeping: Keeping::default(),
             stages: Stages::default(),
             next_stages: None,
@@ -223,7 +228,7 @@ impl Backend for NativeBackend {
     }
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        self.reading = None;
+        (self.reading, self.taken_over) = (None, None);
         if let Some(stages) = self.next_stages.take() {
             self.stages = stages;
         }
@@ -233,6 +238,9 @@ impl Backend for NativeBackend {
         grow(&mut self.keeping.now.states, tables.state_elements(), "what is kept of members")?;
         grow(&mut self.keeping.now.watched, tables.watched_elements(), "what is watched of members")?;
         grow(&mut self.keeping.running, tables.running_elements(), "where state machines are")?;
+        for run in tables.new_watched_elements() {
+            self.keeping.now.watched[run].fill(Float4::default());
+        }
         self.pages.update(tables)
     }
 
@@ -265,6 +273,7 @@ impl Backend for NativeBackend {
         let goes_on = stage == Stage::Transform && !frame.begins();
         let before_ms = if goes_on { self.times_ms[stage as usize] } else { 0.0 };
         self.times_ms[stage as usize] = before_ms + start.elapsed().as_secs_f64() * 1e3;
+        self.last = Some(frame);
         Ok(())
     }
 
@@ -274,7 +283,7 @@ impl Backend for NativeBackend {
             let mut stages = Stage::ALL.into_iter().filter(|stage| frame.runs(*stage, tables));
             stages.try_for_each(|stage| self.run_stage(tables, frame, stage))?;
         } else {
-            (self.last, self.reading) = (frame, None);
+            (self.last, self.reading) = (Some(frame), None);
             if frame.begins() {
                 self.pages.begin_frame();
                 let Self { pool, keeping, .. } = self;
@@ -295,8 +304,18 @@ impl Backend for NativeBackend {
         mut into: &mut [Float4],
     ) -> Result<(), BackendError> {
         if !self.is_staged() && !is_kept(buffer) {
-            let of = (Clock::of(self.last, &self.stages), &self.keeping);
+            let last = self.last.ok_or(BackendError::NotEvaluated)?;
+            if self.taken_over.is_none()
+                && let Cow::Owned(copy) = tables.as_taken_over()
+            {
+                self.taken_over = Some(Box::new(copy));
+            }
+            let tables = self.taken_over.as_deref().unwrap_or(tables);
+            let of = (Clock::of(last, &self.stages), &self.keeping);
             return reading::read(&mut self.reading, tables, of, buffer, first, into);
+        }
+        if buffer == StageBuffer::Palette && self.last.is_none() {
+            return Err(BackendError::NotEvaluated);
         }
         while !into.is_empty() {
             let from = self.elements(buffer, first);
@@ -395,6 +414,9 @@ impl PaletteSource for NativeBackend {
     }
 
     fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        if self.last.is_none() {
+            return Err(BackendError::NotEvaluated);
+        }
         let count = self.pages.lengths().len();
         let palettes = self.pages.get_mut(page).ok_or_else(|| {
             failed("hand over palettes", format!("there is no page {page}; {count} are in use"))

@@ -37,6 +37,8 @@ pub struct OpenClBackend {
     machines: Machines,
     pages: Pages,
     floors: Floors,
+    /// Whether a frame, or a stage of one, was enqueued.
+    has_run: bool,
     // Declared last: a context of OpenGL's that it was made for must outlive everything above.
     device: Arc<OpenClDevice>,
 }
@@ -104,6 +106,7 @@ impl OpenClBackend {
             keeping: Keeping::new(device)?,
             machines: Machines::new(device, form, group)?,
             pages: Pages::default(),
+            has_run: false,
             floors: Floors {
                 kernels: [floor("floor_float4", 1)?, floor("floor_matrix", 3)?, floor("floor_run", 48)?],
                 group,
@@ -145,7 +148,9 @@ impl OpenClBackend {
         let on = On { queue, host: tables, tables: &self.tables, keeping, machines, pages };
         // Some drivers start nothing before they are told to, and nothing here waits.
         let result = work(plan, &on).and_then(|()| queue.flush());
-        result.map_err(|e| self.device.failed(operation, &e))
+        result.map_err(|e| self.device.failed(operation, &e))?;
+        self.has_run = true;
+        Ok(())
     }
 
     fn floor_ms(&self, kernel: &Kernel, per_item: usize) -> Result<f64, ClError> {
@@ -280,6 +285,9 @@ impl Backend for OpenClBackend {
             return result
                 .map_err(|e| device.failed(&format!("read {buffer:?} from element {first} on"), &e));
         }
+        if !self.has_run && buffer != StageBuffer::Running {
+            return Err(BackendError::NotEvaluated);
+        }
         let result = match plan {
             _ if buffer == StageBuffer::Palette => pages.read(queue, first, into),
             _ if buffer == StageBuffer::Running => machines.read(queue, first, into),
@@ -390,6 +398,14 @@ impl PaletteSource for OpenClBackend {
     }
 
     fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        if !self.has_run {
+            return Err(BackendError::NotEvaluated);
+        }
+        let count = self.pages.lengths().len();
+        if page >= count {
+            let cause = format!("there is no page {page}; {count} are in use");
+            return Err(self.refused("hand over palettes", cause));
+        }
         let result = self.pages.with_page(&self.queue, page, reader);
         result.map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
     }

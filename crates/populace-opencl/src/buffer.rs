@@ -286,6 +286,17 @@ impl<T: Element> Buffer<T> {
         Ok(())
     }
 
+    /// Enqueues zeros for a range of elements.
+    pub(crate) fn clear(&mut self, queue: &CommandQueue, elements: Range<usize>) -> Result<(), ClError> {
+        self.check(elements.start, elements.len())?;
+        if !elements.is_empty() {
+            let (offset, bytes) = (elements.start * size_of::<T>(), elements.len() * size_of::<T>());
+            // SAFETY: the range was checked, and the driver copies the pattern before the call returns.
+            unsafe { queue.enqueue_fill_buffer(&mut self.memory, &[T::zeroed()], offset, bytes, &[]) }?;
+        }
+        Ok(())
+    }
+
     /// Enqueues a copy of all elements of a buffer that is no longer than this one.
     pub(crate) fn copy_from(&mut self, queue: &CommandQueue, from: &Self) -> Result<(), ClError> {
         self.copy_first(queue, from, from.len)

@@ -52,7 +52,9 @@ impl Keeping {
         for watched in &mut self.watched {
             watched.grow(device, queue, tables.watched_elements(), "what is watched of members")?;
         }
-        Ok(())
+        let watched = &mut self.watched[self.now];
+        let cleared = tables.new_watched_elements().try_for_each(|run| watched.clear(queue, run));
+        cleared.map_err(|e| device.failed("clear what is watched of members", &e))
     }
 
     /// Whether there is room for what the tables hold, as there is after an update.

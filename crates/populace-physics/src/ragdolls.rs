@@ -233,8 +233,9 @@ impl Ragdolls {
         self.start(crowd, dt_secs)?;
         let mut driven = Vec::new();
         for doll in self.dolls.iter_mut().filter(|d| !d.is_whole()) {
-            let now = Snapshot::of(crowd, doll.member)?;
-            driven.append(&mut doll.drive(&self.world, now, dt_secs));
+            if let Some(now) = Snapshot::of(crowd, doll.member)? {
+                driven.append(&mut doll.drive(&self.world, now, dt_secs));
+            }
         }
         if !self.dolls.is_empty() {
             self.world.step(dt_secs, &driven);
@@ -263,10 +264,16 @@ impl Ragdolls {
         self.dolls.retain(|d| crowd.placement(d.member).is_ok());
     }
 
-    /// Reads those who wait for their speed, and puts into the world those who have it.
+    /// Reads those who wait for their speed, and puts into the world those who have it. Those whom no update has evaluated
+    /// go on waiting.
     fn start(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
-        for mut waiting in std::mem::take(&mut self.waiting) {
-            let now = Snapshot::of(crowd, waiting.member)?;
+        let snapshots = self.waiting.iter().map(|waiting| Snapshot::of(crowd, waiting.member));
+        let snapshots: Vec<_> = snapshots.collect::<Result<_, _>>()?;
+        for (mut waiting, now) in std::mem::take(&mut self.waiting).into_iter().zip(snapshots) {
+            let Some(now) = now else {
+                self.waiting.push(waiting);
+                continue;
+            };
             let Some((before, between_secs)) = waiting.before.take() else {
                 waiting.before = Some((now, dt_secs));
                 self.waiting.push(waiting);

@@ -1,7 +1,7 @@
 //! Where a member's joints were in the world at one instant.
 
 use populace::core::JointIndex;
-use populace::{Affine, Crowd, Member, Placement};
+use populace::{Affine, BackendError, Crowd, Member, Placement};
 
 use crate::Error;
 use crate::math::{Pose, Rotation, Vector, heading, local, origin, point, rotation_of};
@@ -18,10 +18,15 @@ pub(crate) struct Snapshot {
 }
 
 impl Snapshot {
-    /// Reads a member's joints back, as the last update left them.
-    pub(crate) fn of(crowd: &mut Crowd, member: Member) -> Result<Self, Error> {
+    /// Reads a member's joints back, as the last update left them. `None` where no update has evaluated the member on the
+    /// crowd's device.
+    pub(crate) fn of(crowd: &mut Crowd, member: Member) -> Result<Option<Self>, Error> {
         let place = crowd.placement(member)?;
-        let model_from_joints = crowd.model_from_joints(member)?;
+        let model_from_joints = match crowd.model_from_joints(member) {
+            Ok(joints) => joints,
+            Err(populace::Error::Backend(BackendError::NotEvaluated)) => return Ok(None),
+            Err(error) => return Err(error.into()),
+        };
         if let Some(bad) = model_from_joints.iter().flat_map(|m| m.rows).flatten().find(|v| !v.is_finite()) {
             return Err(Error::BadValue { what: "a joint of the member", value: bad, rule: "finite" });
         }
@@ -33,7 +38,7 @@ impl Snapshot {
             let turn = parent.map_or(Rotation::IDENTITY, |p| turns[p]) * rotation_of(&own);
             turns.push(turn.normalize());
         }
-        Ok(Self { model_from_joints, turns, place })
+        Ok(Some(Self { model_from_joints, turns, place }))
     }
 
     /// This one as if it had stood where the next one does, if from the one to the other the member was moved faster than

@@ -2,7 +2,7 @@
 
 mod plane;
 
-use crate::error::finite;
+use crate::error::bounded;
 use crate::{ClipId, Error};
 use plane::Plane;
 
@@ -34,7 +34,7 @@ impl From<[f32; 2]> for SpacePoint {
 
 impl SpacePoint {
     pub(crate) fn check(self) -> Result<Self, Error> {
-        finite("the point of a blend space", &[self.speed, self.turn])?;
+        bounded("the point of a blend space", &[self.speed, self.turn])?;
         Ok(self)
     }
 }
@@ -100,7 +100,7 @@ impl BlendSpace {
     /// finite.
     pub fn line(samples: &[(ClipId, f32)]) -> Result<Self, Error> {
         let mut values: Vec<_> = samples.iter().enumerate().map(|(index, (_, at))| (*at, index)).collect();
-        finite("a sample of a blend space", &values.iter().map(|(at, _)| *at).collect::<Vec<_>>())?;
+        bounded("a sample of a blend space", &values.iter().map(|(at, _)| *at).collect::<Vec<_>>())?;
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
         if values.windows(2).any(|pair| pair[0].0 == pair[1].0) {
             return Err(bad("has two samples at one value; put each at its own"));
@@ -118,7 +118,7 @@ impl BlendSpace {
     /// As for [`line`](Self::line).
     pub fn plane(samples: &[(ClipId, [f32; 2])]) -> Result<Self, Error> {
         let points: Vec<_> = samples.iter().map(|(_, at)| *at).collect();
-        finite("a sample of a blend space", points.as_flattened())?;
+        bounded("a sample of a blend space", points.as_flattened())?;
         if points.iter().enumerate().any(|(nth, at)| points[..nth].contains(at)) {
             return Err(bad("has two samples at one point; put each at its own"));
         }
@@ -139,7 +139,7 @@ impl BlendSpace {
     ///
     /// [`Error::BadBlendSpace`] where the space has no such clip; an offset that is not finite.
     pub fn with_offset(mut self, clip: ClipId, cycles: f32) -> Result<Self, Error> {
-        finite("the phase offset of a clip", &[cycles])?;
+        bounded("the phase offset of a clip", &[cycles])?;
         if !self.clips.contains(&clip) {
             return Err(bad("does not have the clip that an offset is given for"));
         }

@@ -3,7 +3,7 @@
 use populace_core::JointIndex;
 use populace_core::layout;
 
-use crate::error::finite;
+use crate::error::{bounded, finite};
 use crate::play::{check_secs, check_weight};
 use crate::{Error, Member};
 
@@ -28,7 +28,7 @@ pub enum Target {
 impl Target {
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self {
-            Self::Point(v) | Self::InModel(v) => finite("a target", v),
+            Self::Point(v) | Self::InModel(v) => bounded("a target", v),
             Self::Direction(v) => {
                 finite("the direction of a target", v)?;
                 if v.iter().any(|v| *v != 0.0) {

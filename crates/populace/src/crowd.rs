@@ -22,13 +22,13 @@ mod stages;
 mod waiting;
 mod watches;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use populace_core::layout::{PAGE_ENTRIES, Slot};
 use populace_core::{
-    AnimationSet, BodyIndex, Character, ClipIndex, FIRST_TICK, Frame, GlContext, RoleMap, TICKS_PER_SEC,
-    Tables,
+    AnimationSet, BackendError, BodyIndex, Character, ClipIndex, FIRST_TICK, Frame, GlContext, RoleMap,
+    TICKS_PER_SEC, Tables,
 };
 
 use crate::device::Opened;
@@ -137,6 +137,8 @@ struct MemberState {
     /// `None` while the place is free.
     character: Option<CharacterId>,
     placement: Placement,
+    /// The number of updates when it came.
+    since: u64,
 }
 
 /// Members of characters, playing clips on a device.
@@ -161,8 +163,8 @@ pub struct Crowd {
     /// Of members that are attached to others or bear some, by place.
     attachments: HashMap<u32, Attached>,
     stages: UserStages,
-    /// Watches that bring joints to the host.
-    readers: HashSet<Watch>,
+    /// Watches that bring joints to the host, by serial number, and the clock when each began.
+    readers: BTreeMap<u32, (Watch, u64)>,
     /// Members of whom is told what happens.
     listening: Vec<Member>,
     /// Moments of clips that were asked for.
@@ -173,6 +175,10 @@ pub struct Crowd {
     left: Vec<(u32, Slot, u64)>,
     /// What another device kept of members, for the next one.
     kept: Option<Kept>,
+    /// Updates that evaluated all members.
+    frame: u64,
+    /// Whether the device holds the results of the last of them.
+    is_readable: bool,
     /// Where devices have the lengths of joints, by those.
     proportions: HashMap<Vec<u32>, u32>,
     member_count: usize,
@@ -219,6 +225,11 @@ impl Crowd {
         let whole = ticks.round().max(0.0) as u64;
         let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
         self.begin_what_is_due(clock.tick)?;
+        self.tables.check_ranges()?;
+        self.is_readable = false;
+        if let Some(kept) = &mut self.kept {
+            kept.forget_new_watched(&self.tables);
+        }
         self.opened.backend_mut().update(&self.tables)?;
         self.tables.mark_clean();
         if let Some(kept) = &self.kept {
@@ -227,6 +238,7 @@ impl Crowd {
         let frame = Frame::of_all(clock.tick).after_ticks(u32::try_from(whole).unwrap_or(u32::MAX));
         self.opened.backend_mut().run(&self.tables, frame)?;
         self.kept = None;
+        (self.is_readable, self.frame) = (true, self.frame + 1);
         self.find_events(self.clock.tick, clock.tick);
         self.clock = clock;
         if !self.readers.is_empty() {
@@ -252,6 +264,11 @@ impl Crowd {
 
     fn check_crowd(&self, what: &'static str, crowd: u32, index: u32) -> Result<(), Error> {
         if crowd == self.number { Ok(()) } else { Err(Error::UnknownId { what, index }) }
+    }
+
+    /// Refuses to read where the device holds no results of the last update.
+    fn check_readable(&self) -> Result<(), BackendError> {
+        if self.is_readable { Ok(()) } else { Err(BackendError::NotEvaluated) }
     }
 
     fn check(&self, member: Member) -> Result<CharacterId, Error> {

@@ -1,6 +1,6 @@
 //! What can go wrong with a crowd; none of it harms the crowd.
 
-use populace_core::{BackendError, did_you_mean};
+use populace_core::{BackendError, LARGEST, did_you_mean};
 
 /// Why a call was refused. The crowd is as it was before.
 #[non_exhaustive]
@@ -97,6 +97,16 @@ pub enum Error {
         rule: &'static str,
     },
 }
+
+/// Refuses values that are not finite, or so large that products of them are not.
+pub(crate) fn bounded(what: &'static str, values: &[f32]) -> Result<(), Error> {
+    match values.iter().find(|v| !(v.abs() <= LARGEST)) {
+        Some(&value) => Err(Error::BadValue { what, value, rule: "a finite number of at most 1e9 in size" }),
+        None => Ok(()),
+    }
+}
+
+const _: () = assert!(LARGEST == 1e9, "the rule says so");
 
 /// Refuses values that are not finite.
 pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {

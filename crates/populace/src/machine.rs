@@ -5,7 +5,7 @@ use std::sync::Arc;
 use populace_core::layout::MACHINE_PARAMETERS;
 use populace_core::{MachineState, Transition, did_you_mean, nearest_names, ticks_from_secs};
 
-use crate::error::finite;
+use crate::error::bounded;
 use crate::play::{Mode, check_secs};
 use crate::{ClipId, Error, Play};
 
@@ -169,7 +169,7 @@ impl StateMachine {
         if count > MACHINE_PARAMETERS as usize {
             return Err(bad(&format!("has {count} parameters; {MACHINE_PARAMETERS} are the most")));
         }
-        finite("a parameter of a state machine", &self.parameters.iter().map(|p| p.1).collect::<Vec<_>>())?;
+        bounded("a parameter of a state machine", &self.parameters.iter().map(|p| p.1).collect::<Vec<_>>())?;
         check_unique("states", self.states.iter().map(|state| state.name.as_str()))?;
         check_unique("parameters", self.parameters.iter().map(|(name, _)| name.as_str()))?;
         for way in &self.ways {
@@ -190,7 +190,7 @@ impl StateMachine {
         for condition in &way.conditions {
             match condition {
                 Condition::Above(parameter, value) | Condition::Below(parameter, value) => {
-                    finite("what a parameter is compared with", &[*value])?;
+                    bounded("what a parameter is compared with", &[*value])?;
                     self.parameter_of(parameter)?;
                 }
                 Condition::AfterSecs(secs) => check_secs("the time in a state", *secs)?,

@@ -1,9 +1,9 @@
 //! How clips are started and members are placed.
 
 use populace_core::layout::Slot;
-use populace_core::{Affine, ticks_from_secs};
+use populace_core::{Affine, LARGEST_SCALE, ticks_from_secs};
 
-use crate::error::finite;
+use crate::error::bounded;
 use crate::{ClipId, Error, PlayId};
 
 /// How a clip plays.
@@ -139,10 +139,10 @@ impl Play {
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {
-        finite("the speed of a clip", &[self.speed])?;
-        finite("the phase of a clip", &[self.phase])?;
+        bounded("the speed of a clip", &[self.speed])?;
+        bounded("the phase of a clip", &[self.phase])?;
         if let Mode::Held { secs } = self.mode {
-            finite("the time to hold a clip at", &[secs])?;
+            bounded("the time to hold a clip at", &[secs])?;
         }
         if let Mode::Live { delay_secs } = self.mode {
             check_secs("the delay of a live clip", delay_secs)?;
@@ -247,12 +247,12 @@ impl Placement {
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {
-        finite("the position of a member", &self.position)?;
-        finite("the heading of a member", &[self.yaw_rad])?;
-        if self.scale > 0.0 && self.scale.is_finite() {
+        bounded("the position of a member", &self.position)?;
+        bounded("the heading of a member", &[self.yaw_rad])?;
+        if (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&self.scale) {
             Ok(())
         } else {
-            let rule = "finite and above zero";
+            let rule = "from 0.0001 to 10,000";
             Err(Error::BadValue { what: "the scale of a member", value: self.scale, rule })
         }
     }

@@ -35,4 +35,18 @@ impl Trs {
     pub fn is_finite(&self) -> bool {
         self.translation.iter().chain(&self.rotation).chain(&self.scale).all(|v| v.is_finite())
     }
+
+    /// Whether translations are at most [`LARGEST`] in size and scales at most [`LARGEST_SCALE`].
+    #[must_use]
+    pub fn is_bounded(&self) -> bool {
+        let within = |values: &[f32; 3], largest: f32| values.iter().all(|v| v.abs() <= largest);
+        within(&self.translation, LARGEST) && within(&self.scale, LARGEST_SCALE)
+    }
 }
+
+/// The largest size of a number that calls take, such as a coordinate in metres: products of several stay within single
+/// precision.
+pub const LARGEST: f32 = 1e9;
+
+/// The largest scale factor that calls take; a member's own scale is at least 1 part of it.
+pub const LARGEST_SCALE: f32 = 1e4;

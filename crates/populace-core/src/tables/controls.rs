@@ -3,7 +3,11 @@
 
 mod compile;
 mod ground;
+mod ranges;
 mod stages;
+
+use std::collections::BTreeSet;
+use std::ops::Range;
 
 use super::{Space, Table, Tables, u32_from};
 use crate::control::{Controls, Place};
@@ -36,10 +40,14 @@ pub(super) struct ControlSpaces {
     targets: Space,
     values: Space,
     watched: Space,
+    /// Places among what is watched that were given out since devices last took over.
+    watched_new: BTreeSet<u32>,
     /// Elements of what is watched that every device has room for.
     watched_known: usize,
     /// By control.
     runs: Vec<Runs>,
+    /// Controls whose programs changed since devices last took over.
+    unchecked: BTreeSet<u32>,
     epoch: u32,
 }
 
@@ -55,8 +63,10 @@ impl ControlSpaces {
             targets: space(),
             values: stages::space(),
             watched: space(),
+            watched_new: BTreeSet::new(),
             watched_known: 0,
             runs: Vec::new(),
+            unchecked: BTreeSet::new(),
             epoch: 0,
         }
     }
@@ -160,6 +170,7 @@ impl Tables {
             return;
         }
         self.fit_runs(member.control as usize, &Program::default());
+        self.control_spaces.unchecked.remove(&member.control);
         self.control_spaces.controls.give_back((member.control as usize, 1));
         self.all.controls.truncate(self.control_spaces.controls.end());
         member.control = NONE;
@@ -202,6 +213,7 @@ impl Tables {
             ..self.all.controls.as_slice()[control]
         };
         write(&mut self.all.controls, control, &[row]);
+        self.control_spaces.unchecked.insert(u32_from(control));
     }
 
     /// Says where a member with controls stands; nothing for one without.
@@ -237,12 +249,22 @@ impl Tables {
 
     /// Takes a place among what devices write for others to look at.
     pub fn add_watched(&mut self) -> u32 {
-        u32_from(self.control_spaces.watched.take(1).0)
+        let watched = u32_from(self.control_spaces.watched.take(1).0);
+        self.control_spaces.watched_new.insert(watched);
+        watched
     }
 
     /// Gives such a place back.
     pub fn remove_watched(&mut self, watched: u32) {
         self.control_spaces.watched.give_back((watched as usize, 1));
+    }
+
+    /// Elements of what is watched that belong to joints watched since [`mark_clean`](Self::mark_clean): devices set them to
+    /// zero, which means not seen yet, for another joint may have had the place before.
+    pub fn new_watched_elements(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let (each, end) = (WATCHED_ELEMENTS as usize, self.watched_elements());
+        let runs = self.control_spaces.watched_new.iter().map(move |watched| *watched as usize * each);
+        runs.map(move |first| first..first + each).filter(move |run| run.end <= end)
     }
 
     /// Elements of what is watched, up to the last in use.
@@ -257,8 +279,14 @@ impl Tables {
         self.control_spaces.watched_known.min(self.watched_elements())
     }
 
-    pub(super) fn mark_watched(&mut self, known: usize) {
-        self.control_spaces.watched_known = known;
+    pub(super) fn mark_controls_clean(&mut self) {
+        self.control_spaces.watched_known = self.watched_elements();
+        self.control_spaces.watched_new.clear();
+        self.control_spaces.unchecked.clear();
+    }
+
+    pub(super) fn mark_controls_dirty(&mut self) {
+        self.control_spaces.watched_known = 0;
     }
 
     /// Elements of what devices keep of members from frame to frame, up to the last in use.

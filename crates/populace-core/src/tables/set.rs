@@ -125,6 +125,14 @@ macro_rules! table_set {
             pub(super) fn mark_dirty(&mut self) {
                 $(self.$name.mark_dirty();)*
             }
+
+            pub(super) fn is_clean(&self) -> bool {
+                true $(&& self.$name.is_clean())*
+            }
+
+            pub(super) fn revert(&mut self) {
+                $(self.$name.revert();)*
+            }
         }
 
         /// What devices read. Elements change only through methods that check them: a device follows every index.

@@ -16,15 +16,25 @@ pub struct Table<T> {
     expected: usize,
     /// Elements that there were when devices last took over.
     known: usize,
-    /// Those below `known` that changed since, each once; where the table shrank some stand past its end.
+    /// Those below `known` that changed since or are gone, each once.
     changed: Vec<u32>,
+    /// What stood at each of `changed` when devices last took over.
+    before: Vec<T>,
     /// A bit for each element below `known`, set for those in `changed`.
     is_changed: Vec<u64>,
 }
 
 impl<T: bytemuck::Pod> Table<T> {
     pub(super) fn new(name: &'static str) -> Self {
-        Self { name, data: Vec::new(), expected: 0, known: 0, changed: Vec::new(), is_changed: Vec::new() }
+        Self {
+            name,
+            data: Vec::new(),
+            expected: 0,
+            known: 0,
+            changed: Vec::new(),
+            before: Vec::new(),
+            is_changed: Vec::new(),
+        }
     }
 
     /// The table's name, for errors.
@@ -67,16 +77,17 @@ impl<T: bytemuck::Pod> Table<T> {
     }
 
     pub(super) fn set(&mut self, index: usize, value: T) {
-        self.data[index] = value;
         self.touch(index);
+        self.data[index] = value;
     }
 
     /// Writes neighbouring elements that there are.
     pub(super) fn set_run(&mut self, first: usize, values: &[T]) {
-        self.data[first..first + values.len()].copy_from_slice(values);
         (first..first + values.len()).for_each(|index| self.touch(index));
+        self.data[first..first + values.len()].copy_from_slice(values);
     }
 
+    /// Notes that an element is about to change or to go, and keeps its value.
     fn touch(&mut self, index: usize) {
         if index >= self.known {
             return; // in the tail
@@ -85,6 +96,7 @@ impl<T: bytemuck::Pod> Table<T> {
         if *word & bit == 0 {
             *word |= bit;
             self.changed.push(u32_from(index));
+            self.before.push(self.data[index]);
         }
     }
 
@@ -97,29 +109,36 @@ impl<T: bytemuck::Pod> Table<T> {
             self.data.truncate(first);
             return Err(Error::TooLarge { what: self.name, count, limit: LIMIT });
         }
-        self.touch_from(first);
         Ok(u32_from(first))
     }
 
     /// Lengthens the table to `count` elements, or leaves it where it has as many.
     pub(super) fn grow(&mut self, count: usize, value: T) {
-        let first = self.data.len();
-        if count > first {
+        if count > self.data.len() {
             self.data.resize(count, value);
-            self.touch_from(first);
         }
     }
 
-    /// Shortens the table to `count` elements, or leaves it where it has no more.
+    /// Shortens the table to `count` elements, or leaves it where it has no more. Devices still hold the elements that
+    /// go: those that come in their place count as changed.
     pub(super) fn truncate(&mut self, count: usize) {
+        (count..self.data.len().min(self.known)).for_each(|index| self.touch(index));
         self.data.truncate(count);
     }
 
-    /// Devices still hold what stood where the table shrank and grew again.
-    fn touch_from(&mut self, first: usize) {
-        for index in first..self.data.len().min(self.known) {
-            self.touch(index);
+    /// Whether devices have taken over all there is.
+    pub(super) fn is_clean(&self) -> bool {
+        self.changed.is_empty() && self.known == self.data.len()
+    }
+
+    /// Goes back to the elements that devices last took over.
+    pub(super) fn revert(&mut self) {
+        // Elements past the end went, so `before` has them.
+        self.data.resize(self.known, T::zeroed());
+        for (index, value) in self.changed.iter().zip(&self.before) {
+            self.data[*index as usize] = *value;
         }
+        self.forget_changes();
     }
 
     /// Forgets which elements changed.
@@ -142,6 +161,7 @@ impl<T: bytemuck::Pod> Table<T> {
         for index in self.changed.drain(..) {
             self.is_changed[index as usize / 64] = 0;
         }
+        self.before.clear();
     }
 }
 
@@ -227,6 +247,7 @@ mod tests {
     fn a_device_that_takes_over_what_it_is_told_holds_all() {
         let (mut table, mut state) = (table_of(40), 7_u64);
         let mut copies = [Copy::default(), Copy::default()];
+        let mut taken_over = Vec::new();
         let mut random = |below: usize| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             usize::try_from(state >> 33).unwrap() % below
@@ -251,8 +272,15 @@ mod tests {
                     }
                     if random(4) > 0 {
                         table.mark_clean();
+                        assert!(table.is_clean());
+                        taken_over = table.as_slice().to_vec();
                     }
                 }
+            }
+            if table.known > 0 {
+                let mut reverted = table.clone();
+                reverted.revert();
+                assert!(reverted.as_slice() == taken_over && reverted.is_clean(), "step {step}");
             }
             let changed = changed(&table);
             let (unique, tail) = (changed.windows(2).all(|w| w[0] < w[1]), table.tail());

@@ -1,6 +1,6 @@
 //! Building a crowd.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -115,12 +115,14 @@ impl CrowdBuilder {
             watches: Watches::default(),
             attachments: HashMap::new(),
             stages: UserStages::default(),
-            readers: HashSet::new(),
+            readers: BTreeMap::new(),
             listening: Vec::new(),
             marks: HashMap::new(),
             events: Vec::new(),
             left: Vec::new(),
             kept: None,
+            frame: 0,
+            is_readable: false,
             proportions: HashMap::new(),
             member_count: 0,
             capacity: self.capacity,

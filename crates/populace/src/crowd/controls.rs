@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use populace_core::layout::{self, LAYERS_PER_MEMBER};
 use populace_core::{
-    Chain, Constraint, Controls, Feet, Gaze, Ground, JointIndex, JointOverride, Limb, Place, Skeleton, Space,
+    Chain, Constraint, Controls, Feet, Gaze, Ground, JointIndex, JointOverride, LARGEST_SCALE, Limb, Place,
+    Skeleton, Space,
 };
 
 use super::people::limb_above;
@@ -172,9 +173,9 @@ impl Crowd {
     pub fn set_proportions(&mut self, member: Member, factors: &[f32]) -> Result<(), Error> {
         let character = self.check(member)?;
         let joints = self.character_state(character)?.character.skeleton.joint_count();
-        let good = factors.len() == joints && factors.iter().all(|f| *f > 0.0 && f.is_finite());
+        let good = factors.len() == joints && factors.iter().all(|f| *f > 0.0 && *f <= LARGEST_SCALE);
         if !good {
-            let rule = "one for each joint, finite and above zero";
+            let rule = "one for each joint, above zero and at most 10,000";
             return Err(Error::BadValue {
                 what: "the factors of proportions",
                 value: factors.len() as f32,

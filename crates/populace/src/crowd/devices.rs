@@ -64,6 +64,7 @@ impl Crowd {
             self.kept = Some(Kept::read_all(self.opened.backend_mut(), &self.tables));
         }
         self.opened = opened;
+        self.is_readable = false;
         self.devices = devices;
         self.tables.mark_dirty();
         Ok(())

@@ -287,10 +287,9 @@ fn checked(clip: &Clip, pose: &[Trs]) -> Result<Vec<Trs>, Error> {
     }
     let one = |(joint, trs): (_, &Trs)| {
         let length = trs.rotation.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
-        let finite = trs.translation.iter().chain(&trs.scale).all(|c| c.is_finite());
-        if !(finite && length.is_finite() && length > 1e-6) {
+        if !(trs.is_bounded() && length.is_finite() && length > 1e-6) {
             let name = skeleton.name(joint);
-            let rule = "numbers must be finite, and rotations have a length";
+            let rule = "translations must be at most 1e9, scales at most 10,000, and rotations have a length";
             return refused(clip, format!("got {trs:?} for the joint \"{name}\"; {rule}"));
         }
         Ok(Trs { rotation: trs.rotation.map(|c| single(f64::from(c) / length)), ..*trs })

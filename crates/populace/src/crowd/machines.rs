@@ -9,7 +9,7 @@ use populace_core::{BodyIndex, StageBuffer};
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
 use super::{CharacterId, Crowd, Member, PlayId, u32_from};
-use crate::error::finite;
+use crate::error::bounded;
 use crate::machine::{Compiled, bad, find};
 use crate::play::check_layer;
 use crate::{Error, Play, StateMachine};
@@ -104,7 +104,7 @@ impl Crowd {
     /// with such a parameter.
     pub fn set_parameter(&mut self, member: Member, name: &str, value: f32) -> Result<(), Error> {
         self.check(member)?;
-        finite("a parameter of a state machine", &[value])?;
+        bounded("a parameter of a state machine", &[value])?;
         let (tick, place) = (self.clock.tick, member.place);
         let mut is_found = false;
         for index in self.tables.slot_range(place) {

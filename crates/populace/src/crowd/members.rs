@@ -37,13 +37,14 @@ impl Crowd {
         let body = self.character_state(character)?.body;
         let place = self.tables.add_member(body)?;
         if self.members.len() <= place as usize {
-            let free = MemberState { generation: 0, character: None, placement };
+            let free = MemberState { generation: 0, character: None, placement, since: 0 };
             self.members.resize(place as usize + 1, free);
             self.started.resize(self.members.len() * self.tables.slots_per_member(), Started::default());
         }
         let state = &mut self.members[place as usize];
         state.character = Some(character);
         state.placement = placement;
+        state.since = self.frame;
         self.member_count += 1;
         Ok(Member { crowd: self.number, place, generation: state.generation })
     }

@@ -6,7 +6,7 @@ use populace_core::{Binding, ClipIndex, LayerSettings, Mask, TICKS_PER_SEC, tick
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
 use super::{CharacterId, ClipId, Crowd, MaskId, Member, PlayId, u32_from};
-use crate::error::finite;
+use crate::error::bounded;
 use crate::play::{Playing, check_layer, check_secs, check_weight};
 use crate::{Error, Play};
 
@@ -135,7 +135,7 @@ impl Crowd {
     ///
     /// [`Error::StaleMember`], [`Error::StalePlay`], or a speed that is not finite.
     pub fn set_speed(&mut self, id: PlayId, speed: f32) -> Result<(), Error> {
-        finite("the speed of a clip", &[speed])?;
+        bounded("the speed of a clip", &[speed])?;
         let place = id.member.place;
         let Some(index) = self.find_slot(id)? else {
             self.change_waiting(id, |play| play.speed = speed);

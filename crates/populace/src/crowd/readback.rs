@@ -1,7 +1,7 @@
 //! What the device computed, for those who draw or look at it.
 
 use populace_core::layout::{Body, Float4};
-use populace_core::{Affine, Stage, StageBuffer, Trs};
+use populace_core::{Affine, BackendError, Stage, StageBuffer, Trs};
 
 use super::{Crowd, Member};
 use crate::Error;
@@ -12,8 +12,10 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A page that is not in use, or a failing device.
+    /// [`BackendError::NotEvaluated`] where no update has evaluated the crowd on this device, a page that is not in use, or
+    /// a failing device.
     pub fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), Error> {
+        self.check_readable()?;
         self.opened.backend_mut().with_page(page, reader)?;
         Ok(self.look_where_moved()?)
     }
@@ -22,7 +24,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], or a failing device.
+    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the member on this device, or a
+    /// failing device.
     pub fn palette(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
         let (row, body) = self.device_member(member)?;
         let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
@@ -39,7 +42,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], or a failing device.
+    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the member on this device, or a
+    /// failing device.
     pub fn model_from_joints(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
         let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
         let [a, b, c] = self.read_joints(member, buffers)?;
@@ -50,7 +54,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], or a failing device.
+    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the member on this device, or a
+    /// failing device.
     pub fn local_pose(&mut self, member: Member) -> Result<Vec<Trs>, Error> {
         let buffers = [StageBuffer::Translations, StageBuffer::Rotations, StageBuffer::Scales];
         let [t, r, s] = self.read_joints(member, buffers)?;
@@ -93,8 +98,13 @@ impl Crowd {
         Ok(arrays)
     }
 
+    /// Where a member stands on the device, if it was there at the last update.
     fn device_member(&self, member: Member) -> Result<(populace_core::layout::Member, Body), Error> {
         self.check(member)?;
+        self.check_readable()?;
+        if self.members[member.place as usize].since == self.frame {
+            return Err(BackendError::NotEvaluated.into());
+        }
         let row = self.tables.members().as_slice()[member.place as usize];
         Ok((row, self.tables.bodies().as_slice()[row.body as usize]))
     }

@@ -200,3 +200,24 @@ fn a_device_that_is_lost_is_named_and_the_crowd_goes_on_without_it_or_once_it_is
         }
     }
 }
+
+#[test]
+fn nothing_is_read_after_an_update_that_failed() {
+    for operation in ["update", "run"] {
+        let (mut crowd, lost) = losable(operation);
+        crowd.update(0.1).unwrap();
+        let member = crowd.instances().map(|i| i.member).next().unwrap();
+        assert!(crowd.palette(member).is_ok() && crowd.local_pose(member).is_ok());
+        lost.store(true, Ordering::Relaxed);
+        crowd.update(0.1).unwrap_err();
+        let refused = Error::Backend(BackendError::NotEvaluated);
+        assert_eq!(crowd.palette(member), Err(refused.clone()), "lost in {operation}");
+        assert_eq!(crowd.model_from_joints(member), Err(refused.clone()), "lost in {operation}");
+        assert_eq!(crowd.local_pose(member), Err(refused.clone()), "lost in {operation}");
+        assert_eq!(crowd.with_page(0, &mut |_| {}), Err(refused), "lost in {operation}");
+        assert_eq!(crowd.moved(member), Ok(Placement::at([0.0; 3])));
+        lost.store(false, Ordering::Relaxed);
+        crowd.update(0.1).unwrap();
+        assert!(crowd.palette(member).is_ok() && crowd.local_pose(member).is_ok());
+    }
+}

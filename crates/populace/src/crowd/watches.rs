@@ -38,23 +38,30 @@ impl Crowd {
     pub fn watch(&mut self, member: Member, joint: JointIndex) -> Result<Watch, Error> {
         self.watch_joint(member, joint)?;
         let watch = Watch { member, joint, serial: self.next_serial() };
-        self.readers.insert(watch);
+        self.readers.insert(watch.serial, (watch, self.clock.tick));
         Ok(watch)
     }
 
     /// Lets go of a joint that was watched; one that is watched twice is until both are let go of. A watch that was let go of
     /// before, and one of another crowd, does nothing.
     pub fn unwatch(&mut self, watch: Watch) {
-        if self.readers.remove(&watch) {
+        if self.watched_since(watch).is_some() {
+            self.readers.remove(&watch.serial);
             self.unwatch_joint(watch.member, watch.joint);
         }
     }
 
+    /// The clock when a watch began, where it goes on.
+    fn watched_since(&self, watch: Watch) -> Option<u64> {
+        let (_, since) = self.readers.get(&watch.serial).filter(|(known, _)| *known == watch)?;
+        Some(*since)
+    }
+
     /// Lets go of all that is watched of a member that leaves.
     pub(super) fn forget_watches(&mut self, member: Member) {
-        let of_member = |watch: &Watch| watch.member == member;
-        for watch in self.readers.extract_if(of_member).collect::<Vec<_>>() {
-            self.unwatch_joint(watch.member, watch.joint);
+        let watches = self.readers.values().map(|(watch, _)| *watch);
+        for watch in watches.filter(|watch| watch.member == member).collect::<Vec<_>>() {
+            self.unwatch(watch);
         }
     }
 
@@ -65,12 +72,12 @@ impl Crowd {
     ///
     /// A failing device.
     pub fn sighting(&mut self, watch: Watch) -> Result<Option<Sighting>, Error> {
-        let Some((watched, _)) = self.watches.0.get(&watch.key()).filter(|_| self.readers.contains(&watch))
-        else {
-            return Ok(None);
-        };
+        let Some(since) = self.watched_since(watch) else { return Ok(None) };
+        let Some((watched, _)) = self.watches.0.get(&watch.key()) else { return Ok(None) };
         let first = (*watched * WATCHED_ELEMENTS) as usize;
-        let Some((tick, elements)) = self.opened.backend_mut().fetched()? else { return Ok(None) };
+        let fetched = self.opened.backend_mut().fetched()?;
+        // Before that another joint may have had its place.
+        let Some((tick, elements)) = fetched.filter(|(tick, _)| *tick > since) else { return Ok(None) };
         let Some(rows) = elements.get(first..first + WATCHED_ELEMENTS as usize) else { return Ok(None) };
         let world_from_joint = Affine { rows: [rows[0].0, rows[1].0, rows[2].0] };
         // What was never written is all zeros.

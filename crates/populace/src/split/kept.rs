@@ -80,6 +80,15 @@ impl Kept {
         }
     }
 
+    /// Forgets the joints whose places among what is watched went to others since.
+    pub(crate) fn forget_new_watched(&mut self, tables: &Tables) {
+        for run in tables.new_watched_elements() {
+            if let Some(watched) = self.watched.get_mut(run) {
+                watched.fill(Float4::default());
+            }
+        }
+    }
+
     /// Gives it to a device that took over these tables; of what they no longer hold there is nothing to give.
     pub(crate) fn write(&self, backend: &mut dyn Backend, tables: &Tables) -> Result<(), BackendError> {
         for (buffer, all, count) in [

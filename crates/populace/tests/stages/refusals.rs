@@ -109,6 +109,7 @@ fn bad_values_are_refused_and_change_nothing() {
 fn there_is_room_for_eight() {
     let mut staged = Swaying::on(Device::native(), Schedule::Fused);
     let lift = || UserStage::new("lift").rust(|joint| joint.model.rows[1][3] += 1.0);
+    staged.update(0.0);
     let before = staged.models(0)[0].rows[1][3];
     for _ in 0..8 {
         let id = staged.crowd.add_stage(After::Transform, lift()).expect("room");

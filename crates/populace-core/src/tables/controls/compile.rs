@@ -9,7 +9,7 @@ use crate::layout::{
     Target,
 };
 use crate::tables::u32_from;
-use crate::{Error, JointIndex, Skeleton, Trs, f64math};
+use crate::{Error, JointIndex, LARGEST, LARGEST_SCALE, Skeleton, Trs, f64math};
 
 /// Part of a leg's length in which it straightens. Little, for straight legs are what clips of standing people have.
 const FOOT_SOFT: f32 = 0.005;
@@ -49,6 +49,14 @@ fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
     }
 }
 
+fn bounded(what: &str, values: &[f32]) -> Result<(), Error> {
+    if values.iter().all(|v| v.abs() <= LARGEST) {
+        Ok(())
+    } else {
+        bad(format!("{what} has a number that is not finite, or larger than {LARGEST:e} in size"))
+    }
+}
+
 /// Of length 1, however long it was given; as it is where that has no length.
 #[expect(clippy::cast_possible_truncation, reason = "to the nearest")]
 fn direction(of: [f32; 3]) -> [f32; 3] {
@@ -60,8 +68,10 @@ fn direction(of: [f32; 3]) -> [f32; 3] {
 /// A transform that the host gives.
 fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
     let length: f32 = given.rotation.iter().map(|v| v * v).sum();
-    if !given.is_finite() || !(0.9..1.1).contains(&length) {
-        return bad(format!("{what} needs finite numbers and a rotation of length 1"));
+    if !given.is_bounded() || !(0.9..1.1).contains(&length) {
+        return bad(format!(
+            "{what} needs a translation of at most {LARGEST:e}, scales of at most {LARGEST_SCALE:e} and a rotation of length 1"
+        ));
     }
     let [x, y, z] = given.translation;
     Ok(Override {
@@ -132,7 +142,7 @@ impl Program {
 
     fn add(&mut self, row: layout::Constraint, links: &[Link], targets: &[Target]) -> Result<u32, Error> {
         for target in targets {
-            finite("a target", &target.point.0)?;
+            bounded("a target", &target.point.0)?;
             finite("the weight of a target", &[target.start_weight, target.weight_rate, target.end_weight])?;
         }
         let (link_first, target_first) = (u32_from(self.links.len()), u32_from(self.targets.len()));
@@ -203,8 +213,8 @@ impl Program {
         let pole = limb.pole.unwrap_or([0.0; 3]);
         finite("a pole", &pole)?;
         let row = layout::Constraint {
-            axis: float4(in_joint(skeleton, Some(limb.first), limb.bend), 0.0),
-            front: float4(pole, f32::from(u8::from(limb.pole.is_some()))),
+            axis: float4(in_joint(skeleton, Some(limb.first), direction(limb.bend)), 0.0),
+            front: float4(direction(pole), f32::from(u8::from(limb.pole.is_some()))),
             limits: Float4([limb.soft, 1.0, 0.0, 0.0]),
             middle,
             keeps_end: u32::from(limb.keeps_end),

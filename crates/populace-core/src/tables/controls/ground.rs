@@ -1,8 +1,8 @@
 //! The ground that feet keep to.
 
-use crate::Error;
 use crate::layout;
 use crate::tables::{Tables, u32_from};
+use crate::{Error, LARGEST};
 
 /// The ground in the world: a plane, or a height for each place of a grid.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,13 +16,16 @@ impl Ground {
     ///
     /// # Errors
     ///
-    /// [`Error::BadConstraint`] for a number that is not finite.
+    /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size.
     pub fn plane(height: f32, [slope_x, slope_z]: [f32; 2]) -> Result<Self, Error> {
-        if [height, slope_x, slope_z].iter().all(|v| v.is_finite()) {
+        if [height, slope_x, slope_z].iter().all(|v| v.abs() <= LARGEST) {
             let plane = layout::Ground { offset: height, slope_x, slope_z, ..layout::Ground::default() };
             return Ok(Self { plane, heights: Vec::new() });
         }
-        Err(Error::BadConstraint { what: "a plane of the ground has a number that is not finite".into() })
+        let what = format!(
+            "a plane of the ground has a number that is not finite, or larger than {LARGEST:e} in size"
+        );
+        Err(Error::BadConstraint { what })
     }
 
     /// A height in metres for each place of a grid that begins at `corner` (x and z in metres) and has a sample every
@@ -31,7 +34,7 @@ impl Ground {
     ///
     /// # Errors
     ///
-    /// [`Error::BadConstraint`] for a number that is not finite, a spacing not above 0, or fewer than two samples either
+    /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size, a spacing not above 0, or fewer than two samples either
     /// way.
     pub fn height_field(
         corner: [f32; 2],
@@ -40,13 +43,13 @@ impl Ground {
         heights: Vec<f32>,
     ) -> Result<Self, Error> {
         let count_z = heights.len().checked_div(count_x).unwrap_or(0);
-        let numbers = heights.iter().chain(&corner).all(|v| v.is_finite());
+        let numbers = heights.iter().chain(&corner).all(|v| v.abs() <= LARGEST);
         let grid = count_x >= 2 && count_z >= 2 && count_x * count_z == heights.len();
         let per_metre = 1.0 / spacing_m;
         if !(numbers && grid && spacing_m > 0.0 && per_metre.is_finite() && per_metre > 0.0) {
             let what = format!(
                 "a height field of {} heights, {count_x} in a row, {spacing_m} m apart: whole rows are needed, two at \
-                 least each way, finite and above 0 m apart",
+                 least each way, of at most {LARGEST:e} m, and above 0 m apart",
                 heights.len()
             );
             return Err(Error::BadConstraint { what });

@@ -1,0 +1,151 @@
+//! Every read in every state of a crowd, on every device and schedule: the answers are the same.
+
+use std::sync::Arc;
+
+use populace::core::{
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, PaletteSource,
+    Property, Skeleton, Track,
+};
+use populace::{
+    Affine, BackendError, ClipId, Crowd, Device, Devices, Error, JointIndex, Member, Placement, Play,
+    Schedule, Trs,
+};
+
+/// All devices and schedules, and two devices that share a crowd.
+fn everywhere() -> Vec<(Devices, Schedule)> {
+    let native = || Devices::from(Device::Native { threads: 1 });
+    let pair = || Devices::from([Device::Native { threads: 1 }, Device::Native { threads: 2 }]);
+    #[cfg_attr(any(not(feature = "opencl"), skip_opencl), expect(unused_mut, reason = "nothing is added"))]
+    let mut all = vec![(native(), Schedule::Staged), (native(), Schedule::Fused), (pair(), Schedule::Fused)];
+    #[cfg(all(feature = "opencl", not(skip_opencl)))]
+    {
+        for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
+            all.push((Device::opencl(0).into(), schedule));
+        }
+        let both = || Devices::from([Device::Native { threads: 1 }, Device::opencl(0)]);
+        all.extend([(both(), Schedule::Staged), (both(), Schedule::Fused)]);
+    }
+    all
+}
+
+/// A joint at height 0 that "Stand" leaves there and "Rise" lifts to `1.0`.
+fn post() -> Character {
+    let joint = JointSource { name: "post".into(), parent: None, rest: Trs::IDENTITY };
+    let skeleton = Skeleton::new(&[joint]).unwrap();
+    let clip = |name: &str, height: f32| {
+        let track = Track {
+            joint: "post".into(),
+            property: Property::Translation,
+            interpolation: Interpolation::Linear,
+            times: vec![0.0],
+            values: vec![0.0, height, 0.0],
+        };
+        Arc::new(Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, &skeleton).unwrap())
+    };
+    let clips = vec![clip("Stand", 0.0), clip("Rise", 1.0)];
+    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
+    let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
+    let name = "post".into();
+    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
+        .unwrap()
+}
+
+/// A crowd of one member that stands, before its first update.
+fn standing(devices: Devices, schedule: Schedule) -> (Crowd, Member, ClipId) {
+    let mut crowd = Crowd::builder().devices(devices).schedule(schedule).build().unwrap();
+    let post = crowd.add_character(post()).unwrap();
+    let [stand, rise] = ["Stand", "Rise"].map(|name| crowd.clip(post, name).unwrap());
+    let member = crowd.spawn(post, Placement::at([0.0; 3])).unwrap();
+    crowd.play(member, stand, Play::looping()).unwrap();
+    (crowd, member, rise)
+}
+
+/// The height of a member's joint, as each way to read it tells.
+fn heights(crowd: &mut Crowd, member: Member) -> [Result<f32, Error>; 3] {
+    let height = |joints: Vec<Affine>| joints[0].rows[1][3];
+    [
+        crowd.palette(member).map(height),
+        crowd.model_from_joints(member).map(height),
+        crowd.local_pose(member).map(|pose| pose[0].translation[1]),
+    ]
+}
+
+/// What the two ways to read a page answer.
+fn pages(crowd: &mut Crowd) -> [Result<(), Error>; 2] {
+    let inherent = crowd.with_page(0, &mut |_| {});
+    [inherent, PaletteSource::with_page(crowd, 0, &mut |_| {}).map_err(Error::from)]
+}
+
+#[track_caller]
+fn assert_not_evaluated(crowd: &mut Crowd, member: Member, state: &str) {
+    for found in heights(crowd, member) {
+        let found = found.expect_err(state);
+        assert_eq!(found, Error::Backend(BackendError::NotEvaluated), "{state}");
+    }
+}
+
+#[track_caller]
+fn assert_height(crowd: &mut Crowd, member: Member, wanted: f32, state: &str) {
+    assert_eq!(heights(crowd, member), [wanted; 3].map(Ok), "{state}");
+    assert_eq!(pages(crowd), [Ok(()), Ok(())], "{state}");
+}
+
+#[test]
+fn every_read_has_one_answer_in_every_state() {
+    for (devices, schedule) in everywhere() {
+        let at = |state: &str| format!("{state}, {devices}, {schedule}");
+        let (mut crowd, member, rise) = standing(devices.clone(), schedule);
+        let no_pages = [(); 2].map(|()| Err(Error::Backend(BackendError::NotEvaluated)));
+        assert_not_evaluated(&mut crowd, member, &at("new"));
+        assert_eq!(pages(&mut crowd), no_pages, "{}", at("new"));
+        assert!(PaletteSource::hand_over(&mut crowd).unwrap().is_none(), "{}", at("new"));
+        assert_eq!(crowd.moved(member), Ok(Placement::at([0.0; 3])));
+        let watch = crowd.watch(member, JointIndex(0)).unwrap();
+        assert_eq!(crowd.sighting(watch), Ok(None), "{}", at("new"));
+
+        crowd.update(0.1).unwrap();
+        assert_height(&mut crowd, member, 0.0, &at("updated"));
+        crowd.play(member, rise, Play::looping()).unwrap();
+        assert_height(&mut crowd, member, 0.0, &at("changed"));
+        let late = crowd.spawn(crowd.character_of(member).unwrap(), Placement::at([1.0; 3])).unwrap();
+        assert_not_evaluated(&mut crowd, late, &at("spawned"));
+        assert_height(&mut crowd, member, 0.0, &at("beside one that was spawned"));
+        assert!(crowd.with_page(1, &mut |_| {}).unwrap_err().to_string().contains("no page 1"));
+
+        crowd.update(0.1).unwrap();
+        assert_height(&mut crowd, member, 1.0, &at("updated again"));
+        crowd.move_to(devices.clone()).unwrap();
+        assert_not_evaluated(&mut crowd, member, &at("moved"));
+        assert_eq!(pages(&mut crowd), no_pages, "{}", at("moved"));
+        crowd.update(0.1).unwrap();
+        assert_height(&mut crowd, member, 1.0, &at("updated after a move"));
+
+        crowd.despawn(late).unwrap();
+        for found in heights(&mut crowd, late) {
+            assert_eq!(found, Err(Error::StaleMember), "{}", at("despawned"));
+        }
+        assert_height(&mut crowd, member, 1.0, &at("beside one that left"));
+    }
+}
+
+#[test]
+fn a_watch_never_shows_the_joint_that_had_its_place_before() {
+    for (devices, schedule) in everywhere() {
+        let (mut crowd, member, rise) = standing(devices.clone(), schedule);
+        crowd.play(member, rise, Play::looping()).unwrap();
+        let first = crowd.watch(member, JointIndex(0)).unwrap();
+        for _ in 0..2 {
+            crowd.update(0.1).unwrap();
+            crowd.finish().unwrap();
+        }
+        assert!(crowd.sighting(first).unwrap().is_some(), "{devices}, {schedule}");
+        crowd.unwatch(first);
+        let other = crowd.spawn(crowd.character_of(member).unwrap(), Placement::at([5.0; 3])).unwrap();
+        let second = crowd.watch(other, JointIndex(0)).unwrap();
+        assert_eq!(crowd.sighting(second), Ok(None), "{devices}, {schedule}");
+        crowd.update(0.1).unwrap();
+        crowd.finish().unwrap();
+        let seen = crowd.sighting(second).unwrap().expect("the device has finished");
+        assert_eq!(seen.world_from_joint.rows[0][3], 5.0, "{devices}, {schedule}");
+    }
+}
