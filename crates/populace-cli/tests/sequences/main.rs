@@ -1,0 +1,52 @@
+//! Random sequences of calls to the whole public API of a crowd and of its ragdolls. Two crowds get the same calls on each
+//! device and schedule: neither may panic, and they must agree bit for bit on all that they draw and on all that they answer.
+//! From ordinary numbers no palette may come that is not finite.
+//!
+//! Fixed seeds run as tests. Others run by `cargo test -p populace-cli --test sequences -- --seed 7 --calls 1000000`, on
+//! every device or with `--setup native/fused` on one; a sequence that fails is shortened and printed.
+
+mod assets;
+mod calls;
+mod controls;
+mod draw;
+mod fixture;
+mod long;
+mod reads;
+mod sequence;
+mod world;
+
+use std::process::ExitCode;
+
+use libtest_mimic::{Arguments, Trial};
+
+use fixture::{Setup, setups};
+use sequence::Sequence;
+
+/// Sequences of a test for each set-up, and calls of each.
+const SEQUENCES: u64 = 12;
+const CALLS: usize = 400;
+
+fn main() -> ExitCode {
+    if std::env::args().any(|argument| long::FLAGS.contains(&argument.as_str())) {
+        return long::run();
+    }
+    let mut arguments = Arguments::from_args();
+    // Set-ups that share an OpenCL device would only wait for each other.
+    arguments.test_threads.get_or_insert(2);
+    let trials = setups().into_iter().map(|setup| {
+        let is_skipped = setup.needs_opencl && cfg!(skip_opencl);
+        let trial = Trial::test(format!("sequences: {}", setup.name), move || check(&setup));
+        trial.with_ignored_flag(is_skipped)
+    });
+    libtest_mimic::run(&arguments, trials.collect()).exit_code()
+}
+
+fn check(setup: &Setup) -> Result<(), libtest_mimic::Failed> {
+    for seed in 0..SEQUENCES {
+        let sequence = Sequence::new(seed, CALLS);
+        if let Err(fault) = sequence.run(setup) {
+            return Err(sequence.report(setup, &fault).into());
+        }
+    }
+    Ok(())
+}

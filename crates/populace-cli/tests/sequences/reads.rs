@@ -1,0 +1,101 @@
+//! Calls that ask for results.
+
+use populace::{Instance, Trs};
+
+use crate::calls::numbers;
+use crate::draw::Draw;
+use crate::world::{Outcome, World};
+
+pub(crate) fn playing(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    let playing = world.crowd.playing(member);
+    let numbers = playing.map(|all| all.into_iter().flat_map(|p| [p.time_secs, p.weight, p.speed]).collect());
+    Some(Outcome::read::<Vec<f32>>(numbers))
+}
+
+pub(crate) fn watch(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, body) = world.member(draw, "member")?;
+    let result = world.crowd.watch(member, world.joint(draw, "joint", body));
+    if let Ok(watch) = result {
+        World::keep(&mut world.watches, watch);
+    }
+    Some(Outcome::of(result))
+}
+
+pub(crate) fn unwatch(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let count = world.watches.len();
+    let watch = (count > 0).then(|| world.watches[draw.index("watch", count)])?;
+    world.crowd.unwatch(watch);
+    Some(Outcome::Done)
+}
+
+/// Where the joint was depends on how far behind a device is.
+pub(crate) fn sighting(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let count = world.watches.len();
+    let watch = (count > 0).then(|| world.watches[draw.index("watch", count)])?;
+    let sighting = world.crowd.sighting(watch);
+    if world.setup.needs_opencl {
+        return Some(Outcome::of(sighting));
+    }
+    Some(Outcome::read(sighting.map(|seen| numbers(seen.into_iter().map(|s| s.world_from_joint).collect()))))
+}
+
+pub(crate) fn listen(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    Some(Outcome::of(world.crowd.listen(member)))
+}
+
+pub(crate) fn ignore(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    world.crowd.ignore(member);
+    Some(Outcome::Done)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "near enough to be compared")]
+pub(crate) fn events(world: &mut World, _draw: &mut Draw) -> Option<Outcome> {
+    let events = world.crowd.events().iter();
+    let numbers: Vec<f32> = events.flat_map(|event| [event.at_secs as f32, event.weight]).collect();
+    Some(Outcome::read(Ok(numbers)))
+}
+
+pub(crate) fn moved(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    let moved = world.crowd.moved(member);
+    Some(Outcome::read(moved.map(|p| p.position().into_iter().chain([p.yaw_rad(), p.scale()]))))
+}
+
+pub(crate) fn palette(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    Some(Outcome::read(world.crowd.palette(member).map(numbers)))
+}
+
+pub(crate) fn joints(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    Some(Outcome::read(world.crowd.model_from_joints(member).map(numbers)))
+}
+
+pub(crate) fn local_pose(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    let numbers = |trs: Trs| trs.translation.into_iter().chain(trs.rotation).chain(trs.scale);
+    let pose = world.crowd.local_pose(member);
+    Some(Outcome::read(pose.map(|pose| pose.into_iter().flat_map(numbers))))
+}
+
+/// The page is read, but not compared: what stands between palettes is of no meaning.
+pub(crate) fn page(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let page = draw.index("page", 2);
+    let mut count = 0;
+    Some(Outcome::of(world.crowd.with_page(page, &mut |elements| count += elements.len())))
+}
+
+pub(crate) fn instances(world: &mut World, _draw: &mut Draw) -> Option<Outcome> {
+    let numbers = |i: Instance| i.world_from_model.rows.into_iter().flatten();
+    let numbers: Vec<f32> = world.crowd.instances().flat_map(numbers).collect();
+    Some(Outcome::read(Ok(numbers)))
+}
+
+pub(crate) fn state_of(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    let state = world.crowd.state_of(member, draw.index("layer", 5));
+    Some(Outcome::read(state.map(|name| name.bytes().map(f32::from).collect::<Vec<_>>())))
+}

@@ -1,0 +1,147 @@
+//! A sequence of calls, run on two crowds and shortened where it fails.
+
+use std::fmt::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use populace_testkit::Rng;
+
+use crate::calls::{ALL, Call, What};
+use crate::draw::Draw;
+use crate::fixture::Setup;
+use crate::world::{Outcome, World};
+
+/// Calls to be made one after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Sequence {
+    seed: u64,
+    calls: Vec<Call>,
+    slots: usize,
+    /// Whether numbers can be odd.
+    odd: bool,
+}
+
+impl Sequence {
+    /// The sequence of a seed; every third has odd numbers.
+    pub(crate) fn new(seed: u64, count: usize) -> Self {
+        let mut rng = Rng::new(seed);
+        let total: usize = ALL.iter().map(|(_, weight)| weight).sum();
+        let what = |rng: &mut Rng| {
+            let mut at = rng.below(total);
+            let chosen = ALL.iter().find(|(_, weight)| {
+                let is_chosen = at < *weight;
+                at = at.saturating_sub(*weight);
+                is_chosen
+            });
+            chosen.map_or(What::Update, |(what, _)| *what)
+        };
+        let calls = (0..count).map(|_| Call { what: what(&mut rng), seed: rng.bits() }).collect();
+        Self { seed, calls, slots: 1 + rng.below(8), odd: seed % 3 == 2 }
+    }
+
+    /// Makes the calls on two crowds and compares these. The error says what went wrong.
+    pub(crate) fn run(&self, setup: &Setup) -> Result<(), String> {
+        catch_unwind(AssertUnwindSafe(|| self.compare(setup))).unwrap_or_else(|panic| {
+            let text = panic.downcast_ref::<String>().map(String::as_str);
+            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+            Err(format!("it panics: {}", text.unwrap_or("without a message")))
+        })
+    }
+
+    fn compare(&self, setup: &Setup) -> Result<(), String> {
+        let world = || World::new(setup, self.slots).map_err(|error| format!("it cannot begin: {error}"));
+        let mut worlds = [world()?, world()?];
+        for (nth, call) in self.calls.iter().enumerate() {
+            let at = |fault: &str| format!("call {nth}, {:?}: {fault}", call.what);
+            let [first, second] = [0, 1].map(|of| {
+                let mut draw = Draw::new(call.seed, self.odd, false);
+                call.what.run(&mut worlds[of], &mut draw)
+            });
+            if first != second {
+                return Err(at(&format!("the crowds answer {first:?} and {second:?}")));
+            }
+            if call.what == What::Update && first == Some(Outcome::Done) {
+                self.compare_palettes(&mut worlds).map_err(|fault| at(&fault))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn compare_palettes(&self, worlds: &mut [World; 2]) -> Result<(), String> {
+        let [first, second] = worlds;
+        let read = |world: &mut World| world.palettes().map_err(|error| format!("no palettes: {error}"));
+        let (first, second) = (read(first)?, read(second)?);
+        for (member, (first, second)) in first.iter().zip(&second).enumerate() {
+            let number = |bits: u32| f32::from_bits(bits);
+            if let Some(at) = first.iter().zip(second).position(|(a, b)| a != b) {
+                let (a, b) = (number(first[at]), number(second[at]));
+                return Err(format!("number {at} of the palette of member {member} is {a} and {b}"));
+            }
+            let odd = first.iter().position(|bits| !number(*bits).is_finite());
+            if let Some(at) = odd.filter(|_| !self.odd) {
+                return Err(format!(
+                    "number {at} of the palette of member {member} is {}",
+                    number(first[at])
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The shortest sequence found that still fails, by leaving out ever smaller parts.
+    fn shortened(&self, setup: &Setup) -> Self {
+        let fails = |calls: &[Call]| Self { calls: calls.to_vec(), ..self.clone() }.run(setup).is_err();
+        let mut calls = self.calls.clone();
+        let mut part = calls.len().div_ceil(2);
+        while part > 0 {
+            let mut first = 0;
+            while first < calls.len() {
+                let mut without = calls.clone();
+                without.drain(first..(first + part).min(calls.len()));
+                if fails(&without) {
+                    calls = without;
+                } else {
+                    first += part;
+                }
+            }
+            part /= 2;
+        }
+        Self { calls, ..self.clone() }
+    }
+
+    /// A sequence that fails, shortened, as text.
+    pub(crate) fn report(&self, setup: &Setup, fault: &str) -> String {
+        let hook = std::panic::take_hook();
+        std::panic::set_hook(Box::new(|_| {}));
+        let short = self.shortened(setup);
+        let last = short.run(setup).err().unwrap_or_default();
+        std::panic::set_hook(hook);
+        let Self { seed, slots, .. } = self;
+        let mut text = format!(
+            "seed {seed} on {} with {slots} slots: {fault}\nshortened to {} calls: {last}\n",
+            setup.name,
+            short.calls.len()
+        );
+        text.push_str(&short.told(setup));
+        text
+    }
+
+    /// The calls with their arguments, up to the one that fails.
+    fn told(&self, setup: &Setup) -> String {
+        let mut text = String::new();
+        let Ok(mut world) = World::new(setup, self.slots) else { return text };
+        for call in &self.calls {
+            let mut draw = Draw::new(call.seed, self.odd, true);
+            let run = catch_unwind(AssertUnwindSafe(|| call.what.run(&mut world, &mut draw)));
+            let answer = match run {
+                Ok(Some(Outcome::Done)) => "done".to_owned(),
+                Ok(Some(Outcome::Refused(reason))) => format!("refused: {reason}"),
+                Ok(Some(Outcome::Read(bits))) => format!("{} numbers", bits.len()),
+                Ok(None) => "nothing to do".to_owned(),
+                Err(_) => "panics".to_owned(),
+            };
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "  {:?} {{ {} }}: {answer}", call.what, draw.told());
+        }
+        text
+    }
+}

@@ -1,0 +1,145 @@
+//! A crowd and all that a user keeps beside it, and what the calls leave for the comparison.
+
+use std::sync::Arc;
+
+use populace::{
+    CharacterId, ClipId, Crowd, Error, JointIndex, MachineId, MaskId, Member, PlayId, SpaceId, StageId, Watch,
+};
+use populace_physics::{RagdollPlan, Ragdolls};
+
+use crate::draw::Draw;
+use crate::fixture::{Setup, characters};
+
+/// The most members of a crowd.
+pub(crate) const MEMBERS_MOST: usize = 24;
+/// Handles that are kept after their objects left.
+const STALE_MOST: usize = 8;
+
+/// A character with all that was added to it.
+pub(crate) struct Body {
+    pub(crate) id: CharacterId,
+    pub(crate) joints: usize,
+    pub(crate) clips: Vec<ClipId>,
+    pub(crate) masks: Vec<MaskId>,
+    pub(crate) plan: Arc<RagdollPlan>,
+}
+
+/// A crowd, and the handles that its user has.
+pub(crate) struct World {
+    pub(crate) crowd: Crowd,
+    pub(crate) ragdolls: Ragdolls,
+    pub(crate) setup: Setup,
+    /// Which of the set-up's devices the crowd is on.
+    pub(crate) device: usize,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) members: Vec<(Member, usize)>,
+    pub(crate) stale: Vec<(Member, usize)>,
+    pub(crate) plays: Vec<PlayId>,
+    pub(crate) live: Vec<(ClipId, usize, f64)>,
+    pub(crate) spaces: Vec<SpaceId>,
+    pub(crate) machines: Vec<MachineId>,
+    pub(crate) stages: Vec<StageId>,
+    pub(crate) watches: Vec<Watch>,
+    /// Which of the two stages are in use.
+    pub(crate) staged: [Option<StageId>; 2],
+}
+
+/// What a call came to: all that two crowds must agree on.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Outcome {
+    Done,
+    Refused(String),
+    /// The bits of what was read.
+    Read(Vec<u32>),
+}
+
+impl Outcome {
+    pub(crate) fn of<T>(result: Result<T, Error>) -> Self {
+        match result {
+            Ok(_) => Self::Done,
+            Err(error) => Self::Refused(error.to_string()),
+        }
+    }
+
+    pub(crate) fn read<I: IntoIterator<Item = f32>>(result: Result<I, Error>) -> Self {
+        match result {
+            Ok(numbers) => Self::Read(numbers.into_iter().map(f32::to_bits).collect()),
+            Err(error) => Self::Refused(error.to_string()),
+        }
+    }
+}
+
+impl World {
+    pub(crate) fn new(setup: &Setup, slots: usize) -> Result<Self, Error> {
+        let builder = Crowd::builder().devices(setup.devices[0].clone()).schedule(setup.schedule);
+        let mut crowd = builder.capacity(MEMBERS_MOST).slots_per_member(slots).build()?;
+        let mut bodies = Vec::new();
+        for character in characters() {
+            let id = crowd.add_character(Arc::clone(character))?;
+            let clips = crowd.clips(id)?.into_iter().map(|(clip, _)| clip).collect();
+            let plan = Arc::new(RagdollPlan::from_skeleton(&character.skeleton));
+            let joints = character.skeleton.joint_count();
+            bodies.push(Body { id, joints, clips, masks: Vec::new(), plan });
+        }
+        let ragdolls = Ragdolls::new([0.0, -9.81, 0.0]).expect("gravity is finite");
+        Ok(Self {
+            crowd,
+            ragdolls,
+            setup: setup.clone(),
+            device: 0,
+            bodies,
+            members: Vec::new(),
+            stale: Vec::new(),
+            plays: Vec::new(),
+            live: Vec::new(),
+            spaces: Vec::new(),
+            machines: Vec::new(),
+            stages: Vec::new(),
+            watches: Vec::new(),
+            staged: [None; 2],
+        })
+    }
+
+    /// A member and its body's index; now and then one that has left.
+    pub(crate) fn member(&self, draw: &mut Draw, name: &str) -> Option<(Member, usize)> {
+        if !self.stale.is_empty() && draw.chance("stale", 0.02) {
+            let index = draw.index(name, self.stale.len());
+            return Some(self.stale[index]);
+        }
+        let count = self.members.len();
+        (count > 0).then(|| self.members[draw.index(name, count)])
+    }
+
+    /// A joint of a body; now and then one past its end.
+    pub(crate) fn joint(&self, draw: &mut Draw, name: &str, body: usize) -> JointIndex {
+        let count = self.bodies[body].joints;
+        let past = usize::from(draw.chance("past", 0.01));
+        let index = draw.index(name, count) + past * count;
+        JointIndex(u32::try_from(index).expect("few joints"))
+    }
+
+    pub(crate) fn left(&mut self, member: (Member, usize)) {
+        self.members.retain(|other| *other != member);
+        self.stale.push(member);
+        if self.stale.len() > STALE_MOST {
+            self.stale.remove(0);
+        }
+    }
+
+    /// Keeps the newest few of a list of handles.
+    pub(crate) fn keep<T>(list: &mut Vec<T>, handle: T) {
+        list.push(handle);
+        if list.len() > MEMBERS_MOST {
+            list.remove(0);
+        }
+    }
+
+    /// The bits of every member's palette.
+    pub(crate) fn palettes(&mut self) -> Result<Vec<Vec<u32>>, Error> {
+        let members = self.members.clone();
+        let bits = |palette: Vec<populace::Affine>| {
+            palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
+        };
+        members.iter().map(|(member, _)| self.crowd.palette(*member).map(bits)).collect()
+    }
+}
