@@ -103,8 +103,11 @@ calls! {
 
 /// Simulates ragdolls, then updates.
 fn update(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
-    const STEPS: [f32; 8] = [1.0 / 60.0, 1.0 / 60.0, 1.0 / 30.0, 0.0, 1e-5, 0.4, 3.0, 1000.0];
-    let secs = STEPS[draw.index("step", STEPS.len())];
+    // Long steps are rare: ragdolls take many small ones for them.
+    const LONG: [f32; 3] = [0.4, 3.0, 1000.0];
+    const STEPS: [f32; 5] = [1.0 / 60.0, 1.0 / 60.0, 1.0 / 30.0, 0.0, 1e-5];
+    let steps: &[f32] = if draw.chance("is_long", 0.03) { &LONG } else { &STEPS };
+    let secs = steps[draw.index("step", steps.len())];
     if let Err(error) = world.ragdolls.step(&mut world.crowd, secs) {
         return Some(Outcome::Refused(error.to_string()));
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use populace_core::layout::{self, LAYERS_PER_MEMBER};
+use populace_core::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
 use populace_core::{
     Chain, Constraint, Controls, Feet, Gaze, Ground, JointIndex, JointOverride, LARGEST_SCALE, Limb, Place,
     Skeleton, Space,
@@ -331,7 +331,27 @@ impl Crowd {
         forget_faded(&mut controls, self.clock.tick);
         self.tables.set_controls(member.place, skeleton, &controls)?;
         state.controls = controls;
-        self.stand(member)
+        self.stand(member)?;
+        self.unwatch_what_no_target_names(member);
+        Ok(())
+    }
+
+    /// Ends the watches of joints that were targets of a member's constraints and are no longer.
+    fn unwatch_what_no_target_names(&mut self, member: Member) {
+        let Some(state) = self.controls.get_mut(&member.place).filter(|state| !state.watching.is_empty())
+        else {
+            return;
+        };
+        let targets = state.controls.constraints.iter_mut().flat_map(targets_of);
+        let named: Vec<u32> =
+            targets.filter(|target| target.kind == TARGET_WATCHED).map(|target| target.watched).collect();
+        let watches = &self.watches.0;
+        let is_over = |key: &mut (Member, JointIndex)| {
+            watches.get(key).is_none_or(|(watched, _)| !named.contains(watched))
+        };
+        for (other, joint) in state.watching.extract_if(.., is_over).collect::<Vec<_>>() {
+            self.unwatch_joint(other, joint);
+        }
     }
 
     /// Tells devices where a member stands, if they have to know.

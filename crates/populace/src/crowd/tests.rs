@@ -221,3 +221,23 @@ fn nothing_is_read_after_an_update_that_failed() {
         assert!(crowd.palette(member).is_ok() && crowd.local_pose(member).is_ok());
     }
 }
+
+#[test]
+fn a_gaze_that_goes_from_one_to_the_next_keeps_few_watches() {
+    use populace_core::{Gaze, GazeLimits};
+    let mut crowd = crowd();
+    let members: Vec<_> = crowd.instances().map(|i| i.member).collect();
+    let joint = JointIndex(0);
+    let limits = GazeLimits { yaw_rad: 1.0, up_rad: 0.5, down_rad: 0.5 };
+    let gaze = Gaze { chain: vec![(joint, 1.0)], facing: [0.0, 0.0, 1.0], limits, targets: vec![] };
+    for other in &members[1..] {
+        let target = crate::Target::Joint { member: *other, joint };
+        crowd.look_with(members[0], &gaze, target, crate::Weight::FULL.over_secs(0.1)).unwrap();
+        crowd.update(0.2).unwrap();
+    }
+    assert!(crowd.watches.0.len() <= 2, "{} joints are watched", crowd.watches.0.len());
+    crowd.look_ahead(members[0], 0.0).unwrap();
+    crowd.look_ahead(members[0], 0.0).unwrap();
+    assert_eq!(crowd.watches.0.len(), 0, "nobody looks");
+    assert_eq!(crowd.tables.watched_elements(), 0);
+}
