@@ -8,6 +8,7 @@ use populace_assets::Imported;
 use serde_json::{Value, json};
 
 use crate::aim;
+use crate::cast;
 use crate::cli::{PoseArgs, VertexId};
 use crate::failure::Failure;
 use crate::mix::{self, SlotArg};
@@ -35,8 +36,8 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let mut crowd = args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)).build()?;
     let id = crowd.add_character(Arc::clone(&character))?;
     if let Some(file) = &args.clips {
-        for clip in &populace_assets::load(file)?.character.clips {
-            crowd.add_clip(id, clip)?;
+        for clip in cast::lend(file, &mut Vec::new())? {
+            crowd.add_clip(id, &clip)?;
         }
     }
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
@@ -67,15 +68,15 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
 
 /// A clip by name, else by index.
 fn find_clip(crowd: &Crowd, id: populace::CharacterId, name: &str) -> Result<(ClipId, String), Failure> {
-    let unknown = match crowd.clip(id, name) {
+    let unknown = match cast::clip(crowd, id, name) {
         Ok(clip) => return Ok((clip, name.to_owned())),
-        Err(error) => error,
+        Err(failure) => failure,
     };
     let clips = crowd.clips(id)?;
     match name.parse::<usize>().ok().map(|index| clips.get(index)) {
         Some(Some((clip, known))) => Ok((*clip, known.name().to_owned())),
         Some(None) => Err(Failure::usage(format!("there is no clip {name}; the file has {}", clips.len()))),
-        None => Err(unknown.into()),
+        None => Err(unknown),
     }
 }
 
