@@ -73,6 +73,8 @@ impl Film<'_> {
         let renderer = Renderer::headless(args.size.0);
         let builder = args.device.crowd().capacity(self.members as usize).slots_per_member(1);
         let mut crowd = drawn_with(builder, &renderer).build()?;
+        #[cfg(unix)]
+        crate::aborts::end_with_a_code();
         let wanted = Wanted { clip: args.clip.as_deref(), root_motion: args.root_motion };
         let cast = cast::load(&mut crowd, self.inputs, &args.clips, wanted, args.height)?;
         check_inputs(pictures.paths(), &cast.files)?;

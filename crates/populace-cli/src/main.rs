@@ -3,6 +3,8 @@
 //! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 input rejected, 2 usage or unknown name, 3 no usable
 //! device or GL, 4 output or run failed, 130 interrupted by SIGINT, 143 by SIGTERM.
 
+#[cfg(unix)]
+mod aborts;
 mod aim;
 mod bench;
 mod cast;
@@ -35,7 +37,10 @@ fn main() -> ExitCode {
 
 fn run(command: Command) -> Result<(), Failure> {
     #[cfg(unix)]
-    unfinished::end_on_signals()?;
+    {
+        aborts::end_with_a_code();
+        unfinished::end_on_signals()?;
+    }
     match command {
         Command::Demo(args) => commands::demo::run(&args),
         Command::Render(args) => commands::render::run(&args),

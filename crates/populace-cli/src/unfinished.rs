@@ -86,6 +86,20 @@ impl Drop for Unfinished {
     }
 }
 
+/// Longer paths are copied to memory of their own on the way to the system.
+#[cfg(unix)]
+const SHORT_PATH: usize = 300;
+
+/// Removes the file that is being written, where that takes neither waiting nor memory.
+#[cfg(unix)]
+pub(crate) fn remove_from_a_handler() {
+    if let Ok(state) = STATE.try_lock()
+        && let Some(path) = state.path.as_ref().filter(|path| path.as_os_str().len() < SHORT_PATH)
+    {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
 /// Ends the program by SIGINT or SIGTERM as said above, with exit code 128 and the signal's number.
 #[cfg(unix)]
 pub(crate) fn end_on_signals() -> io::Result<()> {
