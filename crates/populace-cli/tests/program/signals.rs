@@ -76,7 +76,7 @@ fn memory_that_runs_out_is_exit_code_4() {
 #[test]
 fn an_abort_is_exit_code_4_and_leaves_whole_frames() {
     let folder = Folder::new();
-    let film = ["render", "@child", "--members", "2", "--frames", "100000", "--out", "film.png"];
+    let film = ["render", "@child", "--members", "2", "--frames", "3000", "--out", "film.png"];
     let mut child = started(&folder, &[&film[..], &["--size", "64x64", "--device", "opencl"]].concat());
     while !folder.path("film_0002.png").exists() {
         assert!(child.try_wait().expect("a child").is_none(), "it ended by itself");
