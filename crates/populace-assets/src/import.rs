@@ -16,7 +16,7 @@ use crate::parts::{Maker, Mover, Place};
 use crate::primitive::{self, Mesh};
 use crate::rig::Rig;
 use crate::skins::{self, Skin};
-use crate::{Imported, Problem, SkinInfo, glb};
+use crate::{Imported, Problem, SkinInfo, glb, uri};
 
 /// Imports a file's bytes, or says everything that is wrong with them.
 pub(crate) fn import(bytes: &[u8], base_folder: Option<&Path>, name: &str) -> Result<Imported, Vec<Problem>> {
@@ -72,6 +72,7 @@ fn build(bytes: &[u8], base_folder: Option<&Path>, name: &str, log: &Log) -> Che
         notes: Vec::new(),
         generator: generator?,
         node_from_joint,
+        named_files: uri::named_files(&value, base_folder),
         skins: document.skins.iter().flatten().map(SkinInfo::of).collect(),
     })
 }

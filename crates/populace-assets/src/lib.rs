@@ -55,7 +55,7 @@ mod rig;
 mod skins;
 mod uri;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use populace_core::Character;
 
@@ -75,6 +75,8 @@ pub struct Imported {
     pub skins: Vec<SkinInfo>,
     /// For each joint, in level order, the file's index of the node that it is; `None` for a joint that was made up.
     pub node_from_joint: Vec<Option<usize>>,
+    /// Every file that the file's buffers and images name, read or not, below its folder.
+    pub named_files: Vec<PathBuf>,
 }
 
 /// A skin, for people to read of.

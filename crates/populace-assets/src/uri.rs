@@ -2,11 +2,12 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
+use serde_json::Value;
 
 /// Exporters disagree on whether the last bytes are padded, and nothing depends on it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -47,6 +48,18 @@ impl Uri {
         }
         Ok(Self::Relative(path.into_owned()))
     }
+}
+
+/// The files that buffers and images name, below `base_folder`, in the file's order.
+pub(crate) fn named_files(document: &Value, base_folder: Option<&Path>) -> Vec<PathBuf> {
+    let holders = ["buffers", "images"].map(|key| document[key].as_array());
+    let uris = holders.into_iter().flatten().flatten().filter_map(|holder| holder["uri"].as_str());
+    let uris = uris.filter(|uri| !uri.starts_with("data:"));
+    let path = |uri: &str| match Uri::parse(uri) {
+        Ok(Uri::Relative(path)) => base_folder.map(|base| base.join(path)),
+        _ => None,
+    };
+    uris.filter_map(path).collect()
 }
 
 /// What stands before a colon in the first segment of a path; a drive letter counts, and nothing at all too.

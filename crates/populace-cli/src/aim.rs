@@ -2,12 +2,12 @@
 
 use std::str::FromStr;
 
-use populace::core::nearest_names;
 use populace::{CharacterId, Crowd, Member, Reach, Target, Weight};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::mix::name_and_rest;
+use crate::names;
 use crate::report::as_typed;
 
 /// A point in model space, in metres.
@@ -64,12 +64,7 @@ pub(crate) fn apply(
     let skeleton = crowd.character(character)?.skeleton.clone();
     let mut told = Vec::new();
     for ReachArg { joint, point } in reaches {
-        let end = skeleton.find(joint).ok_or_else(|| {
-            let near = nearest_names(joint, skeleton.joints().map(|j| skeleton.name(j)));
-            let hint =
-                if near.is_empty() { String::new() } else { format!("; did you mean {}?", quoted(&near)) };
-            Failure::usage(format!("there is no joint \"{joint}\" to reach with{hint}"))
-        })?;
+        let end = names::joint(&skeleton, joint)?;
         crowd.reach(member, Reach::with(end), Target::InModel(point.0), at_once).map_err(refused)?;
         told.push(json!({"joint": joint, "target": point.as_json()}));
     }
@@ -79,10 +74,6 @@ pub(crate) fn apply(
 /// What was asked for cannot be done with this file.
 fn refused(error: populace::Error) -> Failure {
     Failure::usage(error.to_string())
-}
-
-fn quoted(names: &[String]) -> String {
-    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ")
 }
 
 #[cfg(test)]

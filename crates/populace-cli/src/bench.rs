@@ -15,7 +15,7 @@ mod timing;
 
 pub(crate) use chart::as_svg;
 pub(crate) use document::Document;
-pub(crate) use runs::{Run, Way};
+pub(crate) use runs::{Run, Way, median};
 pub(crate) use scene::{Load, Scene, Setup};
 pub(crate) use table::as_table;
-pub(crate) use timing::{Subject, measure};
+pub(crate) use timing::{Subject, measure, ms_since};

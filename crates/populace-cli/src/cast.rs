@@ -5,8 +5,12 @@ use std::sync::Arc;
 
 use populace::core::{Binding, Character, Clip, RoleMap, RootMotion};
 use populace::{CharacterId, ClipId, Crowd, MotionSettings, MotionSource};
+use populace_cast::{Look, person};
 
 use crate::failure::Failure;
+use crate::names::hint;
+use crate::progress::Progress;
+use crate::report::talk;
 
 /// Slower clips are taken to stand still.
 const WALKING_M_PER_SEC: f32 = 0.1;
@@ -42,25 +46,32 @@ pub(crate) struct Wanted<'a> {
     pub(crate) root_motion: bool,
 }
 
+/// The characters of a crowd, and every file that theirs name.
+pub(crate) struct Cast {
+    pub(crate) roles: Vec<Role>,
+    pub(crate) files: Vec<PathBuf>,
+}
+
 /// Loads the inputs into the crowd: files, or built-in people as `@people` or one by name as `@child`. Files without
 /// meshes lend their clips to all characters, and so do the lenders.
 pub(crate) fn load(
     crowd: &mut Crowd,
-    inputs: &[String],
+    inputs: &[PathBuf],
     lenders: &[PathBuf],
     wanted: Wanted,
     height_m: Option<f32>,
-) -> Result<Vec<Role>, Failure> {
-    let mut drawn = Vec::new();
-    let mut lent = Vec::new();
-    for file in lenders {
-        lent.extend(from_file(file)?.clips.iter().cloned());
+) -> Result<Cast, Failure> {
+    let (mut drawn, mut lent, mut files) = (Vec::new(), Vec::new(), Vec::new());
+    let mut progress = Progress::new("files", inputs.len() + lenders.len());
+    for lender in lenders {
+        lent.extend(lend(lender, &mut files)?);
+        progress.step();
     }
     for input in inputs {
-        match input.strip_prefix('@') {
+        match built_in_name(input) {
             Some(name) => drawn.extend(built_in(name)?),
             None => {
-                let character = from_file(Path::new(input))?;
+                let character = from_file(input, &mut files)?;
                 if character.parts.is_empty() {
                     lent.extend(character.clips.iter().cloned());
                 } else {
@@ -68,47 +79,72 @@ pub(crate) fn load(
                 }
             }
         }
+        progress.step();
     }
     if drawn.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!("none of the files holds a mesh to draw")));
     }
     let mixed = drawn.len() > 1;
-    let role = |character: Arc<Character>| {
+    drop(progress);
+    let mut progress = Progress::new("characters", drawn.len());
+    let mut role = |character: Arc<Character>| {
         let scale = scale(&character, height_m, mixed);
-        Ok(Role { scale, ..role(crowd, character, &lent, wanted)? })
+        progress.step();
+        Ok::<_, Failure>(Role { scale, ..role(crowd, character, &lent, wanted)? })
     };
-    drawn.into_iter().map(role).collect()
+    let roles = drawn.into_iter().map(&mut role).collect::<Result<_, _>>()?;
+    Ok(Cast { roles, files })
+}
+
+/// The name of a built-in person that stands in a file's place, as `people` in `@people`.
+pub(crate) fn built_in_name(input: &Path) -> Option<&str> {
+    input.to_str()?.strip_prefix('@')
 }
 
 /// Outfits of each build among `@people`.
 const OUTFITS: usize = 5;
 
-/// The built-in people: all of them, in several outfits, for `people`, else the one of that name.
-pub(crate) fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
-    let failed = |e: populace::core::Error| Failure::Run(e.into());
+/// The looks of built-in people: all of them, in several outfits, for `people`, else the one of that name.
+fn looks(name: &str) -> Result<Vec<Look>, Failure> {
+    let presets = Look::presets();
     if name == "people" {
-        return Ok(populace_cast::people(OUTFITS).map_err(failed)?.into_iter().map(Arc::new).collect());
+        let outfits = (0..OUTFITS).flat_map(|number| presets.iter().map(move |look| look.in_outfit(number)));
+        return Ok(outfits.collect());
     }
-    let looks = populace_cast::Look::presets();
-    match looks.iter().find(|look| look.name == name) {
-        Some(look) => Ok(vec![Arc::new(populace_cast::person(look).map_err(failed)?)]),
-        None => {
-            let list = looks.iter().map(|look| format!("\"@{}\"", look.name)).collect::<Vec<_>>().join(", ");
-            Err(Failure::usage(format!("there is no built-in \"@{name}\"; there are \"@people\", {list}")))
-        }
+    let list = presets.iter().map(|look| format!("\"@{}\"", look.name)).collect::<Vec<_>>().join(", ");
+    let look = presets.into_iter().find(|look| look.name == name).ok_or_else(|| {
+        Failure::usage(format!("there is no built-in \"@{name}\"; there are \"@people\", {list}"))
+    })?;
+    Ok(vec![look])
+}
+
+fn made(look: &Look) -> Result<Character, Failure> {
+    person(look).map_err(|e| Failure::Run(e.into()))
+}
+
+fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
+    looks(name)?.iter().map(|look| made(look).map(Arc::new)).collect()
+}
+
+/// The clips of a file, or of a built-in person: `@people` are as the first of them. Adds what the file names to `files`.
+pub(crate) fn lend(lender: &Path, files: &mut Vec<PathBuf>) -> Result<Vec<Arc<Clip>>, Failure> {
+    match built_in_name(lender) {
+        Some(name) => looks(name)?.first().map_or(Ok(Vec::new()), |look| Ok(made(look)?.clips.clone())),
+        None => Ok(from_file(lender, files)?.clips.clone()),
     }
 }
 
-fn from_file(file: &Path) -> Result<Character, Failure> {
+fn from_file(file: &Path, files: &mut Vec<PathBuf>) -> Result<Character, Failure> {
     let imported = populace_assets::load(file)?;
     for note in &imported.notes {
-        crate::report::talk!("{}: {}: {}", file.display(), note.place, note.what);
+        talk!("{}: {}: {}", file.display(), note.place, note.what);
     }
+    files.extend(imported.named_files);
     Ok(imported.character)
 }
 
-/// Adds a character to the crowd, with clips of others.
-pub(crate) fn role(
+/// Adds a character to the crowd, with clips of others; a humanoid that then has none gets those of the built-in people.
+fn role(
     crowd: &mut Crowd,
     character: Arc<Character>,
     lent: &[Arc<Clip>],
@@ -116,11 +152,7 @@ pub(crate) fn role(
 ) -> Result<Role, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
     for lent in lent {
-        let (clip_roles, own) = (RoleMap::detect(lent.skeleton()), RoleMap::detect(&character.skeleton));
-        let binding = Binding::fitting(lent, clip_roles.as_ref(), &character.skeleton, own.as_ref());
-        if binding.is_ok_and(|binding| binding.bound_joint_count() > 0) {
-            crowd.add_clip(id, lent)?;
-        } else if wanted.clip == Some(lent.name()) {
+        if !add_fitting(crowd, (id, &character), lent)? && wanted.clip == Some(lent.name()) {
             let what = format!(
                 "the clip \"{}\" moves no joint of \"{}\": no name fits, and no humanoid roles",
                 lent.name(),
@@ -129,12 +161,70 @@ pub(crate) fn role(
             return Err(Failure::usage(what));
         }
     }
+    let without = crowd.clips(id)?.is_empty();
+    if without && RoleMap::detect(&character.skeleton).is_some() {
+        for clip in &lend(Path::new("@people"), &mut Vec::new())? {
+            add_fitting(crowd, (id, &character), clip)?;
+        }
+    }
     let clips = match wanted.clip {
-        Some(name) => vec![crowd.clip(id, name)?],
+        Some(name) => vec![clip(crowd, id, name)?],
         None => usual_clips(crowd, id)?,
     };
+    if without {
+        tell_borrowed(crowd, (id, &character), &clips)?;
+    }
     let clips = clips.into_iter().map(|clip| moving(crowd, id, clip, wanted)).collect::<Result<_, _>>()?;
     Ok(Role { id, character, clips, scale: 1.0 })
+}
+
+/// Adds a clip if it moves anything of the character; tells whether it does.
+fn add_fitting(
+    crowd: &mut Crowd,
+    (id, character): (CharacterId, &Character),
+    clip: &Arc<Clip>,
+) -> Result<bool, Failure> {
+    let (clip_roles, own) = (RoleMap::detect(clip.skeleton()), RoleMap::detect(&character.skeleton));
+    let binding = Binding::fitting(clip, clip_roles.as_ref(), &character.skeleton, own.as_ref());
+    let fits = binding.is_ok_and(|binding| binding.bound_joint_count() > 0);
+    if fits {
+        crowd.add_clip(id, clip)?;
+    }
+    Ok(fits)
+}
+
+/// Says which clips a character without any plays, if it does.
+fn tell_borrowed(
+    crowd: &Crowd,
+    (id, character): (CharacterId, &Character),
+    playing: &[ClipId],
+) -> Result<(), Failure> {
+    let name = &character.name;
+    let clips = crowd.clips(id)?;
+    let played: Vec<_> =
+        clips.iter().filter(|(id, _)| playing.contains(id)).map(|(_, clip)| clip.name()).collect();
+    if played.is_empty() {
+        talk!(
+            "warning: \"{name}\" has no clips, and is no humanoid that could play those of the built-in people; it stands \
+             as it rests; --clips FILE lends it clips"
+        );
+    } else {
+        talk!(
+            "\"{name}\" has no clips; it plays {} of the built-in people, retargeted",
+            played.join(" and ")
+        );
+    }
+    Ok(())
+}
+
+/// A character's clip by its name.
+pub(crate) fn clip(crowd: &Crowd, id: CharacterId, name: &str) -> Result<ClipId, Failure> {
+    let clips = crowd.clips(id)?;
+    crowd.clip(id, name).map_err(|_| {
+        let hint = hint(name, clips.iter().map(|(_, clip)| clip.name()));
+        let character = crowd.character(id).map_or("", |character| &character.name);
+        Failure::usage(format!("\"{character}\" has no clip \"{name}\"{hint}"))
+    })
 }
 
 /// A clip with its root motion: what its root does where that is asked for, else what the feet of one that walks in place

@@ -7,6 +7,7 @@ use populace::{CharacterId, Crowd, LayerMode, LayerSettings, Mask, Member, Play}
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
+use crate::names;
 use crate::report::as_typed;
 
 /// A clip that stands at a time.
@@ -175,6 +176,7 @@ pub(crate) fn apply(
         let joint = arg.mask.as_ref();
         let mask = match joint {
             Some(joint) => {
+                names::joint(&crowd.character(id)?.skeleton, joint)?;
                 let mask = Mask::of_subtrees(&crowd.character(id)?.skeleton, [joint]);
                 Some(crowd.add_mask(id, &mask.map_err(populace::Error::from)?)?)
             }

@@ -1,6 +1,7 @@
 //! Results on stdout, talk on stderr.
 
 use std::io::Write;
+use std::path::Path;
 
 use serde_json::Value;
 
@@ -13,8 +14,23 @@ pub(crate) fn json(document: &Value) -> Result<(), Failure> {
 
 /// Prints text; a closed pipe ends the program quietly.
 pub(crate) fn text(text: &str) -> Result<(), Failure> {
+    bytes(text.as_bytes())
+}
+
+/// Prints a path on a line of its own, to the byte.
+pub(crate) fn path(path: &Path) -> Result<(), Failure> {
+    #[cfg(unix)]
+    let name = std::os::unix::ffi::OsStrExt::as_bytes(path.as_os_str());
+    #[cfg(not(unix))]
+    let name = path.to_string_lossy();
+    #[cfg(not(unix))]
+    let name = name.as_bytes();
+    bytes(&[name, b"\n"].concat())
+}
+
+fn bytes(bytes: &[u8]) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes())?;
+    out.write_all(bytes)?;
     Ok(out.flush()?)
 }
 
@@ -33,5 +49,7 @@ pub(crate) use talk;
 
 /// See [`talk!`].
 pub(crate) fn say(message: &str) {
-    let _ = writeln!(std::io::stderr(), "populace: {message}");
+    crate::progress::suspended(|| {
+        let _ = writeln!(std::io::stderr(), "populace: {message}");
+    });
 }

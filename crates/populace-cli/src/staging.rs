@@ -6,6 +6,7 @@ use populace::{Crowd, Placement, Play};
 use crate::cast::Role;
 use crate::failure::Failure;
 use crate::placement::{Random, places};
+use crate::progress::Progress;
 use crate::skin::skinned;
 
 /// How much further apart members stand than they are wide.
@@ -56,6 +57,7 @@ impl Staging {
         }
         let places = places(plan.members as usize, spacing, &mut random);
         let mut walkers = Vec::with_capacity(places.len());
+        let mut progress = Progress::new("members", places.len());
         for (index, &position) in places.iter().enumerate() {
             // By turns while there are few, then by chance, so that no pattern shows.
             let role = &roles[if index < roles.len() { index } else { random.below(roles.len()) }];
@@ -72,6 +74,7 @@ impl Staging {
             }
             crowd.move_by_clips(member, motion.is_some())?;
             walkers.push(Walker { placement, motion });
+            progress.step();
         }
         Ok(Self { walkers, height, spacing })
     }

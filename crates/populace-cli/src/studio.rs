@@ -1,11 +1,8 @@
-//! Pictures of a crowd: the renderer, and files to write them to.
+//! Pictures of a crowd.
 
-use std::fs::OpenOptions;
-use std::path::{Path, PathBuf};
-
-use populace::core::{Image, Part};
+use populace::core::{Image, PaletteWay, Part};
 use populace::{Crowd, CrowdBuilder};
-use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene, write_png};
+use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene};
 
 use crate::cast::Role;
 use crate::failure::Failure;
@@ -14,8 +11,18 @@ use crate::failure::Failure;
 pub(crate) struct Studio {
     renderer: Renderer,
     handles: Vec<CharacterHandle>,
+    /// Of each character, as it is drawn.
+    triangles: Vec<usize>,
     scene: Scene,
     hand_over: HandOver,
+    drawn: Drawn,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Drawn {
+    pub(crate) members: usize,
+    pub(crate) triangles: usize,
 }
 
 impl Studio {
@@ -31,12 +38,28 @@ impl Studio {
         let hidden = |part: &Part| hide.contains(&part.node_name);
         let handles = roles.iter().map(|role| renderer.add_character(&role.character, &hidden));
         let handles = handles.collect::<Result<_, _>>()?;
-        Ok(Self { renderer, handles, scene: Scene { camera, ..Scene::default() }, hand_over })
+        let triangles = |role: &Role| {
+            let shown = role.character.parts.iter().filter(|part| !hidden(part));
+            shown.map(|part| part.mesh.indices.len() / 3).sum()
+        };
+        let triangles = roles.iter().map(triangles).collect();
+        let scene = Scene { camera, ..Scene::default() };
+        Ok(Self { renderer, handles, triangles, scene, hand_over, drawn: Drawn::default() })
     }
 
-    /// What draws, and how palettes get there, for people.
-    pub(crate) fn driver(&self) -> String {
-        format!("{}, palettes {}", self.renderer.driver(), self.hand_over.way)
+    /// What draws, for people.
+    pub(crate) fn driver(&self) -> &str {
+        self.renderer.driver()
+    }
+
+    /// How palettes get there, for people.
+    pub(crate) fn palettes(&self) -> PaletteWay {
+        self.hand_over.way
+    }
+
+    /// What the last picture shows.
+    pub(crate) fn drawn(&self) -> Drawn {
+        self.drawn
     }
 
     /// Draws the crowd as of its last update.
@@ -52,13 +75,10 @@ impl Studio {
                 tint: [1.0; 3],
             })
             .collect();
+        let triangles = crowd.instances().map(|i| self.triangles[i.character.index()]).sum();
+        self.drawn = Drawn { members: instances.len(), triangles };
         self.renderer.draw(&self.scene, &instances)?;
         Ok(self.renderer.read_image()?)
-    }
-
-    /// Draws the crowd and writes the picture.
-    pub(crate) fn shoot(&mut self, crowd: &mut Crowd, path: &Path) -> Result<(), Failure> {
-        Ok(write_png(path, &self.picture(crowd)?)?)
     }
 }
 
@@ -82,52 +102,5 @@ pub(crate) fn devices_and_shares(crowd: &Crowd) -> String {
             let part = |(device, share)| format!("{device} ({:.0} %)", share * 100.0);
             devices.iter().zip(shares).map(part).collect::<Vec<_>>().join(" + ")
         }
-    }
-}
-
-/// Refuses names of files of another kind, as they were typed.
-pub(crate) fn check_kind(path: &Path, kind: &str) -> Result<(), Failure> {
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(kind)) {
-        return Ok(());
-    }
-    let (path, kind_name) = (path.display(), kind.to_uppercase());
-    Err(Failure::usage(format!("{path} does not end in .{kind}, and {kind_name} is what is written")))
-}
-
-/// Opens the output before the work, so that a wrong path costs no waiting; what stands there is left as it is.
-pub(crate) fn check_output(path: &Path, kind: &str) -> Result<(), Failure> {
-    check_kind(path, kind)?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
-    if let Some(folder) = folder {
-        let (path, folder) = (path.display(), folder.display());
-        return Err(Failure::Run(anyhow::anyhow!(
-            "cannot write {path}: there is no folder {folder}; create it first"
-        )));
-    }
-    // A link counts as standing there, even one that leads nowhere yet.
-    let existed = path.symlink_metadata().is_ok();
-    let opened = OpenOptions::new().append(true).create(true).open(path);
-    opened.map_err(|e| Failure::Run(anyhow::anyhow!("cannot write {}: {e}", path.display())))?;
-    if !existed {
-        std::fs::remove_file(path)?;
-    }
-    Ok(())
-}
-
-/// Where frame `index` of a film goes: `crowd.png` becomes `crowd_0007.png`.
-pub(crate) fn frame_path(path: &Path, index: u32) -> PathBuf {
-    let part = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
-    let (stem, extension) = (part(path.file_stem()), part(path.extension()));
-    path.with_file_name(format!("{stem}_{index:04}.{extension}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_are_numbered_beside_the_name() {
-        assert_eq!(frame_path(Path::new("a/crowd.png"), 7), Path::new("a/crowd_0007.png"));
-        assert_eq!(frame_path(Path::new("b.c.png"), 12345), Path::new("b.c_12345.png"));
     }
 }

@@ -1,5 +1,6 @@
 //! Names that were asked for and are not there, and those that may have been meant.
 
+use std::collections::HashSet;
 use std::fmt;
 
 /// The three names most like the one given, nearest first; those with nothing in common are left out.
@@ -11,8 +12,9 @@ pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -
         let inside = !wanted.is_empty() && (candidate.contains(&wanted) || wanted.contains(&candidate));
         strsim::jaro_winkler(&wanted, &candidate) + if inside { 0.5 } else { 0.0 }
     };
-    let mut scored: Vec<_> =
-        names.into_iter().map(|n| (likeness(n), n)).filter(|(score, _)| *score > 0.6).collect();
+    let mut seen = HashSet::new();
+    let different = names.into_iter().filter(|name| seen.insert(*name));
+    let mut scored: Vec<_> = different.map(|n| (likeness(n), n)).filter(|(score, _)| *score > 0.6).collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     scored.into_iter().take(3).map(|(_, n)| n.to_owned()).collect()
 }

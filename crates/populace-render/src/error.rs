@@ -114,6 +114,12 @@ pub enum Error {
         /// Why not, for each way.
         reasons: String,
     },
+    /// A picture that PNG cannot hold.
+    #[error("the picture cannot be encoded as PNG: {cause}")]
+    Encoding {
+        /// The encoder's own words.
+        cause: String,
+    },
     /// A picture that could not be written.
     #[error("cannot write {}", path.display())]
     Output {

@@ -47,6 +47,6 @@ mod sun;
 pub use camera::Camera;
 pub use error::Error;
 pub use palettes::HandOver;
-pub use picture::write_png;
+pub use picture::{encode_png, write_png};
 pub use renderer::Renderer;
 pub use scene::{Ambient, CharacterHandle, Ground, Highlights, Instance, Scene, Sky, Sun};

@@ -1,7 +1,5 @@
 //! Pictures on disk.
 
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 
 use image::ImageEncoder as _;
@@ -15,23 +13,30 @@ use crate::Error;
 /// # Errors
 ///
 /// [`Error::EmptyPicture`] if there are no pixels, or their number is not that of its size; [`Error::Output`] with the
-/// path if the file cannot be written.
+/// path if the file cannot be written; those of [`encode_png`].
 pub fn write_png(path: impl AsRef<Path>, picture: &Image) -> Result<(), Error> {
     let path = path.as_ref();
+    let output = |source| Error::Output { path: path.to_owned(), source };
+    std::fs::write(path, encode_png(picture)?).map_err(output)
+}
+
+/// A picture as the bytes of a PNG file, without its alpha.
+///
+/// # Errors
+///
+/// [`Error::EmptyPicture`] if there are no pixels, or their number is not that of its size; [`Error::Encoding`] if it has more
+/// than a PNG can hold.
+pub fn encode_png(picture: &Image) -> Result<Vec<u8>, Error> {
     let Image { width, height, ref rgba } = *picture;
     if rgba.is_empty() || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
         return Err(Error::EmptyPicture { width, height });
     }
     let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    let output = |source| Error::Output { path: path.to_owned(), source };
-    let mut file = BufWriter::new(File::create(path).map_err(output)?);
-    PngEncoder::new(&mut file).write_image(&rgb, width, height, image::ExtendedColorType::Rgb8).map_err(
-        |error| match error {
-            image::ImageError::IoError(source) => output(source),
-            other => output(std::io::Error::other(other)),
-        },
-    )?;
-    std::io::Write::flush(&mut file).map_err(output)
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes)
+        .write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)
+        .map_err(|cause| Error::Encoding { cause: cause.to_string() })?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -176,7 +176,8 @@ impl Measured<'_> {
     }
 }
 
-fn median(ms: &[f64]) -> Option<f64> {
+/// The middle of the values in order; the upper of two. None of none.
+pub(crate) fn median(ms: &[f64]) -> Option<f64> {
     let mut sorted = ms.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied()

@@ -192,6 +192,8 @@ impl Scene {
             .capacity(self.member_count)
             .slots_per_member(self.slot_count);
         let mut crowd = builder.build()?;
+        #[cfg(unix)]
+        crate::aborts::end_with_a_code();
         let (mut ids, mut clips) = (Vec::new(), Vec::<Vec<ClipId>>::new());
         for character in &self.characters {
             let id = crowd.add_character(Arc::clone(character))?;

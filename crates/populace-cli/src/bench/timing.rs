@@ -11,6 +11,7 @@ use super::check::{Found, allowed_m, on_page_borders, sample};
 use super::memory;
 use super::runs::{Measured, Run, Samples, Way, runs};
 use super::scene::{Scene, Setup, Staging};
+use crate::progress::Progress;
 use crate::studio::devices_and_shares;
 
 /// Frames before anything is measured.
@@ -72,6 +73,7 @@ fn next_group<'a>(waiting: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
 
 fn measure_together<'a>(group: Vec<Subject<'a>>, frames: u32) -> Result<Vec<Measured<'a>>, Error> {
     let mut tracks = Vec::new();
+    let mut progress = Progress::new("crowds", group.len());
     for subject in group {
         match subject.stage() {
             Ok(stand) => tracks.push(Track { subject, stand, samples: Samples::default() }),
@@ -80,15 +82,20 @@ fn measure_together<'a>(group: Vec<Subject<'a>>, frames: u32) -> Result<Vec<Meas
             }
             Err(error) => return Err(error),
         }
+        progress.step();
     }
+    drop(progress);
+    let mut progress = Progress::new("frames", (WARM_UP + frames) as usize * tracks.len());
     for frame in 0..WARM_UP + frames {
         for track in &mut tracks {
             if frame == WARM_UP {
                 track.samples = Samples::default();
             }
             track.frame(frame)?;
+            progress.step();
         }
     }
+    drop(progress);
     tracks.into_iter().map(|track| track.measured(WARM_UP + frames)).collect()
 }
 
@@ -203,6 +210,7 @@ fn crowd_frame(staging: &mut Staging, scene: &Scene, frame: u32, samples: &mut S
     Ok(())
 }
 
-fn ms_since(start: Instant) -> f64 {
+/// Milliseconds from `start` until now.
+pub(crate) fn ms_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }

@@ -8,19 +8,21 @@ use serde_json::Value;
 use crate::bench::{Document, Load, Run, Scene, Setup, Subject, Way, as_svg, as_table, measure};
 use crate::cli::BenchArgs;
 use crate::failure::Failure;
+use crate::output::{self, check_inputs, check_kind, check_writable};
 use crate::report;
-use crate::studio::check_output;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if let Some(chart) = &args.chart {
-        check_output(chart, "svg")?;
+        check_kind(chart, "svg")?;
+        check_inputs(std::iter::once(chart.clone()), args.from.as_slice())?;
+        check_writable(chart)?;
     }
     let document = match &args.from {
         Some(file) => read(file)?,
         None => Document { machine: machine(), runs: measure_all(args)? },
     };
     if let Some(chart) = &args.chart {
-        std::fs::write(chart, as_svg(&document))?;
+        output::write(chart, as_svg(&document).as_bytes())?;
     }
     if args.json {
         report::json(&document.as_json())?;

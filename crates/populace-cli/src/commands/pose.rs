@@ -8,6 +8,7 @@ use populace_assets::Imported;
 use serde_json::{Value, json};
 
 use crate::aim;
+use crate::cast;
 use crate::cli::{PoseArgs, VertexId};
 use crate::failure::Failure;
 use crate::mix::{self, SlotArg};
@@ -33,10 +34,12 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let named = args.clip.as_deref().map(|clip| SlotArg::alone(clip, args.time));
     let slots = named.as_ref().map_or(args.slot.as_slice(), std::slice::from_ref);
     let mut crowd = args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)).build()?;
+    #[cfg(unix)]
+    crate::aborts::end_with_a_code();
     let id = crowd.add_character(Arc::clone(&character))?;
     if let Some(file) = &args.clips {
-        for clip in &populace_assets::load(file)?.character.clips {
-            crowd.add_clip(id, clip)?;
+        for clip in cast::lend(file, &mut Vec::new())? {
+            crowd.add_clip(id, &clip)?;
         }
     }
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
@@ -67,15 +70,15 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
 
 /// A clip by name, else by index.
 fn find_clip(crowd: &Crowd, id: populace::CharacterId, name: &str) -> Result<(ClipId, String), Failure> {
-    let unknown = match crowd.clip(id, name) {
+    let unknown = match cast::clip(crowd, id, name) {
         Ok(clip) => return Ok((clip, name.to_owned())),
-        Err(error) => error,
+        Err(failure) => failure,
     };
     let clips = crowd.clips(id)?;
     match name.parse::<usize>().ok().map(|index| clips.get(index)) {
         Some(Some((clip, known))) => Ok((*clip, known.name().to_owned())),
         Some(None) => Err(Failure::usage(format!("there is no clip {name}; the file has {}", clips.len()))),
-        None => Err(unknown.into()),
+        None => Err(unknown),
     }
 }
 

@@ -2,9 +2,13 @@
 
 mod aim;
 mod bench;
+mod clipless;
 mod mix;
+mod outputs;
 mod pictures;
 mod post;
+#[cfg(unix)]
+mod signals;
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -171,8 +175,52 @@ fn wrong_usage_is_exit_code_2() {
     refused(&["render", &file, "--members", "0", "--out", "x.png"], 2, &["--members"]);
     refused(&["render", &file, "--size", "640", "--out", "x.png"], 2, &["1280x720"]);
     let out = folder.text("x.png");
-    refused(&["render", &file, "--hide", "mehs", "--out", &out], 2, &["no node \"mehs\"", "mesh"]);
+    let hide = |name| ["render", &file, "--hide", name, "--out", &out];
+    refused(&hide("mehs"), 2, &["no node \"mehs\"", "did you mean \"mesh\"?"]);
+    refused(&hide("xyz"), 2, &["no node \"xyz\"", "known are \"mesh\""]);
+    refused(&["render", &file, "--clip", "xyz", "--out", &out], 2, &["known are \"Bend\""]);
+    refused(&["pose", &file, "--clip", "xyz"], 2, &["known are \"Bend\""]);
+    refused(&["pose", &file, "--reach", "xyz=1,2,3"], 2, &["known are \"foot\", \"head\""]);
+    refused(&["pose", &file, "--layer", "1,mask=xyz"], 2, &["known are \"foot\", \"head\""]);
     refused(&[], 2, &["Usage"]);
+}
+
+/// What a flag takes is said where a value looks like another flag.
+#[test]
+fn negative_values_are_refused_by_what_their_flag_takes() {
+    let drawn = [
+        ("--members", "-3", "1..=10000000"),
+        ("--frames", "-3", "1..=1000000"),
+        ("--fps", "-3", "from 0.001 to 1000"),
+        ("--height", "-1.8", "metres from 0.001"),
+        ("--seed", "-1", "invalid digit"),
+        ("--size", "-640x360", "1280x720"),
+        ("--device", "-1", "no device \"-1\""),
+        ("--schedule", "-1", "no schedule \"-1\""),
+    ];
+    for (flag, value, words) in drawn {
+        refused(&["render", "@child", flag, value, "--out", "x.png"], 2, &[flag, value, words]);
+        refused(&["demo", flag, value], 2, &[flag, value, words]);
+    }
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    let posed = [
+        (&["--clip", "-1"][..], "no clip \"-1\""),
+        (&["--vertices", "--vertex", "-1,0,0"], "5,0,17"),
+        (&["--layer", "-1"], "no layer -1"),
+    ];
+    for (args, words) in posed {
+        refused(&[&["pose", &file], args].concat(), 2, &[words]);
+    }
+    for (flag, value, words) in [
+        ("--members", "-3,5", "1..=10000000"),
+        ("--joints", "-3", "1..=10000"),
+        ("--slots", "-3", "1..=8"),
+        ("--frames", "-3", "1..=10000"),
+        ("--changing", "-1", "above 0"),
+    ] {
+        refused(&["bench", flag, value], 2, &[flag, words]);
+    }
 }
 
 #[test]
@@ -249,9 +297,9 @@ fn render_draws_the_same_crowd_on_every_device_and_again() {
         let talk = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{talk}");
         if device.contains("60,40") {
-            assert!(talk.contains("on opencl:0 (60 %) + native (40 %) (fused), drawn by"), "{talk}");
+            assert!(talk.contains("30 members on opencl:0 (60 %) + native (40 %), fused\n"), "{talk}");
         }
-        assert!(output.stdout.is_empty(), "talk is for stderr");
+        assert_eq!(String::from_utf8_lossy(&output.stdout), format!("{out}\n"), "talk is for stderr");
         std::fs::read(out).expect("a picture")
     };
     let native = draw("native.png", "native", "1");
@@ -280,8 +328,12 @@ fn demo_draws_people_without_any_file() {
         .expect("the program starts");
     let talk = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{talk}");
-    assert!(talk.contains("ms a frame") && talk.contains("written to populace-demo.png"), "{talk}");
-    assert!(talk.contains("palettes written straight into OpenGL's memory"), "{talk}");
+    let lines =
+        ["12 members on native, fused", "drawn by ", "palettes written straight into OpenGL's memory"];
+    lines.iter().for_each(|line| assert!(talk.contains(&format!("populace: {line}")), "{talk}"));
+    assert!(talk.contains("1 frame: ") && talk.contains(" to animate, "), "{talk}");
+    assert!(talk.lines().all(|line| line.len() <= 100), "{talk}");
+    assert_eq!(output.stdout, b"populace-demo.png\n");
     let picture = image::open(folder.path("populace-demo.png")).expect("a PNG");
     assert_eq!((picture.width(), picture.height()), (64, 36));
 }

@@ -1,0 +1,118 @@
+//! Values of arguments, from text.
+
+use std::str::FromStr;
+
+/// Pixels across and down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size(pub(crate) [u32; 2]);
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+        match sides {
+            Some(sides) if !sides.contains(&0) => Ok(Self(sides)),
+            _ => Err("write width and height in pixels as 1280x720".into()),
+        }
+    }
+}
+
+pub(super) fn frame_rate(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(rate) if (0.001..=1000.0).contains(&rate) => Ok(rate),
+        _ => Err("write a number from 0.001 to 1000".into()),
+    }
+}
+
+/// A length in metres that a body could have.
+pub(super) fn height(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(metres) if (1e-3..=1e4).contains(&metres) => Ok(metres),
+        _ => Err("write metres from 0.001 to 10000".into()),
+    }
+}
+
+/// A share that is not nothing.
+pub(super) fn percent(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(percent) if percent > 0.0 && percent <= 100.0 => Ok(percent),
+        _ => Err("write a number above 0 and up to 100".into()),
+    }
+}
+
+/// From where a picture is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum View {
+    /// So that all members are in the picture.
+    Crowd,
+    /// One member, large.
+    Close,
+    /// From a place to a place, in metres.
+    At { eye: [f32; 3], target: [f32; 3] },
+}
+
+impl FromStr for View {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "crowd" => return Ok(Self::Crowd),
+            "close" => return Ok(Self::Close),
+            _ => {}
+        }
+        let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[a, b, c, x, y, z]) if [a, b, c, x, y, z].iter().all(|v| v.is_finite()) => {
+                Ok(Self::At { eye: [a, b, c], target: [x, y, z] })
+            }
+            _ => Err("write crowd, close, or the eye and what it looks at as 0,1.6,5,0,1,0".into()),
+        }
+    }
+}
+
+/// A vertex as the file counts them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct VertexId {
+    pub(crate) node: usize,
+    pub(crate) primitive: usize,
+    pub(crate) vertex: usize,
+}
+
+impl FromStr for VertexId {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[node, primitive, vertex]) => Ok(Self { node, primitive, vertex }),
+            _ => Err("write the node, primitive and vertex index as 5,0,17".into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_vertices_are_read_or_refused() {
+        assert_eq!("640x360".parse(), Ok(Size([640, 360])));
+        for bad in ["", "640", "0x3", "-1x5", "axb", "5x"] {
+            assert!(bad.parse::<Size>().is_err(), "{bad}");
+        }
+        assert_eq!("close".parse(), Ok(View::Close));
+        let wanted = View::At { eye: [0.0, 1.5, -5.0], target: [0.0; 3] };
+        assert_eq!("0,1.5,-5,0,0,0".parse(), Ok(wanted));
+        for bad in ["", "near", "1,2,3", "1,2,3,4,5,nan"] {
+            assert!(bad.parse::<View>().is_err(), "{bad}");
+        }
+        for bad in ["0", "-1", "inf", "1e-30", "x"] {
+            assert!(frame_rate(bad).is_err() && height(bad).is_err(), "{bad}");
+        }
+        assert_eq!("5,0,17".parse(), Ok(VertexId { node: 5, primitive: 0, vertex: 17 }));
+        for bad in ["", "5,0", "5,0,1,2", "a,b,c", "5,-1,0"] {
+            assert!(bad.parse::<VertexId>().is_err(), "{bad}");
+        }
+    }
+}

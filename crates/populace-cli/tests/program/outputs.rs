@@ -1,0 +1,219 @@
+//! Where `render`, `demo` and `bench` write: never over what they read, whole files or none, and what they say of them.
+
+use std::collections::BTreeSet;
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::{Value, json};
+
+use crate::post::{Folder, post};
+use crate::{json_of, populace, refused};
+
+const SMALL: [&str; 6] = ["--members", "2", "--size", "64x64", "--device", "native"];
+
+/// Names in a folder.
+fn names(folder: &Folder) -> BTreeSet<OsString> {
+    let entries = std::fs::read_dir(folder.path("")).expect("a folder");
+    entries.map(|entry| entry.expect("a file").file_name()).collect()
+}
+
+/// Refuses to draw `args` and leaves all files as they were.
+#[track_caller]
+fn spared(folder: &Folder, args: &[&str], words: &[&str]) {
+    let files = || {
+        names(folder)
+            .into_iter()
+            .map(|name| std::fs::read(folder.path("").join(name)).ok())
+            .collect::<Vec<_>>()
+    };
+    let before = (names(folder), files());
+    refused(args, 2, words);
+    assert!(before == (names(folder), files()), "{args:?} changed a file");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_that_is_an_input_is_refused() {
+    let folder = Folder::new();
+    let model = folder.text("model.png"); // what a file is, its content says
+    std::fs::copy(folder.path("post.gltf"), &model).expect("copied");
+    let [link, hard, frame, film] =
+        ["link.png", "hard.png", "film_0001.png", "film.png"].map(|name| folder.text(name));
+    std::os::unix::fs::symlink("model.png", &link).expect("a link");
+    std::fs::hard_link(&model, &hard).expect("a link");
+    std::fs::hard_link(&model, &frame).expect("a link");
+    let words = ["would destroy", "model.png"];
+    for out in [&model, &link, &hard] {
+        spared(&folder, &["render", &model, "--out", out], &words);
+        spared(&folder, &["render", "@child", "--clips", &model, "--out", out], &words);
+        spared(&folder, &["demo", "--clips", &model, "--out", out], &words);
+    }
+    spared(&folder, &["render", &model, "--frames", "3", "--out", &film], &words);
+
+    let chart = folder.text("chart.svg");
+    std::os::unix::fs::symlink("post.gltf", &chart).expect("a link");
+    let data = folder.text("post.gltf");
+    spared(&folder, &["bench", "--from", &data, "--chart", &chart], &["would destroy", "post.gltf"]);
+}
+
+#[test]
+fn an_output_that_a_model_names_is_refused() {
+    let folder = Folder::new();
+    let mut model = post();
+    model["images"] = json!([{"uri": "skin%201.png"}, {"uri": "data:image/png;base64,AA=="}]);
+    let bytes = model["buffers"][0]["byteLength"].as_u64().expect("a length");
+    model["buffers"].as_array_mut().expect("buffers").push(json!({"byteLength": bytes, "uri": "data.png"}));
+    for name in ["skin 1.png", "data.png"] {
+        std::fs::write(folder.path(name), vec![0; usize::try_from(bytes).expect("few")]).expect("written");
+    }
+    std::fs::write(folder.path("model.gltf"), model.to_string()).expect("written");
+    let file = folder.text("model.gltf");
+    for name in ["skin 1.png", "data.png"] {
+        let args = ["render", &file, "--device", "native", "--out", &folder.text(name)];
+        spared(&folder, &args, &["would destroy", name]);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn only_regular_files_are_replaced() {
+    let folder = Folder::new();
+    std::os::unix::fs::symlink("/dev/null", folder.path("null.png")).expect("a link");
+    std::fs::create_dir(folder.path("folder.png")).expect("a folder");
+    for (name, words) in [("null.png", "not a regular file"), ("folder.png", "it is a folder")] {
+        refused(&["render", "@child", "--out", &folder.text(name)], 4, &["cannot write", words]);
+    }
+}
+
+/// A limit on the size of files stands for a full disk.
+#[cfg(unix)]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn a_full_disk_leaves_what_was_there_and_no_half_of_a_picture() {
+    let folder = Folder::new();
+    std::fs::write(folder.path("film_0000.png"), "good").expect("written");
+    let before = names(&folder);
+    let script = "ulimit -f 1; exec \"$0\" \"$@\"";
+    let mut command = Command::new("sh");
+    command.args(["-c", script, env!("CARGO_BIN_EXE_populace"), "render", "@child", "--frames", "2"]);
+    command.args(["--out", "film.png", "--members", "2", "--size", "400x400", "--device", "native"]);
+    let output = command.current_dir(folder.path("")).output().expect("a shell");
+    let talk = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{talk}");
+    assert!(talk.contains("cannot write film_0000.png: "), "{talk}");
+    assert_eq!(std::fs::read(folder.path("film_0000.png")).expect("a file"), b"good");
+    assert_eq!(names(&folder), before, "no other file is left");
+}
+
+#[cfg(unix)]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn pictures_keep_the_mode_of_what_they_replace_and_links_stay() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = Folder::new();
+    let mode = |name: &str| folder.path(name).metadata().expect("a file").permissions().mode() & 0o777;
+    std::fs::write(folder.path("plain"), "made as any file").expect("written");
+    std::fs::write(folder.path("mine.png"), "old").expect("written");
+    std::fs::set_permissions(folder.path("mine.png"), PermissionsExt::from_mode(0o600)).expect("a mode");
+    symlink("mine.png", folder.path("link.png")).expect("a link");
+    symlink("later.png", folder.path("dangling.png")).expect("a link");
+    for name in ["link.png", "dangling.png"] {
+        let output = populace(&[&["render", "@child", "--out", &folder.text(name)], &SMALL[..]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(folder.path(name).symlink_metadata().expect("the link").is_symlink());
+    }
+    for name in ["mine.png", "later.png"] {
+        image::open(folder.path(name)).expect("a PNG");
+    }
+    assert_eq!((mode("mine.png"), mode("later.png")), (0o600, mode("plain")));
+}
+
+#[cfg(unix)]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn paths_need_not_be_utf_8() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = Folder::new();
+    let path = |name: &[u8]| folder.path("").join(OsStr::from_bytes(name));
+    let model = path(b"m\xFF.gltf");
+    std::fs::copy(folder.path("post.gltf"), &model).expect("copied");
+    let run = |args: &[&OsStr]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_populace"));
+        command.args(["render"]).args(args).args(SMALL).output().expect("the program starts")
+    };
+    let out = path(b"o\xFE.png");
+    let args = [model.as_os_str(), "--clips".as_ref(), model.as_os_str(), "--out".as_ref(), out.as_os_str()];
+    let film = run(&[&args[..], &["--frames".as_ref(), "2".as_ref()]].concat());
+    assert!(film.status.success(), "{}", String::from_utf8_lossy(&film.stderr));
+    for name in [&b"o\xFE_0000.png"[..], b"o\xFE_0001.png"] {
+        image::open(path(name)).expect("a PNG");
+    }
+    let first = path(b"o\xFE_0000.png");
+    assert_eq!(film.stdout, [first.as_os_str().as_bytes(), b"\n"].concat());
+}
+
+/// The names of a document's fields.
+fn fields(document: &Value) -> BTreeSet<&str> {
+    document.as_object().expect("an object").keys().map(String::as_str).collect()
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn demo_and_render_print_one_document() {
+    let folder = Folder::new();
+    let (file, out) = (folder.text("post.gltf"), folder.text("x.png"));
+    let common = [&SMALL[..], &["--json", "--out", &out]].concat();
+    let wanted = ["schema", "device", "schedule", "members", "frames", "ms_median", "drawn_members"];
+    let wanted = BTreeSet::from_iter(wanted.into_iter().chain(["triangles", "out"]));
+    let hidden = ["demo", "--frames", "2", "--clip", "Run", "--fps", "10", "--height", "1", "--hide", "body"];
+    for (args, frames, triangles) in [
+        (&["render", &file][..], 1, Some(8)),
+        (&["render", &file, "--frames", "3"], 3, Some(8)),
+        (&["demo"], 1, None),
+        (&hidden, 2, Some(0)),
+    ] {
+        let args = [args, &common].concat();
+        let d = json_of(&args);
+        assert_eq!(fields(&d), wanted);
+        assert_eq!(fields(&d["ms_median"]), BTreeSet::from(["total", "animate", "draw"]));
+        assert_eq!((&d["schema"], &d["device"]), (&json!(1), &json!("native")));
+        assert_eq!((&d["schedule"], &d["members"]), (&json!("fused"), &json!(2)));
+        assert_eq!((&d["frames"], &d["drawn_members"]), (&json!(frames), &json!(2)));
+        assert!(
+            d["ms_median"]["animate"].as_f64() > Some(0.0) && d["ms_median"]["draw"].as_f64() > Some(0.0)
+        );
+        match triangles {
+            Some(count) => assert_eq!(d["triangles"], json!(count), "{args:?}"),
+            None => assert!(d["triangles"].as_u64() > Some(1000), "people have more than posts"),
+        }
+        assert!(Path::new(d["out"].as_str().expect("a path")).exists());
+    }
+}
+
+/// A terminal is made by `script`; the film is far too long, and is interrupted once the bar has shown.
+#[cfg(target_os = "linux")]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn a_terminal_shows_the_time_left() {
+    use std::io::Read;
+    let folder = Folder::new();
+    let program = env!("CARGO_BIN_EXE_populace");
+    let line = format!("exec {program} render @child --frames 3000 --out film.png {}", SMALL.join(" "));
+    let mut script = Command::new("script");
+    script.args(["-qec", &line, "/dev/null"]).current_dir(folder.path(""));
+    let script = script.stdin(std::process::Stdio::piped()).stdout(std::process::Stdio::piped());
+    let mut script = script.spawn().expect("script of util-linux");
+    let mut shown = Vec::new();
+    let mut piece = [0; 256];
+    let mut output = script.stdout.take().expect("piped");
+    while !String::from_utf8_lossy(&shown).contains(" left") {
+        let count = output.read(&mut piece).expect("read");
+        assert!(count > 0, "no bar in: {}", String::from_utf8_lossy(&shown));
+        shown.extend_from_slice(&piece[..count]);
+    }
+    drop(output);
+    script.kill().expect("killed");
+    script.wait().expect("ended");
+    assert!(String::from_utf8_lossy(&shown).contains("of 3000"), "{}", String::from_utf8_lossy(&shown));
+}
