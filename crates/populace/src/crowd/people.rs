@@ -19,7 +19,8 @@ const EYES: GazeLimits =
 
 impl Crowd {
     /// Lets a member look at something, from now on and in place of what it looked at before: spine, neck, head and eyes
-    /// share the turn, as far as the character has them, and the gaze eases over. Beyond 85 degrees to either side, 45 up
+    /// share the turn, as far as the character has them, and the gaze eases over, or follows where calls move its target
+    /// ([`Weight`]). Beyond 85 degrees to either side, 45 up
     /// and 50 down it is followed no further, and while it passes behind the gaze comes back to the front.
     ///
     /// A character without humanoid roles looks with its joint that is called head.

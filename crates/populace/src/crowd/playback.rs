@@ -88,7 +88,7 @@ impl Crowd {
     }
 
     /// Fades out all clips of a layer, and forgets what was queued. An empty layer 0 shows the rest pose, any other what
-    /// lies beneath.
+    /// lies beneath. The same call repeated lets the fade go on.
     ///
     /// # Errors
     ///
@@ -99,11 +99,16 @@ impl Crowd {
         check_secs("the time to fade out", fade_out_secs)?;
         self.waiting.retain(member.place, |waiting| waiting.play.layer != layer);
         self.forget_space(member.place, layer);
+        let slots = self.slots(member.place).iter().filter(|slot| slot.layer() as usize == layer);
+        let mut playing = slots.filter(|slot| !faded_out(slot, self.clock.tick));
+        if fade_out_secs > 0.0 && playing.all(|slot| slot.ramps_to(0.0, fade_out_secs)) {
+            return Ok(());
+        }
         self.fade_out(member.place, layer, fade_out_secs, self.clock.tick)
     }
 
     /// Lets the weight of a clip or of a state machine run to another in so many seconds. One of 0 ends it: once it is reached, the slot is free for
-    /// others.
+    /// others. The same call repeated changes nothing: the weight goes on to where it runs.
     ///
     /// # Errors
     ///
@@ -121,6 +126,9 @@ impl Crowd {
             if self.is_of(id, index) {
                 // Each slot of a machine has half of it.
                 let own = if slot.runner().is_some() { 0.5 * weight } else { weight };
+                if slot.ramps_to(own, over_secs) {
+                    continue;
+                }
                 slot.ramp_weight(tick, slot.weight_at(tick), own, over_secs);
                 self.tables.set_slot(place, index, slot)?;
             }
