@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use populace::core::{Binding, Character, Clip, RoleMap, RootMotion};
-use populace::{CharacterId, ClipId, Crowd, MotionSettings, MotionSource};
+use populace::{CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource};
 
 use crate::failure::Failure;
+use crate::fit;
 
 /// Slower clips are taken to stand still.
 const WALKING_M_PER_SEC: f32 = 0.1;
@@ -115,48 +116,50 @@ pub(crate) fn role(
     wanted: Wanted,
 ) -> Result<Role, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
+    let mut fits = Vec::new();
     for lent in lent {
         let (clip_roles, own) = (RoleMap::detect(lent.skeleton()), RoleMap::detect(&character.skeleton));
-        let binding = Binding::fitting(lent, clip_roles.as_ref(), &character.skeleton, own.as_ref());
-        if binding.is_ok_and(|binding| binding.bound_joint_count() > 0) {
-            crowd.add_clip(id, lent)?;
-        } else if wanted.clip == Some(lent.name()) {
-            let what = format!(
-                "the clip \"{}\" moves no joint of \"{}\": no name fits, and no humanoid roles",
-                lent.name(),
-                character.name
-            );
-            return Err(Failure::usage(what));
+        let refused = match Binding::fitting(lent, clip_roles.as_ref(), &character.skeleton, own.as_ref()) {
+            Ok(binding) if binding.bound_joint_count() > 0 => {
+                fits.push((crowd.add_clip(id, lent)?, *binding.report()));
+                continue;
+            }
+            Ok(_) => "it drives nothing".to_owned(),
+            Err(error) => error.to_string(),
+        };
+        if wanted.clip == Some(lent.name()) {
+            let (clip, name) = (lent.name(), &character.name);
+            return Err(Failure::usage(format!("\"{name}\" cannot play the clip \"{clip}\": {refused}")));
         }
     }
     let clips = match wanted.clip {
         Some(name) => vec![crowd.clip(id, name)?],
         None => usual_clips(crowd, id)?,
     };
+    for (clip, report) in fits.iter().filter(|(clip, _)| clips.contains(clip)) {
+        let known = crowd.clips(id)?.into_iter().find(|(known, _)| known == clip);
+        fit::warn(known.as_ref().map_or("", |(_, clip)| clip.name()), &character.name, report);
+    }
     let clips = clips.into_iter().map(|clip| moving(crowd, id, clip, wanted)).collect::<Result<_, _>>()?;
     Ok(Role { id, character, clips, scale: 1.0 })
 }
 
-/// A clip with its root motion: what its root does where that is asked for, else what the feet of one that walks in place
-/// tell.
+/// A clip with its root motion: whatever moves the body where that is asked for, else what the feet of one that walks in
+/// place tell.
 fn moving(crowd: &mut Crowd, role: CharacterId, clip: ClipId, wanted: Wanted) -> Result<Moving, Failure> {
     let Some((_, plain)) = crowd.clips(role)?.into_iter().find(|(id, _)| *id == clip) else {
         return Ok(Moving { id: clip, motion: None });
     };
     let walks = plain.stats().ground_speed_m_per_sec.is_some_and(|speed| speed > WALKING_M_PER_SEC);
-    let by_feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
-    let far = WALKING_M_PER_SEC * plain.duration_secs();
-    let goes = |clip: &Clip| {
-        let way = clip.root_motion().map(|motion| motion.at(clip.duration_secs()).0);
-        way.is_some_and(|[x, _, z]| x.hypot(z) > far)
-    };
-    let by_root = wanted.root_motion.then(|| plain.with_root_motion(&MotionSettings::default()));
-    let taken = match by_root {
-        Some(Ok(taken)) if goes(&taken) || !walks => taken,
-        _ if walks => plain.with_root_motion(&by_feet).map_err(|e| Failure::usage(e.to_string()))?,
-        Some(Err(error)) if wanted.clip.is_some() => return Err(Failure::usage(error.to_string())),
-        _ => return Ok(Moving { id: clip, motion: None }),
-    };
+    if !wanted.root_motion && !walks {
+        return Ok(Moving { id: clip, motion: None });
+    }
+    let from = if wanted.root_motion { MotionSource::Auto } else { MotionSource::Feet };
+    let settings = MotionSettings { from, ..MotionSettings::default() };
+    let taken = plain.with_root_motion(&settings).map_err(|e| Failure::usage(e.to_string()))?;
+    if taken.root_motion().is_none_or(|motion| *motion.origin() == MotionOrigin::Nothing) {
+        return Ok(Moving { id: clip, motion: None });
+    }
     let taken = Arc::new(taken);
     let skeleton = &crowd.character(role)?.skeleton;
     let [clip_roles, own] = [taken.skeleton(), skeleton].map(RoleMap::detect);

@@ -9,6 +9,7 @@ mod cast;
 mod cli;
 mod commands;
 mod failure;
+mod fit;
 mod mix;
 mod placement;
 mod report;

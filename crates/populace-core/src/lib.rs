@@ -50,8 +50,8 @@ pub use character::{
     SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use clip::{
-    Binding, Clip, ClipStats, Footstep, LiveRing, LiveSettings, MotionSettings, MotionSource, RootMotion,
-    Streamed,
+    Binding, BindingReport, BindingWay, Clip, ClipStats, Footstep, LiveRing, LiveSettings, MotionOrigin,
+    MotionSettings, MotionSource, RootMotion, Streamed,
 };
 pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Place, Space,

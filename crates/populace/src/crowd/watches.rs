@@ -63,8 +63,9 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A watch of another crowd, or a failing device.
     pub fn sighting(&mut self, watch: Watch) -> Result<Option<Sighting>, Error> {
+        self.check_crowd("watch", watch.member.crowd, watch.serial)?;
         let Some((watched, _)) = self.watches.0.get(&watch.key()).filter(|_| self.readers.contains(&watch))
         else {
             return Ok(None);
