@@ -5,16 +5,16 @@ use serde_json::{Value, json};
 
 use crate::report::{as_typed, talk};
 
-/// Names alone bind less of what a clip moves only where a part of the motion is missing: files whose clips and skeletons
+/// Names bind less of what a clip moves only where a part of the motion is missing: files whose clips and skeletons
 /// belong together have at least 0.89, others at most 0.17.
 const WELL_BOUND: f32 = 0.8;
 /// Names alone bind joints that are turned further from each other at rest only where the rigs differ, in radians: then
 /// 0.8 and more, else nothing.
 const WELL_TURNED_RAD: f32 = 0.3;
 
-/// Warns where names alone bind a clip badly.
+/// Warns where names bind a clip badly.
 pub(crate) fn warn(clip: &str, character: &str, report: &BindingReport) {
-    if report.way != BindingWay::Names {
+    if report.way == BindingWay::Roles {
         return;
     }
     let apart = report.rest_turn_rad > WELL_TURNED_RAD;
@@ -27,7 +27,7 @@ pub(crate) fn warn(clip: &str, character: &str, report: &BindingReport) {
         String::new()
     };
     talk!(
-        "warning: the clip \"{clip}\" fits \"{character}\" badly: by name alone it moves {} of the {} joints that it is \
+        "warning: the clip \"{clip}\" fits \"{character}\" badly: by name it moves {} of the {} joints that it is \
          made for{turned}",
         report.bound_joints,
         report.moving_joints

@@ -36,6 +36,7 @@ pub mod layout;
 pub mod math;
 mod names;
 mod playback;
+mod rehang;
 mod retarget;
 mod skeleton;
 mod soles;

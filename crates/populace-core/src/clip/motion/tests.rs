@@ -163,7 +163,7 @@ fn tread(reach: f32, far: f32) -> Clip {
         values: values.concat(),
     };
     let (front, back, up) = (reach / 2.0, -reach / 2.0, -0.8);
-    let hips = |part: f32| [0.02 * (6.0 * part).sin(), 1.0, far * part];
+    let hips = |part: f32| [0.08 * part * (1.0 - part), 1.0, far * part];
     let tracks = vec![
         track("hips", [hips(0.0), hips(0.5), hips(0.75), hips(1.0)]),
         track("foot.l", [[0.1, -1.0, front], [0.1, -1.0, back], [0.1, up, 0.0], [0.1, -1.0, front]]),
