@@ -10,7 +10,7 @@ mod shared;
 use std::error::Error;
 use std::sync::Arc;
 
-use populace::{Crowd, MotionSettings, MotionSource, Placement, Play};
+use populace::{Crowd, MotionSettings, Placement, Play};
 use populace_cast::{Look, person};
 
 /// Between one who sets out and the next.
@@ -22,15 +22,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (woman, man) = (person(&Look::woman())?, person(&Look::man())?);
     let mut crowd = Crowd::builder().build()?;
     let ids = [crowd.add_character(woman.clone())?, crowd.add_character(man.clone())?];
-    // These clips walk in place: their planted feet tell how fast.
-    let by_feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
     let mut people = Vec::new();
     for (&id, x) in ids.iter().zip([-4.5, -4.0]) {
         let mut moving = |name: &str| -> Result<_, Box<dyn Error>> {
             let clip = crowd.clip(id, name)?;
             let (_, plain) =
                 crowd.clips(id)?.into_iter().find(|(known, _)| *known == clip).ok_or("a clip")?;
-            Ok(crowd.add_clip(id, &Arc::new(plain.with_root_motion(&by_feet)?))?)
+            // These clips walk in place: their planted feet tell how fast.
+            let moving = plain.with_root_motion(&MotionSettings::default())?;
+            Ok(crowd.add_clip(id, &Arc::new(moving))?)
         };
         let (walk, run) = (moving("Walk")?, moving("Run")?);
         for nth in 0..7_u16 {

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use populace::core::{Binding, Character, Clip, RoleMap, RootMotion};
-use populace::{CharacterId, ClipId, Crowd, MotionSettings, MotionSource};
+use populace::{BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource};
 use populace_cast::{Look, person};
 
 use crate::failure::Failure;
+use crate::fit;
 use crate::names::hint;
 use crate::progress::Progress;
 use crate::report::talk;
@@ -151,20 +152,21 @@ fn role(
     wanted: Wanted,
 ) -> Result<Role, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
+    let mut fits = Vec::new();
     for lent in lent {
-        if !add_fitting(crowd, (id, &character), lent)? && wanted.clip == Some(lent.name()) {
-            let what = format!(
-                "the clip \"{}\" moves no joint of \"{}\": no name fits, and no humanoid roles",
-                lent.name(),
-                character.name
-            );
-            return Err(Failure::usage(what));
+        match add_fitting(crowd, (id, &character), lent)? {
+            Ok(fit) => fits.push(fit),
+            Err(refused) if wanted.clip == Some(lent.name()) => {
+                let (clip, name) = (lent.name(), &character.name);
+                return Err(Failure::usage(format!("\"{name}\" cannot play the clip \"{clip}\": {refused}")));
+            }
+            Err(_) => {}
         }
     }
     let without = crowd.clips(id)?.is_empty();
     if without && RoleMap::detect(&character.skeleton).is_some() {
         for clip in &lend(Path::new("@people"), &mut Vec::new())? {
-            add_fitting(crowd, (id, &character), clip)?;
+            fits.extend(add_fitting(crowd, (id, &character), clip)?);
         }
     }
     let clips = match wanted.clip {
@@ -174,23 +176,26 @@ fn role(
     if without {
         tell_borrowed(crowd, (id, &character), &clips)?;
     }
+    for (clip, report) in fits.iter().filter(|(clip, _)| clips.contains(clip)) {
+        let known = crowd.clips(id)?.into_iter().find(|(known, _)| known == clip);
+        fit::warn(known.as_ref().map_or("", |(_, clip)| clip.name()), &character.name, report);
+    }
     let clips = clips.into_iter().map(|clip| moving(crowd, id, clip, wanted)).collect::<Result<_, _>>()?;
     Ok(Role { id, character, clips, scale: 1.0 })
 }
 
-/// Adds a clip if it moves anything of the character; tells whether it does.
+/// Adds a clip if it fits the character; says how well it does, or why not.
 fn add_fitting(
     crowd: &mut Crowd,
     (id, character): (CharacterId, &Character),
     clip: &Arc<Clip>,
-) -> Result<bool, Failure> {
+) -> Result<Result<(ClipId, BindingReport), String>, Failure> {
     let (clip_roles, own) = (RoleMap::detect(clip.skeleton()), RoleMap::detect(&character.skeleton));
-    let binding = Binding::fitting(clip, clip_roles.as_ref(), &character.skeleton, own.as_ref());
-    let fits = binding.is_ok_and(|binding| binding.bound_joint_count() > 0);
-    if fits {
-        crowd.add_clip(id, clip)?;
-    }
-    Ok(fits)
+    Ok(match Binding::fitting(clip, clip_roles.as_ref(), &character.skeleton, own.as_ref()) {
+        Ok(binding) if binding.bound_joint_count() > 0 => Ok((crowd.add_clip(id, clip)?, *binding.report())),
+        Ok(_) => Err("it drives nothing".to_owned()),
+        Err(error) => Err(error.to_string()),
+    })
 }
 
 /// Says which clips a character without any plays, if it does.
@@ -227,26 +232,22 @@ pub(crate) fn clip(crowd: &Crowd, id: CharacterId, name: &str) -> Result<ClipId,
     })
 }
 
-/// A clip with its root motion: what its root does where that is asked for, else what the feet of one that walks in place
-/// tell.
+/// A clip with its root motion: whatever moves the body where that is asked for, else what the feet of one that walks in
+/// place tell.
 fn moving(crowd: &mut Crowd, role: CharacterId, clip: ClipId, wanted: Wanted) -> Result<Moving, Failure> {
     let Some((_, plain)) = crowd.clips(role)?.into_iter().find(|(id, _)| *id == clip) else {
         return Ok(Moving { id: clip, motion: None });
     };
     let walks = plain.stats().ground_speed_m_per_sec.is_some_and(|speed| speed > WALKING_M_PER_SEC);
-    let by_feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
-    let far = WALKING_M_PER_SEC * plain.duration_secs();
-    let goes = |clip: &Clip| {
-        let way = clip.root_motion().map(|motion| motion.at(clip.duration_secs()).0);
-        way.is_some_and(|[x, _, z]| x.hypot(z) > far)
-    };
-    let by_root = wanted.root_motion.then(|| plain.with_root_motion(&MotionSettings::default()));
-    let taken = match by_root {
-        Some(Ok(taken)) if goes(&taken) || !walks => taken,
-        _ if walks => plain.with_root_motion(&by_feet).map_err(|e| Failure::usage(e.to_string()))?,
-        Some(Err(error)) if wanted.clip.is_some() => return Err(Failure::usage(error.to_string())),
-        _ => return Ok(Moving { id: clip, motion: None }),
-    };
+    if !wanted.root_motion && !walks {
+        return Ok(Moving { id: clip, motion: None });
+    }
+    let from = if wanted.root_motion { MotionSource::Auto } else { MotionSource::Feet };
+    let settings = MotionSettings { from, ..MotionSettings::default() };
+    let taken = plain.with_root_motion(&settings).map_err(|e| Failure::usage(e.to_string()))?;
+    if taken.root_motion().is_none_or(|motion| *motion.origin() == MotionOrigin::Nothing) {
+        return Ok(Moving { id: clip, motion: None });
+    }
     let taken = Arc::new(taken);
     let skeleton = &crowd.character(role)?.skeleton;
     let [clip_roles, own] = [taken.skeleton(), skeleton].map(RoleMap::detect);

@@ -12,6 +12,7 @@ mod cli;
 mod commands;
 mod failure;
 mod film;
+mod fit;
 mod mix;
 mod names;
 mod output;

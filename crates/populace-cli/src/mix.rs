@@ -7,6 +7,7 @@ use populace::{CharacterId, Crowd, LayerMode, LayerSettings, Mask, Member, Play}
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
+use crate::fit;
 use crate::names;
 use crate::report::as_typed;
 
@@ -17,12 +18,14 @@ pub(crate) struct SlotArg {
     pub(crate) time_secs: f32,
     pub(crate) weight: f32,
     pub(crate) layer: usize,
+    /// Whether a clip of which names alone bind little is played all the same.
+    pub(crate) partial: bool,
 }
 
 impl SlotArg {
     /// A clip by itself.
     pub(crate) fn alone(clip: &str, time_secs: f32) -> Self {
-        Self { clip: clip.to_owned(), time_secs, weight: 1.0, layer: 0 }
+        Self { clip: clip.to_owned(), time_secs, weight: 1.0, layer: 0, partial: false }
     }
 }
 
@@ -49,7 +52,8 @@ impl FromStr for SlotArg {
                 ("time", Some(secs)) => slot.time_secs = finite("time", &secs, "a number of seconds")?,
                 ("weight", Some(weight)) => slot.weight = share(&weight)?,
                 ("layer", Some(layer)) => slot.layer = layer_index(&layer, 0)?,
-                _ => return Err(format!("\"{key}\" is none of clip=, time=, weight= and layer=")),
+                ("partial", None) => slot.partial = true,
+                _ => return Err(format!("\"{key}\" is none of clip=, time=, weight=, layer= and partial")),
             }
             seen.push(key);
         }
@@ -168,9 +172,14 @@ pub(crate) fn apply(
     for slot in slots {
         let (clip, name) = find(crowd, &slot.clip)?;
         let play = Play::held_at_secs(slot.time_secs).weight(slot.weight).on_layer(slot.layer);
-        crowd.blend(member, clip, play)?;
+        crowd.blend(member, clip, if slot.partial { play.partial() } else { play })?;
+        let report = crowd.binding(id, clip)?;
+        fit::warn(&name, &crowd.character(id)?.name, &report);
         let (time, weight) = (as_typed(slot.time_secs), as_typed(slot.weight));
-        told.0.push(json!({"clip": name, "time": time, "weight": weight, "layer": slot.layer}));
+        let binding = fit::told(&report);
+        told.0.push(
+            json!({"clip": name, "time": time, "weight": weight, "layer": slot.layer, "binding": binding}),
+        );
     }
     for arg in layers {
         let joint = arg.mask.as_ref();
@@ -207,9 +216,9 @@ mod tests {
 
     #[test]
     fn slots_are_read() {
-        let full = SlotArg { clip: "Walk".into(), time_secs: -0.5, weight: 0.25, layer: 3 };
-        assert_eq!(slot("clip=Walk,time=-0.5,weight=0.25,layer=3"), full);
-        assert_eq!(slot("layer=3,weight=0.25,time=-.5,clip=Walk"), full);
+        let full = SlotArg { weight: 0.25, layer: 3, partial: true, ..SlotArg::alone("Walk", -0.5) };
+        assert_eq!(slot("clip=Walk,time=-0.5,weight=0.25,layer=3,partial"), full);
+        assert_eq!(slot("partial,layer=3,weight=0.25,time=-.5,clip=Walk"), full);
         assert_eq!(slot("clip=7"), SlotArg::alone("7", 0.0));
         assert_eq!(slot("clip="), SlotArg::alone("", 0.0), "a clip may have no name");
         assert_eq!(slot("clip=a b"), SlotArg::alone("a b", 0.0));

@@ -2,6 +2,7 @@
 
 mod binding;
 mod curves;
+mod fit;
 mod gap;
 mod ground;
 mod live;
@@ -13,10 +14,11 @@ use crate::layout::{JOINT_BLOCK, RowBlock};
 use crate::{ClipSource, Error, JointIndex, Property, Skeleton};
 pub use binding::Binding;
 pub(crate) use binding::{Footing, Turn};
+pub use fit::{BindingReport, BindingWay};
 use ground::Contacts;
 pub use ground::Footstep;
 pub use live::{LiveRing, LiveSettings, Streamed};
-pub use motion::{MotionSettings, MotionSource, RootMotion};
+pub use motion::{MotionOrigin, MotionSettings, MotionSource, RootMotion};
 use rows::Rows;
 pub(crate) use storage::Range;
 

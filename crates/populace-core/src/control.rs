@@ -4,7 +4,7 @@ use crate::layout::{
     Float4, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD, Target,
 };
 use crate::math::{quat, vec3};
-use crate::playback::{ramp, ramp_rate};
+use crate::playback::{is_ramp_to, ramp, ramp_rate};
 use crate::{Error, JointIndex, Skeleton, StageUse, Trs};
 
 /// What a transform is relative to.
@@ -75,6 +75,16 @@ impl Target {
         self.weight_rate = rate;
         self.weight_tick = tick;
         self
+    }
+
+    /// Lets the weight run to `to` in `secs` from where it is at `tick`. A ramp that was begun with the same `to` and `secs`
+    /// goes on.
+    #[must_use]
+    pub fn ramped_to(self, tick: u64, to: f32, secs: f32) -> Self {
+        if is_ramp_to([self.start_weight, self.weight_rate, self.end_weight], to, secs) {
+            return self;
+        }
+        self.with_ramp(tick, self.ramp_at(tick), to, secs)
     }
 
     /// The weight at a time of the clock as the ramp has it, before easing.

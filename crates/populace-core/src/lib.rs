@@ -36,6 +36,7 @@ pub mod layout;
 pub mod math;
 mod names;
 mod playback;
+mod rehang;
 mod retarget;
 mod skeleton;
 mod soles;
@@ -50,8 +51,8 @@ pub use character::{
     SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use clip::{
-    Binding, Clip, ClipStats, Footstep, LiveRing, LiveSettings, MotionSettings, MotionSource, RootMotion,
-    Streamed,
+    Binding, BindingReport, BindingWay, Clip, ClipStats, Footstep, LiveRing, LiveSettings, MotionOrigin,
+    MotionSettings, MotionSource, RootMotion, Streamed,
 };
 pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Place, Space,

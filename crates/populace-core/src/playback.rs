@@ -53,6 +53,11 @@ pub(crate) fn ramp_rate(from: f32, to: f32, secs: f32) -> f32 {
     if secs > 0.0 { (to - from) / secs.max(TICK_SECS) } else { 0.0 }
 }
 
+/// Whether a weight is on its way to a number by a ramp that was begun to take this time, or has come there by it.
+pub(crate) fn is_ramp_to([start, rate, end]: [f32; 3], to: f32, secs: f32) -> bool {
+    end == to && rate == ramp_rate(start, to, secs)
+}
+
 impl Slot {
     /// A slot that loops over a clip.
     ///
@@ -168,6 +173,12 @@ impl Slot {
         self.end_weight = to;
         self.weight_rate = rate;
         self.weight_tick = tick;
+    }
+
+    /// Whether the weight runs to `to` by a ramp that was begun with this `secs`, or is there.
+    #[must_use]
+    pub fn ramps_to(&self, to: f32, secs: f32) -> bool {
+        is_ramp_to([self.start_weight, self.weight_rate, self.end_weight], to, secs)
     }
 
     /// The weight at a time of the clock, 0 before the slot begins and while it settles; the twin of `slot_weight` in

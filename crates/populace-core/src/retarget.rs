@@ -137,6 +137,11 @@ impl<'a> Common<'a> {
         f64math::to_f32([self.scale])[0]
     }
 
+    /// How far a joint of the target turns from rest to the common pose, in radians.
+    pub(crate) fn turned_rad(&self, joint: JointIndex) -> f64 {
+        self.turn[joint.index()].angle_between(self.target.turn[joint.index()])
+    }
+
     /// The joint of the target whose turn from rest to the common pose a joint shares before its own is added: its parent,
     /// or what it follows where it hangs elsewhere.
     fn guide(&self, joint: JointIndex) -> Option<JointIndex> {

@@ -72,7 +72,8 @@ fn members_and_plans_that_do_not_fit_are_refused() {
     let character = elsewhere.add_character(chain(&[[0.0; 3]])).unwrap();
     let stranger = elsewhere.spawn(character, Placement::at([0.0; 3])).unwrap();
     let refused = stage.ragdolls.go_limp(&stage.crowd, stranger, &stage.plan);
-    assert_eq!(refused, Err(Error::Crowd(populace::Error::StaleMember)));
+    let unknown = populace::Error::UnknownId { what: "member", index: 0 };
+    assert_eq!(refused, Err(Error::Crowd(unknown)));
 }
 
 #[test]

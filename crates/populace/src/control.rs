@@ -61,15 +61,26 @@ impl From<[f32; 3]> for Target {
 }
 
 /// How much a constraint counts, and how long it takes to come to that: it eases in and out.
+///
+/// A call may be repeated, each frame if need be. With the same weight and time the ease goes on; with another weight or
+/// time a new one begins from the weight that the constraint has. With another target of the same kind ([`Target::Point`],
+/// [`Target::InModel`] or [`Target::Direction`]) it depends on when the last call was:
+///
+/// - Less than the time to ease ago: the calls follow one moving target. The target moves at once, and the ease goes on.
+/// - Longer ago: the constraint eases over from the target of before to the new one.
+///
+/// With a target of another kind, or another joint, the constraint always eases over.
+/// [`easing_over`](Self::easing_over) asks for that in any case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weight {
     pub(crate) value: f32,
     pub(crate) secs: f32,
+    pub(crate) eases_over: bool,
 }
 
 impl Weight {
     /// All of it, in 0.3 seconds.
-    pub const FULL: Self = Self { value: 1.0, secs: 0.3 };
+    pub const FULL: Self = Self { value: 1.0, secs: 0.3, eases_over: false };
 
     /// From 0 to 1, in 0.3 seconds.
     ///
@@ -85,6 +96,14 @@ impl Weight {
     #[must_use]
     pub const fn over_secs(mut self, secs: f32) -> Self {
         self.secs = secs;
+        self
+    }
+
+    /// Eases over to another target even where calls have followed a moving one, such as from one shop window to the next.
+    /// It is for the one call with which the target changes: repeated with a moving target, the ease begins over each time.
+    #[must_use]
+    pub const fn easing_over(mut self) -> Self {
+        self.eases_over = true;
         self
     }
 

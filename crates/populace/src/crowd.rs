@@ -1,6 +1,7 @@
 //! The crowd: members of characters, playing clips on a device.
 
 mod attach;
+mod bindings;
 mod builder;
 mod characters;
 mod controls;
@@ -151,7 +152,7 @@ pub struct Crowd {
     tables: Tables,
     clips: AnimationSet,
     characters: Vec<CharacterState>,
-    bound_clips: HashMap<(BodyIndex, ClipIndex), u32>,
+    bound_clips: HashMap<(BodyIndex, ClipIndex), bindings::Bound>,
     /// Of the skeletons that clips were made for, where given.
     clip_roles: HashMap<ClipIndex, RoleMap>,
     /// Of live clips that poses have come into.
@@ -272,8 +273,9 @@ impl Crowd {
     }
 
     fn check(&self, member: Member) -> Result<CharacterId, Error> {
-        let ours = |s: &&MemberState| member.crowd == self.number && s.generation == member.generation;
-        let state = self.members.get(member.place as usize).filter(ours);
+        self.check_crowd("member", member.crowd, member.place)?;
+        let same = |s: &&MemberState| s.generation == member.generation;
+        let state = self.members.get(member.place as usize).filter(same);
         state.and_then(|s| s.character).ok_or(Error::StaleMember)
     }
 }

@@ -54,7 +54,7 @@ pub enum Error {
         /// The capacity.
         capacity: usize,
     },
-    /// A handle to a member that was despawned, or of another crowd.
+    /// A handle to a member that was despawned.
     #[error("the member handle is stale: its member was despawned")]
     StaleMember,
     /// A handle to a clip that has faded out, or that something else was started in place of.
@@ -78,8 +78,8 @@ pub enum Error {
         /// What is wrong and how to mend it.
         reason: String,
     },
-    /// An id that is not of this crowd.
-    #[error("there is no {what} {index} in this crowd")]
+    /// An id of another crowd, or of something that is not there.
+    #[error("there is no {what} {index} in this crowd; ids are good for the crowd that gave them")]
     UnknownId {
         /// What kind of id.
         what: &'static str,

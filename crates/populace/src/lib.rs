@@ -45,9 +45,9 @@ mod stage;
 
 pub use populace_core as core;
 pub use populace_core::{
-    Affine, After, BackendError, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex, JointOverride, LayerMode,
-    LayerSettings, LiveSettings, Mask, MotionSettings, MotionSource, Schedule, Space, StageJoint, Streamed,
-    Trs, UserStage, nearest_names,
+    Affine, After, BackendError, BindingReport, BindingWay, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex,
+    JointOverride, LayerMode, LayerSettings, LiveSettings, Mask, MotionOrigin, MotionSettings, MotionSource,
+    Schedule, Space, StageJoint, Streamed, Trs, UserStage, nearest_names,
 };
 
 pub use blend_space::{BlendSpace, SpacePoint};

@@ -156,7 +156,8 @@ impl StateMachine {
             let end_ticks = if duration > 0.0 { slot.end_tick(0).unwrap_or(u64::MAX) } else { 0 };
             let transitions = self.transitions_of(state, end_ticks)?;
             let rows = MachineState { slot, transitions };
-            states.push(CompiledState { name: state.name.as_str().into(), clip: state.clip, rows });
+            let (clip, partial) = (state.clip, state.play.partial);
+            states.push(CompiledState { name: state.name.as_str().into(), clip, partial, rows });
         }
         Ok(Compiled { parameters: self.parameters.clone(), states })
     }
@@ -250,6 +251,8 @@ pub(crate) struct Compiled {
 pub(crate) struct CompiledState {
     pub(crate) name: Arc<str>,
     pub(crate) clip: ClipId,
+    /// Whether names alone may bind any share of the clip.
+    pub(crate) partial: bool,
     /// Bound to no body yet.
     pub(crate) rows: MachineState,
 }
@@ -287,8 +290,8 @@ fn check_unique<'a>(what: &str, names: impl Iterator<Item = &'a str> + Clone) ->
 
 fn check_play(State { name, play, .. }: &State) -> Result<(), Error> {
     play.check()?;
-    let Play { mode, speed, phase, .. } = *play;
-    if *play == (Play { mode, speed, phase, ..Play::looping() }) {
+    let Play { mode, speed, phase, partial, .. } = *play;
+    if *play == (Play { mode, speed, phase, partial, ..Play::looping() }) {
         return Ok(());
     }
     Err(bad(&format!(

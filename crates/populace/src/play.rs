@@ -18,6 +18,8 @@ pub struct Play {
     pub(crate) settles: bool,
     pub(crate) after_secs: f32,
     pub(crate) layer: usize,
+    /// Whether names alone may bind any share of the clip.
+    pub(crate) partial: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +41,7 @@ impl Play {
             settles: false,
             after_secs: 0.0,
             layer: 0,
+            partial: false,
         }
     }
 
@@ -125,6 +128,15 @@ impl Play {
     #[must_use]
     pub const fn on_layer(mut self, layer: usize) -> Self {
         self.layer = layer;
+        self
+    }
+
+    /// Plays the clip even where names alone bind less than 30 % of the joints that it moves, which is refused otherwise:
+    /// for clips of which a part is wanted, such as through a mask. [`Crowd::binding`](crate::Crowd::binding) tells the
+    /// share. A clip that moves no joint of the body is refused all the same.
+    #[must_use]
+    pub const fn partial(mut self) -> Self {
+        self.partial = true;
         self
     }
 

@@ -296,6 +296,20 @@ fn a_mask_of_another_character_is_refused() {
 }
 
 #[test]
+fn numbers_of_slots_out_of_their_range_are_refused() {
+    for (slots, good) in [(0, false), (1, true), (8, true), (9, false), (300, false)] {
+        let built = Crowd::builder().device(Device::native()).slots_per_member(slots).build();
+        match built.err() {
+            None => assert!(good, "{slots}"),
+            Some(error) => {
+                let text = error.to_string();
+                assert!(!good && text.contains(&format!("is {slots}; it must be from 1 to 8")), "{text}");
+            }
+        }
+    }
+}
+
+#[test]
 fn ids_of_another_crowd_are_refused() {
     let (mut ours, id) = crowd_of(Device::native(), 2);
     let (mut other, other_id) = crowd_of(Device::native(), 2);
@@ -304,9 +318,18 @@ fn ids_of_another_crowd_are_refused() {
     let (clip, other_clip) = (ours.clip(id, "low").unwrap(), other.clip(other_id, "low").unwrap());
     let skeleton = other.character(other_id).unwrap().skeleton.clone();
     let mask = other.add_mask(other_id, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
-    assert_eq!(ours.despawn(stranger), Err(Error::StaleMember));
-    assert!(ours.spawn(other_id, Placement::at([0.0; 3])).is_err());
-    assert!(ours.play(member, other_clip, Play::looping()).is_err());
+    let played = other.play(stranger, other_clip, Play::looping()).unwrap();
+    let watch = other.watch(stranger, JointIndex(0)).unwrap();
+    let unknown = |what, result: Result<(), Error>| {
+        assert!(matches!(&result, Err(Error::UnknownId { what: w, .. }) if *w == what), "{what}: {result:?}");
+    };
+    unknown("member", ours.despawn(stranger));
+    unknown("member", ours.playing(stranger).map(drop));
+    unknown("play", ours.set_weight(played, 1.0, 0.0));
+    unknown("play", ours.set_speed(played, 1.0));
+    unknown("watch", ours.sighting(watch).map(drop));
+    unknown("character", ours.spawn(other_id, Placement::at([0.0; 3])).map(drop));
+    unknown("clip", ours.play(member, other_clip, Play::looping()).map(drop));
     assert!(ours.set_layer(member, 1, LayerSettings::default(), Some(mask)).is_err());
     ours.play(member, clip, Play::looping()).unwrap();
     ours.update(0.1).unwrap();

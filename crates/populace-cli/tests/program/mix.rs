@@ -264,8 +264,9 @@ fn the_document_tells_what_is_mixed() {
         "2,mask=head",
     ]);
     assert_eq!((&mixed["clip"], &mixed["time"]), (&Value::Null, &Value::Null));
-    let slots = json!([{"clip": "Bend", "time": 0.7, "weight": 1.0, "layer": 0},
-        {"clip": "Bend", "time": 0.0, "weight": 0.3, "layer": 2}]);
+    let binding = json!({"way": "same rest", "share": 1.0, "rest_turn_deg": 0.0});
+    let slots = json!([{"clip": "Bend", "time": 0.7, "weight": 1.0, "layer": 0, "binding": binding},
+        {"clip": "Bend", "time": 0.0, "weight": 0.3, "layer": 2, "binding": binding}]);
     assert_eq!(mixed["slots"], slots);
     assert_eq!(mixed["layers"], json!([{"layer": 2, "mask": "head", "additive": false, "weight": 1.0}]));
     // --clip and --time are a slot of weight 1.
@@ -276,6 +277,53 @@ fn the_document_tells_what_is_mixed() {
         populace(&["pose", &file, "--slot", "clip=0,time=0.7,weight=0.5,layer=1", "--device", "native"]);
     let text = String::from_utf8(output.stdout).expect("text");
     assert!(text.starts_with("\"Bend\" at 0.7 s by 0.5 in layer 1 on native"), "{text}");
+}
+
+/// A file whose clip "Bow" bends the joint "head" and so many others.
+fn lender(folder: &Folder, others: usize) -> String {
+    let mut file = post();
+    let names = (0..others).map(|nth| format!("tail {nth}"));
+    for (node, name) in (3..).zip(names) {
+        file["nodes"].as_array_mut().expect("nodes").push(json!({"name": name}));
+        file["scenes"][0]["nodes"].as_array_mut().expect("nodes").push(json!(node));
+        file["skins"][0]["joints"].as_array_mut().expect("joints").push(json!(node));
+        let channel = json!({"sampler": 0, "target": {"node": node, "path": "rotation"}});
+        file["animations"][0]["channels"].as_array_mut().expect("channels").push(channel);
+    }
+    // Which would need a matrix for each joint.
+    file["skins"][0].as_object_mut().expect("a skin").remove("inverseBindMatrices");
+    file["animations"][0]["name"] = json!("Bow");
+    let name = format!("lender {others}.gltf");
+    std::fs::write(folder.path(&name), file.to_string()).expect("written");
+    folder.text(&name)
+}
+
+#[test]
+fn clips_that_share_few_names_are_refused_and_fewer_than_most_warned_of() {
+    let folder = Folder::new();
+    let file = folder.text("post.gltf");
+    let pose = |lender: &str, slot: &str| {
+        let args = ["pose", &file, "--clips", lender, "--slot", slot, "--json", "--device", "native"];
+        let output = populace(&args);
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+        let talk = String::from_utf8(output.stderr).expect("text");
+        (output.status.code(), document["slots"][0]["binding"]["share"].clone(), talk)
+    };
+    let stray = lender(&folder, 3);
+    let (code, _, talk) = pose(&stray, "clip=Bow,time=1");
+    assert!(code == Some(1) && talk.contains("the names of 1 of the 4 joints"), "{code:?} {talk}");
+    let (code, share, talk) = pose(&stray, "clip=Bow,time=1,partial");
+    assert!(
+        code == Some(0) && share == 0.25 && talk.contains("1 of the 4 joints"),
+        "{code:?} {share} {talk}"
+    );
+    let (code, share, talk) = pose(&lender(&folder, 1), "clip=Bow,time=1");
+    assert!(
+        code == Some(0) && share == 0.5 && talk.contains("fits \"post\" badly"),
+        "{code:?} {share} {talk}"
+    );
+    let (code, share, talk) = pose(&lender(&folder, 0), "clip=Bow,time=1");
+    assert!(code == Some(0) && share == 1.0 && !talk.contains("warning"), "{code:?} {share} {talk}");
 }
 
 #[test]

@@ -56,10 +56,11 @@ fn trials(folder: &Path) -> Vec<Trial> {
             }));
         }
     }
-    let others: [(&str, Check); 3] = [
+    let others: [(&str, Check); 4] = [
         ("clips of one rig keep their binding by name", by_name),
         ("clips of no humanoid are refused with what was looked for", refused),
         ("pose finds clips of another file", pose),
+        ("feet of a rig for IK hang on its legs and stand on a slope", feet_on_legs),
     ];
     for (name, check) in others {
         let folder = folder.join("characters");
@@ -79,6 +80,47 @@ fn refused(folder: &Path) -> Result<(), Failed> {
     let says =
         text.contains("\"Walk\" cannot move this skeleton") && text.contains("which this skeleton has");
     if says { Ok(()) } else { Err(text.into()) }
+}
+
+/// A robot whose feet hang on its root walks the same with feet on its legs, and these keep to a slope.
+fn feet_on_legs(folder: &Path) -> Result<(), Failed> {
+    const SLOPE: f32 = 0.2;
+    let loose = load(folder, "quaternius_robot")?;
+    let roles = RoleMap::detect(&loose.skeleton).ok_or("a body without roles")?;
+    let hung = loose.with_feet_on_legs(&roles).map_err(|e| e.to_string())?;
+    let hung_roles = RoleMap::detect(&hung.skeleton).ok_or("a body without roles")?;
+    let height = f64::from(loose.height_m());
+    let (mut crowd, members) = crowd_of([&loose, &hung])?;
+    for (id, member) in members {
+        let walk = crowd.clip(id, "Robot_Walking")?;
+        crowd.play(member, walk, Play::looping())?;
+    }
+    let feet = [Side::Left, Side::Right].map(Role::Foot);
+    let mut apart: f64 = 0.0;
+    for planted in [false, true] {
+        if planted {
+            crowd.set_ground(&populace::Ground::plane(0.0, [SLOPE, 0.0])?)?;
+            crowd.plant_feet(members[1].1, populace::Weight::FULL)?;
+        }
+        for _ in 0..MOMENTS {
+            crowd.update(0.03)?;
+            let [was, now] = [(members[0].1, &roles), (members[1].1, &hung_roles)];
+            let was = places(&crowd.model_from_joints(was.0)?, was.1);
+            let now = places(&crowd.model_from_joints(now.0)?, now.1);
+            for foot in feet {
+                let ground = if planted { f64::from(SLOPE) * now[&foot][0] } else { 0.0 };
+                let off = now[&foot][1] - was[&foot][1] - ground;
+                apart = apart.max(off.abs() / height);
+            }
+        }
+        println!(
+            "robot, planted {planted}: feet are {apart} of the height from where the clip and ground have them"
+        );
+        if apart > 0.02 {
+            return Err(format!("feet are off by {apart} of the body's height").into());
+        }
+    }
+    Ok(())
 }
 
 /// The program's own way, on the native device and, where there is one, on OpenCL: the same numbers.

@@ -2,6 +2,8 @@
 
 use glam::{DAffine3, DQuat};
 
+use super::fit::BindingReport;
+use super::motion::MotionOrigin;
 use super::rows::Rows;
 use super::storage::Storage;
 use super::{Clip, Range};
@@ -30,6 +32,7 @@ pub struct Binding {
     bound_joint_count: usize,
     /// How far root motion takes the body, in parts of how far it takes the clip's own.
     motion_scale: f32,
+    report: BindingReport,
 }
 
 /// What a joint's pose goes through where a clip is retargeted; see [`TURN_PLANES`](crate::layout::TURN_PLANES).
@@ -101,15 +104,15 @@ impl Footing {
 }
 
 impl Binding {
-    fn empty(motion_scale: f32) -> Self {
+    fn empty(motion_scale: f32, report: BindingReport) -> Self {
         let (joint_map, ranges, turns) = (Vec::new(), Vec::new(), Vec::new());
-        Self { joint_map, ranges, turns, footing: None, bound_joint_count: 0, motion_scale }
+        Self { joint_map, ranges, turns, footing: None, bound_joint_count: 0, motion_scale, report }
     }
 
     /// Binds by name.
     #[must_use]
     pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
-        let mut binding = Self::empty(1.0);
+        let mut binding = Self::empty(1.0, BindingReport::by_name(clip, skeleton));
         for joint in skeleton.joints() {
             let column = clip.skeleton.find(skeleton.name(joint)).map(|joint| joint.0);
             let column = column.filter(|&column| clip.rows.drives(column));
@@ -126,8 +129,26 @@ impl Binding {
     ///
     /// # Errors
     ///
-    /// [`Error::CannotBind`] where the clip drives something, but nothing of this skeleton.
+    /// [`Error::CannotBind`] where names alone bind less than [`BindingReport::LEAST_SHARE`] of the joints that the clip
+    /// moves.
     pub fn fitting(
+        clip: &Clip,
+        clip_roles: Option<&RoleMap>,
+        skeleton: &Skeleton,
+        roles: Option<&RoleMap>,
+    ) -> Result<Self, Error> {
+        let binding = Self::partial(clip, clip_roles, skeleton, roles)?;
+        binding.report.check(clip.name())?;
+        Ok(binding)
+    }
+
+    /// As [`fitting`](Self::fitting), of a clip of which no more than a part is wanted, such as through a mask: names alone
+    /// may bind any share of its joints.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::CannotBind`] where the clip drives something, but nothing of this skeleton.
+    pub fn partial(
         clip: &Clip,
         clip_roles: Option<&RoleMap>,
         skeleton: &Skeleton,
@@ -202,10 +223,11 @@ impl Binding {
         let heels = Soles::new(&common).map_or(0.0, |soles| soles.heels(&poses));
         common.lift_by(heels);
         let soles = Soles::new(&common);
-        let by_feet = clip.motion.as_ref().is_some_and(|motion| motion.by_feet);
+        let by_feet = clip.motion.as_ref().is_some_and(|motion| *motion.origin() == MotionOrigin::Feet);
         let motion_scale = if by_feet { common.pace(&poses, soles.as_ref()) } else { common.legs() };
         let footing = soles.and_then(|soles| Footing::new(clip, &soles, skeleton.joint_count()));
-        let mut binding = Self { bound_joint_count, footing, ..Self::empty(motion_scale) };
+        let report = BindingReport::by_roles(clip, skeleton, &common);
+        let mut binding = Self { bound_joint_count, footing, ..Self::empty(motion_scale, report) };
         let motion = |joint: JointIndex| clip.rows.motion(joint);
         for joint in skeleton.joints() {
             binding.push(clip, skeleton.rest(joint), common.chain(joint, &motion));
@@ -284,6 +306,12 @@ impl Binding {
         self.motion_scale
     }
 
+    /// How well the clip fits the skeleton.
+    #[must_use]
+    pub fn report(&self) -> &BindingReport {
+        &self.report
+    }
+
     /// Joints that the clip drives, moving or not.
     #[must_use]
     pub fn bound_joint_count(&self) -> usize {
@@ -317,7 +345,7 @@ impl Clip {
 
 impl Rows {
     /// Whether any track drives a column.
-    fn drives(&self, column: u32) -> bool {
+    pub(super) fn drives(&self, column: u32) -> bool {
         self.driven[column as usize].iter().any(|driven| *driven)
     }
 

@@ -10,18 +10,37 @@ use crate::{ClipSource, Error, Interpolation, JointIndex, Property, Track, f64ma
 
 /// Rows per second, or a little more: they fill the clip's length evenly.
 const ROWS_PER_SEC: f64 = 60.0;
+/// A body that ends no further from its start than this part of its size, or that much in each second, stands still, as
+/// does one whose feet tell no more.
+const STANDS: f64 = 0.05;
+/// A body whose heading ends no further from where it was than this, in radians, does not turn.
+const TURNS_RAD: f64 = 0.25;
 
 /// What moves the body.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum MotionSource {
-    /// The first joint that moves from the root down to the hips; without hips, the first whose translation moves.
+    /// [`Root`](Self::Root) where that goes anywhere or turns, [`Feet`](Self::Feet) for a clip that walks in place, and
+    /// nothing for one that stands, whose sway stays in its pose. [`RootMotion::origin`] tells which.
     #[default]
+    Auto,
+    /// The first joint that moves from the root down to the hips; without hips, the first whose translation moves.
     Root,
     /// The joint of this name; what it hangs on stands still.
     Joint(String),
     /// The feet of a clip that walks in place: straight ahead, along +Z, as fast as they pass backwards while planted
     /// ([`ClipStats::ground_speed_m_per_sec`](crate::ClipStats::ground_speed_m_per_sec)).
     Feet,
+}
+
+/// What root motion was taken from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MotionOrigin {
+    /// The joint of this name.
+    Joint(String),
+    /// The feet of a clip that walks in place.
+    Feet,
+    /// Nothing: the body stands, and its motion is none.
+    Nothing,
 }
 
 /// How root motion is taken out of a clip.
@@ -36,9 +55,9 @@ pub struct MotionSettings {
 }
 
 impl Default for MotionSettings {
-    /// From the root, over the ground, with its heading.
+    /// From whatever moves the body, over the ground, with its heading.
     fn default() -> Self {
-        Self { from: MotionSource::Root, turns: true, rises: false }
+        Self { from: MotionSource::Auto, turns: true, rises: false }
     }
 }
 
@@ -97,8 +116,7 @@ impl Rigid {
 pub struct RootMotion {
     rows: Vec<Rigid>,
     duration_secs: f64,
-    /// Whether feet tell it: those of other bodies then tell how fast these go.
-    pub(super) by_feet: bool,
+    origin: MotionOrigin,
 }
 
 impl RootMotion {
@@ -119,6 +137,29 @@ impl RootMotion {
         let cycles = if self.duration_secs > 0.0 { (end / self.duration_secs).floor() } else { 0.0 };
         let moved = self.rigid(begun).undone().then(&self.rigid(self.duration_secs).times(cycles));
         told(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
+    }
+
+    /// What the motion was taken from.
+    #[must_use]
+    pub fn origin(&self) -> &MotionOrigin {
+        &self.origin
+    }
+
+    /// The mean speed in metres per second, along the way; 0 for a clip of no length.
+    #[must_use]
+    pub fn metres_per_sec(&self) -> f32 {
+        let way: f64 = self.rows.windows(2).map(|pair| pair[0].shift.distance(pair[1].shift)).sum();
+        if self.duration_secs > 0.0 { f64math::to_f32([way / self.duration_secs])[0] } else { 0.0 }
+    }
+
+    /// Whether it takes a body of that size anywhere, or turns it.
+    fn travels(&self, size: f64) -> bool {
+        let end = self.rows[self.rows.len() - 1];
+        let farthest = self.rows.iter().map(|row| row.shift.length()).fold(0.0, f64::max);
+        let turned = end.heading[0].atan2(end.heading[1]).abs();
+        end.shift.length() > STANDS * size * self.duration_secs.max(1.0)
+            || farthest > size
+            || turned > TURNS_RAD
     }
 
     fn rigid(&self, secs: f64) -> Rigid {
@@ -156,20 +197,52 @@ fn told(rigid: &Rigid) -> ([f32; 3], f32) {
 
 impl Clip {
     /// The same motion with what moves the whole body taken out of its pose: members that are moved by their clips go where
-    /// it goes, others play it in place.
+    /// it goes, others play it in place. [`RootMotion::origin`] of its [`root_motion`](Self::root_motion) tells from where.
     ///
     /// # Errors
     ///
-    /// [`Error::NoMotion`] where nothing of the kind moves the body, where it hangs on what moves, and for a clip that is live
-    /// or has its motion already; [`Error::UnknownJoints`] with the nearest names.
+    /// [`Error::NoMotion`] where nothing of the kind that is named moves the body, where it hangs on what moves, and for a
+    /// clip that is live or has its motion already; [`Error::UnknownJoints`] with the nearest names.
     pub fn with_root_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         if self.ring.is_some() || self.motion.is_some() {
             return self.no_motion("is live, or its motion is taken out already");
         }
-        if settings.from == MotionSource::Feet {
-            return self.driven_by_feet();
+        match &settings.from {
+            MotionSource::Auto => self.driven_by_what_moves(settings),
+            MotionSource::Feet => match self.contacts.speed {
+                Some(speed) => Ok(self.moved_evenly(f64::from(speed), MotionOrigin::Feet)),
+                None => self.no_motion(
+                    "has no foot that is known by its joint's name and comes down, so how fast it goes is not known",
+                ),
+            },
+            from => {
+                let taken = self.taken_from(self.carrier(from)?, settings, |_| true)?;
+                Ok(taken.unwrap_or_else(|| self.clone()))
+            }
         }
-        let joint = self.carrier(&settings.from)?;
+    }
+
+    /// Takes out what moves the body, if anything does.
+    fn driven_by_what_moves(&self, settings: &MotionSettings) -> Result<Self, Error> {
+        let size = f64::from(self.skeleton.size_m());
+        if let Ok(joint) = self.carrier(&MotionSource::Root)
+            && let Some(taken) = self.taken_from(joint, settings, |motion| motion.travels(size))?
+        {
+            return Ok(taken);
+        }
+        match self.contacts.speed.filter(|speed| f64::from(speed.abs()) > STANDS * size) {
+            Some(speed) => Ok(self.moved_evenly(f64::from(speed), MotionOrigin::Feet)),
+            None => Ok(self.moved_evenly(0.0, MotionOrigin::Nothing)),
+        }
+    }
+
+    /// Takes out the motion of a joint, where that is wanted.
+    fn taken_from(
+        &self,
+        joint: JointIndex,
+        settings: &MotionSettings,
+        wanted: impl Fn(&RootMotion) -> bool,
+    ) -> Result<Option<Self>, Error> {
         let curves = Curves::new(&self.source, &self.skeleton)?;
         let carrier = Carrier::new(self, &curves, joint);
         let (start, duration) = (f64::from(self.start_secs()), f64::from(self.duration_secs()));
@@ -183,15 +256,18 @@ impl Clip {
         let motion = RootMotion {
             rows: carrier.rows(times.clone(), settings),
             duration_secs: duration,
-            by_feet: false,
+            origin: MotionOrigin::Joint(self.skeleton.name(joint).to_owned()),
         };
+        if !wanted(&motion) {
+            return Ok(None);
+        }
         let tracks = carrier.in_place(&motion, times, settings.turns);
         let of_joint = |track: &&Track| track.joint == self.skeleton.name(joint);
         let replaced = |track: &Track| tracks.iter().any(|new| new.property == track.property);
         let kept = self.source.tracks.iter().filter(|track| !(of_joint(track) && replaced(track))).cloned();
         let source =
             ClipSource { name: self.source.name.clone(), tracks: kept.chain(tracks.clone()).collect() };
-        Ok(Self { motion: Some(motion), ..Self::new(source, &self.skeleton)? })
+        Ok(Some(Self { motion: Some(motion), ..Self::new(source, &self.skeleton)? }))
     }
 
     /// The root motion that was taken out of the clip, if it was.
@@ -204,16 +280,12 @@ impl Clip {
         Err(Error::NoMotion { clip: self.name().to_owned(), what: what.into() })
     }
 
-    fn driven_by_feet(&self) -> Result<Self, Error> {
-        let Some(speed) = self.contacts.speed.filter(|speed| *speed != 0.0) else {
-            return self.no_motion(
-                "plants no foot whose joint is known by its name, so how fast it goes is not known",
-            );
-        };
+    /// Straight ahead at a speed in metres per second.
+    fn moved_evenly(&self, speed: f64, origin: MotionOrigin) -> Self {
         let duration_secs = f64::from(self.duration_secs());
-        let end = Rigid { shift: DVec3::new(0.0, 0.0, f64::from(speed) * duration_secs), ..Rigid::NONE };
-        let motion = RootMotion { rows: vec![Rigid::NONE, end], duration_secs, by_feet: true };
-        Ok(Self { motion: Some(motion), ..self.clone() })
+        let end = Rigid { shift: DVec3::new(0.0, 0.0, speed * duration_secs), ..Rigid::NONE };
+        let motion = RootMotion { rows: vec![Rigid::NONE, end], duration_secs, origin };
+        Self { motion: Some(motion), ..self.clone() }
     }
 
     /// The joint that carries the body.

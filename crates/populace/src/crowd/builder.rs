@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use populace_core::{AnimationSet, GlContext, Schedule, Tables};
+use populace_core::{AnimationSet, GlContext, MAX_SLOTS, Schedule, Tables};
 
 use super::controls::Watches;
 use super::machines::Machines;
@@ -83,7 +83,7 @@ impl CrowdBuilder {
         self
     }
 
-    /// Clips that a member can play at once, 1 to 8; 4 unless set.
+    /// Clips that a member can play at once, 1 to 8; 4 unless set. [`build`](Self::build) refuses others.
     #[must_use]
     pub fn slots_per_member(mut self, slots: usize) -> Self {
         self.slots_per_member = slots;
@@ -94,10 +94,18 @@ impl CrowdBuilder {
     ///
     /// # Errors
     ///
-    /// A device that is not there or cannot be opened, [`Error::BadDevices`] or [`Error::BadSplit`].
+    /// A number of slots that is out of its range, a device that is not there or cannot be opened,
+    /// [`Error::BadDevices`] or [`Error::BadSplit`].
     pub fn build(self) -> Result<Crowd, Error> {
         // Ids carry their crowd's number, so that those of another crowd are refused rather than mistaken.
         static CROWDS: AtomicU32 = AtomicU32::new(0);
+        if !(1..=MAX_SLOTS).contains(&self.slots_per_member) {
+            return Err(Error::BadValue {
+                what: "the number of slots per member",
+                value: self.slots_per_member as f32,
+                rule: "from 1 to 8",
+            });
+        }
         let devices = self.devices.unwrap_or_else(|| Device::best().into());
         Ok(Crowd {
             number: CROWDS.fetch_add(1, Ordering::Relaxed),

@@ -1,6 +1,7 @@
 //! What beside clips moves members: overrides, look-at, reaching, feet on the ground.
 
 use std::collections::HashMap;
+use std::mem::{Discriminant, discriminant};
 
 use populace_core::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
 use populace_core::{
@@ -28,7 +29,12 @@ pub(crate) struct Watches(pub(super) HashMap<(Member, JointIndex), (u32, usize)>
 pub(crate) struct MemberControls {
     pub(super) controls: Controls,
     watching: Vec<(Member, JointIndex)>,
+    /// The clock when each constraint was last given a target.
+    aimed: Vec<(Goal, u64)>,
 }
+
+/// A constraint of a member apart from all others: its kind, and the joint that is to face or meet the target.
+type Goal = (Discriminant<Constraint>, Option<JointIndex>);
 
 impl Crowd {
     /// Gives joints of a member transforms, in place of those given before to the same joints in the same space. What hangs
@@ -81,7 +87,7 @@ impl Crowd {
     }
 
     /// Lets a member look at something with a chain of joints, from now on and in place of what it looked at before with the
-    /// chain's last joint: the gaze eases over.
+    /// chain's last joint: the gaze eases over, or follows where calls move its target ([`Weight`]).
     ///
     /// # Errors
     ///
@@ -93,13 +99,11 @@ impl Crowd {
         target: impl Into<Target>,
         weight: Weight,
     ) -> Result<(), Error> {
-        let last = gaze.chain.last().map(|(joint, _)| *joint);
-        let new = Constraint::Gaze(gaze.clone());
-        let same = |constraint: &Constraint| matches!(constraint, Constraint::Gaze(old) if old.chain.last().map(|(joint, _)| *joint) == last);
-        self.aim(member, target.into(), weight, &new, same)
+        self.aim(member, target.into(), weight, &Constraint::Gaze(gaze.clone()))
     }
 
-    /// Lets a limb of a member reach for something, from now on and in place of what it reached for before.
+    /// Lets a limb of a member reach for something, from now on and in place of what it reached for before: it eases over, or
+    /// follows where calls move its target ([`Weight`]).
     ///
     /// # Errors
     ///
@@ -115,13 +119,11 @@ impl Crowd {
         let state = self.character_state(character)?;
         let by_roles = limb_above(state.roles.as_ref(), reach.end);
         let limb = limb_of(&state.character.skeleton, &Reach { limb: reach.limb.or(by_roles), ..reach })?;
-        let same =
-            |constraint: &Constraint| matches!(constraint, Constraint::Limb(old) if old.end == reach.end);
-        self.aim(member, target.into(), weight, &Constraint::Limb(limb), same)
+        self.aim(member, target.into(), weight, &Constraint::Limb(limb))
     }
 
     /// Lets a chain of any length reach for something with its last joint, from now on and in place of what it reached for
-    /// before.
+    /// before: it eases over, or follows where calls move its target ([`Weight`]).
     ///
     /// # Errors
     ///
@@ -135,8 +137,7 @@ impl Crowd {
         weight: Weight,
     ) -> Result<(), Error> {
         let chain = Chain { first, end, soft: SOFT, targets: Vec::new() };
-        let same = |constraint: &Constraint| matches!(constraint, Constraint::Chain(old) if old.end == end);
-        self.aim(member, target.into(), weight, &Constraint::Chain(chain), same)
+        self.aim(member, target.into(), weight, &Constraint::Chain(chain))
     }
 
     /// Lets a member's feet keep to the ground, or no longer where the weight is 0.
@@ -145,11 +146,16 @@ impl Crowd {
     ///
     /// [`Error::StaleMember`], legs that are none, or a weight that is not from 0 to 1.
     pub fn plant_with(&mut self, member: Member, feet: &Feet) -> Result<(), Error> {
-        let feet = feet.clone();
+        let feet = Constraint::Feet(feet.clone());
+        let stays = matches!(&feet, Constraint::Feet(feet) if feet.weight > 0.0);
         self.change_controls(member, |controls| {
-            controls.constraints.retain(|constraint| !matches!(constraint, Constraint::Feet(_)));
-            if feet.weight > 0.0 {
-                controls.constraints.push(Constraint::Feet(feet));
+            let all = &mut controls.constraints;
+            // One that is there keeps its turn among the others.
+            match all.iter().position(|constraint| matches!(constraint, Constraint::Feet(_))) {
+                Some(at) if stays => all[at] = feet,
+                Some(at) => drop(all.remove(at)),
+                None if stays => all.push(feet),
+                None => {}
             }
             Ok(())
         })
@@ -208,7 +214,7 @@ impl Crowd {
         self.change_controls(member, |controls| {
             for constraint in controls.constraints.iter_mut().filter(|c| which(c)) {
                 for target in targets_of(constraint) {
-                    fade(target, tick, secs);
+                    *target = target.ramped_to(tick, 0.0, secs);
                 }
             }
             Ok(())
@@ -238,14 +244,7 @@ impl Crowd {
     }
 
     /// Adds a target to a constraint: `new`, or what there is already of its kind.
-    fn aim(
-        &mut self,
-        member: Member,
-        target: Target,
-        weight: Weight,
-        new: &Constraint,
-        same: impl Fn(&Constraint) -> bool,
-    ) -> Result<(), Error> {
+    fn aim(&mut self, member: Member, target: Target, weight: Weight, new: &Constraint) -> Result<(), Error> {
         target.check()?;
         weight.check()?;
         self.check(member)?;
@@ -253,13 +252,14 @@ impl Crowd {
             Target::Joint { member: other, joint } => self.watch_for(member, other, joint)?,
             _ => 0,
         };
-        let tick = self.clock.tick;
+        let (tick, goal) = (self.clock.tick, goal_of(new));
         let target = target.device_target(watched);
+        let follows = !weight.eases_over && self.was_aimed_within(member, goal, weight.secs);
         self.change_controls(member, |controls| {
-            let at = controls.constraints.iter().position(&same);
+            let at = controls.constraints.iter().position(|constraint| goal_of(constraint) == goal);
             let mut targets =
                 at.map_or_else(Vec::new, |at| targets_of(&mut controls.constraints[at]).to_vec());
-            change_over(&mut targets, target, tick, weight);
+            aim_at(&mut targets, target, tick, weight, follows);
             let mut constraint = new.clone();
             set_targets(&mut constraint, targets);
             match at {
@@ -267,7 +267,19 @@ impl Crowd {
                 None => controls.constraints.push(constraint),
             }
             Ok(())
-        })
+        })?;
+        let aimed = &mut self.controls.entry(member.place).or_default().aimed;
+        aimed.retain(|(other, _)| *other != goal);
+        aimed.push((goal, tick));
+        Ok(())
+    }
+
+    /// Whether a constraint was given a target less than so many seconds ago.
+    fn was_aimed_within(&self, member: Member, goal: Goal, secs: f32) -> bool {
+        let aimed = self.controls.get(&member.place).into_iter().flat_map(|state| &state.aimed);
+        let mut of_goal = aimed.filter(|(other, _)| *other == goal);
+        let ticks = populace_core::ticks_from_secs(f64::from(secs));
+        of_goal.any(|(_, tick)| self.clock.tick - tick < ticks)
     }
 
     /// Lets a member's joint be written for others to see, and returns where.
@@ -373,35 +385,50 @@ impl Crowd {
     }
 }
 
-/// Lets one target take over from all others.
-fn change_over(targets: &mut Vec<layout::Target>, target: layout::Target, tick: u64, weight: Weight) {
+/// Lets one target take over from all others. Where calls follow a moving target, it takes the place of the one before of
+/// its kind.
+fn aim_at(
+    targets: &mut Vec<layout::Target>,
+    target: layout::Target,
+    tick: u64,
+    weight: Weight,
+    follows: bool,
+) {
     targets.retain(|target| !faded(target, tick));
-    let mut from = 0.0;
+    let alike = |old: &layout::Target| old.kind == target.kind && old.watched == target.watched;
+    let same = targets.iter().position(|old| alike(old) && old.point == target.point);
+    let at = same.or_else(|| targets.iter().position(|old| follows && alike(old) && !leaves(old)));
+    let before = at.map_or(target, |at| targets.remove(at));
     for old in targets.iter_mut() {
-        if old.kind == target.kind && old.point == target.point && old.watched == target.watched {
-            from = old.ramp_at(tick);
-        } else {
-            fade(old, tick, weight.secs);
-        }
+        *old = old.ramped_to(tick, 0.0, weight.secs);
     }
-    targets.retain(|old| {
-        !(old.kind == target.kind && old.point == target.point && old.watched == target.watched)
-    });
     if targets.len() == TARGETS {
         let weakest =
             (0..TARGETS).min_by(|a, b| targets[*a].ramp_at(tick).total_cmp(&targets[*b].ramp_at(tick)));
         targets.remove(weakest.unwrap_or(0));
     }
-    targets.push(target.with_ramp(tick, from, weight.value, weight.secs));
+    let taking = layout::Target { point: target.point, ..before };
+    targets.push(taking.ramped_to(tick, weight.value, weight.secs));
 }
 
-fn fade(target: &mut layout::Target, tick: u64, secs: f32) {
-    *target = target.with_ramp(tick, target.ramp_at(tick), 0.0, secs);
+/// Whether a target's weight comes down to 0.
+fn leaves(target: &layout::Target) -> bool {
+    target.end_weight <= 0.0
 }
 
 /// Whether a target's weight has come down to 0 and stays there.
 fn faded(target: &layout::Target, tick: u64) -> bool {
-    target.end_weight <= 0.0 && target.ramp_at(tick) <= 0.0
+    leaves(target) && target.ramp_at(tick) <= 0.0
+}
+
+fn goal_of(constraint: &Constraint) -> Goal {
+    let end = match constraint {
+        Constraint::Gaze(gaze) => gaze.chain.last().map(|(joint, _)| *joint),
+        Constraint::Limb(limb) => Some(limb.end),
+        Constraint::Chain(chain) => Some(chain.end),
+        Constraint::Feet(_) => None,
+    };
+    (discriminant(constraint), end)
 }
 
 /// Lets go of constraints whose targets have all faded out.

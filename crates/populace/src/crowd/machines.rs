@@ -192,10 +192,11 @@ impl Crowd {
         }
         let unknown = Error::UnknownId { what: "state machine", index };
         let states = &self.machines.all.get(index as usize).ok_or(unknown)?.states;
-        let states: Vec<_> = states.iter().map(|state| (state.clip, state.rows.clone())).collect();
+        let states: Vec<_> =
+            states.iter().map(|state| (state.clip, state.partial, state.rows.clone())).collect();
         let mut rows = Vec::with_capacity(states.len());
-        for (clip, mut row) in states {
-            row.slot.bound_clip = self.bind(character, clip)?;
+        for (clip, partial, mut row) in states {
+            row.slot.bound_clip = self.bind(character, clip, partial)?;
             rows.push(row);
         }
         let state = self.tables.add_states(body, &rows)?;

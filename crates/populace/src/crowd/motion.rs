@@ -27,11 +27,21 @@ impl Crowd {
     /// layers that add move nobody. What plays for a part of an update moves it for that part, unless something else took its
     /// slot, or a blend space that waited for one went on, within the same update. Fused schedules move those who have a mesh: others are not evaluated.
     ///
+    /// A member that its clips move already goes on from where they have moved it.
+    ///
     /// # Errors
     ///
     /// [`Error::StaleMember`].
     pub fn move_by_clips(&mut self, member: Member, moves: bool) -> Result<(), Error> {
         self.check(member)?;
+        if moves && self.motion_of(member).is_some() {
+            return Ok(());
+        }
+        self.begin_or_end_motion(member, moves)
+    }
+
+    /// Lets clips move a member from its placement, or no longer.
+    fn begin_or_end_motion(&mut self, member: Member, moves: bool) -> Result<(), Error> {
         let known = self.moving.get(&member.place).map(|moving| moving.watch);
         let watch = match known {
             None if moves => Some(self.watch(member, JointIndex(0))?),
@@ -150,7 +160,7 @@ impl Crowd {
     /// Lets clips move a member from its placement again, if they move it.
     pub(super) fn begin_motion_anew(&mut self, member: Member) -> Result<(), Error> {
         match self.motion_of(member) {
-            Some(_) => self.move_by_clips(member, true),
+            Some(_) => self.begin_or_end_motion(member, true),
             None => Ok(()),
         }
     }

@@ -19,7 +19,8 @@ const EYES: GazeLimits =
 
 impl Crowd {
     /// Lets a member look at something, from now on and in place of what it looked at before: spine, neck, head and eyes
-    /// share the turn, as far as the character has them, and the gaze eases over. Beyond 85 degrees to either side, 45 up
+    /// share the turn, as far as the character has them, and the gaze eases over, or follows where calls move its target
+    /// ([`Weight`]). Beyond 85 degrees to either side, 45 up
     /// and 50 down it is followed no further, and while it passes behind the gaze comes back to the front.
     ///
     /// A character without humanoid roles looks with its joint that is called head.
@@ -48,7 +49,8 @@ impl Crowd {
     /// # Errors
     ///
     /// [`Error::StaleMember`], a character whose legs are not known (see [`set_roles`](Self::set_roles) and
-    /// [`plant_with`](Self::plant_with)), or a weight that is not from 0 to 1.
+    /// [`plant_with`](Self::plant_with)) or whose feet hang elsewhere (see
+    /// [`Character::with_feet_on_legs`](populace_core::Character::with_feet_on_legs)), or a weight that is not from 0 to 1.
     pub fn plant_feet(&mut self, member: Member, weight: Weight) -> Result<(), Error> {
         weight.check()?;
         let character = self.check(member)?;
@@ -62,7 +64,23 @@ impl Crowd {
             })
         };
         let legs: Vec<Foot> = [Side::Left, Side::Right].into_iter().filter_map(foot).collect();
-        let pelvis = roles.joint(Role::Hips).filter(|_| !legs.is_empty());
+        let own = &self.character_state(character)?.character;
+        if let Some((shin, foot)) = roles.loose_feet(&own.skeleton).next() {
+            let [shin, foot] = [shin, foot].map(|joint| own.skeleton.name(joint));
+            let what = format!(
+                "the foot \"{foot}\" of \"{}\" does not hang on its leg \"{shin}\", so it would stay behind; add the \
+                 character that Character::with_feet_on_legs makes of it",
+                own.name
+            );
+            return Err(populace_core::Error::BadConstraint { what }.into());
+        }
+        // Legs may hang on a joint beside the hips: what carries both sinks.
+        let carries = |joint: &JointIndex| legs.iter().all(|leg| own.skeleton.is_below(leg.hip, *joint));
+        let above = roles
+            .joint(Role::Hips)
+            .into_iter()
+            .flat_map(|hips| std::iter::once(hips).chain(own.skeleton.ancestors(hips)));
+        let pelvis = above.filter(|_| !legs.is_empty()).find(carries);
         let pelvis = pelvis.ok_or_else(|| self.no_roles(character, "legs"))?;
         self.plant_with(member, &Feet { pelvis, feet: legs, weight: weight.value })
     }

@@ -1,7 +1,7 @@
 //! What members play: clips into slots, now or in time, and masks on layers.
 
 use populace_core::layout::{Layer, NONE, SLOT_LIVE, SLOT_ONCE, Slot};
-use populace_core::{Binding, ClipIndex, LayerSettings, Mask, TICKS_PER_SEC, ticks_from_secs};
+use populace_core::{ClipIndex, LayerSettings, Mask, TICKS_PER_SEC, ticks_from_secs};
 
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
@@ -20,7 +20,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], an id of another crowd, or a setting that is out of its range.
+    /// [`Error::StaleMember`], an id of another crowd, a setting that is out of its range, or a clip that does not fit
+    /// ([`binding`](Self::binding)).
     pub fn play(&mut self, member: Member, clip: ClipId, play: Play) -> Result<PlayId, Error> {
         let start = self.start_of(member, clip, play, true)?;
         self.waiting.retain(member.place, |waiting| waiting.play.layer != play.layer);
@@ -88,7 +89,7 @@ impl Crowd {
     }
 
     /// Fades out all clips of a layer, and forgets what was queued. An empty layer 0 shows the rest pose, any other what
-    /// lies beneath.
+    /// lies beneath. The same call repeated lets the fade go on.
     ///
     /// # Errors
     ///
@@ -99,11 +100,16 @@ impl Crowd {
         check_secs("the time to fade out", fade_out_secs)?;
         self.waiting.retain(member.place, |waiting| waiting.play.layer != layer);
         self.forget_space(member.place, layer);
+        let slots = self.slots(member.place).iter().filter(|slot| slot.layer() as usize == layer);
+        let mut playing = slots.filter(|slot| !faded_out(slot, self.clock.tick));
+        if fade_out_secs > 0.0 && playing.all(|slot| slot.ramps_to(0.0, fade_out_secs)) {
+            return Ok(());
+        }
         self.fade_out(member.place, layer, fade_out_secs, self.clock.tick)
     }
 
     /// Lets the weight of a clip or of a state machine run to another in so many seconds. One of 0 ends it: once it is reached, the slot is free for
-    /// others.
+    /// others. The same call repeated changes nothing: the weight goes on to where it runs.
     ///
     /// # Errors
     ///
@@ -121,6 +127,9 @@ impl Crowd {
             if self.is_of(id, index) {
                 // Each slot of a machine has half of it.
                 let own = if slot.runner().is_some() { 0.5 * weight } else { weight };
+                if slot.ramps_to(own, over_secs) {
+                    continue;
+                }
                 slot.ramp_weight(tick, slot.weight_at(tick), own, over_secs);
                 self.tables.set_slot(place, index, slot)?;
             }
@@ -231,7 +240,7 @@ impl Crowd {
     fn start_of(&mut self, member: Member, clip: ClipId, play: Play, alone: bool) -> Result<Start, Error> {
         let character = self.check(member)?;
         play.check()?;
-        let bound = self.bind(character, clip)?;
+        let bound = self.bind(character, clip, play.partial)?;
         self.check_mode(clip, play.mode)?;
         let action = Action::Clip { bound, alone };
         Ok(Start { serial: self.next_serial(), action, play, follows_after: None })
@@ -323,22 +332,6 @@ impl Crowd {
         self.tables.clips().as_slice()[clip as usize].duration_secs
     }
 
-    pub(super) fn bind(&mut self, character: CharacterId, clip: ClipId) -> Result<u32, Error> {
-        self.check_crowd("clip", clip.crowd, clip.index.0)?;
-        let state = self.character_state(character)?;
-        let key = (state.body, clip.index);
-        if let Some(&bound) = self.bound_clips.get(&key) {
-            return Ok(bound);
-        }
-        let known =
-            self.clips.get(clip.index).ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
-        let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
-        let binding = Binding::fitting(known, self.roles_of(known).as_ref(), skeleton, roles)?;
-        let bound = self.tables.add_bound_clip(clip.index.0, state.body, &binding)?;
-        self.bound_clips.insert(key, bound);
-        Ok(bound)
-    }
-
     /// Whether a slot is one of a start.
     fn is_of(&self, id: PlayId, index: usize) -> bool {
         let Started { serial, sample, .. } = self.started(id.member.place, index);
@@ -348,6 +341,7 @@ impl Crowd {
 
     /// The first slot of a start; `None` where it still waits.
     fn find_slot(&self, id: PlayId) -> Result<Option<usize>, Error> {
+        self.check_crowd("play", id.member.crowd, id.serial)?;
         self.check(id.member)?;
         let place = id.member.place;
         if let Some(index) = (0..self.slots(place).len()).find(|index| self.is_of(id, *index)) {

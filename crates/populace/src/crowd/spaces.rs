@@ -109,7 +109,7 @@ impl Crowd {
         }
         // Bound now, so that nothing can fail once its time has come.
         for clip in known.space.clips().to_vec() {
-            self.bind(character, clip)?;
+            self.bind(character, clip, play.partial)?;
         }
         self.waiting.retain(member.place, |waiting| waiting.play.layer != play.layer);
         let action = Action::Space { index: space.index, at };
@@ -313,7 +313,7 @@ impl Crowd {
         let space = &self.spaces[steered.space as usize].space;
         let body = self.tables.members().as_slice()[place as usize].body;
         let key = (populace_core::BodyIndex(body), space.clips()[sample].index);
-        let bound = self.bound_clips.get(&key).copied().unwrap_or(populace_core::layout::NONE);
+        let bound = self.bound_clips.get(&key).map_or(populace_core::layout::NONE, |bound| bound.index);
         let offset = cycles(f64::from(space.offset(sample).rem_euclid(1.0)));
         Slot::in_phase(bound, tick, steered.phase_at(tick).wrapping_add(offset), steered.cycles_per_sec)
     }

@@ -70,8 +70,9 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A watch of another crowd, or a failing device.
     pub fn sighting(&mut self, watch: Watch) -> Result<Option<Sighting>, Error> {
+        self.check_crowd("watch", watch.member.crowd, watch.serial)?;
         let Some(since) = self.watched_since(watch) else { return Ok(None) };
         let Some((watched, _)) = self.watches.0.get(&watch.key()) else { return Ok(None) };
         let first = (*watched * WATCHED_ELEMENTS) as usize;

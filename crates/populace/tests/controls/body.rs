@@ -33,11 +33,16 @@ const JOINTS: &[(&str, Option<usize>, [f32; 3])] = &[
 ];
 
 /// A turn of its own for each joint's axes, so that no test passes by them standing upright.
-fn axes(joint: usize) -> [f32; 4] {
+pub(crate) fn axes(joint: usize) -> [f32; 4] {
     let x = joint as f32;
     let v = [(x * 1.7).sin(), (x * 2.3).cos(), (x * 0.9).sin(), 0.4 + (x * 1.1).cos()];
     let length = quat::dot(v, v).sqrt();
     if joint == 0 { quat::identity() } else { v.map(|c| c / length) }
+}
+
+/// Where a joint of the source list rests in model space.
+pub(crate) fn rest_place(joint: usize) -> [f32; 3] {
+    JOINTS[joint].2
 }
 
 pub(crate) fn skeleton() -> Skeleton {

@@ -1,9 +1,10 @@
 //! Feet on the ground.
 
 use populace::core::math::vec3;
-use populace::{Feet, Foot, Ground, Placement, Play};
+use populace::core::{Character, CharacterSource, JointSource, Role, RoleMap, Side, Skeleton};
+use populace::{Feet, Foot, Ground, JointIndex, Placement, Play, Trs, Weight};
 
-use crate::body::{distance, everywhere, joint};
+use crate::body::{axes, character, distance, everywhere, joint, rest_place, skeleton};
 
 pub(crate) fn feet() -> Feet {
     let foot = |side: &str| Foot {
@@ -85,5 +86,84 @@ fn feet_follow_a_height_field() {
         println!("heights: {moved} m a frame in {planted} planted frames, {lifted} m off the ground");
         // The ground is interpolated, and its slope is not in what is asked here.
         assert!(moved < 0.002 && planted > 50 && lifted < 0.006, "{moved} {planted} {lifted}");
+    });
+}
+
+/// The body with feet that hang on its root.
+fn with_loose_feet() -> Character {
+    let plain = skeleton();
+    let joints = plain.joints().map(|joint| {
+        let name = plain.name(joint);
+        let rest = *plain.rest(joint);
+        let loose = Trs {
+            translation: rest_place(plain.source_from_joint(joint)),
+            rotation: axes(plain.source_from_joint(joint)),
+            ..rest
+        };
+        let parent = plain.parent(joint).map(JointIndex::index);
+        if name.ends_with("Foot") {
+            JointSource { name: name.into(), parent: Some(0), rest: loose }
+        } else {
+            JointSource { name: name.into(), parent, rest }
+        }
+    });
+    let skeleton = Skeleton::new(&joints.collect::<Vec<_>>()).expect("joints that are right");
+    let was = CharacterSource::clone(&character());
+    let entry = |entry: &populace::core::PaletteEntry| populace::core::PaletteEntry {
+        joint: skeleton.find(plain.name(entry.joint)).expect("a joint of that name"),
+        ..*entry
+    };
+    let palette = was.palette.iter().map(entry).collect();
+    Character::new(CharacterSource { skeleton, palette, ..was }).expect("a good character")
+}
+
+/// Hips and legs; the body lacks an arm, so that its roles are not found by themselves.
+fn roles(skeleton: &Skeleton) -> RoleMap {
+    let leg = |side: Side| [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)];
+    let legs = [leg(Side::Left), leg(Side::Right)].concat();
+    let names = ["leftUpperLeg", "leftLowerLeg", "leftFoot", "rightUpperLeg", "rightLowerLeg", "rightFoot"];
+    let mut all: Vec<_> = legs.into_iter().zip(names).collect();
+    all.push((Role::Hips, "hips"));
+    RoleMap::from_names(skeleton, &all).expect("hips and legs")
+}
+
+#[test]
+fn feet_that_hang_elsewhere_are_planted_once_they_hang_on_legs() {
+    let loose = with_loose_feet();
+    let hung = loose.with_feet_on_legs(&roles(&loose.skeleton)).expect("feet that can hang on legs");
+    // It is the body that it was made of, joint for joint.
+    let plain = character();
+    assert_eq!(hung.palette.len(), plain.palette.len());
+    for joint in plain.skeleton.joints() {
+        let found = hung.skeleton.find(plain.skeleton.name(joint)).expect("a joint of that name");
+        let parent = |skeleton: &Skeleton, joint| skeleton.parent(joint).map(|p| skeleton.name(p).to_owned());
+        assert_eq!(parent(&hung.skeleton, found), parent(&plain.skeleton, joint));
+        let (a, b) = (hung.skeleton.rest(found), plain.skeleton.rest(joint));
+        assert!(distance(a.translation, b.translation) < 1e-5, "{a:?} {b:?}");
+    }
+    everywhere(|stage| {
+        let slopes = [0.0, 0.2];
+        stage.crowd.set_ground(&Ground::plane(0.2, slopes).expect("a plane")).expect("ground");
+        let at = Placement::at([0.3, 0.2, 0.0]);
+        let mut planted = |character: Character| {
+            let roles = roles(&character.skeleton);
+            let id = stage.crowd.add_character(character).expect("room");
+            stage.crowd.set_roles(id, roles).expect("roles of its own");
+            let walk = stage.crowd.clip(id, "walk").expect("a clip of that name");
+            let member = stage.crowd.spawn(id, at).expect("room");
+            stage.crowd.play(member, walk, Play::looping()).expect("a clip that plays");
+            stage.crowd.plant_feet(member, Weight::FULL).map(|()| (id, member))
+        };
+        let refused = planted(loose.clone()).expect_err("feet would stay behind").to_string();
+        assert!(refused.contains("with_feet_on_legs"), "{refused}");
+        let members = [hung.clone(), character()].map(|body| planted(body).expect("feet"));
+        for _ in 0..20 {
+            stage.update(0.05);
+            let feet = members.map(|(id, member)| {
+                let foot = stage.crowd.character(id).expect("it").skeleton.find("leftFoot").expect("a foot");
+                stage.models(member)[foot.index()].origin()
+            });
+            assert!(distance(feet[0], feet[1]) < 1e-4, "{feet:?}");
+        }
     });
 }

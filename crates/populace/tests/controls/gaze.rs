@@ -106,16 +106,18 @@ fn limits_are_never_passed_and_the_gaze_never_snaps() {
 fn a_gaze_eases_in_over_and_out() {
     everywhere(|stage| {
         let (member, rest) = watcher(stage);
-        let at = |stage: &mut Stage, x: f32| {
+        let at = |stage: &mut Stage, x: f32, weight: Weight| {
             let target = Target::InModel([x, 1.2, 1.0]);
-            stage.crowd.look_with(member, &gaze(), target, Weight::FULL.over_secs(0.5)).expect("a gaze");
+            stage.crowd.look_with(member, &gaze(), target, weight).expect("a gaze");
         };
+        let weight = Weight::FULL.over_secs(0.5);
         let (mut last, mut turned) = (None, 0.0_f32);
         for step in 0..180_u16 {
             match step {
-                10 => at(stage, 2.0),
-                25 | 100 => at(stage, -2.0),
-                30 => at(stage, 0.5),
+                10 => at(stage, 2.0, weight),
+                25 => at(stage, -2.0, weight.easing_over()),
+                30 => at(stage, 0.5, weight.easing_over()),
+                100 => at(stage, -2.0, weight),
                 130 => stage.crowd.look_ahead(member, 0.5).expect("a member"),
                 _ => {}
             }

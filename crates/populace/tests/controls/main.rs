@@ -11,4 +11,5 @@ mod gaze;
 mod moves;
 mod overrides;
 mod reach;
+mod repeats;
 mod same;

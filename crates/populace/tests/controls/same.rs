@@ -121,10 +121,8 @@ fn nobody_is_moved_by_who_stands_beside_them() {
         // Two targets at once, for some.
         for (_, member) in members.iter().filter(|(number, _)| number % 4 == 1) {
             let target = Target::InModel([1.0, 1.2, 1.5]);
-            stage
-                .crowd
-                .look_with(*member, &gaze("spine"), target, Weight::FULL.over_secs(0.3))
-                .expect("a gaze");
+            let weight = Weight::FULL.over_secs(0.3).easing_over();
+            stage.crowd.look_with(*member, &gaze("spine"), target, weight).expect("a gaze");
         }
         stage.update(0.1);
         let mut of_kind: Vec<Vec<u32>> = vec![Vec::new(); usize::from(KINDS)];

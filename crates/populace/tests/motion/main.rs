@@ -210,6 +210,20 @@ fn walker(stage: &mut Stage, walk: ClipId) -> Member {
 }
 
 #[test]
+fn being_told_each_frame_to_be_moved_does_not_hold_a_member_back() {
+    everywhere(|stage| {
+        let (_, walk) = add(stage, straight("walk ahead", 1.0));
+        let member = walker(stage, walk);
+        for _ in 0..4 {
+            stage.update(0.125);
+            stage.crowd.move_by_clips(member, true).expect("a member");
+        }
+        let moved = stage.crowd.moved(member).expect("a member").position();
+        assert!(distance(moved, [0.0, 0.0, 0.5]) < 1e-4, "{moved:?}");
+    });
+}
+
+#[test]
 fn members_stay_where_they_are_on_a_move_before_the_newest_were_ever_evaluated() {
     everywhere(|stage| {
         let (_, walk) = add(stage, straight("walk ahead", 1.0));

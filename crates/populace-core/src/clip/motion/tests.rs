@@ -135,7 +135,64 @@ fn nothing_to_take_out_is_said() {
     let moved = clip.with_root_motion(&of("hips")).unwrap();
     assert!(refused(moved.with_root_motion(&of("hips"))).contains("taken out already"));
     let feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
-    assert!(refused(clip.with_root_motion(&feet)).contains("plants no foot"));
+    assert!(refused(clip.with_root_motion(&feet)).contains("no foot that is known"));
     let still = Clip::new(ClipSource::default(), &skeleton).unwrap();
-    assert!(refused(still.with_root_motion(&MotionSettings::default())).contains("MotionSource::Feet"));
+    let root = MotionSettings { from: MotionSource::Root, ..MotionSettings::default() };
+    assert!(refused(still.with_root_motion(&root)).contains("MotionSource::Feet"));
+}
+
+/// Hips with two feet that tread in place, a step each, `reach` metres long, and hips that go `far` metres ahead.
+fn tread(reach: f32, far: f32) -> Clip {
+    let joint = |name: &str, parent, translation| JointSource {
+        name: name.into(),
+        parent,
+        rest: Trs { translation, ..Trs::IDENTITY },
+    };
+    let skeleton = Skeleton::new(&[
+        joint("hips", None, [0.0, 1.0, 0.0]),
+        joint("foot.l", Some(0), [0.1, -1.0, 0.0]),
+        joint("foot.r", Some(0), [-0.1, -1.0, 0.0]),
+        joint("head", Some(0), [0.0, 0.8, 0.0]),
+    ]);
+    let times = vec![0.0, 0.5, 0.75, 1.0];
+    let track = |joint: &str, values: [[f32; 3]; 4]| Track {
+        joint: joint.into(),
+        property: Property::Translation,
+        interpolation: Interpolation::Linear,
+        times: times.clone(),
+        values: values.concat(),
+    };
+    let (front, back, up) = (reach / 2.0, -reach / 2.0, -0.8);
+    let hips = |part: f32| [0.08 * part * (1.0 - part), 1.0, far * part];
+    let tracks = vec![
+        track("hips", [hips(0.0), hips(0.5), hips(0.75), hips(1.0)]),
+        track("foot.l", [[0.1, -1.0, front], [0.1, -1.0, back], [0.1, up, 0.0], [0.1, -1.0, front]]),
+        track("foot.r", [[-0.1, -1.0, back], [-0.1, -1.0, front], [-0.1, -1.0, 0.0], [-0.1, -1.0, back]]),
+    ];
+    Clip::new(ClipSource { name: "tread".into(), tracks }, &skeleton.unwrap()).unwrap()
+}
+
+#[test]
+fn one_call_moves_walks_of_both_kinds_and_lets_idles_stand() {
+    let chosen = |clip: &Clip| {
+        let taken = clip.with_root_motion(&MotionSettings::default()).unwrap();
+        let motion = taken.root_motion().unwrap();
+        let left = taken.source() == clip.source();
+        (motion.origin().clone(), motion.metres_per_sec(), motion.looped(0.0, 4.0).0[2], left)
+    };
+    let (origin, speed, after, left) = chosen(&tread(0.0, 1.5));
+    assert_eq!((origin, left), (MotionOrigin::Joint("hips".into()), false));
+    assert!((speed - 1.5).abs() < 0.01 && (after - 6.0).abs() < 1e-3, "{speed} {after}");
+    let walk = tread(0.6, 0.0);
+    let (origin, speed, after, left) = chosen(&walk);
+    assert_eq!((origin, left), (MotionOrigin::Feet, true));
+    assert_eq!(Some(speed), walk.stats().ground_speed_m_per_sec);
+    assert!(speed > 0.5 && (after - 4.0 * speed).abs() < 1e-3, "{speed} {after}");
+    // Hips that sway, feet that stay, and a clip that moves nothing at all.
+    for idle in [tread(0.01, 0.02), Clip::new(ClipSource::default(), &walker()).unwrap()] {
+        assert_eq!(chosen(&idle), (MotionOrigin::Nothing, 0.0, 0.0, true));
+    }
+    // A turn on the spot is motion, too.
+    let (origin, ..) = chosen(&curve(&walker()));
+    assert_eq!(origin, MotionOrigin::Joint("hips".into()));
 }

@@ -1,0 +1,64 @@
+//! Clips bound to the bodies that play them, and how well they fit.
+
+use std::sync::Arc;
+
+use populace_core::{Binding, BindingReport, Clip};
+
+use super::{CharacterId, CharacterState, ClipId, Crowd};
+use crate::Error;
+
+/// A clip bound to a body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bound {
+    /// Among the bound clips of the tables.
+    pub(super) index: u32,
+    report: BindingReport,
+}
+
+impl Crowd {
+    /// How well a clip fits a character: the way in which its joints are found, the share of those it moves that are bound, and
+    /// how far the rest poses are apart.
+    ///
+    /// Below [`BindingReport::LEAST_SHARE`] a clip that is bound by names alone is refused when it is played, unless by
+    /// [`Play::partial`](crate::Play::partial). Between that and 80 % it plays, and a part of the motion is missing.
+    ///
+    /// # Errors
+    ///
+    /// An id of another crowd, or a clip that moves no joint of the character.
+    pub fn binding(&self, character: CharacterId, clip: ClipId) -> Result<BindingReport, Error> {
+        let (state, known) = self.to_bind(character, clip)?;
+        match self.bound_clips.get(&(state.body, clip.index)) {
+            Some(bound) => Ok(bound.report),
+            None => Ok(*self.make_binding(state, known)?.report()),
+        }
+    }
+
+    /// Binds a clip to a character's body, or finds how it was bound. `partial` lets names alone bind any share of it.
+    pub(super) fn bind(&mut self, character: CharacterId, clip: ClipId, partial: bool) -> Result<u32, Error> {
+        let (state, known) = self.to_bind(character, clip)?;
+        let key = (state.body, clip.index);
+        let check = |report: &BindingReport| if partial { Ok(()) } else { report.check(known.name()) };
+        if let Some(bound) = self.bound_clips.get(&key) {
+            check(&bound.report)?;
+            return Ok(bound.index);
+        }
+        let binding = self.make_binding(state, known)?;
+        let report = *binding.report();
+        check(&report)?;
+        let index = self.tables.add_bound_clip(clip.index.0, key.0, &binding)?;
+        self.bound_clips.insert(key, Bound { index, report });
+        Ok(index)
+    }
+
+    fn to_bind(&self, character: CharacterId, clip: ClipId) -> Result<(&CharacterState, &Arc<Clip>), Error> {
+        self.check_crowd("clip", clip.crowd, clip.index.0)?;
+        let known = self.clips.get(clip.index);
+        let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+        Ok((self.character_state(character)?, known))
+    }
+
+    fn make_binding(&self, state: &CharacterState, clip: &Arc<Clip>) -> Result<Binding, Error> {
+        let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
+        Ok(Binding::partial(clip, self.roles_of(clip).as_ref(), skeleton, roles)?)
+    }
+}

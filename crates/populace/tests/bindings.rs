@@ -1,0 +1,111 @@
+//! How well clips fit characters: what is told, refused, and played on request.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
+
+use std::sync::Arc;
+
+use populace::core::{
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
+    Skeleton, Track,
+};
+use populace::{
+    Affine, BindingWay, BlendSpace, Crowd, Device, JointIndex, Placement, Play, StateMachine, Trs,
+};
+
+/// A chain of joints, each turned by an angle from the one before.
+fn skeleton(names: &[&str], turn_rad: f32) -> Skeleton {
+    let rotation = [(0.5 * turn_rad).sin(), 0.0, 0.0, (0.5 * turn_rad).cos()];
+    let joint = |(nth, name): (usize, &&str)| JointSource {
+        name: (*name).into(),
+        parent: nth.checked_sub(1),
+        rest: Trs { translation: [0.0, 0.5, 0.0], rotation, ..Trs::IDENTITY },
+    };
+    Skeleton::new(&names.iter().enumerate().map(joint).collect::<Vec<_>>()).unwrap()
+}
+
+/// A clip that turns these joints of a skeleton.
+fn clip(name: &str, skeleton: &Skeleton, joints: &[&str]) -> Arc<Clip> {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let track = |joint: &&str| Track {
+        joint: (*joint).into(),
+        property: Property::Rotation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![0.0, 0.0, 0.0, 1.0, half, 0.0, 0.0, half],
+    };
+    let tracks = joints.iter().map(track).collect();
+    Arc::new(Clip::new(ClipSource { name: name.into(), tracks }, skeleton).unwrap())
+}
+
+const BODY: [&str; 4] = ["root", "middle", "top", "tip"];
+/// One name of seven is that of a joint of the body.
+const OTHER: [&str; 7] = ["root", "a", "b", "c", "d", "e", "f"];
+
+fn post() -> Character {
+    let entry = |joint| PaletteEntry { joint: JointIndex(joint), joint_from_bind: Affine::IDENTITY };
+    let skeleton = skeleton(&BODY, 0.0);
+    Character::new(CharacterSource {
+        name: "post".into(),
+        palette: (0..4).map(entry).collect(),
+        parts: vec![],
+        materials: vec![],
+        images: vec![],
+        skins: vec![],
+        clips: vec![clip("Own", &skeleton, &BODY)],
+        skeleton,
+    })
+    .unwrap()
+}
+
+#[test]
+fn bindings_tell_their_share_and_how_far_rests_are_apart() {
+    let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+    let id = crowd.add_character(post()).unwrap();
+    let own = crowd.clip(id, "Own").unwrap();
+    let mut told = |clip: &Arc<Clip>| {
+        let clip = crowd.add_clip(id, clip).unwrap();
+        let report = crowd.binding(id, clip).unwrap();
+        (report.way, report.bound_joints, report.moving_joints, report.rest_turn_rad, report.rest_shift)
+    };
+    assert_eq!(told(&clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)), (BindingWay::Names, 1, 7, 0.0, 0.0));
+    // One that moves the tip alone of a skeleton that rests alike fits wholly.
+    let tip = clip("Tip", &skeleton(&BODY, 0.0), &["tip"]);
+    assert_eq!(told(&tip), (BindingWay::SameRest, 1, 1, 0.0, 0.0));
+    let (way, bound, moving, turned, shift) = told(&clip("Turned", &skeleton(&BODY, 0.5), &BODY));
+    assert_eq!((way, bound, moving, shift), (BindingWay::Names, 4, 4, 0.0));
+    assert!((turned - 0.5).abs() < 1e-3, "{turned}");
+    let report = crowd.binding(id, own).unwrap();
+    assert_eq!((report.way, report.share()), (BindingWay::SameRest, 1.0));
+}
+
+#[test]
+fn a_clip_that_shares_an_accidental_name_plays_on_request_alone() {
+    let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+    let id = crowd.add_character(post()).unwrap();
+    let stray = crowd.add_clip(id, &clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)).unwrap();
+    let own = crowd.clip(id, "Own").unwrap();
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    let machine = |play: Play| StateMachine::new().state("stray", stray, play);
+    for requested in [false, true, false] {
+        let play = if requested { Play::looping().partial() } else { Play::looping() };
+        let space = crowd.add_space(BlendSpace::line(&[(own, 0.0), (stray, 1.0)]).unwrap()).unwrap();
+        let machine = crowd.add_machine(&machine(play)).unwrap();
+        let results = [
+            crowd.run_machine(member, machine, Play::looping()).map(|_| ()),
+            crowd.play_space(member, space, 0.5, play),
+            crowd.play(member, stray, play).map(|_| ()),
+        ];
+        for result in results {
+            match result {
+                Ok(()) => assert!(requested, "played without a request"),
+                Err(error) => {
+                    let text = error.to_string();
+                    assert!(!requested && text.contains("the names of 1 of the 7 joints"), "{text}");
+                }
+            }
+        }
+    }
+    crowd.update(0.5).unwrap();
+    assert_eq!(crowd.playing(member).unwrap()[0].clip, stray);
+}
