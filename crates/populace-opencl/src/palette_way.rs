@@ -16,18 +16,20 @@ use crate::pages::Pages;
 pub struct EmptyPalettes {
     queue: Arc<CommandQueue>,
     pages: Pages,
+    not_for_gl: Option<String>,
     // Declared last: a context of OpenGL's that it was made for must outlive everything above.
     device: Arc<OpenClDevice>,
 }
 
 impl EmptyPalettes {
-    /// For a device that is open.
+    /// For a device that is open; `not_for_gl` tells why it could not be opened for the context of OpenGL's.
     ///
     /// # Errors
     ///
     /// [`BackendError::Failed`] where the driver gives no queue.
-    pub fn new(device: &Arc<OpenClDevice>) -> Result<Self, BackendError> {
-        Ok(Self { queue: Arc::new(device.queue()?), pages: Pages::default(), device: Arc::clone(device) })
+    pub fn new(device: &Arc<OpenClDevice>, not_for_gl: Option<String>) -> Result<Self, BackendError> {
+        let (queue, pages) = (Arc::new(device.queue()?), Pages::default());
+        Ok(Self { queue, pages, not_for_gl, device: Arc::clone(device) })
     }
 }
 
@@ -37,7 +39,8 @@ impl PaletteSource for EmptyPalettes {
     }
 
     fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
-        self.device.refuses(way, context)
+        let not_for_gl = self.not_for_gl.clone().filter(|_| way == PaletteWay::Shared);
+        not_for_gl.or_else(|| self.device.refuses(way, context))
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {

@@ -6,7 +6,7 @@ use populace::Crowd;
 use populace_render::{Camera, Renderer};
 
 use crate::cast::{Wanted, built_in, role};
-use crate::cli::DemoArgs;
+use crate::cli::{DemoArgs, build};
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
 use crate::studio::{Studio, check_output, devices_and_shares, drawn_with};
@@ -17,16 +17,10 @@ const FRAME_SECS: f32 = 1.0 / 60.0;
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
     check_output(&args.out, "png")?;
-    if args.device.device.is_none() {
-        // Missing devices are no reason to stop, but one to tell what would mend it.
-        for missing in populace::devices().iter().filter(|report| report.device.is_none()) {
-            crate::report::talk!("{} cannot be used: {}", missing.name, missing.detail);
-        }
-    }
     let members = args.members;
     let renderer = Renderer::headless(args.size.0);
     let builder = args.device.crowd().capacity(members as usize).slots_per_member(1);
-    let mut crowd = drawn_with(builder, &renderer).build()?;
+    let mut crowd = build(drawn_with(builder, &renderer))?;
     crate::report::talk!("{members} people made by code, on {}", crowd.device_name());
     let people = built_in("people")?;
     let roles = people

@@ -8,7 +8,7 @@ use populace_assets::Imported;
 use serde_json::{Value, json};
 
 use crate::aim;
-use crate::cli::{PoseArgs, VertexId};
+use crate::cli::{PoseArgs, VertexId, build};
 use crate::failure::Failure;
 use crate::mix::{self, SlotArg};
 use crate::report::{self, as_typed};
@@ -32,7 +32,7 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     // --clip and --time are one slot in other words.
     let named = args.clip.as_deref().map(|clip| SlotArg::alone(clip, args.time));
     let slots = named.as_ref().map_or(args.slot.as_slice(), std::slice::from_ref);
-    let mut crowd = args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)).build()?;
+    let mut crowd = build(args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)))?;
     let id = crowd.add_character(Arc::clone(&character))?;
     if let Some(file) = &args.clips {
         for clip in &populace_assets::load(file)?.character.clips {

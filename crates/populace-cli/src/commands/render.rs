@@ -3,7 +3,7 @@
 use populace_render::{Camera, Renderer};
 
 use crate::cast::{self, Role, Wanted};
-use crate::cli::{RenderArgs, View};
+use crate::cli::{RenderArgs, View, build};
 use crate::failure::Failure;
 use crate::staging::{Plan, Staging};
 use crate::studio::{Studio, check_kind, check_output, devices_and_shares, drawn_with, frame_path};
@@ -15,7 +15,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     // Without OpenGL the inputs are still checked first: what is wrong with them is of more use.
     let renderer = Renderer::headless(args.size.0);
     let builder = args.device.crowd().capacity(args.members as usize).slots_per_member(1);
-    let mut crowd = drawn_with(builder, &renderer).build()?;
+    let mut crowd = build(drawn_with(builder, &renderer))?;
     let wanted = Wanted { clip: args.clip.as_deref(), root_motion: args.root_motion };
     let roles = cast::load(&mut crowd, &args.inputs, &args.clips, wanted, args.height)?;
     check_hidden(&roles, &args.hide)?;

@@ -2,6 +2,7 @@
 
 mod aim;
 mod bench;
+mod drivers;
 mod mix;
 mod pictures;
 mod post;

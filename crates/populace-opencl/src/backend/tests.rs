@@ -401,7 +401,7 @@ const SHARED_FOLDER: &str = "POPULACE_TEST_SHARED_FOLDER";
 #[test]
 fn processes_that_build_at_once_leave_one_whole_program() {
     if let Some(folder) = std::env::var_os(SHARED_FOLDER) {
-        for number in 0..4 {
+        for number in 0..2 {
             assert_eq!(number_by(folder.as_ref(), &writes(number)), number);
         }
         return;
@@ -412,10 +412,10 @@ fn processes_that_build_at_once_leave_one_whole_program() {
         let mut process = std::process::Command::new(std::env::current_exe().unwrap());
         process.args(["--exact", this_test]).env(SHARED_FOLDER, folder.path()).spawn().unwrap()
     };
-    let processes: Vec<_> = (0..3).map(start).collect();
+    let processes: Vec<_> = (0..2).map(start).collect();
     for mut process in processes {
         assert!(process.wait().unwrap().success());
     }
-    assert_eq!(programs_in(folder.path()).len(), 4);
-    assert_eq!(number_by(folder.path(), &writes(2)), 2);
+    assert_eq!(programs_in(folder.path()).len(), 2);
+    assert_eq!(number_by(folder.path(), &writes(1)), 1);
 }
