@@ -419,3 +419,16 @@ fn processes_that_build_at_once_leave_one_whole_program() {
     assert_eq!(programs_in(folder.path()).len(), 2);
     assert_eq!(number_by(folder.path(), &writes(1)), 1);
 }
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_buffer_that_grows_keeps_its_elements_and_ends_in_zeros() {
+    let (device, count) = (device(), 150_000);
+    let queue = device.queue().unwrap();
+    let mut buffer = crate::buffer::Buffer::<u32>::new(&device, 3, "a test").unwrap();
+    buffer.write(&queue, 0, &[7, 8, 9]).unwrap();
+    buffer.grow(&device, &queue, count, "a test").unwrap();
+    let mut elements = vec![1; buffer.len()];
+    buffer.read(&queue, 0, &mut elements).unwrap();
+    assert!(elements.len() >= count && elements[..3] == [7, 8, 9] && elements[3..].iter().all(|e| *e == 0));
+}
