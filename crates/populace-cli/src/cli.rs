@@ -5,10 +5,11 @@ mod values;
 use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use populace::{Crowd, CrowdBuilder, Device, Devices, Schedule, Split};
+use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
 
 use crate::aim::{Point, ReachArg};
 use crate::bench::{Load, Way};
+use crate::failure::Failure;
 use crate::mix::{LayerArg, SlotArg};
 pub(crate) use values::{Size, VertexId, View};
 use values::{frame_rate, height, percent};
@@ -99,15 +100,20 @@ pub(crate) struct DeviceArgs {
 }
 
 impl DeviceArgs {
-    /// What is named, or the best device there is.
-    pub(crate) fn devices(&self) -> Devices {
-        self.device.clone().unwrap_or_else(|| Device::best().into())
-    }
-
-    /// A crowd to be built there.
+    /// A crowd to be built there, or on the best device where none is named.
     pub(crate) fn crowd(&self) -> CrowdBuilder {
-        Crowd::builder().devices(self.devices()).split(self.split.clone()).schedule(self.schedule)
+        let builder = Crowd::builder().split(self.split.clone()).schedule(self.schedule);
+        self.device.iter().cloned().fold(builder, CrowdBuilder::devices)
     }
+}
+
+/// Builds a crowd, and says so where it is on the native device although none was named.
+pub(crate) fn build(builder: CrowdBuilder) -> Result<Crowd, Failure> {
+    let crowd = builder.build()?;
+    if let Some(reason) = crowd.fallback() {
+        crate::report::talk!("on the native device: {reason}");
+    }
+    Ok(crowd)
 }
 
 #[derive(Args, Debug)]

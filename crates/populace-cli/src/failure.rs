@@ -49,7 +49,8 @@ impl From<populace::Error> for Failure {
     fn from(error: populace::Error) -> Self {
         use populace::Error;
         match error {
-            Error::Backend(BackendError::NoRuntime) | Error::WithoutOpenCl => Self::NoDevice(error.into()),
+            Error::Backend(BackendError::NoRuntime { .. } | BackendError::Unusable { .. })
+            | Error::WithoutOpenCl => Self::NoDevice(error.into()),
             Error::Backend(BackendError::NoDevice { .. } | BackendError::NoPart { .. })
             | Error::Data(populace::core::Error::UnknownJoints { .. })
             | Error::UnknownClip { .. }

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::bench::{median, ms_since};
 use crate::cast::{self, Role, Wanted};
-use crate::cli::{PictureArgs, View};
+use crate::cli::{PictureArgs, View, build};
 use crate::failure::Failure;
 use crate::names::hint;
 use crate::output::{self, Pictures, check_inputs, check_writable};
@@ -72,7 +72,7 @@ impl Film<'_> {
         // Without OpenGL the inputs are still checked first: what is wrong with them is of more use.
         let renderer = Renderer::headless(args.size.0);
         let builder = args.device.crowd().capacity(self.members as usize).slots_per_member(1);
-        let mut crowd = drawn_with(builder, &renderer).build()?;
+        let mut crowd = build(drawn_with(builder, &renderer))?;
         #[cfg(unix)]
         crate::aborts::end_with_a_code();
         let wanted = Wanted { clip: args.clip.as_deref(), root_motion: args.root_motion };

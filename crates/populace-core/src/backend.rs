@@ -218,9 +218,20 @@ impl Frame {
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BackendError {
-    /// No driver to load.
-    #[error("no OpenCL runtime on this machine; install a GPU driver or PoCL, or choose the native device")]
-    NoRuntime,
+    /// No driver that gives a device.
+    #[error("OpenCL cannot be used: {cause}; or choose the native device")]
+    NoRuntime {
+        /// What each driver lacks, or that there is none.
+        cause: String,
+    },
+    /// A device whose driver lacks something on this machine.
+    #[error("{device} cannot be used: {cause}; or choose the native device")]
+    Unusable {
+        /// The device's name.
+        device: String,
+        /// What it lacks, and how to mend it.
+        cause: String,
+    },
     /// A device that does not exist.
     #[error("there is no OpenCL device {index}; {count} found (`populace devices` lists them)")]
     NoDevice {

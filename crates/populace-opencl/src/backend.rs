@@ -13,7 +13,6 @@ use populace_core::{
 };
 
 use crate::fused::Fused;
-use crate::gl_sharing::NOT_OFFERED;
 use crate::keeping::Keeping;
 use crate::launch::Launch;
 use crate::machines::Machines;
@@ -61,10 +60,13 @@ pub(crate) struct On<'a> {
 
 /// Ways to write palettes with a constant.
 struct Floors {
-    /// Each with the float4s that one work-item writes.
-    kernels: [(Kernel, usize); 3],
+    /// Each with the float4s that one work-item writes; built when a floor is first written.
+    kernels: Vec<(Kernel, usize)>,
     group: usize,
 }
+
+/// The kernels of [`Floors`], each with the float4s that one work-item writes.
+const FLOORS: [(&str, usize); 3] = [("floor_float4", 1), ("floor_matrix", 3), ("floor_run", 48)];
 
 impl OpenClBackend {
     /// A backend for one crowd on a device. [`Schedule::Fused`] takes the form that suits its kind.
@@ -95,7 +97,6 @@ impl OpenClBackend {
             Plan::Fused(fused) => fused.stage_kernels.0,
         };
         let group = device.group_size(shape.group);
-        let floor = |name, float4s| Ok((device.kernel(Form::Common, "", name)?, float4s));
         Ok(Self {
             queue: Arc::new(device.queue()?),
             schedule,
@@ -107,10 +108,7 @@ impl OpenClBackend {
             machines: Machines::new(device, form, group)?,
             pages: Pages::default(),
             has_run: false,
-            floors: Floors {
-                kernels: [floor("floor_float4", 1)?, floor("floor_matrix", 3)?, floor("floor_run", 48)?],
-                group,
-            },
+            floors: Floors { kernels: Vec::new(), group },
             device: Arc::clone(device),
         })
     }
@@ -347,6 +345,10 @@ impl Backend for OpenClBackend {
     }
 
     fn write_floor(&mut self, _tables: &Tables) -> Result<f64, BackendError> {
+        if self.floors.kernels.is_empty() {
+            let kernel = |(name, float4s)| Ok((self.device.kernel(Form::Floor, "", name)?, float4s));
+            self.floors.kernels = FLOORS.into_iter().map(kernel).collect::<Result<_, _>>()?;
+        }
         self.pages.begin_frame().map_err(|e| self.device.failed("write the floor", &e))?;
         let mut best = f64::INFINITY;
         for (kernel, per_item) in &self.floors.kernels {
@@ -374,18 +376,7 @@ impl PaletteSource for OpenClBackend {
     }
 
     fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
-        let reason = match (way, &self.device.gl) {
-            (PaletteWay::Mapped, _) if self.device.info.kind != DeviceKind::Cpu => {
-                "it does not work in the host's memory"
-            }
-            (PaletteWay::Shared, Some(gl)) if gl.handles() != context.handles() => {
-                "its OpenCL context was made for another context of OpenGL's"
-            }
-            (PaletteWay::Shared, None) if !self.device.info.shares_with_gl => NOT_OFFERED,
-            (PaletteWay::Shared, None) => "its OpenCL context was not made for one of OpenGL's",
-            _ => return None,
-        };
-        Some(reason.into())
+        self.device.refuses(way, context)
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {

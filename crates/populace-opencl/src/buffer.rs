@@ -42,6 +42,11 @@ elements! {
     Runner => Runner::NAME, Running => Running::NAME,
 }
 
+/// Elements written at once where a buffer is filled with zeros.
+const ZEROS: usize = 1 << 16;
+
+/// `CL_OUT_OF_HOST_MEMORY`.
+const OUT_OF_HOST_MEMORY: i32 = -6;
 /// `CL_INVALID_VALUE`.
 pub(crate) const INVALID_VALUE: i32 = -30;
 
@@ -253,6 +258,8 @@ impl<T: Element> Buffer<T> {
         if into.read.is_some() {
             return Err(ClError(INVALID_VALUE));
         }
+        let more = count.saturating_sub(into.elements.len());
+        into.elements.try_reserve(more).map_err(|_| ClError(OUT_OF_HOST_MEMORY))?;
         into.elements.resize(count, T::zeroed());
         if count > 0 {
             let (bytes, address) = (count * size_of::<T>(), into.elements.as_mut_ptr().cast());
@@ -280,7 +287,10 @@ impl<T: Element> Buffer<T> {
         }
         let room = count.next_power_of_two();
         let mut larger = Self::new(device, room, what)?;
-        let filled = larger.write(queue, 0, &vec![T::zeroed(); room]);
+        let zeros = vec![T::zeroed(); room.min(ZEROS)];
+        let mut firsts = (0..room).step_by(ZEROS);
+        let filled =
+            firsts.try_for_each(|first| larger.write(queue, first, &zeros[..ZEROS.min(room - first)]));
         filled.and_then(|()| larger.copy_from(queue, self)).map_err(|e| device.failed("make room", &e))?;
         *self = larger;
         Ok(())

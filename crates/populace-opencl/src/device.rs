@@ -1,4 +1,4 @@
-//! OpenCL devices: finding them, and one of them made ready.
+//! An OpenCL device or a part of one, made ready, and the programs built for it.
 #![expect(
     unsafe_code,
     reason = "the OpenCL API is C; creating a command queue is part of the crate's boundary to it"
@@ -11,129 +11,22 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
 use opencl3::context::Context;
 use opencl3::device::{
-    CL_DEVICE_PARTITION_EQUALLY, CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_CPU, CL_DEVICE_TYPE_GPU,
-    CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device, SubDevice,
+    CL_DEVICE_PARTITION_EQUALLY, CL_DEVICE_TYPE_CPU, CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device, SubDevice,
 };
 use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel;
-use opencl3::platform::get_platforms;
+use opencl3::platform::Platform;
 use opencl3::program::Program;
-use populace_core::{BackendError, GlContext};
+use populace_core::{BackendError, GlContext, PaletteWay};
 
-use crate::gl_sharing::{NOT_OFFERED, context_for, is_offered};
+use crate::cache::{Cache, Entry as CacheEntry};
+use crate::finding::{DeviceInfo, all_devices, info};
+use crate::gl_sharing::{NOT_OFFERED, context_for};
 use crate::program::Form;
-
-/// What cl3 answers when there is no libOpenCL to load.
-const NO_LIBRARY: i32 = -2000;
-/// `CL_PLATFORM_NOT_FOUND_KHR`: a loader without any driver.
-const NO_PLATFORM: i32 = -1001;
-/// `CL_DEVICE_NOT_FOUND`: a driver without any device.
-const NO_DEVICE: i32 = -1;
+use crate::{DeviceKind, pocl};
 
 /// Programs that a device keeps for crowds to come, before it forgets those with users' stages.
 const PROGRAMS_KEPT: usize = 16;
-
-/// What a device is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum DeviceKind {
-    /// A graphics processor.
-    Gpu,
-    /// The host's processor.
-    Cpu,
-    /// Anything else.
-    Other,
-}
-
-/// A device for people to choose from.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DeviceInfo {
-    /// The number that [`OpenClDevice::open`] takes.
-    pub index: usize,
-    /// The device's own name.
-    pub name: String,
-    /// The driver and its version.
-    pub driver: String,
-    /// What it is.
-    pub kind: DeviceKind,
-    /// Compute units.
-    pub compute_units: u32,
-    /// Into how many equal parts the device can be cut at most, for [`OpenClDevice::open_part`]; 1 where it cannot be cut.
-    pub most_parts: u32,
-    /// Memory in bytes.
-    pub memory_bytes: u64,
-    /// The most that can be allocated at once, in bytes.
-    pub max_allocation_bytes: u64,
-    /// What the work-items of a group share, in bytes.
-    pub local_memory_bytes: u64,
-    /// Whether the driver offers `cl_khr_gl_sharing`; see [`OpenClDevice::open_for_gl`].
-    pub shares_with_gl: bool,
-}
-
-/// All OpenCL devices of this machine, in the order of their platforms.
-///
-/// # Errors
-///
-/// [`BackendError::NoRuntime`] without libOpenCL or without any driver.
-pub fn devices() -> Result<Vec<DeviceInfo>, BackendError> {
-    let found = all_devices()?;
-    found
-        .iter()
-        .enumerate()
-        .map(|(index, device)| info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e)))
-        .collect()
-}
-
-fn all_devices() -> Result<Vec<Device>, BackendError> {
-    // Two threads that ask for the first time at once can both be told that there is no platform: the loader's own
-    // set-up is not safe against that.
-    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-    let platforms = match get_platforms() {
-        Err(ClError(NO_LIBRARY | NO_PLATFORM)) => return Err(BackendError::NoRuntime),
-        other => other.map_err(|e| failed("OpenCL", "list its platforms", &e))?,
-    };
-    let mut devices = Vec::new();
-    for platform in platforms {
-        match platform.get_devices(CL_DEVICE_TYPE_ALL) {
-            Err(ClError(NO_DEVICE)) => {}
-            found => devices.extend(
-                found.map_err(|e| failed("OpenCL", "list its devices", &e))?.into_iter().map(Device::new),
-            ),
-        }
-    }
-    if devices.is_empty() { Err(BackendError::NoRuntime) } else { Ok(devices) }
-}
-
-fn info(index: usize, device: &Device) -> Result<DeviceInfo, ClError> {
-    let kind = device.dev_type()?;
-    Ok(DeviceInfo {
-        index,
-        name: device.name()?.trim().to_owned(),
-        driver: format!("{} {}", device.vendor()?.trim(), device.driver_version()?.trim()),
-        kind: if kind & CL_DEVICE_TYPE_GPU != 0 {
-            DeviceKind::Gpu
-        } else if kind & CL_DEVICE_TYPE_CPU != 0 {
-            DeviceKind::Cpu
-        } else {
-            DeviceKind::Other
-        },
-        compute_units: device.max_compute_units()?,
-        most_parts: most_parts(device)?,
-        memory_bytes: device.global_mem_size()?,
-        max_allocation_bytes: device.max_mem_alloc_size()?,
-        local_memory_bytes: device.local_mem_size()?,
-        shares_with_gl: is_offered(device)?,
-    })
-}
-
-fn most_parts(device: &Device) -> Result<u32, ClError> {
-    let is_cut_equally = device.partition_properties()?.contains(&CL_DEVICE_PARTITION_EQUALLY);
-    Ok(if is_cut_equally {
-        device.partition_max_sub_devices()?.clamp(1, device.max_compute_units()?)
-    } else {
-        1
-    })
-}
 
 /// One of the equal parts of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -185,6 +78,8 @@ pub struct OpenClDevice {
     pub(crate) device: Device,
     /// By form, and by what users' stages add to it.
     programs: Mutex<HashMap<(Form, String), Program>>,
+    /// Where programs are kept for later processes; `None` where that is left to the driver.
+    pub(crate) cache: Option<Cache>,
     /// What the context shares with; declared last, since that must outlive the context.
     pub(crate) gl: Option<Arc<dyn GlContext>>,
 }
@@ -194,7 +89,8 @@ impl OpenClDevice {
     ///
     /// # Errors
     ///
-    /// [`BackendError::NoRuntime`], [`BackendError::NoDevice`], or [`BackendError::Failed`].
+    /// [`BackendError::NoRuntime`], [`BackendError::NoDevice`], [`BackendError::Unusable`], or
+    /// [`BackendError::Failed`].
     pub fn open(index: usize) -> Result<Arc<Self>, BackendError> {
         Self::open_with(index, None, None)
     }
@@ -237,6 +133,9 @@ impl OpenClDevice {
         let describe = |device| info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e));
         let device = part.map_or(Ok(whole), |part| part_of(&whole, &describe(&whole)?, part))?;
         let mut info = describe(&device)?;
+        if let Some(cause) = info.fault {
+            return Err(BackendError::Unusable { device: info.name, cause });
+        }
         if let Some(DevicePart { part, parts }) = part {
             info.name += &format!(", part {part} of {parts}");
         }
@@ -251,14 +150,56 @@ impl OpenClDevice {
                 context_for(&device, &**gl).map_err(|e| failed(&info.name, operation, &e))?
             }
         };
-        Ok(Arc::new(Self { info, context, device, programs: Mutex::default(), gl }))
+        // PoCL keeps kernels in a folder of its own. To give a program's binary it compiles each kernel once more.
+        let cache = if pocl::offers(&device) { None } else { Cache::of_user() };
+        Ok(Arc::new(Self { info, context, device, programs: Mutex::default(), cache, gl }))
     }
 
-    /// Builds kernels from their source; an error holds the compiler's log.
+    /// Builds kernels from their source, or takes them from the cache; an error holds the compiler's log.
     pub(crate) fn build(&self, source: &str) -> Result<Program, BackendError> {
+        let options = options(&self.device);
+        let entry = self.cache_entry(source, &options);
+        let kept = entry.as_ref().and_then(CacheEntry::read);
+        if let Some(program) = kept.and_then(|binary| self.load(&binary, &options)) {
+            return Ok(program);
+        }
+        let program = self.compile(source, &options)?;
+        // A driver that gives no binary costs later processes their time, and nothing else.
+        if let Some(entry) = entry
+            && let Ok([binary]) = program.get_binaries().as_deref()
+        {
+            entry.write(binary);
+        }
+        Ok(program)
+    }
+
+    /// The place in the cache of a program of this device. What its binary depends on names it: the native width of
+    /// vectors tells apart processors of one name.
+    fn cache_entry(&self, source: &str, options: &str) -> Option<CacheEntry> {
+        let (cache, device) = (self.cache.as_ref()?, &self.device);
+        let platform = Platform::new(device.platform().ok()?);
+        let width = device.native_vector_width_float().ok()?.to_string();
+        let driver = [device.driver_version().ok()?, device.version().ok()?];
+        let names =
+            [device.name().ok()?, device.vendor().ok()?, platform.name().ok()?, platform.version().ok()?];
+        let parts = names.iter().chain(&driver).chain([&width]).map(String::as_str);
+        Some(cache.entry(parts.chain([options, source])))
+    }
+
+    /// A program from its binary; `None` where the driver refuses it.
+    fn load(&self, binary: &[u8], options: &str) -> Option<Program> {
+        let id = self.device.id();
+        // SAFETY: the device belongs to the context, and one device comes with one binary.
+        let program = unsafe { Program::create_from_binary(&self.context, &[id], &[binary]) };
+        let mut program = program.ok()?;
+        program.build(&[id], options).ok()?;
+        Some(program)
+    }
+
+    fn compile(&self, source: &str, options: &str) -> Result<Program, BackendError> {
         let mut program = Program::create_from_source(&self.context, source)
             .map_err(|e| self.failed("take the kernels' source", &e))?;
-        if let Err(error) = program.build(&[self.device.id()], &options(&self.device)) {
+        if let Err(error) = program.build(&[self.device.id()], options) {
             let log = program.get_build_log(self.device.id()).unwrap_or_default();
             let (device, operation) = (self.info.name.clone(), "build the kernels".into());
             let cause = format!("{error}\n{}", log.trim());
@@ -271,6 +212,22 @@ impl OpenClDevice {
     #[must_use]
     pub fn info(&self) -> &DeviceInfo {
         &self.info
+    }
+
+    /// Why palettes cannot reach a context of OpenGL's in some way, as far as that shows without trying.
+    pub(crate) fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+        let reason = match (way, &self.gl) {
+            (PaletteWay::Mapped, _) if self.info.kind != DeviceKind::Cpu => {
+                "it does not work in the host's memory"
+            }
+            (PaletteWay::Shared, Some(gl)) if gl.handles() != context.handles() => {
+                "its OpenCL context was made for another context of OpenGL's"
+            }
+            (PaletteWay::Shared, None) if !self.info.shares_with_gl => NOT_OFFERED,
+            (PaletteWay::Shared, None) => "its OpenCL context was not made for one of OpenGL's",
+            _ => return None,
+        };
+        Some(reason.into())
     }
 
     /// As many work-items per group as wished for, or as the device allows.
@@ -316,7 +273,7 @@ fn in_stages(error: BackendError) -> BackendError {
     }
 }
 
-fn failed(device: &str, operation: &str, error: &ClError) -> BackendError {
+pub(crate) fn failed(device: &str, operation: &str, error: &ClError) -> BackendError {
     BackendError::Failed { device: device.into(), operation: operation.into(), cause: error.to_string() }
 }
 
@@ -327,5 +284,6 @@ fn options(device: &Device) -> String {
     let rounding = if rounded { " -cl-fp32-correctly-rounded-divide-sqrt" } else { "" };
     let is_cpu = device.dev_type().is_ok_and(|kind| kind & CL_DEVICE_TYPE_CPU != 0);
     let calls = if is_cpu { " -D CALLS" } else { "" };
-    format!("-cl-std=CL1.2 -cl-kernel-arg-info{rounding}{calls}")
+    // Without -w some compilers print a count of warnings to stderr.
+    format!("-w -cl-std=CL1.2 -cl-kernel-arg-info{rounding}{calls}")
 }

@@ -13,6 +13,9 @@ use opencl3::kernel::Kernel;
 
 use crate::buffer::{Buffer, Element};
 
+/// `CL_KERNEL_ARG_INFO_NOT_AVAILABLE`.
+const NO_ARGUMENT_INFO: i32 = -19;
+
 /// A launch in the making: arguments in the kernel's order, then [`run`](Self::run).
 ///
 /// Names and types are compared with what the compiled kernel says of itself wherever debug assertions are on, which
@@ -59,7 +62,7 @@ impl<'a> Launch<'a> {
     }
 
     fn check(&self, name: &str, kind: &str) {
-        if cfg!(debug_assertions) {
+        if cfg!(debug_assertions) && self.tells_of_arguments() {
             let has =
                 |what: Result<String, ClError>| what.unwrap_or_default().trim_end_matches('\0').to_owned();
             let (real, place) = (has(self.kernel.get_arg_name(self.next)), self.next);
@@ -67,6 +70,11 @@ impl<'a> Launch<'a> {
             let real = has(self.kernel.get_arg_type_name(self.next));
             assert_eq!(real, kind, "type of argument {name} of {:?}", self.kernel.function_name());
         }
+    }
+
+    /// Whether the driver knows the arguments; some forget them in a program's binary.
+    fn tells_of_arguments(&self) -> bool {
+        self.kernel.get_arg_name(self.next) != Err(ClError(NO_ARGUMENT_INFO))
     }
 
     fn set<A>(self, value: &A) -> Self {

@@ -21,13 +21,18 @@
 
 mod backend;
 mod buffer;
+mod cache;
 mod device;
+mod drivers;
+mod finding;
 mod fused;
 mod gl_sharing;
 mod keeping;
 mod launch;
 mod machines;
 mod pages;
+mod palette_way;
+mod pocl;
 mod program;
 mod stage_buffers;
 mod staged;
@@ -37,5 +42,7 @@ mod user_stages;
 mod waits;
 
 pub use backend::OpenClBackend;
-pub use device::{DeviceInfo, DeviceKind, DevicePart, OpenClDevice, devices};
+pub use device::{DevicePart, OpenClDevice};
+pub use finding::{DeviceInfo, DeviceKind, DriverFault, devices, driver_faults};
+pub use palette_way::EmptyPalettes;
 pub use populace_core::BackendError;

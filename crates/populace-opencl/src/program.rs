@@ -5,8 +5,10 @@ use populace_core::UserStage;
 /// What a program's kernels compute at once, and where the fused ones keep what a member plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Form {
-    /// Changes of tables, and the floor: what all schedules use.
+    /// Changes of tables, which all schedules use.
     Common,
+    /// The floor, which is only measured.
+    Floor,
     /// One joint for each work-item, through global memory.
     Staged,
     /// Sixteen joints at a time.
@@ -21,7 +23,7 @@ pub(crate) enum Form {
 impl Form {
     fn settings(self) -> String {
         match self {
-            Self::Common => String::new(),
+            Self::Common | Self::Floor => String::new(),
             Self::Staged => "#define LANES 1\n".into(),
             Self::Wide => "#define LANES 16\n#define FUSED __private\n".into(),
             Self::Grouped { group } => {
@@ -32,9 +34,8 @@ impl Form {
 
     fn kernels(self) -> &'static [&'static str] {
         match self {
-            Self::Common => {
-                &[include_str!("../kernels/apply_changes.cl"), include_str!("../kernels/floor.cl")]
-            }
+            Self::Common => &[include_str!("../kernels/apply_changes.cl")],
+            Self::Floor => &[include_str!("../kernels/floor.cl")],
             Self::Staged => &[
                 include_str!("../kernels/advance.cl"),
                 include_str!("../kernels/evaluate.cl"),
@@ -85,7 +86,7 @@ impl Form {
             include_str!("../kernels/motion.cl"),
             include_str!("../kernels/steps.cl"),
         ];
-        let arithmetic = if self == Self::Common { &[][..] } else { &arithmetic };
+        let arithmetic = if matches!(self, Self::Common | Self::Floor) { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();
         let (declared, tools) = if stages.is_empty() {
             ("", "")

@@ -147,6 +147,8 @@ pub struct Crowd {
     number: u32,
     devices: Devices,
     opened: Opened,
+    /// Why it is the native device, where none was named.
+    fallback: Option<String>,
     /// What devices are opened for.
     gl: Option<Arc<dyn GlContext>>,
     tables: Tables,

@@ -1,12 +1,13 @@
 //! Devices to evaluate a crowd on.
 
+mod prepare;
 mod set;
 
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use populace_core::{Backend, GlContext, Schedule};
+use populace_core::{Backend, GlContext, PaletteSource, Schedule};
 use populace_native::NativeBackend;
 
 use crate::Error;
@@ -59,10 +60,32 @@ impl Device {
         Self::OpenClPart { index, part, parts }
     }
 
-    /// The best device of this machine: an OpenCL GPU, else an OpenCL CPU, else the native one.
+    /// The best device of this machine: an OpenCL GPU, else an OpenCL CPU, else the native one. OpenCL devices whose
+    /// driver lacks something on this machine are passed over; [`devices`] names what each lacks.
     #[must_use]
     pub fn best() -> Self {
-        opencl::best().unwrap_or(Self::native())
+        Self::best_opencl().unwrap_or(Self::native())
+    }
+
+    /// The best OpenCL device, or why there is none.
+    pub(crate) fn best_opencl() -> Result<Self, String> {
+        opencl::best()
+    }
+
+    /// The palettes of no member on this device, for `Renderer::link_palettes`, which tells how palettes reach a
+    /// context of OpenGL's from here. No kernel is built for it.
+    ///
+    /// # Errors
+    ///
+    /// A device that is not there or cannot be opened.
+    pub fn empty_palettes(self, gl: &Arc<dyn GlContext>) -> Result<Box<dyn PaletteSource>, Error> {
+        match self {
+            Self::Native { threads } => Ok(Box::new(NativeBackend::new(threads, Schedule::default())?)),
+            Self::OpenCl { index } => opencl::empty_palettes((index, None), gl),
+            Self::OpenClPart { index, part, parts } => {
+                opencl::empty_palettes((index, Some((part, parts))), gl)
+            }
+        }
     }
 
     /// Opens the device; for a context of OpenGL's where one is given and the device's driver takes it.
@@ -183,8 +206,8 @@ mod opencl {
     use std::collections::HashMap;
     use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-    use populace_core::{GlContext, Schedule};
-    use populace_opencl::{DeviceKind, DevicePart, OpenClBackend, OpenClDevice};
+    use populace_core::{BackendError, GlContext, PaletteSource, Schedule};
+    use populace_opencl::{DeviceKind, DevicePart, EmptyPalettes, OpenClBackend, OpenClDevice};
 
     use super::{Device, DeviceReport, Engine, Opened};
     use crate::Error;
@@ -192,31 +215,58 @@ mod opencl {
     /// A device's number, and which part of how many.
     type Name = (usize, Option<(usize, usize)>);
 
-    pub(super) fn best() -> Option<Device> {
-        let found = populace_opencl::devices().ok()?;
-        let first = |kind| found.iter().find(|d| d.kind == kind);
-        first(DeviceKind::Gpu).or(first(DeviceKind::Cpu)).map(|d| Device::opencl(d.index))
+    pub(super) fn best() -> Result<Device, String> {
+        let found = populace_opencl::devices().map_err(|error| match error {
+            BackendError::NoRuntime { cause } => format!("OpenCL cannot be used: {cause}"),
+            other => other.to_string(),
+        })?;
+        let first = |kind| found.iter().find(|d| d.kind == kind && d.fault.is_none());
+        if let Some(device) = first(DeviceKind::Gpu).or(first(DeviceKind::Cpu)) {
+            return Ok(Device::opencl(device.index));
+        }
+        let faults =
+            found.iter().filter_map(|d| Some(format!("{} cannot be used: {}", d.name, d.fault.as_ref()?)));
+        let faults: Vec<_> = faults.collect();
+        Err(if faults.is_empty() {
+            "OpenCL offers neither a GPU nor a CPU".into()
+        } else {
+            faults.join("; ")
+        })
     }
 
-    /// Opens a device. Its context and kernels are for this crowd alone if made for OpenGL, else all crowds of this
-    /// process share them.
     pub(super) fn open(
         device: Name,
         schedule: Schedule,
         gl: Option<&Arc<dyn GlContext>>,
     ) -> Result<Opened, Error> {
-        let for_gl = gl.map(|gl| OpenClDevice::open_for_gl(device.0, part_of(device), Arc::clone(gl)));
-        let (device, not_for_gl) = match for_gl {
-            None => (shared(device)?, None),
-            Some(Ok(device)) => (device, None),
+        let (device, not_for_gl) = ready(device, gl)?;
+        Ok(Opened { engine: Engine::alone(OpenClBackend::new(&device, schedule)?), not_for_gl })
+    }
+
+    pub(super) fn empty_palettes(
+        device: Name,
+        gl: &Arc<dyn GlContext>,
+    ) -> Result<Box<dyn PaletteSource>, Error> {
+        let (device, not_for_gl) = ready(device, Some(gl))?;
+        Ok(Box::new(EmptyPalettes::new(&device, not_for_gl)?))
+    }
+
+    /// A device, and why it was not opened for the context of OpenGL's that was given. Its context and kernels are for
+    /// this caller alone if made for OpenGL, else all crowds of this process share them.
+    fn ready(
+        device: Name,
+        gl: Option<&Arc<dyn GlContext>>,
+    ) -> Result<(Arc<OpenClDevice>, Option<String>), Error> {
+        match gl.map(|gl| OpenClDevice::open_for_gl(device.0, part_of(device), Arc::clone(gl))) {
+            None => Ok((shared(device)?, None)),
+            Some(Ok(device)) => Ok((device, None)),
             Some(Err(error)) => {
                 let device = shared(device)?;
                 // Of a driver that does not offer it at all the backend itself tells.
                 let reason = device.info().shares_with_gl.then(|| error.to_string());
-                (device, reason)
+                Ok((device, reason))
             }
-        };
-        Ok(Opened { engine: Engine::alone(OpenClBackend::new(&device, schedule)?), not_for_gl })
+        }
     }
 
     fn part_of((_, part): Name) -> Option<DevicePart> {
@@ -237,15 +287,14 @@ mod opencl {
     }
 
     pub(super) fn reports() -> Vec<DeviceReport> {
+        let missing = |name, detail| DeviceReport { device: None, name, detail };
         let found = match populace_opencl::devices() {
             Ok(found) => found,
-            Err(error) => {
-                return vec![DeviceReport { device: None, name: "opencl".into(), detail: error.to_string() }];
-            }
+            Err(error) => return vec![missing("opencl".into(), error.to_string())],
         };
-        found
-            .into_iter()
-            .map(|d| DeviceReport {
+        let devices = found.into_iter().map(|d| match d.fault {
+            Some(fault) => missing(d.name, fault),
+            None => DeviceReport {
                 device: Some(Device::opencl(d.index)),
                 detail: format!(
                     "{}, {:?}, {} compute units{}, {} MiB, at most {} MiB at once",
@@ -261,8 +310,10 @@ mod opencl {
                     d.max_allocation_bytes >> 20
                 ),
                 name: d.name,
-            })
-            .collect()
+            },
+        });
+        let faults = populace_opencl::driver_faults().into_iter();
+        devices.chain(faults.map(|fault| missing(fault.driver, fault.cause))).collect()
     }
 }
 
@@ -270,13 +321,20 @@ mod opencl {
 mod opencl {
     use std::sync::Arc;
 
-    use populace_core::{GlContext, Schedule};
+    use populace_core::{GlContext, PaletteSource, Schedule};
 
     use super::{Device, DeviceReport, Opened};
     use crate::Error;
 
-    pub(super) fn best() -> Option<Device> {
-        None
+    pub(super) fn best() -> Result<Device, String> {
+        Err(Error::WithoutOpenCl.to_string())
+    }
+
+    pub(super) fn empty_palettes(
+        _device: (usize, Option<(usize, usize)>),
+        _gl: &Arc<dyn GlContext>,
+    ) -> Result<Box<dyn PaletteSource>, Error> {
+        Err(Error::WithoutOpenCl)
     }
 
     pub(super) fn open(

@@ -10,12 +10,6 @@ use crate::film::Film;
 const FRAMES: u32 = 20;
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
-    if args.picture.device.device.is_none() {
-        // Missing devices are no reason to stop, but one to tell what would mend it.
-        for missing in populace::devices().iter().filter(|report| report.device.is_none()) {
-            crate::report::talk!("{} cannot be used: {}", missing.name, missing.detail);
-        }
-    }
     let film = Film {
         inputs: &[PathBuf::from("@people")],
         members: args.members,

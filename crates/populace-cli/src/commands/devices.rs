@@ -1,6 +1,6 @@
 //! `populace devices`
 
-use populace::{Crowd, Device, DeviceReport};
+use populace::{Device, DeviceReport};
 use populace_render::{HandOver, Renderer};
 use serde_json::json;
 
@@ -49,10 +49,10 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
     report::text(&text)
 }
 
-/// Tries it with an empty crowd, since drivers tell the truth only when asked to do it.
+/// Tries it without a crowd, since drivers tell the truth only when asked to do it.
 fn tried(device: Device, renderer: &mut Renderer) -> Palettes {
-    let crowd = Crowd::builder().device(device).for_gl(renderer.gl_context()).build();
-    renderer.link_palettes(&mut crowd.map_err(|e| e.to_string())?).map_err(|e| e.to_string())
+    let palettes = device.empty_palettes(&renderer.gl_context());
+    renderer.link_palettes(&mut *palettes.map_err(|e| e.to_string())?).map_err(|e| e.to_string())
 }
 
 fn as_json(report: &DeviceReport, palettes: &Option<Palettes>, best: Device) -> serde_json::Value {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::aim;
 use crate::cast;
-use crate::cli::{PoseArgs, VertexId};
+use crate::cli::{PoseArgs, VertexId, build};
 use crate::failure::Failure;
 use crate::mix::{self, SlotArg};
 use crate::report::{self, as_typed};
@@ -33,7 +33,7 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     // --clip and --time are one slot in other words.
     let named = args.clip.as_deref().map(|clip| SlotArg::alone(clip, args.time));
     let slots = named.as_ref().map_or(args.slot.as_slice(), std::slice::from_ref);
-    let mut crowd = args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)).build()?;
+    let mut crowd = build(args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)))?;
     #[cfg(unix)]
     crate::aborts::end_with_a_code();
     let id = crowd.add_character(Arc::clone(&character))?;

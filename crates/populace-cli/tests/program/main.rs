@@ -3,6 +3,7 @@
 mod aim;
 mod bench;
 mod clipless;
+mod drivers;
 mod mix;
 mod outputs;
 mod pictures;

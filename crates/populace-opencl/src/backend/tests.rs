@@ -337,3 +337,98 @@ fn a_crowd_without_room_says_so_and_goes_on_once_members_have_left() {
         }
     }
 }
+
+/// A kernel that writes a number, for the tests of programs kept on disk.
+fn writes(number: u32) -> String {
+    format!("__kernel void number(__global uint *out) {{ *out = {number}u; }}")
+}
+
+/// Builds the source of a number on a device with a cache in a folder, and asks its kernel for the number.
+fn number_by(folder: &std::path::Path, source: &str) -> u32 {
+    let mut device = Arc::into_inner(OpenClDevice::open(0).unwrap()).unwrap();
+    device.cache = Some(crate::cache::Cache::in_folder(folder));
+    let program = device.build(source).unwrap();
+    let (kernel, queue) = (Kernel::create(&program, "number").unwrap(), device.queue().unwrap());
+    let out = crate::buffer::Buffer::<u32>::new(&device, 1, "a number").unwrap();
+    Launch::of(&kernel).buffer("out", &out).run(&queue, [1, 1], [1, 1]).unwrap();
+    let mut answer = [0];
+    out.read(&queue, 0, &mut answer).unwrap();
+    answer[0]
+}
+
+/// The files of programs in a folder.
+fn programs_in(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_program_in_the_cache_is_not_built_again() {
+    let [one, two] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    assert_eq!((number_by(one.path(), &writes(1)), number_by(two.path(), &writes(2))), (1, 2));
+    // The binary of the second in place of the first: were the first built again, it would say 1.
+    let ([first], [second]) = (&programs_in(one.path())[..], &programs_in(two.path())[..]) else {
+        panic!("each program is one file")
+    };
+    std::fs::copy(second, first).unwrap();
+    assert_eq!(number_by(one.path(), &writes(1)), 2);
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn what_the_driver_refuses_is_built_and_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(number_by(folder.path(), &writes(3)), 3);
+    let file = programs_in(folder.path()).remove(0);
+    let good = std::fs::read(&file).unwrap();
+    let no_program = {
+        let other = tempfile::tempdir().unwrap();
+        let cache = crate::cache::Cache::in_folder(other.path());
+        cache.entry(std::iter::empty()).write(b"no program of any driver");
+        std::fs::read(programs_in(other.path()).remove(0)).unwrap()
+    };
+    for bad in [no_program, good[..good.len() / 2].to_vec(), Vec::new()] {
+        std::fs::write(&file, &bad).unwrap();
+        assert_eq!(number_by(folder.path(), &writes(3)), 3);
+        assert_ne!(std::fs::read(&file).unwrap(), bad, "the bad entry of {} bytes stayed", bad.len());
+    }
+}
+
+/// Names the folder that a test's other process shares with it.
+const SHARED_FOLDER: &str = "POPULACE_TEST_SHARED_FOLDER";
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn processes_that_build_at_once_leave_one_whole_program() {
+    if let Some(folder) = std::env::var_os(SHARED_FOLDER) {
+        for number in 0..2 {
+            assert_eq!(number_by(folder.as_ref(), &writes(number)), number);
+        }
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let this_test = "backend::tests::processes_that_build_at_once_leave_one_whole_program";
+    let start = |_| {
+        let mut process = std::process::Command::new(std::env::current_exe().unwrap());
+        process.args(["--exact", this_test]).env(SHARED_FOLDER, folder.path()).spawn().unwrap()
+    };
+    let processes: Vec<_> = (0..2).map(start).collect();
+    for mut process in processes {
+        assert!(process.wait().unwrap().success());
+    }
+    assert_eq!(programs_in(folder.path()).len(), 2);
+    assert_eq!(number_by(folder.path(), &writes(1)), 1);
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn a_buffer_that_grows_keeps_its_elements_and_ends_in_zeros() {
+    let (device, count) = (device(), 150_000);
+    let queue = device.queue().unwrap();
+    let mut buffer = crate::buffer::Buffer::<u32>::new(&device, 3, "a test").unwrap();
+    buffer.write(&queue, 0, &[7, 8, 9]).unwrap();
+    buffer.grow(&device, &queue, count, "a test").unwrap();
+    let mut elements = vec![1; buffer.len()];
+    buffer.read(&queue, 0, &mut elements).unwrap();
+    assert!(elements.len() >= count && elements[..3] == [7, 8, 9] && elements[3..].iter().all(|e| *e == 0));
+}

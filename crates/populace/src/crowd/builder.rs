@@ -11,6 +11,7 @@ use super::machines::Machines;
 use super::stages::UserStages;
 use super::waiting::Waiting;
 use super::{Clock, Crowd};
+use crate::device::Opened;
 use crate::{Device, Devices, Error, Split};
 
 /// Settings of a crowd to be built.
@@ -38,7 +39,8 @@ impl Default for CrowdBuilder {
 }
 
 impl CrowdBuilder {
-    /// The device to evaluate on; [`Device::best`] unless named.
+    /// The device to evaluate on. Unless one is named, [`Device::best`], or the native one where that cannot be opened;
+    /// [`Crowd::fallback`] then tells why.
     #[must_use]
     pub fn device(self, device: Device) -> Self {
         self.devices(device)
@@ -106,11 +108,12 @@ impl CrowdBuilder {
                 rule: "from 1 to 8",
             });
         }
-        let devices = self.devices.unwrap_or_else(|| Device::best().into());
+        let Start { devices, opened, fallback } = self.open()?;
         Ok(Crowd {
             number: CROWDS.fetch_add(1, Ordering::Relaxed),
-            opened: devices.open(self.schedule, &self.split, self.gl.as_ref())?,
+            opened,
             devices,
+            fallback,
             gl: self.gl,
             tables: Tables::with_capacity(self.slots_per_member, self.capacity),
             clips: AnimationSet::default(),
@@ -145,4 +148,26 @@ impl CrowdBuilder {
             machines: Machines::default(),
         })
     }
+
+    /// Opens the devices named, or the best device that opens.
+    fn open(&self) -> Result<Start, Error> {
+        let open = |devices: Devices, fallback| {
+            let opened = devices.open(self.schedule, &self.split, self.gl.as_ref())?;
+            Ok(Start { devices, opened, fallback })
+        };
+        if let Some(devices) = &self.devices {
+            return open(devices.clone(), None);
+        }
+        let started = Device::best_opencl()
+            .and_then(|device| open(device.into(), None).map_err(|error: Error| error.to_string()));
+        started.or_else(|reason| open(Device::native().into(), Some(reason)))
+    }
+}
+
+/// The devices that a crowd starts on.
+struct Start {
+    devices: Devices,
+    opened: Opened,
+    /// Why it is the native one, where none was named.
+    fallback: Option<String>,
 }

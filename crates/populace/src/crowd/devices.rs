@@ -14,6 +14,13 @@ impl Crowd {
         &self.devices
     }
 
+    /// Why the crowd is on the native device although none was named: what OpenCL lacks on this machine, for people.
+    /// `None` where devices were named, or an OpenCL one is in use.
+    #[must_use]
+    pub fn fallback(&self) -> Option<&str> {
+        self.fallback.as_deref()
+    }
+
     /// The devices' own names, for people.
     #[must_use]
     pub fn device_name(&self) -> String {
@@ -50,6 +57,8 @@ impl Crowd {
 
     /// Moves the crowd to another device or to several, after one was lost or to compare them. Members, clips and clock
     /// go on. Several share the members by their measured speed, until [`set_split`](Self::set_split) says otherwise.
+    /// A driver that has to build kernels first can take seconds; [`Device::prepare`](crate::Device::prepare) does that
+    /// ahead.
     ///
     /// # Errors
     ///
@@ -66,6 +75,7 @@ impl Crowd {
         self.opened = opened;
         self.is_readable = false;
         self.devices = devices;
+        self.fallback = None;
         self.tables.mark_dirty();
         Ok(())
     }

@@ -1,0 +1,109 @@
+//! Built programs in files, so that later processes need not build them.
+
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+use std::{env, io};
+
+use etcetera::BaseStrategy;
+use sha2::{Digest, Sha256};
+
+/// Names the folder; empty for no cache.
+const VARIABLE: &str = "POPULACE_CACHE_DIR";
+const EXTENSION: &str = "program";
+/// Entries that were not used for this long are deleted when another is written.
+const KEPT_FOR: Duration = Duration::from_secs(60 * 24 * 60 * 60);
+/// Bytes of the hash that a file begins with.
+const HASH_BYTES: usize = 32;
+
+/// A folder of built programs.
+#[derive(Clone, Debug)]
+pub(crate) struct Cache {
+    folder: PathBuf,
+}
+
+impl Cache {
+    /// The folder that `POPULACE_CACHE_DIR` names, else `populace` in the user's cache folder. `None` where the variable
+    /// is empty or the user has no home.
+    pub(crate) fn of_user() -> Option<Self> {
+        let folder = match env::var_os(VARIABLE) {
+            Some(named) => PathBuf::from(named),
+            None => etcetera::choose_base_strategy().ok()?.cache_dir().join("populace"),
+        };
+        (!folder.as_os_str().is_empty()).then_some(Self { folder })
+    }
+
+    #[cfg(test)]
+    pub(crate) fn in_folder(folder: &Path) -> Self {
+        Self { folder: folder.into() }
+    }
+
+    /// The place of the program that these words describe in full.
+    pub(crate) fn entry<'a>(&self, words: impl Iterator<Item = &'a str>) -> Entry {
+        let mut hash = Sha256::new();
+        for word in words {
+            hash.update((word.len() as u64).to_le_bytes());
+            hash.update(word);
+        }
+        let name: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        Entry { path: self.folder.join(name).with_extension(EXTENSION) }
+    }
+}
+
+/// The place of one program: a file of a hash and the binary that it is of.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    path: PathBuf,
+}
+
+impl Entry {
+    /// The binary; `None` where there is none, or not as it was written.
+    pub(crate) fn read(&self) -> Option<Vec<u8>> {
+        let mut bytes = fs::read(&self.path).ok()?;
+        let hash = bytes.get(..HASH_BYTES)?;
+        if hash != Sha256::digest(&bytes[HASH_BYTES..]).as_slice() {
+            return None;
+        }
+        // The time of the last use; it does not matter where it cannot be set.
+        let _not_set =
+            File::options().append(true).open(&self.path).and_then(|f| f.set_modified(SystemTime::now()));
+        Some(bytes.split_off(HASH_BYTES))
+    }
+
+    /// Writes the binary in place of the one before. Does nothing where the folder cannot be written: the next process
+    /// then builds again.
+    pub(crate) fn write(&self, binary: &[u8]) {
+        if self.try_write(binary).is_ok() {
+            self.delete_unused_beside();
+        }
+    }
+
+    /// Other processes see the file whole or not at all: it is written under another name first.
+    fn try_write(&self, binary: &[u8]) -> io::Result<()> {
+        let folder = self.path.parent().unwrap_or(Path::new("."));
+        fs::create_dir_all(folder)?;
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        file.write_all(&Sha256::digest(binary))?;
+        file.write_all(binary)?;
+        file.persist(&self.path)?;
+        Ok(())
+    }
+
+    fn delete_unused_beside(&self) {
+        let folder = self.path.parent().into_iter().filter_map(|folder| fs::read_dir(folder).ok());
+        for entry in folder.flatten().flatten() {
+            let path = entry.path();
+            let modified = entry.metadata().and_then(|about| about.modified());
+            let unused = modified.ok().and_then(|time| time.elapsed().ok()).is_some_and(|age| age > KEPT_FOR);
+            if unused && path.extension() == Some(OsStr::new(EXTENSION)) {
+                // Another process may have been faster.
+                let _gone = fs::remove_file(path);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,58 @@
+//! The way of palettes from a device to OpenGL, found without a crowd.
+
+use std::sync::Arc;
+
+use opencl3::command_queue::CommandQueue;
+use populace_core::layout::Float4;
+use populace_core::{
+    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, TargetMark,
+};
+
+use crate::OpenClDevice;
+use crate::pages::Pages;
+
+/// The palettes of no member on a device: linked to a renderer, it tells how palettes would reach OpenGL. No kernel is
+/// built for it.
+pub struct EmptyPalettes {
+    queue: Arc<CommandQueue>,
+    pages: Pages,
+    not_for_gl: Option<String>,
+    // Declared last: a context of OpenGL's that it was made for must outlive everything above.
+    device: Arc<OpenClDevice>,
+}
+
+impl EmptyPalettes {
+    /// For a device that is open; `not_for_gl` tells why it could not be opened for the context of OpenGL's.
+    ///
+    /// # Errors
+    ///
+    /// [`BackendError::Failed`] where the driver gives no queue.
+    pub fn new(device: &Arc<OpenClDevice>, not_for_gl: Option<String>) -> Result<Self, BackendError> {
+        let (queue, pages) = (Arc::new(device.queue()?), Pages::default());
+        Ok(Self { queue, pages, not_for_gl, device: Arc::clone(device) })
+    }
+}
+
+impl PaletteSource for EmptyPalettes {
+    fn page_lengths(&self) -> Vec<usize> {
+        Vec::new()
+    }
+
+    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+        let not_for_gl = self.not_for_gl.clone().filter(|_| way == PaletteWay::Shared);
+        not_for_gl.or_else(|| self.device.refuses(way, context))
+    }
+
+    fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+        self.pages.set_target(&self.device, &self.queue, target, mark)
+    }
+
+    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+        self.pages.hand_over().map_err(|e| self.device.failed("hand its palettes to OpenGL", &e))
+    }
+
+    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+        let result = self.pages.with_page(&self.queue, page, reader);
+        result.map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
+    }
+}
