@@ -1,6 +1,8 @@
 //! Where members stand: apart, in loose rows.
 
-/// A small generator of repeatable random numbers (SplitMix64: Steele, Lea, Flood 2014).
+/// A small generator of repeatable random numbers: SplitMix (Steele, Lea and Flood, "Fast
+/// splittable pseudorandom number generators", OOPSLA 2014) with the mixing function of Java's
+/// `SplittableRandom`.
 pub(crate) struct Random(u64);
 
 impl Random {

@@ -14,8 +14,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-assets", &["populace-core"]),
     ("populace-render", &["populace-core"]),
     ("populace-testkit", &["populace-core"]),
-    // `populace bench` holds its results against the oracle, which lives in the testkit.
     ("populace-cast", &["populace-core"]),
+    // `populace bench` holds its results against the oracle, which lives in the testkit.
     (
         "populace-cli",
         &["populace", "populace-assets", "populace-cast", "populace-render", "populace-testkit"],

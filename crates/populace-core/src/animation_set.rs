@@ -8,8 +8,8 @@ use crate::Clip;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClipIndex(pub u32);
 
-/// Clips shared by all members and tied to none of their models (Lister & Day 2012, section 3). Clips can be added at
-/// any time.
+/// Clips that all members sample (Lister & Day 2012, section 3.2, fig. 4). They are tied to no
+/// model and can be added at any time, which palettes baked in advance cannot (section 2 there).
 #[derive(Clone, Debug, Default)]
 pub struct AnimationSet {
     clips: Vec<Arc<Clip>>,

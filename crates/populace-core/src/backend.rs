@@ -5,7 +5,8 @@ use std::ops::Range;
 use crate::layout::{Float4, Member};
 use crate::{PaletteSource, Tables, UserStage};
 
-/// A step of a frame (Lister & Day 2012, section 4; design of evaluate: slots are closed-form).
+/// A step of a frame. Pose, Transform and Write-Back are the three kernels of Lister & Day 2012,
+/// section 3, fig. 1; Evaluate is Populace's own, since slots are closed-form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
     /// Finds each slot's rows and weight from the clock.
@@ -83,8 +84,8 @@ impl StageBuffer {
 /// How the stages are mapped to work-items. All give the same poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Schedule {
-    /// One kernel for each stage, one work-item for each joint, through global memory (Lister & Day 2012, section 4):
-    /// the faithful one, and the baseline of every benchmark.
+    /// One kernel for each stage, one work-item for each joint, through global memory (Lister & Day
+    /// 2012, sections 3 and 3.1): the faithful one, and the baseline of every benchmark.
     Staged,
     /// All stages in one, in the form that suits the kind of device.
     #[default]

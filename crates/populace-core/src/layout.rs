@@ -76,8 +76,9 @@ macro_rules! device_consts {
 device_consts! {
     /// Stands for "no index": no parent, no mask, no clip, a free place.
     pub const NONE: u32 = u32::MAX;
-    /// Joints per block. Each member's arrays in the joint buffer are padded to whole blocks: 16 elements of 16 bytes
-    /// are 256 bytes (Lister & Day 2012, section 3, "bone buffer"). Rows of clips are stored in blocks of 16 as well.
+    /// Joints per block. Each member's arrays in the joint buffer are padded to whole blocks: 16
+    /// elements of 16 bytes are 256 bytes (Lister & Day 2012, section 3.1, fig. 3). Rows of clips
+    /// are stored in blocks of 16 as well.
     pub const JOINT_BLOCK: u32 = 16;
     /// Members whose gazes, limbs and feet one work-item of the wide schedule solves at once: with two legs each, as many legs
     /// as there are lanes. Each has matrices of its own meanwhile.

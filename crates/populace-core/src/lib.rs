@@ -21,7 +21,7 @@
 //!
 //! The main decision: skeletons are sorted breadth first on the way in ("level order"), so that on every device a
 //! parent's transform is ready before its children ask for it, and all joints of one depth form one contiguous range
-//! (Lister & Day 2012, section 3).
+//! (Lister & Day 2012, section 3.1, fig. 2).
 
 mod animation_set;
 pub mod backend;

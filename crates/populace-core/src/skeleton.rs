@@ -32,10 +32,10 @@ pub struct JointSource {
 
 /// A hierarchy of joints, sorted breadth first.
 ///
-/// A parent's index is below its children's, and the joints of each depth form one contiguous range, a *level*
-/// (Lister & Day 2012, section 3: "level-order flattened"). Several roots are fine. The order of the source, which
-/// vertex joint indices and files use, is kept as a map. Copies share the joints: every clip keeps the skeleton that
-/// it was made for.
+/// A parent's index is below its children's, and the joints of each depth form one contiguous
+/// range, a *level* (level-order flattening: Lister & Day 2012, section 3.1, fig. 2). Several roots
+/// are fine. The order of the source, which vertex joint indices and files use, is kept as a map.
+/// Copies share the joints: every clip keeps the skeleton that it was made for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
     parts: Arc<Parts>,

@@ -80,7 +80,8 @@ pub struct NativeBackend {
     times_ms: [f64; Stage::ALL.len()],
 }
 
-/// Each member's local transforms, stored apart (Lister & Day 2012, section 3, "bone buffer").
+/// Each member's local transforms, stored apart (the bone buffer of Lister & Day 2012, section 3.1,
+/// fig. 3).
 #[derive(Default)]
 struct JointBuffer {
     translations: Vec<Float4>,

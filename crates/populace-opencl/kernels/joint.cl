@@ -1,5 +1,5 @@
-/* joint.cl - what Pose computes for a joint: a member's slots mixed layer by layer (Lister & Day 2012, section 4.1), and
- * the matrix that comes of it. Twin of populace-native pose.rs. */
+/* joint.cl - what Pose (Lister & Day 2012, section 3, fig. 1) computes for a joint: a member's
+ * slots mixed layer by layer, and the matrix that comes of it. Twin of populace-native joint.rs. */
 
 /* What takes `reference` to `value`, its rotation on the side of another one; scales that stand at rest in both are not
  * divided. */

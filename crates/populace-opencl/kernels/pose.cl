@@ -1,4 +1,5 @@
-/* pose.cl - Pose: each member's slots, mixed layer by layer, as local transforms (Lister & Day 2012, section 4.1).
+/* pose.cl - Pose (Lister & Day 2012, section 3, fig. 1): each member's slots, mixed layer by
+ *          layer, as local transforms.
  * NDRange  (the joint buffer's places, padded to whole work-groups); 16 places are one block of one member's joints
  * Reads    member, samples, slots, machine_states, running, layers, the clips' rows, stored poses, joint maps, masks; overrides in local space; users' stages
  * Writes   translations, rotations, scales: every joint exactly once, padding untouched

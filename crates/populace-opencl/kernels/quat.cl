@@ -1,6 +1,6 @@
-/* quat.cl - quaternions and vectors; the twin of populace-core math/quat.rs and math/scalar.rs: the same functions, each
- * with the same order of operations. dot(), normalize() and mix() of OpenCL C are not used, since they may sum in another
- * order. */
+/* quat.cl - quaternions and vectors; the twin of populace-core math/quat.rs and math/real.rs: the
+ * same functions, each with the same order of operations. dot(), normalize() and mix() of OpenCL C
+ * are not used, since they may sum in another order. */
 
 INLINE Real mix_real(Real a, Real b, float t) { return a + (b - a) * t; }
 

@@ -1,4 +1,5 @@
-/* transform.cl - Transform: one level of local transforms down the hierarchy (Lister & Day 2012, section 4.2).
+/* transform.cl - Transform (Lister & Day 2012, section 3, fig. 1): one level of local transforms
+ *          down the hierarchy.
  * NDRange  (joints of the widest level at this depth, a run of members padded to whole work-groups), one enqueue for
  *          each phase, level and run; members of other phases are passed over
  * Reads    translations, rotations, scales; the rows that the level above wrote; controls and all that they point at; what

@@ -1,5 +1,5 @@
-/* write_back.cl - Write-Back: model_from_bind = model_from_joint * joint_from_bind, the matrix palette (Lister & Day
- * 2012, section 4.3).
+/* write_back.cl - Write-Back (Lister & Day 2012, section 3, fig. 1): model_from_bind =
+ *          model_from_joint * joint_from_bind, the matrix palette.
  * NDRange  (palette entries of one page, padded to whole work-groups)
  * Reads    row0, row1, row2 of model_from_joint; entries
  * Writes   palette[3 * entry ..] of one page: each member's entries exactly once, padding untouched

@@ -1,7 +1,8 @@
 //! Memory that OpenGL lends for palettes, and OpenCL contexts made for a context of OpenGL's.
 //!
-//! Sharing follows the extension `cl_khr_gl_sharing` of the OpenCL 3.0 extension specification (section 9, lifetimes,
-//! acquiring and releasing). It has not been run on a graphics processor yet: every driver at hand refuses it.
+//! Sharing follows the extension `cl_khr_gl_sharing` of the OpenCL 3.0 extension specification
+//! ("Lifetime of Shared Objects", "Synchronizing OpenCL and OpenGL Access to Shared Objects"). It
+//! has not been run on a graphics processor yet: every driver at hand refuses it.
 #![expect(
     unsafe_code,
     reason = "the OpenCL API is C; memory that it does not own is part of the crate's boundary to it"

@@ -1,8 +1,9 @@
 //! The stages of the crowd pipeline as OpenCL C 1.2 kernels, and the schedules that run them.
 //!
-//! [`OpenClDevice`] is a device with its context and built program, shared by as many [`OpenClBackend`]s as there are
-//! crowds on it. Its schedules are *staged*, the kernels Pose, Transform and Write-Back of Lister & Day 2012, one
-//! work-item per joint, through global memory; and *fused*, one kernel for the whole frame, in two forms: *wide* for CPUs,
+//! [`OpenClDevice`] is a device with its context and built program, shared by as many
+//! [`OpenClBackend`]s as there are crowds on it. Its schedules are *staged*, the kernels Pose,
+//! Transform and Write-Back of Lister & Day 2012, section 3, one work-item per joint, through
+//! global memory; and *fused*, one kernel for the whole frame, in two forms: *wide* for CPUs,
 //! sixteen joints at a time in one work-item, and *grouped* for GPUs, a work-group for each member.
 //!
 //! libOpenCL is loaded at run time; without it [`devices`] says [`BackendError::NoRuntime`].

@@ -1,5 +1,6 @@
-//! The staged schedule: the kernels Pose, Transform and Write-Back of Lister & Day 2012, one work-item per joint,
-//! through global memory, after a small kernel that evaluates slots from the clock.
+//! The staged schedule: the kernels Pose, Transform and Write-Back of Lister & Day 2012, section 3,
+//! one work-item per joint, through global memory, after a small kernel that evaluates slots from
+//! the clock.
 
 use std::ops::Range;
 

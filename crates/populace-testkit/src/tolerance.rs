@@ -1,8 +1,9 @@
 //! How far a device may stray from the oracle, each bound with its derivation.
 //!
-//! `u` is half a unit in the last place of a single-precision 1, 2^-24. Each `+ - *` rounds by at most `u` of its
-//! result, and so do `sqrt` and `/` on a CPU; OpenCL allows 3 and 2.5 units in the last place (OpenCL C 1.2, section
-//! 7.4), 6 `u` and 5 `u`. Errors are added up to first order and constants are rounded up.
+//! `u` is half a unit in the last place of a single-precision 1, 2^-24. Each `+ - *` rounds by at
+//! most `u` of its result, and so do `sqrt` and `/` on a CPU; OpenCL allows 3 and 2.5 units in the
+//! last place (OpenCL 1.2, section 7.4), 6 `u` and 5 `u`. Errors are added up to first order and
+//! constants are rounded up.
 
 mod matrices;
 

@@ -1,9 +1,12 @@
-//! Periodic curves through published values.
+//! Periodic curves through given values.
 
 /// Values over a cycle: (phase from 0 to below 1, value), phases increasing.
 pub(super) type Knots = [(f64, f64)];
 
-/// The curve through the knots, without overshoot between them (Fritsch & Carlson 1980), with period 1.
+/// The cubics through the knots, with period 1. The slope at a knot is the harmonic mean of the
+/// rises on its two sides, at most twice either, so no cubic overshoots its knots (Fritsch &
+/// Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 17, 1980: slopes within
+/// a circle of three times the rise suffice).
 pub(super) fn at(knots: &Knots, phase: f64) -> f64 {
     let phase = phase.rem_euclid(1.0);
     let count = knots.len();

@@ -1,9 +1,10 @@
 //! Walking and running in place.
 //!
-//! Angles over the cycle follow the normal curves of M. P. Kadaba, H. K. Ramakrishnan and M. E. Wootten, "Measurement
-//! of lower extremity kinematics during level walking", J. Orthopaedic Research 8 (1990); D. A. Winter, "The
-//! Biomechanics and Motor Control of Human Gait" (1991); J. Perry, "Gait Analysis" (1992); and for running of T. F.
-//! Novacheck, "The biomechanics of running", Gait and Posture 7 (1998), read off at a few points each.
+//! Joint angles over the cycle go through a few points each, set by hand to the shape of normal
+//! curves. Such curves are in M. P. Kadaba, H. K. Ramakrishnan and M. E. Wootten, "Measurement of
+//! lower extremity kinematics during level walking", J. Orthopaedic Research 8 (1990), 383-392; D.
+//! A. Winter, "The Biomechanics and Motor Control of Human Gait", 2nd edition (1991); and for
+//! running in T. F. Novacheck, "The biomechanics of running", Gait and Posture 7 (1998), 77-95.
 
 use std::f64::consts::TAU;
 

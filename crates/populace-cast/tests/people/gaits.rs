@@ -102,8 +102,9 @@ fn legs_follow_published_angles() {
             (0..100).map(|i| leg_angles(character, walk, secs * f64::from(i) / 100.0)).collect();
         let most = |of: usize| (0..100).max_by(|&a, &b| angles[a][of].total_cmp(&angles[b][of])).unwrap();
         let least = |of: usize| (0..100).min_by(|&a, &b| angles[a][of].total_cmp(&angles[b][of])).unwrap();
-        // Winter 1991, Perry 1992: the knee bends most, by 60 degrees, at 70 to 75 % of the cycle; the thigh is
-        // farthest back as the foot pushes off, and reaches over 40 degrees, less if slow.
+        // In normal walking the knee bends most, by about 60 degrees, early in the swing; the thigh
+        // is farthest back as the foot pushes off, and swings over about 40 degrees. Sources:
+        // src/motion/gait.rs.
         let name = &character.name;
         assert!(
             (67..80).contains(&most(1)) && (50.0..72.0).contains(&angles[most(1)][1]),

@@ -9,8 +9,9 @@ const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 540.0;
 /// What the axes enclose: left, top, right, bottom.
 const FRAME: [f64; 4] = [80.0, 70.0, 690.0, 470.0];
-/// Of each schedule and load, colours that those who see red and green alike can tell apart (Okabe and Ito 2008).
-const COLOURS: [&str; 7] = ["#555555", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8860b", "#56b4e9"];
+/// Colours of the schedules and loads: grey for the floor, then those of Okabe and Ito, "Color
+/// Universal Design" (2008), that stay apart for readers who see red and green alike.
+const COLOURS: [&str; 7] = ["#555555", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
 /// One line of the chart.
 struct Series {

@@ -1,4 +1,5 @@
-//! Angles by `+ - * /` alone, so that every device rounds them alike; the twin of `kernels/turn.cl`.
+//! Angles by `+ - * /` alone, so that every device rounds them alike; the twin of
+//! `kernels/angle.cl`.
 
 /// Half a turn in radians.
 pub const HALF_TURN: f32 = std::f32::consts::PI;

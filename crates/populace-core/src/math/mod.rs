@@ -1,7 +1,9 @@
 //! The arithmetic of the stages in single precision.
 //!
-//! Every function here has a twin of the same name and the same order of operations in the OpenCL C sources, so
-//! that devices agree bit for bit wherever `+ - *` and copies decide, and within the rounding of `/` elsewhere.
+//! Functions that the kernels need have a twin in the OpenCL C sources with the same order of
+//! operations, so that devices agree bit for bit wherever `+ - *` and copies decide, and within the
+//! rounding of `/` elsewhere. Names there carry the module's name where OpenCL C has no modules:
+//! `quat::mul` is `quat_mul`.
 
 pub mod affine;
 pub mod angle;

@@ -93,8 +93,9 @@ impl Context {
     }
 }
 
-// SAFETY: EGL's functions can be called on every thread, with every handle (EGL 1.5, sections 2.1 and 3.7.3): one that
-// is current elsewhere is refused by eglMakeCurrent, and destroyed by eglDestroyContext once it is no longer current.
+// SAFETY: EGL's functions can be called on every thread (EGL 1.5, section 2.6), with every handle:
+// a context that is current elsewhere is refused by eglMakeCurrent (section 3.7.3), and destroyed
+// by eglDestroyContext once it is no longer current (sections 3.2 and 3.7.2).
 unsafe impl Send for Context {}
 // SAFETY: as above; `Context` holds nothing but handles, which never change.
 unsafe impl Sync for Context {}

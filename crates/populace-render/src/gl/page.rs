@@ -113,8 +113,9 @@ impl Drop for Page {
     }
 }
 
-// SAFETY: a mapping's address can be used on every thread, whichever context is current there (OpenGL 4.4, section 6.3,
-// persistent mappings); the loan keeps buffer and context.
+// SAFETY: a persistent mapping lies in the client's address space, which all threads share, and its
+// address stays valid as long as the mapping, also while OpenGL draws (OpenGL 4.4, sections 6.2 and
+// 6.3); the loan keeps buffer and context.
 unsafe impl Send for MappedLoan {}
 
 // SAFETY: the address and length are those of one mapping, made by `Page::mapped`, which returned the only loan of it.

@@ -1,6 +1,7 @@
 // skin.glsl - the skinning equation, from palettes as the device wrote them.
 // Reads   palette: three vec4 (rows of model_from_bind) for each entry of the bound page
-// Gives   world_from_bind(): the blended matrix of this vertex, then the instance's
+// Gives   model_from_bind(): the blended matrix of this vertex; world_from_model(): the instance's;
+//         turn_normal()
 // A mat3x4 here holds the three rows of an affine transform as its columns: `vec4(p, 1) * m` is the image of p.
 
 layout(std430, binding = 0) readonly buffer Palette { vec4 palette[]; };
