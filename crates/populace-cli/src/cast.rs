@@ -7,6 +7,7 @@ use populace::core::{Binding, Character, Clip, RoleMap, RootMotion};
 use populace::{CharacterId, ClipId, Crowd, MotionSettings, MotionSource};
 
 use crate::failure::Failure;
+use crate::input::InputArgs;
 
 /// Slower clips are taken to stand still.
 const WALKING_M_PER_SEC: f32 = 0.1;
@@ -46,6 +47,7 @@ pub(crate) struct Wanted<'a> {
 /// meshes lend their clips to all characters, and so do the lenders.
 pub(crate) fn load(
     crowd: &mut Crowd,
+    files: &InputArgs,
     inputs: &[String],
     lenders: &[PathBuf],
     wanted: Wanted,
@@ -54,13 +56,13 @@ pub(crate) fn load(
     let mut drawn = Vec::new();
     let mut lent = Vec::new();
     for file in lenders {
-        lent.extend(from_file(file)?.clips.iter().cloned());
+        lent.extend(from_file(files, file)?.clips.iter().cloned());
     }
     for input in inputs {
         match input.strip_prefix('@') {
             Some(name) => drawn.extend(built_in(name)?),
             None => {
-                let character = from_file(Path::new(input))?;
+                let character = from_file(files, Path::new(input))?;
                 if character.parts.is_empty() {
                     lent.extend(character.clips.iter().cloned());
                 } else {
@@ -99,8 +101,8 @@ pub(crate) fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
     }
 }
 
-fn from_file(file: &Path) -> Result<Character, Failure> {
-    let imported = populace_assets::load(file)?;
+fn from_file(files: &InputArgs, file: &Path) -> Result<Character, Failure> {
+    let imported = files.load(file)?;
     for note in &imported.notes {
         crate::report::talk!("{}: {}: {}", file.display(), note.place, note.what);
     }

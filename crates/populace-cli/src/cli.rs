@@ -8,6 +8,7 @@ use populace::{Crowd, CrowdBuilder, Device, Devices, Schedule, Split};
 
 use crate::aim::{Point, ReachArg};
 use crate::bench::{Load, Way};
+use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
 
 /// Animates and draws crowds in which every member has the full character pipeline.
@@ -80,7 +81,7 @@ impl DeviceArgs {
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
     /// glTF 2.0 files (.gltf, .glb) with characters; files that hold only clips lend them to the others. @people are the
-    /// built-in people, @woman, @child and so on one of them
+    /// built-in people, @woman, @child and so on one of them; - is standard input
     #[arg(required = true, value_name = "FILE")]
     pub(crate) inputs: Vec<String>,
     /// Members of the crowd
@@ -121,6 +122,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
     #[command(flatten)]
+    pub(crate) input: InputArgs,
+    #[command(flatten)]
     pub(crate) device: DeviceArgs,
 }
 
@@ -144,7 +147,7 @@ pub(crate) struct DemoArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// glTF 2.0 files (.gltf, .glb)
+    /// glTF 2.0 files (.gltf, .glb); - is standard input
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Show only what clips take: rows, their bytes, and those of the files' keys
@@ -153,11 +156,13 @@ pub(crate) struct InspectArgs {
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct PoseArgs {
-    /// A glTF 2.0 file (.gltf, .glb)
+    /// A glTF 2.0 file (.gltf, .glb); - is standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Clip to play, by name or by index [default: none, the rest pose]
@@ -193,6 +198,8 @@ pub(crate) struct PoseArgs {
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
 }

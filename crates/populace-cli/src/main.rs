@@ -9,6 +9,7 @@ mod cast;
 mod cli;
 mod commands;
 mod failure;
+mod input;
 mod mix;
 mod placement;
 mod report;

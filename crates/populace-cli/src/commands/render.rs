@@ -17,7 +17,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let builder = args.device.crowd().capacity(args.members as usize).slots_per_member(1);
     let mut crowd = drawn_with(builder, &renderer).build()?;
     let wanted = Wanted { clip: args.clip.as_deref(), root_motion: args.root_motion };
-    let roles = cast::load(&mut crowd, &args.inputs, &args.clips, wanted, args.height)?;
+    let roles = cast::load(&mut crowd, &args.input, &args.inputs, &args.clips, wanted, args.height)?;
     check_hidden(&roles, &args.hide)?;
     let plan = Plan { members: args.members, seed: args.seed, hide: &args.hide, away_percent: 0 };
     let staging = Staging::new(&mut crowd, &roles, &plan)?;

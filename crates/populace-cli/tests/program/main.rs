@@ -2,6 +2,7 @@
 
 mod aim;
 mod bench;
+mod input;
 mod mix;
 mod pictures;
 mod post;
