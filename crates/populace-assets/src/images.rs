@@ -2,7 +2,7 @@
 
 use std::io::Cursor as Bytes;
 
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use populace_core::Image;
 
 use crate::budget::Budget;
@@ -132,9 +132,11 @@ impl<'a> ImageStore<'a> {
         };
         let (width, height) = decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);
-        let while_decoding = working_bytes(format) * pixels + decoder.total_bytes() + bytes.len() as u64;
+        // What the decoder works with is gone before its pixels become RGBA, where they are not that already.
+        let converted = if decoder.color_type() == ColorType::Rgba8 { 0 } else { RGBA_BYTES };
+        let beside = pixels * converted.max(working_bytes(format)) + bytes.len() as u64;
         let what = format!("an image of {width} x {height} pixels");
-        self.budget.check(place, &what, while_decoding + RGBA_BYTES * pixels)?;
+        self.budget.check(place, &what, decoder.total_bytes() + beside)?;
         match DynamicImage::from_decoder(decoder) {
             Ok(decoded) => {
                 self.budget.take(place, &what, RGBA_BYTES * pixels)?;
@@ -225,7 +227,7 @@ mod tests {
         let checksum = crc(&large[12..29]).to_be_bytes();
         large[29..33].copy_from_slice(&checksum);
         let said = decoded(&large, 1 << 30).unwrap_err();
-        let words = "images[0]: needs 2049 MiB for an image of 16384 x 16384 pixels beside 0 MiB";
+        let words = "images[0]: needs 1025 MiB for an image of 16384 x 16384 pixels beside 0 MiB";
         assert!(said.starts_with(words), "{said}");
         assert!(decoded(&large, 3 << 30).unwrap_err().contains("cannot be decoded"));
     }

@@ -245,8 +245,8 @@ mod tests {
             joint: joint.name.clone(),
             property: Property::Translation,
             interpolation: Interpolation::Linear,
-            times: vec![0.0, 1.0],
-            values: [[-100.0; 3], [100.0; 3]].concat(),
+            times: vec![0.0, 1.0, 2.0],
+            values: [[-100.0; 3], [0.0; 3], [100.0; 3]].concat(),
         };
         let source = ClipSource { name: "far".into(), tracks: joints.iter().map(track).collect() };
         let stats = Clip::new(source, &skeleton).unwrap().stats();

@@ -16,8 +16,8 @@ fn model(root: &Path, uri: &str) -> (File, std::path::PathBuf) {
     file.json["textures"] = json!([{"source": 0}]);
     file.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
     let path = root.join("model/file.gltf");
-    std::fs::create_dir_all(root.join("model")).unwrap();
-    std::fs::write(&path, file.gltf_beside(uri)).unwrap();
+    std::fs::create_dir_all(root.join("model")).expect("a folder");
+    std::fs::write(&path, file.gltf_beside(uri)).expect("written");
     (file, path)
 }
 

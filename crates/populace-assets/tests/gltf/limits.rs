@@ -24,9 +24,9 @@ fn problems_within(file: &[u8], memory_limit_bytes: u64) -> Vec<String> {
 fn chain(count: usize, more: &str) -> Vec<u8> {
     let mut text = String::from(r#"{"asset":{"version":"2.0"},"nodes":["#);
     for child in 1..count {
-        write!(text, r#"{{"children":[{child}]}},"#).unwrap();
+        write!(text, r#"{{"children":[{child}]}},"#).expect("a text takes all");
     }
-    write!(text, r#"{{}}],"skins":[{{"joints":[{}]}}]{more}}}"#, count - 1).unwrap();
+    write!(text, r#"{{}}],"skins":[{{"joints":[{}]}}]{more}}}"#, count - 1).expect("a text takes all");
     text.into_bytes()
 }
 

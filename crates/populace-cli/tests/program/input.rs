@@ -48,10 +48,10 @@ fn files_outside_are_read_only_with_allow_outside() {
 fn what_takes_too_much_memory_is_refused_with_the_flag_that_allows_it() {
     let folder = Folder::new();
     let mut file = post();
-    // Texture coordinates without data are zeros, of which a file can claim many.
+    // An accessor without data is zeros, of which a file can claim many.
     let accessors = file["accessors"].as_array_mut().expect("accessors");
-    accessors.push(json!({"componentType": 5126, "count": 8 << 20, "type": "VEC2"}));
-    file["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = 7.into();
+    accessors.push(json!({"componentType": 5125, "count": 16 << 20, "type": "SCALAR"}));
+    file["meshes"][0]["primitives"][0]["indices"] = 7.into();
     std::fs::write(folder.path("large.gltf"), file.to_string()).expect("written");
     let large = folder.text("large.gltf");
     let limit = ["--memory-limit", "8"];
