@@ -189,7 +189,8 @@ impl<'a> Clips<'a> {
         rows.saturating_mul(self.rig.skeleton.joint_count() as u64)
     }
 
-    /// How many rows the clip may be given before all of its keys have one, if the budget allows for the rows of the keys.
+    /// How many rows the clip may be given before all of its keys have one, if the budget allows
+    /// for the rows of the keys.
     fn most_rows(&self, animation: &Animation, tracks: &[Track]) -> Checked<usize> {
         let times_of = |steps_alone: bool| {
             let counts = |t: &&Track| !steps_alone || t.interpolation == Interpolation::Step;

@@ -11,8 +11,8 @@ const ARRAY_BYTES: u64 = 64 << 20;
 const ARRAY_BYTES_PER_BYTE: u64 = 64;
 /// Poses of one joint that the clips of any file may hold, however small.
 const POSES: u64 = 1 << 18;
-/// And for each byte of it. Clips hold a row of all joints for each key time of any track, so many keys and many
-/// joints, each a few bytes, would make out-of-proportion work together.
+/// And for each byte of it. Clips hold a row of all joints for each key time of any track, so many
+/// keys and many joints, each a few bytes, would make out-of-proportion work together.
 const POSES_PER_BYTE: u64 = 2;
 
 /// What is left of both. Each estimate is refused before the memory is allocated.
@@ -22,7 +22,8 @@ pub(crate) struct Budget<'a> {
     used: Cell<u64>,
     arrays_left: Cell<u64>,
     poses_left: Cell<u64>,
-    /// Whether it was said that the file asks for work out of proportion to its size. Once is enough.
+    /// Whether it was said that the file asks for work out of proportion to its size. Once is
+    /// enough.
     is_out_of_proportion: Cell<bool>,
 }
 
@@ -74,8 +75,8 @@ impl<'a> Budget<'a> {
         Ok(())
     }
 
-    /// Takes `bytes` for data of arrays, which must also be in proportion to the file: a small file that uses one array
-    /// again and again would take long.
+    /// Takes `bytes` for data of arrays, which must also be in proportion to the file: a small file
+    /// that uses one array again and again would take long.
     pub(crate) fn charge(&self, place: &str, bytes: usize) -> Checked<()> {
         let bytes = bytes as u64;
         self.take(place, "its data", bytes)?;
@@ -88,7 +89,8 @@ impl<'a> Budget<'a> {
         }
     }
 
-    /// Poses of one joint that clips can still hold beside `poses`, which the keys of one need for `what`.
+    /// Poses of one joint that clips can still hold beside `poses`, which the keys of one need for
+    /// `what`.
     pub(crate) fn poses_left(&self, place: &str, what: impl Display, poses: u64) -> Checked<u64> {
         let left = self.poses_left.get().checked_sub(poses);
         left.ok_or_else(|| self.out_of_proportion(place, what))

@@ -16,7 +16,8 @@ enum Source<'a> {
     Here(Cow<'a, [u8]>),
     /// In a file beside it, read when asked for.
     Beside(String),
-    /// Nowhere: a placeholder that an extension fills, or a BIN chunk that was left out. The text says what is missing.
+    /// Nowhere: a placeholder that an extension fills, or a BIN chunk that was left out. The text
+    /// says what is missing.
     Nowhere(&'static str),
 }
 
@@ -188,8 +189,8 @@ impl<'a> Data<'a> {
         Ok(Cow::Owned(packed))
     }
 
-    /// All components as floats, normalised integers as the fractions they stand for; every one is finite and at most
-    /// [`LARGEST`] in size.
+    /// All components as floats, normalised integers as the fractions they stand for; every one is
+    /// finite and at most [`LARGEST`] in size.
     pub(crate) fn floats(&self, index: usize) -> Checked<Vec<f32>> {
         let accessor = self.accessor(index)?;
         let packed = self.packed(accessor)?;

@@ -1,4 +1,5 @@
-//! How large the transforms of a file can become where those of its nodes are multiplied down the hierarchy.
+//! How large the transforms of a file can become where those of its nodes are multiplied down the
+//! hierarchy.
 
 use std::sync::Arc;
 
@@ -9,14 +10,14 @@ use crate::log::{Checked, Log};
 use crate::nodes::Node;
 use crate::rig::Rig;
 
-/// What factors and distances may come to along a chain of joints: times a bind matrix and a vertex of [`LARGEST`], and
-/// summed up, single precision still holds it.
+/// What factors and distances may come to along a chain of joints: times a bind matrix and a vertex
+/// of [`LARGEST`], and summed up, single precision still holds it.
 const LARGEST_OF_CHAIN: f64 = LARGEST * LARGEST;
 /// What a tangent adds to a spline at most, in parts of its own size.
 const TANGENT: f64 = 4.0 / 27.0;
 
-/// For each joint the most that its rest and the keys of all clips make of its scale and its distance from its parent.
-/// However clips are mixed, a joint's own transform stays within.
+/// For each joint the most that its rest and the keys of all clips make of its scale and its
+/// distance from its parent. However clips are mixed, a joint's own transform stays within.
 pub(crate) struct Extents {
     joints: Vec<Extent>,
 }
@@ -47,7 +48,8 @@ impl Extents {
         Self { joints }
     }
 
-    /// That no chain of joints comes to more than may be; each chain is told once, by its first node that does.
+    /// That no chain of joints comes to more than may be; each chain is told once, by its first
+    /// node that does.
     pub(crate) fn check(&self, rig: &Rig, nodes: &[Node], log: &Log) -> Checked<()> {
         let node_from_joint = rig.node_from_joint();
         let mut chains: Vec<Option<Extent>> = Vec::with_capacity(self.joints.len());
@@ -74,7 +76,8 @@ impl Extents {
     }
 }
 
-/// The most that `size` makes of a track's values; a spline's tangents count by what they add between two keys.
+/// The most that `size` makes of a track's values; a spline's tangents count by what they add
+/// between two keys.
 fn largest(track: &Track, size: fn(&[f32]) -> f64) -> f64 {
     let most = |part: usize, parts: usize| {
         let vectors = track.values.chunks(track.property.width()).skip(part).step_by(parts);

@@ -31,8 +31,9 @@ impl Folder {
 
     /// Opens a file to read its first `wanted` bytes, which must be there, or all of it.
     ///
-    /// Only regular files are opened, since devices and pipes may never end. What is said of a path that leads outside
-    /// the folder does not depend on what is there: nothing outside is looked at.
+    /// Only regular files are opened, since devices and pipes may never end. What is said of a path
+    /// that leads outside the folder does not depend on what is there: nothing outside is looked
+    /// at.
     pub(crate) fn open(&self, path: &str, wanted: Option<usize>) -> Result<Opened, String> {
         let folder = self.path.as_deref().ok_or_else(|| {
             format!("names the file \"{path}\", but files beside this one are not looked at here")
@@ -80,8 +81,9 @@ pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// Where a path leads from a folder, all symbolic links in the folder followed; `None` where that is outside. Nothing
-/// outside is looked at, so that the answer does not depend on it. `folder` is absolute and without links.
+/// Where a path leads from a folder, all symbolic links in the folder followed; `None` where that
+/// is outside. Nothing outside is looked at, so that the answer does not depend on it. `folder` is
+/// absolute and without links.
 fn resolve(folder: &Path, path: &str) -> io::Result<Option<PathBuf>> {
     let mut at = folder.to_owned();
     let mut ahead = steps(Path::new(path));

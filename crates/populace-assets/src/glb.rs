@@ -45,8 +45,8 @@ fn u32_at(bytes: &[u8], at: usize) -> u32 {
     bytes[at..at + 4].iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte))
 }
 
-/// How many bytes of a file are to be read, told by its first ones and, where it is known, its length; nothing where it
-/// is to be read to its end, wherever that is.
+/// How many bytes of a file are to be read, told by its first ones and, where it is known, its
+/// length; nothing where it is to be read to its end, wherever that is.
 pub(crate) fn wanted_bytes(start: &[u8], length: Option<u64>, log: &Log) -> Checked<Option<u64>> {
     if start.starts_with(MAGIC) {
         return declared_bytes(start, length, log).map(Some);

@@ -68,9 +68,9 @@ impl<'a> ImageStore<'a> {
         self.images
     }
 
-    /// The index of an image among the decoded ones; `None` where it could not be had, which is noted. Only what the
-    /// file itself gets wrong, or what would take too much memory, is a problem: a texture that was not shipped along
-    /// stops nobody from moving.
+    /// The index of an image among the decoded ones; `None` where it could not be had, which is
+    /// noted. Only what the file itself gets wrong, or what would take too much memory, is a
+    /// problem: a texture that was not shipped along stops nobody from moving.
     pub(crate) fn decoded(&mut self, index: usize) -> Checked<Option<usize>> {
         if let Some(known) = self.entries[index].decoded {
             return Ok(known);
@@ -132,7 +132,8 @@ impl<'a> ImageStore<'a> {
         };
         let (width, height) = decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);
-        // What the decoder works with is gone before its pixels become RGBA, where they are not that already.
+        // What the decoder works with is gone before its pixels become RGBA, where they are not
+        // that already.
         let converted = if decoder.color_type() == ColorType::Rgba8 { 0 } else { RGBA_BYTES };
         let beside = pixels * converted.max(working_bytes(format)) + bytes.len() as u64;
         let what = format!("an image of {width} x {height} pixels");
@@ -147,8 +148,8 @@ impl<'a> ImageStore<'a> {
     }
 }
 
-/// Bytes for each pixel that a decoder takes at most beside what it gives: a progressive JPEG's coefficients, a WebP's
-/// frame.
+/// Bytes for each pixel that a decoder takes at most beside what it gives: a progressive JPEG's
+/// coefficients, a WebP's frame.
 const fn working_bytes(format: ImageFormat) -> u64 {
     match format {
         ImageFormat::Jpeg => 6,

@@ -167,8 +167,8 @@ struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// The parts of all nodes in the scene, for each the number of vertices that the file has, and the skins of those
-    /// nodes that have one.
+    /// The parts of all nodes in the scene, for each the number of vertices that the file has, and
+    /// the skins of those nodes that have one.
     fn parts(&self, palette: &mut Palette) -> Checked<(Vec<Part>, Vec<usize>, Vec<SkinInstance>)> {
         let (mut parts, mut vertex_counts, mut skins) = (Vec::new(), Vec::new(), Vec::new());
         let mut failed = None;

@@ -3,7 +3,8 @@
 use crate::log::{Checked, Log, Reported};
 use crate::tree::Value;
 
-/// What numbers of transforms, keys and vertices may be in size: products of several stay within single precision.
+/// What numbers of transforms, keys and vertices may be in size: products of several stay within
+/// single precision.
 pub(crate) const LARGEST: f64 = 1e9;
 
 /// A JSON value, where it stands, and the log that its problems go to.

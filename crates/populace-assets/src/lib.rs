@@ -35,10 +35,11 @@
 //! than into declared structures that fail at the first surprise. A file is refused with all of its problems or taken
 //! whole.
 //!
-//! Files need not be trusted. By default URIs stay inside the folder of the file, and one load takes at most 1 GiB, which
-//! is estimated before it is allocated ([`LoadOptions`]). Arrays and clips stay in proportion to the size of the file,
-//! and so does the time that loading takes; at most 131,072 nodes are read. Numbers of transforms, keys and vertices may
-//! be up to 1e9 in size, and 1e18 where they are multiplied and added up along a chain of nodes, so that palettes stay
+//! Files need not be trusted. By default URIs stay inside the folder of the file, and one load
+//! takes at most 1 GiB, which is estimated before it is allocated ([`LoadOptions`]). Arrays and
+//! clips stay in proportion to the size of the file, and so does the time that loading takes; at
+//! most 131,072 nodes are read. Numbers of transforms, keys and vertices may be up to 1e9 in size,
+//! and 1e18 where they are multiplied and added up along a chain of nodes, so that palettes stay
 //! finite.
 
 mod accessor;
@@ -93,8 +94,9 @@ pub struct Imported {
     pub skins: Vec<SkinInfo>,
     /// For each joint, in level order, the file's index of the node that it is; `None` for a joint that was made up.
     pub node_from_joint: Vec<Option<usize>>,
-    /// For each part of the character the number of vertices that the file has. They come first and keep their order;
-    /// those after them repeat some with the normals of other triangles, where the file has no normals.
+    /// For each part of the character the number of vertices that the file has. They come first and
+    /// keep their order; those after them repeat some with the normals of other triangles, where
+    /// the file has no normals.
     pub vertex_counts: Vec<usize>,
 }
 
@@ -116,13 +118,13 @@ pub fn load(path: impl AsRef<Path>) -> Result<Imported, Error> {
     load_with(path, &LoadOptions::default())
 }
 
-/// Loads a `.gltf` or `.glb` file; which of the two it is, its content tells. Buffers and images that it names are
-/// read from its folder.
+/// Loads a `.gltf` or `.glb` file; which of the two it is, its content tells. Buffers and images
+/// that it names are read from its folder.
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the file cannot be read or is no regular file, [`Error::Rejected`] if it is not what it should be
-/// or goes beyond `options`.
+/// [`Error::Io`] if the file cannot be read or is no regular file, [`Error::Rejected`] if it is not
+/// what it should be or goes beyond `options`.
 pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Imported, Error> {
     let path = path.as_ref();
     let job = Job {
@@ -134,9 +136,9 @@ pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Import
     job.run(|budget, log| read::file(path, budget, log))
 }
 
-/// Loads the bytes of a `.gltf` or `.glb` file from a stream, as standard input. It ends with the stream, or where the
-/// header of a binary file says. Other files that it names count as missing. `name` stands for the stream in messages and
-/// is the name of the character.
+/// Loads the bytes of a `.gltf` or `.glb` file from a stream, as standard input. It ends with the
+/// stream, or where the header of a binary file says. Other files that it names count as missing.
+/// `name` stands for the stream in messages and is the name of the character.
 ///
 /// # Errors
 ///
@@ -147,8 +149,9 @@ pub fn load_from_reader(reader: impl Read, name: &str, options: &LoadOptions) ->
     job.run(|budget, log| read::stream(reader, None, budget, log))
 }
 
-/// Loads the bytes of a `.gltf` or `.glb` file with the default [`LoadOptions`]. Files that it names are looked for
-/// below `base_folder`; without one they count as missing. The character is called `character`.
+/// Loads the bytes of a `.gltf` or `.glb` file with the default [`LoadOptions`]. Files that it
+/// names are looked for below `base_folder`; without one they count as missing. The character is
+/// called `character`.
 ///
 /// # Errors
 ///
@@ -157,7 +160,8 @@ pub fn load_from_slice(bytes: &[u8], base_folder: Option<&Path>) -> Result<Impor
     load_from_slice_with(bytes, base_folder, &LoadOptions::default())
 }
 
-/// [`load_from_slice`] with other options. The bytes themselves do not count as memory that the load takes.
+/// [`load_from_slice`] with other options. The bytes themselves do not count as memory that the
+/// load takes.
 ///
 /// # Errors
 ///

@@ -12,7 +12,8 @@ pub(crate) struct Reported;
 /// A value, or the knowledge that a problem was logged.
 pub(crate) type Checked<T> = Result<T, Reported>;
 
-/// Problems and notes listed at most; a file of garbage would otherwise give a longer list than itself.
+/// Problems and notes listed at most; a file of garbage would otherwise give a longer list than
+/// itself.
 const LISTED: usize = 1000;
 
 /// Problems and notes in the order they were found.

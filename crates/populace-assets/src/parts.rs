@@ -36,8 +36,8 @@ pub(crate) struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Makes a part, with the number of vertices that the file has: copies of some may follow them. `None` where the
-    /// primitive shows nothing.
+    /// Makes a part, with the number of vertices that the file has: copies of some may follow them.
+    /// `None` where the primitive shows nothing.
     pub(crate) fn part(
         &self,
         place: Place,

@@ -18,8 +18,8 @@ pub(crate) fn file(path: &Path, budget: &Budget, log: &Log) -> io::Result<Checke
     stream(file, Some(length), budget, log)
 }
 
-/// Reads a stream of a length that may be known: its start first, and the rest if that is the start of glTF data and
-/// fits the budget.
+/// Reads a stream of a length that may be known: its start first, and the rest if that is the start
+/// of glTF data and fits the budget.
 pub(crate) fn stream(
     mut from: impl Read,
     length: Option<u64>,
@@ -93,7 +93,8 @@ mod tests {
             let (problem, read) = refused(&start, length, 1 << 20);
             assert!(problem.contains(words) && read <= 2 * START_BYTES, "{problem} after {read}");
         }
-        // How long JSON is that comes through a pipe is known once it has been read, at most up to the limit.
+        // How long JSON is that comes through a pipe is known once it has been read, at most up to
+        // the limit.
         let (problem, read) = refused(b"{", None, 1 << 20);
         assert!(problem.contains("for its content") && read <= 3 << 20, "{problem} after {read}");
     }

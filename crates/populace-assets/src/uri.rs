@@ -77,7 +77,8 @@ impl DataUri<'_> {
     /// Bytes that decoding takes at most.
     pub(crate) fn decoded_bytes(&self) -> u64 {
         let written = self.payload.len() as u64;
-        // The decoder makes room for 3 bytes for every 4 characters, of a copy where some are escaped.
+        // The decoder makes room for 3 bytes for every 4 characters, of a copy where some are
+        // escaped.
         match (self.base64, self.payload.contains('%')) {
             (false, _) => written,
             (true, false) => written.div_ceil(4) * 3,

@@ -78,8 +78,9 @@ impl Clip {
     /// Bytes that a joint takes in a row while a clip is made, at most.
     pub const POSE_BYTES: usize = size_of::<curves::Local>() + size_of::<crate::Trs>() + ROW_POSE_BYTES;
 
-    /// As [`new`](Self::new), but gaps between keys are divided only while there are fewer than `most_rows` rows. Keys have
-    /// their rows all the same. Where these rows do not do, [`ClipStats::error_bound_m`] is above the tolerance.
+    /// As [`new`](Self::new), but gaps between keys are divided only while there are fewer than
+    /// `most_rows` rows. Keys have their rows all the same. Where these rows do not do,
+    /// [`ClipStats::error_bound_m`] is above the tolerance.
     ///
     /// # Errors
     ///

@@ -1,4 +1,5 @@
-//! Small files that ask for much: memory is estimated first, work is in proportion, and numbers stay within bounds.
+//! Small files that ask for much: memory is estimated first, work is in proportion, and numbers
+//! stay within bounds.
 
 use std::fmt::Write;
 
@@ -62,7 +63,8 @@ fn everything_that_takes_memory_counts_and_is_named() {
 
 #[test]
 fn a_large_image_in_a_small_file_is_refused_by_its_header() {
-    // The header of a PNG of 16,384 x 16,384 pixels of one bit, with its checksum, and the start of its data.
+    // The header of a PNG of 16,384 x 16,384 pixels of one bit, with its checksum, and the start of
+    // its data.
     let start =
         b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x40\0\0\0\x40\0\x01\0\0\0\0\x81\xb3\x2d\x29\0\0\0\x04IDAT";
     let mut file = rigid();

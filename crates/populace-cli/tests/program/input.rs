@@ -99,7 +99,8 @@ fn pipes_and_devices_are_not_waited_for() {
 fn vertices_are_those_of_the_file() {
     let folder = Folder::new();
     let mut file = post();
-    // Some triangles of this strip are lines, whose normals are others: they get vertices of their own.
+    // Some triangles of this strip are lines, whose normals are others: they get vertices of their
+    // own.
     file["meshes"][0]["primitives"][0]["mode"] = 5.into();
     file["meshes"][0]["primitives"][0].as_object_mut().expect("an object").remove("indices");
     std::fs::write(folder.path("strip.gltf"), file.to_string()).expect("written");

@@ -66,8 +66,9 @@ impl Gap<'_> {
         first.max(self.fill(middle, to, halvings - 1, rows))
     }
 
-    /// An upper bound on how far a probe strays between two rows: each joint's own deviation moves what hangs on it
-    /// by at most its angle times reach, and deviations add up along the chain. Infinite once it is more than `enough`.
+    /// An upper bound on how far a probe strays between two rows: each joint's own deviation moves
+    /// what hangs on it by at most its angle times reach, and deviations add up along the chain.
+    /// Infinite once it is more than `enough`.
     fn error_bound(&self, from: &Row, to: &Row, enough: f64) -> f64 {
         let mut totals = Vec::with_capacity(self.reach.len());
         let mut worst: f64 = 0.0;
@@ -83,8 +84,8 @@ impl Gap<'_> {
         worst
     }
 
-    /// The error at places between two rows, with a tenth more for what lies between those places. Of a place alone where
-    /// that is more than `enough`.
+    /// The error at places between two rows, with a tenth more for what lies between those places.
+    /// Of a place alone where that is more than `enough`.
     fn measured_error(&self, from: &Row, to: &Row, enough: f64) -> f64 {
         let parents = parents(self.skeleton);
         let mut worst: f64 = 0.0;

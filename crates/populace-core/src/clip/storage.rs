@@ -71,9 +71,9 @@ pub(super) struct Judge<'a> {
 }
 
 impl Storage {
-    /// Stores rows: as 16-bit steps, and for as long as those move a probe too far, the properties of blocks that move them
-    /// most as floats, four times as many each time. `poses` are the rows in single precision, neighbouring rotations in one
-    /// hemisphere.
+    /// Stores rows: as 16-bit steps, and for as long as those move a probe too far, the properties
+    /// of blocks that move them most as floats, four times as many each time. `poses` are the rows
+    /// in single precision, neighbouring rotations in one hemisphere.
     pub(super) fn new(rows: &[Row], poses: &[Vec<Trs>], judge: &Judge) -> Self {
         let ranges = ranges(poses, judge);
         let mut floats = vec![[false; 3]; ranges.len().div_ceil(BLOCK)];
