@@ -18,6 +18,8 @@ use crate::{JointIndex, Property, Skeleton, Trs, f64math};
 
 /// Steps over a joint's range.
 const STEPS: f64 = 65535.0;
+/// Properties of blocks that are made floats one by one.
+const ONE_BY_ONE: usize = 6;
 /// A value counts as still while it moves no probe by more than this part of what storage may be off by.
 const STILL: f64 = 0.01;
 
@@ -72,12 +74,13 @@ pub(super) struct Judge<'a> {
 
 impl Storage {
     /// Stores rows: as 16-bit steps, and for as long as those move a probe too far, the properties
-    /// of blocks that move them most as floats, four times as many each time. `poses` are the rows
-    /// in single precision, neighbouring rotations in one hemisphere.
+    /// of blocks that move them most as floats. They are found one by one, and where many are
+    /// needed four times as many each time. `poses` are the rows in single precision, neighbouring
+    /// rotations in one hemisphere.
     pub(super) fn new(rows: &[Row], poses: &[Vec<Trs>], judge: &Judge) -> Self {
         let ranges = ranges(poses, judge);
         let mut floats = vec![[false; 3]; ranges.len().div_ceil(BLOCK)];
-        let mut at_once = 1;
+        let mut found = 0;
         loop {
             let mut stored = Self::encode(poses, ranges.clone(), &floats);
             stored.measure(rows, judge);
@@ -85,10 +88,11 @@ impl Storage {
             if coarsest.is_empty() || stored.error_m <= judge.allowed {
                 return stored;
             }
+            let at_once = if found < ONE_BY_ONE { 1 } else { 3 * found };
             for &(block, property) in coarsest.iter().take(at_once) {
                 floats[block][property as usize] = true;
+                found += 1;
             }
-            at_once *= 4;
         }
     }
 
