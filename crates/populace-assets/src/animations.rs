@@ -131,32 +131,32 @@ fn read_channel(at: &Cursor, nodes: &[Node], sampler_count: usize) -> Checked<Op
     Ok(Some(Channel { place: at.place().to_owned(), sampler, node, property }))
 }
 
-/// Rows times joints that clips may have in any file, and for each byte of it. Clips hold a row for every key time of
-/// any track, so that many keys and many joints, each few bytes, would make out-of-proportion memory together.
-const ROW_JOINTS: usize = 16 << 20;
-const ROW_JOINTS_PER_BYTE: usize = 16;
+/// Bytes that a joint takes in a row while a clip is made.
+const POSE_BYTES: u64 = Clip::POSE_BYTES as u64;
+/// Rows that a clip's columns take as much memory and time as, beside those that it has.
+const COLUMN_ROWS: u64 = 4;
+/// Rows that may be begun where a gap between keys is divided, beyond the last that is allowed.
+const BEGUN_ROWS: u64 = 16;
 
 /// Makes clips of animations.
 pub(crate) struct Clips<'a> {
     data: &'a Data<'a>,
     log: &'a Log,
     rig: &'a Rig,
-    row_joints_left: usize,
 }
 
 impl<'a> Clips<'a> {
-    pub(crate) fn new(data: &'a Data<'a>, log: &'a Log, rig: &'a Rig, file_bytes: usize) -> Self {
-        let row_joints_left = ROW_JOINTS.saturating_add(file_bytes.saturating_mul(ROW_JOINTS_PER_BYTE));
-        Self { data, log, rig, row_joints_left }
+    pub(crate) fn new(data: &'a Data<'a>, log: &'a Log, rig: &'a Rig) -> Self {
+        Self { data, log, rig }
     }
 
     /// Makes the clips of all animations, each looked at even where one before it fails.
-    pub(crate) fn all(&mut self, animations: &[Animation]) -> Checked<Vec<Arc<Clip>>> {
+    pub(crate) fn all(&self, animations: &[Animation]) -> Checked<Vec<Arc<Clip>>> {
         let clips: Vec<_> = animations.iter().map(|a| self.clip(a)).collect();
         clips.into_iter().collect()
     }
 
-    fn clip(&mut self, animation: &Animation) -> Checked<Arc<Clip>> {
+    fn clip(&self, animation: &Animation) -> Checked<Arc<Clip>> {
         let mut tracks = Vec::new();
         let mut failed = None;
         for channel in &animation.channels {
@@ -168,11 +168,14 @@ impl<'a> Clips<'a> {
         if let Some(reported) = failed {
             return Err(reported);
         }
-        self.charge(animation, &tracks)?;
+        let most_rows = self.most_rows(animation, &tracks)?;
         let source = ClipSource { name: animation.name.clone(), tracks };
-        let clip = Clip::new(source, &self.rig.skeleton)
+        let clip = Clip::with_at_most(most_rows, source, &self.rig.skeleton)
             .map_err(|e| self.log.problem(&animation.place, e.to_string()))?;
         let stats = clip.stats();
+        self.data.budget.spend_poses(self.poses(stats.row_count as u64 + COLUMN_ROWS));
+        let columns = self.poses(COLUMN_ROWS) * POSE_BYTES;
+        self.data.budget.take(&animation.place, "its rows", stats.row_bytes as u64 + columns)?;
         if stats.error_bound_m > stats.tolerance_m {
             let off = format!("{} m, more than {} m", stats.error_bound_m, stats.tolerance_m);
             let what = format!("has curves too wild to be stored; poses may be off by {off}");
@@ -181,20 +184,29 @@ impl<'a> Clips<'a> {
         Ok(Arc::new(clip))
     }
 
-    fn charge(&mut self, animation: &Animation, tracks: &[Track]) -> Checked<()> {
-        let times: HashSet<u32> = tracks.iter().flat_map(|t| t.times.iter().map(|s| s.to_bits())).collect();
-        let wanted = times.len().saturating_mul(self.rig.skeleton.joint_count());
-        self.row_joints_left = self.row_joints_left.checked_sub(wanted).ok_or_else(|| {
-            self.log.problem(
-                &animation.place,
-                format!(
-                    "has {} key times for {} joints, more data than is in proportion to the file",
-                    times.len(),
-                    self.rig.skeleton.joint_count()
-                ),
-            )
-        })?;
-        Ok(())
+    /// Poses of one joint in so many rows.
+    fn poses(&self, rows: u64) -> u64 {
+        rows.saturating_mul(self.rig.skeleton.joint_count() as u64)
+    }
+
+    /// How many rows the clip may be given before all of its keys have one, if the budget allows
+    /// for the rows of the keys.
+    fn most_rows(&self, animation: &Animation, tracks: &[Track]) -> Checked<usize> {
+        let times_of = |steps_alone: bool| {
+            let counts = |t: &&Track| !steps_alone || t.interpolation == Interpolation::Step;
+            let tracks = tracks.iter().filter(counts);
+            tracks.flat_map(|t| t.times.iter().map(|s| s.to_bits())).collect::<HashSet<u32>>().len()
+        };
+        let keys = times_of(false).max(1);
+        // A step is two rows at one time.
+        let least = (keys + times_of(true)) as u64 + COLUMN_ROWS;
+        let (budget, joints) = (self.data.budget, self.rig.skeleton.joint_count() as u64);
+        let what = format!("rows of {joints} joints at {keys} key times");
+        let poses_left = budget.poses_left(&animation.place, &what, self.poses(least))?;
+        let bytes = self.poses(least).saturating_mul(POSE_BYTES);
+        budget.check(&animation.place, what, bytes)?;
+        let room = poses_left.min((budget.left() - bytes) / POSE_BYTES) / joints;
+        Ok(usize::try_from(room.saturating_sub(BEGUN_ROWS)).unwrap_or(usize::MAX))
     }
 
     fn track(&self, animation: &Animation, channel: &Channel) -> Checked<Option<Track>> {
@@ -217,9 +229,11 @@ impl<'a> Clips<'a> {
             self.log.note(&channel.place, "has no key times and drives nothing");
             return Ok(None);
         }
+        let name = self.rig.skeleton.name(joint);
+        self.data.budget.charge(&channel.place, name.len())?;
         let (times, values) = (self.times(sampler), self.values(sampler, channel.property));
         Ok(Some(Track {
-            joint: self.rig.skeleton.name(joint).to_owned(),
+            joint: name.to_owned(),
             property: channel.property,
             interpolation: sampler.interpolation,
             times: times?,

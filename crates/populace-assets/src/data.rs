@@ -1,29 +1,24 @@
 //! The binary data of a file: buffers, and typed arrays read from them.
 
 use std::borrow::Cow;
-use std::cell::{Cell, OnceCell};
-use std::path::Path;
+use std::cell::OnceCell;
 
 use crate::accessor::{Accessor, Component, Shape, Stretch, View};
+use crate::budget::Budget;
+use crate::folder::Folder;
 use crate::glb::Container;
-use crate::json::Cursor;
+use crate::json::{Cursor, LARGEST};
 use crate::log::{Checked, Log};
-use crate::uri::{self, Uri};
-
-/// Files beside the imported one are read up to this size.
-const FILE_BYTES: u64 = 1 << 32;
-/// What may be decoded from any file, however small.
-const BUDGET_BYTES: usize = 64 << 20;
-/// And for each byte of it: real files share arrays, but not without end.
-const BUDGET_PER_BYTE: usize = 64;
+use crate::uri::Uri;
 
 enum Source<'a> {
     /// In the file itself.
     Here(Cow<'a, [u8]>),
     /// In a file beside it, read when asked for.
     Beside(String),
-    /// Nowhere: a placeholder that an extension fills.
-    Nowhere,
+    /// Nowhere: a placeholder that an extension fills, or a BIN chunk that was left out. The text
+    /// says what is missing.
+    Nowhere(&'static str),
 }
 
 struct Buffer<'a> {
@@ -36,12 +31,11 @@ struct Buffer<'a> {
 /// Buffers, buffer views and accessors.
 pub(crate) struct Data<'a> {
     log: &'a Log,
-    base_folder: Option<&'a Path>,
+    pub(crate) budget: &'a Budget<'a>,
+    folder: &'a Folder,
     buffers: Vec<Checked<Buffer<'a>>>,
     views: Vec<Checked<View>>,
     accessors: Vec<Checked<Accessor>>,
-    allowed_bytes: Cell<usize>,
-    decoded_bytes: Cell<usize>,
 }
 
 impl<'a> Data<'a> {
@@ -50,13 +44,14 @@ impl<'a> Data<'a> {
         root: &Cursor<'a>,
         log: &'a Log,
         container: &Container<'a>,
-        base_folder: Option<&'a Path>,
+        budget: &'a Budget<'a>,
+        folder: &'a Folder,
     ) -> Self {
         let buffers: Vec<_> = root
             .objects("buffers")
             .iter()
             .enumerate()
-            .map(|(index, at)| read_buffer(at, index, container))
+            .map(|(index, at)| read_buffer(at, index, container, budget))
             .collect();
         if buffers.is_empty() && container.bin.is_some_and(|b| !b.is_empty()) {
             log.note("chunk 1", "holds data, but the file has no buffers; it is ignored");
@@ -65,16 +60,8 @@ impl<'a> Data<'a> {
             buffers.iter().map(|b| b.as_ref().map(|b| b.length).map_err(|reported| *reported)).collect();
         let views: Vec<_> = root.objects("bufferViews").iter().map(|at| View::read(at, &lengths)).collect();
         let accessors = root.objects("accessors").iter().map(|at| Accessor::read(at, &views)).collect();
-        let here = container.json.len() + container.bin.map_or(0, <[u8]>::len);
-        Self {
-            log,
-            base_folder,
-            buffers,
-            views,
-            accessors,
-            allowed_bytes: Cell::new(BUDGET_BYTES.saturating_add(here.saturating_mul(BUDGET_PER_BYTE))),
-            decoded_bytes: Cell::new(0),
-        }
+        budget.allow_for(container.json.len() + container.bin.map_or(0, <[u8]>::len));
+        Self { log, budget, folder, buffers, views, accessors }
     }
 
     pub(crate) fn accessor_count(&self) -> usize {
@@ -102,36 +89,19 @@ impl<'a> Data<'a> {
         ))
     }
 
-    /// Takes `bytes` from what a file of this size may ask for, so that a small file that uses one array again and
-    /// again cannot fill the memory.
-    pub(crate) fn charge(&self, place: &str, bytes: usize) -> Checked<()> {
-        let decoded = self.decoded_bytes.get().saturating_add(bytes);
-        self.decoded_bytes.set(decoded);
-        let allowed = self.allowed_bytes.get();
-        if decoded <= allowed {
-            return Ok(());
-        }
-        Err(self.log.problem(
-            place,
-            format!(
-                "is where the file asks for more than {allowed} bytes of data, out of proportion to its size"
-            ),
-        ))
-    }
-
     fn buffer(&self, index: usize) -> Checked<&[u8]> {
         let buffer = self.buffers[index].as_ref().map_err(|reported| *reported)?;
         match &buffer.source {
             Source::Here(bytes) => Ok(bytes),
-            Source::Nowhere => Err(self
-                .log
-                .problem(&buffer.place, "has no uri; only the first buffer of a binary file may do without")),
+            Source::Nowhere(what) => Err(self.log.problem(&buffer.place, *what)),
             Source::Beside(path) => {
                 let load = || {
-                    let bytes = uri::read_file(self.base_folder, path, Some(buffer.length), FILE_BYTES)
-                        .map_err(|what| self.log.problem(format!("{}.uri", buffer.place), what))?;
-                    let more = bytes.len().saturating_mul(BUDGET_PER_BYTE);
-                    self.allowed_bytes.set(self.allowed_bytes.get().saturating_add(more));
+                    let place = format!("{}.uri", buffer.place);
+                    let opened = self.folder.open(path, Some(buffer.length));
+                    let opened = opened.map_err(|what| self.log.problem(&place, what))?;
+                    self.budget.take(&place, format!("the file \"{path}\""), opened.length)?;
+                    let bytes = opened.read().map_err(|what| self.log.problem(&place, what))?;
+                    self.budget.allow_for(bytes.len());
                     Ok(bytes)
                 };
                 let loaded = buffer.loaded.get_or_init(load);
@@ -140,13 +110,16 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// Notes the buffers that were never needed and so never opened.
+    /// Notes the buffers that were never needed: files that were not opened, and what is nowhere.
     pub(crate) fn note_unopened(&self) {
         for buffer in self.buffers.iter().flatten() {
-            if matches!(buffer.source, Source::Beside(_)) && buffer.loaded.get().is_none() {
-                let what = "is not opened; nothing that is drawn or played needs it";
-                self.log.note(&buffer.place, what);
-            }
+            let what = match buffer.source {
+                Source::Beside(_) if buffer.loaded.get().is_none() => "is not opened",
+                Source::Nowhere(_) => "has no uri",
+                _ => continue,
+            };
+            let what = format!("{what}; nothing that is drawn or played needs it");
+            self.log.note(&buffer.place, what);
         }
     }
 
@@ -167,7 +140,7 @@ impl<'a> Data<'a> {
     fn packed(&self, accessor: &Accessor) -> Checked<Cow<'_, [u8]>> {
         let size = accessor.shape.components() * accessor.component.bytes();
         let total = accessor.count.saturating_mul(size);
-        self.charge(&accessor.place, total)?;
+        self.budget.charge(&accessor.place, total)?;
         let mut packed = match &accessor.base {
             Some(base) => self.gather(base, accessor, accessor.count)?,
             None => Cow::Owned(vec![0; total]),
@@ -216,16 +189,21 @@ impl<'a> Data<'a> {
         Ok(Cow::Owned(packed))
     }
 
-    /// All components as floats, normalised integers as the fractions they stand for; every one is finite.
+    /// All components as floats, normalised integers as the fractions they stand for; every one is
+    /// finite and at most [`LARGEST`] in size.
     pub(crate) fn floats(&self, index: usize) -> Checked<Vec<f32>> {
         let accessor = self.accessor(index)?;
         let packed = self.packed(accessor)?;
         let width = 4 / accessor.component.bytes();
-        self.charge(&accessor.place, packed.len().saturating_mul(width))?;
+        self.budget.charge(&accessor.place, packed.len().saturating_mul(width))?;
         let floats = widen_floats(&packed, accessor.component, accessor.normalized);
-        if let Some(at) = floats.iter().position(|v| !v.is_finite()) {
+        let within = |v: &f32| f64::from(v.abs()) <= LARGEST; // which no NaN is
+        if let Some(at) = floats.iter().position(|v| !within(v)) {
             let element = at / accessor.shape.components();
-            let what = format!("holds {} in element {element}; numbers must be finite", floats[at]);
+            let what = format!(
+                "holds {:?} in element {element}; numbers must be finite and at most {LARGEST:e} in size",
+                floats[at]
+            );
             return Err(self.log.problem(&accessor.place, what));
         }
         Ok(floats)
@@ -242,7 +220,7 @@ impl<'a> Data<'a> {
         let accessor = self.accessor(index)?;
         let packed = self.packed(accessor)?;
         let width = 4 / accessor.component.bytes();
-        self.charge(&accessor.place, packed.len().saturating_mul(width))?;
+        self.budget.charge(&accessor.place, packed.len().saturating_mul(width))?;
         Ok(widen_uints(&packed, accessor.component).collect())
     }
 }
@@ -269,7 +247,12 @@ fn widen_floats(bytes: &[u8], component: Component, normalized: bool) -> Vec<f32
     }
 }
 
-fn read_buffer<'a>(at: &Cursor<'a>, index: usize, container: &Container<'a>) -> Checked<Buffer<'a>> {
+fn read_buffer<'a>(
+    at: &Cursor<'a>,
+    index: usize,
+    container: &Container<'a>,
+    budget: &Budget,
+) -> Checked<Buffer<'a>> {
     let length = at.require("byteLength").and_then(|length| {
         let value = length.uint()?;
         if value == 0 {
@@ -278,12 +261,12 @@ fn read_buffer<'a>(at: &Cursor<'a>, index: usize, container: &Container<'a>) -> 
         Ok(value)
     });
     let source = match at.get("uri") {
-        Some(uri) => uri_source(&uri),
+        Some(uri) => uri_source(&uri, budget),
         None if index == 0 && container.binary => match container.bin {
             Some(bin) => Ok(Source::Here(Cow::Borrowed(bin))),
-            None => Err(at.problem("has no uri, and the file has no BIN chunk for it")),
+            None => Ok(Source::Nowhere("has no uri, and the file has no BIN chunk for it")),
         },
-        None => Ok(Source::Nowhere),
+        None => Ok(Source::Nowhere("has no uri; only the first buffer of a binary file may do without")),
     };
     let (length, source) = (length?, source?);
     if let Source::Here(bytes) = &source {
@@ -300,16 +283,18 @@ fn read_buffer<'a>(at: &Cursor<'a>, index: usize, container: &Container<'a>) -> 
     Ok(Buffer { place: at.place().to_owned(), length, source, loaded: OnceCell::new() })
 }
 
-fn uri_source<'a>(uri: &Cursor<'a>) -> Checked<Source<'a>> {
+fn uri_source<'a>(uri: &Cursor<'a>, budget: &Budget) -> Checked<Source<'a>> {
     match Uri::parse(uri.text()?).map_err(|what| uri.problem(what))? {
-        Uri::Data { media_type, bytes } => {
+        Uri::Data(data) => {
             let known = ["application/octet-stream", "application/gltf-buffer"];
-            if !known.iter().any(|k| k.eq_ignore_ascii_case(&media_type)) {
-                uri.note(format!("is of media type \"{media_type}\", which is not one for buffers"));
+            if !known.iter().any(|k| k.eq_ignore_ascii_case(data.media_type)) {
+                let what = format!("is of media type \"{}\", which is not one for buffers", data.media_type);
+                uri.note(what);
             }
-            Ok(Source::Here(Cow::Owned(bytes)))
+            budget.take(uri.place(), "the data of its URI", data.decoded_bytes())?;
+            Ok(Source::Here(Cow::Owned(data.decode().map_err(|what| uri.problem(what))?)))
         }
-        Uri::Relative(path) => Ok(Source::Beside(path)),
+        Uri::File(path) => Ok(Source::Beside(path)),
     }
 }
 

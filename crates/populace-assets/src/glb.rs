@@ -45,30 +45,53 @@ fn u32_at(bytes: &[u8], at: usize) -> u32 {
     bytes[at..at + 4].iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte))
 }
 
-/// The file up to its declared length, without the header.
-fn body<'a>(bytes: &'a [u8], log: &Log) -> Checked<&'a [u8]> {
-    let header = |what: String| Err(log.problem("header", what));
-    if bytes.len() < HEADER_BYTES {
-        return header(format!("ends after {} bytes; it has {HEADER_BYTES}", bytes.len()));
+/// How many bytes of a file are to be read, told by its first ones and, where it is known, its
+/// length; nothing where it is to be read to its end, wherever that is.
+pub(crate) fn wanted_bytes(start: &[u8], length: Option<u64>, log: &Log) -> Checked<Option<u64>> {
+    if start.starts_with(MAGIC) {
+        return declared_bytes(start, length, log).map(Some);
     }
-    let version = u32_at(bytes, 4);
+    let goes_on = length.is_none_or(|length| length > start.len() as u64);
+    if !(goes_on && start.iter().all(u8::is_ascii_whitespace)) {
+        check_looks_like_json(start, "file", log)?;
+    }
+    Ok(length)
+}
+
+/// The length that the header declares; `length` is that of the file, where it is known.
+fn declared_bytes(start: &[u8], length: Option<u64>, log: &Log) -> Checked<u64> {
+    let header = |what: String| Err(log.problem("header", what));
+    if start.len() < HEADER_BYTES {
+        return header(format!("ends after {} bytes; it has {HEADER_BYTES}", start.len()));
+    }
+    let version = u32_at(start, 4);
     if version != 2 {
         return header(format!("says container version {version}; version 2 is supported"));
     }
-    let length = u32_at(bytes, 8) as usize;
-    if length < HEADER_BYTES + CHUNK_HEADER_BYTES {
-        return header(format!("says the file has {length} bytes, too few for a header and a chunk"));
+    let declared = u64::from(u32_at(start, 8));
+    if declared < (HEADER_BYTES + CHUNK_HEADER_BYTES) as u64 {
+        return header(format!("says the file has {declared} bytes, too few for a header and a chunk"));
     }
-    if length > bytes.len() {
-        return header(format!(
-            "says the file has {length} bytes, but it ends after {}; it may be cut off",
-            bytes.len()
-        ));
+    match length {
+        Some(length) if declared > length => {
+            return header(format!(
+                "says the file has {declared} bytes, but it ends after {length}; it may be cut off"
+            ));
+        }
+        Some(length) if declared < length => {
+            log.note("header", format!("the {} bytes after the end are ignored", length - declared));
+        }
+        _ => {}
     }
-    if length < bytes.len() {
-        log.note("header", format!("the {} bytes after the end are ignored", bytes.len() - length));
-    }
-    Ok(&bytes[HEADER_BYTES..length])
+    Ok(declared)
+}
+
+/// The file up to its declared length, without the header.
+fn body<'a>(bytes: &'a [u8], log: &Log) -> Checked<&'a [u8]> {
+    let declared = declared_bytes(bytes, Some(bytes.len() as u64), log)?;
+    // At most the number of bytes that are there.
+    let end = usize::try_from(declared).unwrap_or(bytes.len());
+    Ok(&bytes[HEADER_BYTES..end])
 }
 
 fn split_binary<'a>(bytes: &'a [u8], log: &Log) -> Checked<Container<'a>> {

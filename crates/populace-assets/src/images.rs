@@ -1,33 +1,31 @@
 //! Images, decoded when a material asks for them.
 
 use std::io::Cursor as Bytes;
-use std::path::Path;
 
-use image::{ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use populace_core::Image;
 
+use crate::budget::Budget;
 use crate::data::Data;
+use crate::folder::Folder;
 use crate::json::Cursor;
 use crate::log::{Checked, Log};
-use crate::uri::{self, Uri};
+use crate::uri::Uri;
 
 /// Pixels along a side.
 const MOST_PIXELS: u32 = 16_384;
-/// Bytes that decoding one image may take.
-const MOST_BYTES: u64 = 512 << 20;
-/// Bytes of all images together.
-const MOST_BYTES_TOGETHER: usize = 2 << 30;
+/// Bytes of a pixel of a decoded image.
+const RGBA_BYTES: u64 = 4;
 
 /// Where an image's bytes are.
-enum Source {
+enum Source<'a> {
     View(usize),
-    Data(Vec<u8>),
-    Beside(String),
+    Uri(Uri<'a>),
 }
 
-struct Entry {
+struct Entry<'a> {
     place: String,
-    source: Option<Source>,
+    source: Option<Source<'a>>,
     /// `None` until asked for; then the index of the decoded image, if it could be had.
     decoded: Option<Option<usize>>,
 }
@@ -36,25 +34,30 @@ struct Entry {
 pub(crate) struct ImageStore<'a> {
     data: &'a Data<'a>,
     log: &'a Log,
-    base_folder: Option<&'a Path>,
-    entries: Vec<Entry>,
+    budget: &'a Budget<'a>,
+    folder: &'a Folder,
+    entries: Vec<Entry<'a>>,
     images: Vec<Image>,
 }
 
+/// Why an image could not be had: the text is for a note.
+type Had<T> = Checked<Result<T, String>>;
+
 impl<'a> ImageStore<'a> {
     pub(crate) fn new(
-        root: &Cursor,
+        root: &Cursor<'a>,
         data: &'a Data<'a>,
         log: &'a Log,
-        base_folder: Option<&'a Path>,
+        budget: &'a Budget<'a>,
+        folder: &'a Folder,
     ) -> Self {
-        let entry = |at: &Cursor| Entry {
+        let entry = |at: &Cursor<'a>| Entry {
             place: at.place().to_owned(),
             source: read_source(at, data).ok().flatten(),
             decoded: None,
         };
         let entries = root.objects("images").iter().map(entry).collect();
-        Self { data, log, base_folder, entries, images: Vec::new() }
+        Self { data, log, budget, folder, entries, images: Vec::new() }
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -65,25 +68,16 @@ impl<'a> ImageStore<'a> {
         self.images
     }
 
-    /// The index of an image among the decoded ones; `None` where it could not be had, which is noted. Only what the
-    /// file itself gets wrong is a problem: a texture that was not shipped along stops nobody from moving.
+    /// The index of an image among the decoded ones; `None` where it could not be had, which is
+    /// noted. Only what the file itself gets wrong, or what would take too much memory, is a
+    /// problem: a texture that was not shipped along stops nobody from moving.
     pub(crate) fn decoded(&mut self, index: usize) -> Checked<Option<usize>> {
         if let Some(known) = self.entries[index].decoded {
             return Ok(known);
         }
         let entry = &self.entries[index];
-        let beside;
-        let bytes: Result<&[u8], String> = match &entry.source {
-            None => return Ok(None),
-            Some(Source::View(view)) => Ok(self.data.view_bytes(*view)?),
-            Some(Source::Data(bytes)) => Ok(bytes),
-            Some(Source::Beside(path)) => {
-                beside = uri::read_file(self.base_folder, path, None, MOST_BYTES);
-                beside.as_deref().map_err(Clone::clone)
-            }
-        };
-        let used = self.images.iter().map(|i| i.rgba.len()).sum();
-        let decoded = match bytes.and_then(|b| decode(b, used)) {
+        let Some(source) = &entry.source else { return Ok(None) };
+        let decoded = match self.image(&entry.place, source)? {
             Ok(image) => {
                 self.images.push(image);
                 Some(self.images.len() - 1)
@@ -96,9 +90,75 @@ impl<'a> ImageStore<'a> {
         self.entries[index].decoded = Some(decoded);
         Ok(decoded)
     }
+
+    fn image(&self, place: &str, source: &Source) -> Had<Image> {
+        let bytes = match source {
+            Source::View(view) => return self.decode(place, self.data.view_bytes(*view)?),
+            Source::Uri(Uri::Data(data)) => {
+                self.budget.check(place, "the data of its URI", data.decoded_bytes())?;
+                data.decode()
+            }
+            Source::Uri(Uri::File(path)) => match self.folder.open(path, None) {
+                Ok(opened) => {
+                    self.budget.check(place, format!("the file \"{path}\""), opened.length)?;
+                    opened.read()
+                }
+                Err(what) => Err(what),
+            },
+        };
+        match bytes {
+            Ok(bytes) => self.decode(place, &bytes),
+            Err(what) => Ok(Err(what)),
+        }
+    }
+
+    /// Decodes PNG, JPEG or WebP, told apart by content, if the size in its header fits the budget.
+    fn decode(&self, place: &str, bytes: &[u8]) -> Had<Image> {
+        let format = image::guess_format(bytes).ok();
+        let known = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP];
+        let Some(format) = format.filter(|f| known.contains(f)) else {
+            return Ok(Err("is neither PNG nor JPEG nor WebP".into()));
+        };
+        let mut limits = Limits::default();
+        limits.max_image_width = Some(MOST_PIXELS);
+        limits.max_image_height = Some(MOST_PIXELS);
+        limits.max_alloc = Some(self.budget.left());
+        let mut reader = ImageReader::with_format(Bytes::new(bytes), format);
+        reader.limits(limits);
+        let failed = |e: image::ImageError| format!("cannot be decoded: {e}");
+        let decoder = match reader.into_decoder() {
+            Ok(decoder) => decoder,
+            Err(error) => return Ok(Err(failed(error))),
+        };
+        let (width, height) = decoder.dimensions();
+        let pixels = u64::from(width) * u64::from(height);
+        // What the decoder works with is gone before its pixels become RGBA, where they are not
+        // that already.
+        let converted = if decoder.color_type() == ColorType::Rgba8 { 0 } else { RGBA_BYTES };
+        let beside = pixels * converted.max(working_bytes(format)) + bytes.len() as u64;
+        let what = format!("an image of {width} x {height} pixels");
+        self.budget.check(place, &what, decoder.total_bytes() + beside)?;
+        match DynamicImage::from_decoder(decoder) {
+            Ok(decoded) => {
+                self.budget.take(place, &what, RGBA_BYTES * pixels)?;
+                Ok(Ok(Image { width, height, rgba: decoded.into_rgba8().into_raw() }))
+            }
+            Err(error) => Ok(Err(failed(error))),
+        }
+    }
 }
 
-fn read_source(at: &Cursor, data: &Data) -> Checked<Option<Source>> {
+/// Bytes for each pixel that a decoder takes at most beside what it gives: a progressive JPEG's
+/// coefficients, a WebP's frame.
+const fn working_bytes(format: ImageFormat) -> u64 {
+    match format {
+        ImageFormat::Jpeg => 6,
+        ImageFormat::WebP => 4,
+        _ => 0,
+    }
+}
+
+fn read_source<'a>(at: &Cursor<'a>, data: &Data) -> Checked<Option<Source<'a>>> {
     if let Some(view) = at.get("bufferView") {
         return Ok(Some(Source::View(view.index(data.view_count(), "buffer view")?)));
     }
@@ -106,40 +166,20 @@ fn read_source(at: &Cursor, data: &Data) -> Checked<Option<Source>> {
         at.note("has neither a uri nor a bufferView");
         return Ok(None);
     };
-    Ok(match Uri::parse(uri.text()?) {
-        Ok(Uri::Data { bytes, .. }) => Some(Source::Data(bytes)),
-        Ok(Uri::Relative(path)) => Some(Source::Beside(path)),
+    match Uri::parse(uri.text()?) {
+        Ok(uri) => Ok(Some(Source::Uri(uri))),
         Err(what) => {
             uri.note(format!("{what}; materials keep their plain colour"));
-            None
+            Ok(None)
         }
-    })
-}
-
-/// Decodes PNG, JPEG or WebP, told apart by content.
-fn decode(bytes: &[u8], bytes_used: usize) -> Result<Image, String> {
-    let format = image::guess_format(bytes).ok();
-    let known = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP];
-    let format = format.filter(|f| known.contains(f)).ok_or("is neither PNG nor JPEG nor WebP")?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_PIXELS);
-    limits.max_image_height = Some(MOST_PIXELS);
-    limits.max_alloc = Some(MOST_BYTES);
-    let mut reader = ImageReader::with_format(Bytes::new(bytes), format);
-    reader.limits(limits);
-    let failed = |e: image::ImageError| format!("cannot be decoded: {e}");
-    let decoded = reader.decode().map_err(failed)?;
-    let (width, height) = (decoded.width(), decoded.height());
-    let rgba_bytes = width as usize * height as usize * 4;
-    if bytes_used.saturating_add(rgba_bytes) > MOST_BYTES_TOGETHER {
-        return Err(format!("would bring the images to more than {MOST_BYTES_TOGETHER} bytes together"));
     }
-    Ok(Image { width, height, rgba: decoded.into_rgba8().into_raw() })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::glb::Container;
+    use crate::tree::tests::tree;
 
     fn png(width: u32, height: u32) -> Vec<u8> {
         let mut bytes = Bytes::new(Vec::new());
@@ -151,9 +191,22 @@ mod tests {
         bytes.into_inner()
     }
 
+    /// What becomes of an image under a memory limit in bytes: the image, a note or a problem.
+    fn decoded(bytes: &[u8], limit: u64) -> Result<Image, String> {
+        let (log, value) = (Log::default(), tree("{}"));
+        let (budget, folder, root) =
+            (Budget::new(limit, &log), Folder::new(None, false), Cursor::root(&value, &log));
+        let container = Container { json: b"", binary: false, bin: None };
+        let image = {
+            let data = Data::new(&root, &log, &container, &budget, &folder);
+            ImageStore::new(&root, &data, &log, &budget, &folder).decode("images[0]", bytes)
+        };
+        image.unwrap_or_else(|_| Err(log.finish().unwrap_err()[0].to_string()))
+    }
+
     #[test]
     fn pixels_come_out_as_they_went_in() {
-        let image = decode(&png(3, 2), 0).unwrap();
+        let image = decoded(&png(3, 2), 1 << 20).unwrap();
         assert_eq!((image.width, image.height), (3, 2));
         assert_eq!(image.rgba[4 * 5..], [2, 1, 7, 255]);
     }
@@ -161,11 +214,29 @@ mod tests {
     #[test]
     fn broken_and_huge_images_are_refused() {
         let good = png(3, 2);
-        assert!(decode(&good[..good.len() / 2], 0).unwrap_err().contains("cannot be decoded"));
-        assert!(decode(b"GIF89a", 0).unwrap_err().contains("neither PNG"));
-        assert!(decode(&good, MOST_BYTES_TOGETHER - 23).unwrap_err().contains("together"));
-        assert!(decode(&good, MOST_BYTES_TOGETHER - 24).is_ok());
+        assert!(decoded(&good[..good.len() / 2], 1 << 20).unwrap_err().contains("cannot be decoded"));
+        assert!(decoded(b"GIF89a", 1 << 20).unwrap_err().contains("neither PNG"));
         let wide = png(MOST_PIXELS + 1, 1);
-        assert!(decode(&wide, 0).unwrap_err().contains("cannot be decoded"));
+        assert!(decoded(&wide, 1 << 30).unwrap_err().contains("cannot be decoded"));
+    }
+
+    #[test]
+    fn the_size_in_the_header_counts_before_anything_is_decoded() {
+        let mut large = png(3, 2);
+        // Width and height in the header, and its checksum; there are no such pixels.
+        large[16..24].copy_from_slice(&[0, 0, 0x40, 0, 0, 0, 0x40, 0]);
+        let checksum = crc(&large[12..29]).to_be_bytes();
+        large[29..33].copy_from_slice(&checksum);
+        let said = decoded(&large, 1 << 30).unwrap_err();
+        let words = "images[0]: needs 1025 MiB for an image of 16384 x 16384 pixels beside 0 MiB";
+        assert!(said.starts_with(words), "{said}");
+        assert!(decoded(&large, 3 << 30).unwrap_err().contains("cannot be decoded"));
+    }
+
+    /// The checksum of a PNG's chunk.
+    fn crc(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(!0, |sum, byte| {
+            (0..8).fold(sum ^ u32::from(*byte), |s, _| s >> 1 ^ if s & 1 == 1 { 0xEDB8_8320 } else { 0 })
+        })
     }
 }

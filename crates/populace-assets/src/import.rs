@@ -1,43 +1,44 @@
 //! From the bytes of a file to a character: calls everything else, in order.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use populace_core::{Affine, Character, CharacterSource, PaletteEntry, Part, SkinInstance};
 
 use crate::animations::{self, Animation, Clips};
+use crate::budget::Budget;
 use crate::data::Data;
 use crate::extensions;
+use crate::extents::Extents;
+use crate::folder::Folder;
 use crate::influences::Palette;
 use crate::json::Cursor;
-use crate::log::{Checked, Log, Reported};
+use crate::log::{Checked, Log};
 use crate::materials;
 use crate::nodes::{self, Counts, Node, Walk};
 use crate::parts::{Maker, Mover, Place};
 use crate::primitive::{self, Mesh};
 use crate::rig::Rig;
 use crate::skins::{self, Skin};
-use crate::{Imported, Problem, SkinInfo, glb, uri};
+use crate::tree;
+use crate::uri::Uri;
+use crate::{Imported, SkinInfo, glb};
 
-/// Imports a file's bytes, or says everything that is wrong with them.
-pub(crate) fn import(bytes: &[u8], base_folder: Option<&Path>, name: &str) -> Result<Imported, Vec<Problem>> {
-    let log = Log::default();
-    let built = build(bytes, base_folder, name, &log);
-    let notes = log.finish()?;
-    match built {
-        Ok(imported) => Ok(Imported { notes, ..imported }),
-        // Whoever gives up has said why; should one not have, that must not look like success.
-        Err(Reported) => Err(vec![Problem { place: "file".into(), what: "cannot be imported".into() }]),
-    }
-}
-
-fn build(bytes: &[u8], base_folder: Option<&Path>, name: &str, log: &Log) -> Checked<Imported> {
+/// Imports a file's bytes; what is wrong with them is in the log.
+pub(crate) fn import(
+    bytes: &[u8],
+    name: &str,
+    folder: &Folder,
+    budget: &Budget,
+    log: &Log,
+) -> Checked<Imported> {
     let container = glb::split(bytes, log)?;
-    let value = parse_json(container.json, log)?;
+    let value = tree::parse(without_padding(container.json, log), budget, log)?;
     let root = Cursor::root(&value, log);
     let generator = check_asset(&root);
     let extensions = extensions::check(&root)?;
-    let data = Data::new(&root, log, &container, base_folder);
-    let surfaces = materials::read(&root, &data, log, base_folder);
+    nodes::check_count(&root, budget)?;
+    let data = Data::new(&root, log, &container, budget, folder);
+    let surfaces = materials::read(&root, &data, log, budget, folder);
     let document = Document::read(&root, &data, log, surfaces.materials.len());
     document.forest?;
     let mut rig = document.rig(log)?;
@@ -48,13 +49,13 @@ fn build(bytes: &[u8], base_folder: Option<&Path>, name: &str, log: &Log) -> Che
     };
     let mut palette = Palette::default();
     let built = assembly.parts(&mut palette);
-    if let Ok((parts, _)) = &built {
+    if let Ok((parts, ..)) = &built {
         rig.reach_vertices(palette.entries(), parts);
     }
-    let mut clips = Clips::new(&data, log, &rig, bytes.len());
-    let clips = clips.all(&document.animations);
-    let (parts, skins) = built?;
+    let clips = Clips::new(&data, log, &rig).all(&document.animations);
+    let (parts, vertex_counts, skins) = built?;
     let clips = clips?;
+    Extents::of(&rig, &clips).check(&rig, &document.nodes, log)?;
     data.note_unopened();
     let node_from_joint = rig.node_from_joint();
     let character = Character::new(CharacterSource {
@@ -72,18 +73,30 @@ fn build(bytes: &[u8], base_folder: Option<&Path>, name: &str, log: &Log) -> Che
         notes: Vec::new(),
         generator: generator?,
         node_from_joint,
-        named_files: uri::named_files(&value, base_folder),
+        named_files: named_files(&root, folder),
+        vertex_counts,
         skins: document.skins.iter().flatten().map(SkinInfo::of).collect(),
     })
 }
 
-fn parse_json(json: &[u8], log: &Log) -> Checked<serde_json::Value> {
-    // Some exporters pad the chunk with zeros where spaces are due.
+/// The files that buffers and images name, in the file's order.
+fn named_files(root: &Cursor, folder: &Folder) -> Vec<PathBuf> {
+    let holders = root.list("buffers").into_iter().chain(root.list("images"));
+    let uris = holders.filter_map(|holder| holder.get("uri")?.text().ok());
+    let path = |uri: &str| match Uri::parse(uri) {
+        Ok(Uri::File(path)) => folder.join(&path),
+        _ => None,
+    };
+    uris.filter_map(path).collect()
+}
+
+/// Some exporters pad the chunk with zeros where spaces are due.
+fn without_padding<'a>(json: &'a [u8], log: &Log) -> &'a [u8] {
     let end = json.iter().rposition(|b| *b != 0).map_or(0, |at| at + 1);
     if end < json.len() {
         log.note("chunk 0", "is padded with zeros; JSON is padded with spaces (glTF 2.0, section 4.4.3.2)");
     }
-    serde_json::from_slice(&json[..end]).map_err(|e| log.problem("file", format!("is no valid JSON: {e}")))
+    &json[..end]
 }
 
 /// Checks the version; gives what wrote the file (glTF 2.0, section 3.2).
@@ -169,9 +182,10 @@ struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// The parts of all nodes in the scene, and the skins of those that have one.
-    fn parts(&self, palette: &mut Palette) -> Checked<(Vec<Part>, Vec<SkinInstance>)> {
-        let (mut parts, mut skins) = (Vec::new(), Vec::new());
+    /// The parts of all nodes in the scene, for each the number of vertices that the file has, and
+    /// the skins of those nodes that have one.
+    fn parts(&self, palette: &mut Palette) -> Checked<(Vec<Part>, Vec<usize>, Vec<SkinInstance>)> {
+        let (mut parts, mut vertex_counts, mut skins) = (Vec::new(), Vec::new(), Vec::new());
         let mut failed = None;
         for (index, node) in self.document.nodes.iter().enumerate().filter(|(_, n)| n.in_scene) {
             let Some(mesh) = node.mesh else { continue };
@@ -179,26 +193,26 @@ impl Assembly<'_> {
                 continue;
             };
             for (primitive, declared) in self.document.meshes[mesh].iter().enumerate() {
+                let node_name = self.rig.node_name(&self.document.nodes, index);
                 // Many nodes times many primitives that show nothing would take long and no memory.
-                self.maker.data.charge(&node.place, PART_BYTES)?;
+                self.maker.data.budget.charge(&node.place, PART_BYTES + node_name.len())?;
                 let Ok(declared) = declared else { continue };
                 let mover = match &skin {
                     Some(skin) if declared.is_skinned() => Mover::Skin(&skin.joints),
                     _ => self.rigid_mover(index, node, declared, skin.is_some())?,
                 };
-                let place = Place {
-                    node: index,
-                    node_name: self.rig.node_name(&self.document.nodes, index),
-                    primitive,
-                };
+                let place = Place { node: index, node_name, primitive };
                 match self.maker.part(place, declared, mover, palette) {
-                    Ok(part) => parts.extend(part),
+                    Ok(made) => {
+                        vertex_counts.extend(made.as_ref().map(|(_, count)| *count));
+                        parts.extend(made.map(|(part, _)| part));
+                    }
                     Err(reported) => failed = Some(reported),
                 }
             }
             skins.extend(skin);
         }
-        failed.map_or(Ok((parts, skins)), Err)
+        failed.map_or(Ok((parts, vertex_counts, skins)), Err)
     }
 
     fn rigid_mover(
@@ -226,7 +240,10 @@ impl Assembly<'_> {
             return Ok(None);
         };
         let skin = self.document.skins[skin_index].as_ref().map_err(|reported| *reported)?;
-        self.maker.data.charge(&node.place, skin.joints.len().saturating_mul(size_of::<PaletteEntry>()))?;
+        self.maker
+            .data
+            .budget
+            .charge(&node.place, skin.joints.len().saturating_mul(size_of::<PaletteEntry>()))?;
         let matrices = skin.bind_matrices(self.maker.data, self.maker.log)?;
         let entry = |(node, joint_from_bind): (&usize, Affine)| {
             // All joints of all skins are in the skeleton.

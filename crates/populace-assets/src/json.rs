@@ -1,19 +1,22 @@
 //! A place in the JSON of a file: reads typed values and logs what is not as it should be.
 
-use serde_json::Value;
-
 use crate::log::{Checked, Log, Reported};
+use crate::tree::Value;
+
+/// What numbers of transforms, keys and vertices may be in size: products of several stay within
+/// single precision.
+pub(crate) const LARGEST: f64 = populace_core::LARGEST as f64;
 
 /// A JSON value, where it stands, and the log that its problems go to.
 #[derive(Clone)]
 pub(crate) struct Cursor<'a> {
-    value: &'a Value,
+    value: &'a Value<'a>,
     place: String,
     log: &'a Log,
 }
 
 impl<'a> Cursor<'a> {
-    pub(crate) fn root(value: &'a Value, log: &'a Log) -> Self {
+    pub(crate) fn root(value: &'a Value<'a>, log: &'a Log) -> Self {
         let place = String::new();
         Self { value, place, log }
     }
@@ -33,7 +36,8 @@ impl<'a> Cursor<'a> {
 
     /// A property, if it is there. Something that is no object has none.
     pub(crate) fn get(&self, key: &str) -> Option<Self> {
-        let value = self.value.as_object()?.get(key)?;
+        let Value::Object(object) = self.value else { return None };
+        let value = object.get(key)?;
         Some(Self { value, place: self.place_of(key), log: self.log })
     }
 
@@ -62,7 +66,7 @@ impl<'a> Cursor<'a> {
             Value::Null => "null",
             Value::Bool(_) => "a boolean",
             Value::Number(_) => "a number",
-            Value::String(_) => "a string",
+            Value::Text(_) => "a string",
             Value::Array(_) => "an array",
             Value::Object(_) => "an object",
         };
@@ -71,17 +75,18 @@ impl<'a> Cursor<'a> {
 
     /// That this is an object.
     pub(crate) fn object(&self) -> Checked<()> {
-        self.value.is_object().then_some(()).ok_or_else(|| self.wrong_type("an object"))
+        matches!(self.value, Value::Object(_)).then_some(()).ok_or_else(|| self.wrong_type("an object"))
     }
 
     /// The property names of an object.
     pub(crate) fn keys(&self) -> impl Iterator<Item = &'a str> {
-        self.value.as_object().into_iter().flat_map(|o| o.keys().map(String::as_str))
+        let object = if let Value::Object(object) = self.value { Some(object) } else { None };
+        object.into_iter().flat_map(|o| o.keys())
     }
 
     /// The items of an array.
     pub(crate) fn items(&self) -> Checked<Vec<Self>> {
-        let items = self.value.as_array().ok_or_else(|| self.wrong_type("an array"))?;
+        let Value::Array(items) = self.value else { return Err(self.wrong_type("an array")) };
         if items.is_empty() {
             self.note("is empty; glTF wants empty arrays left out");
         }
@@ -90,6 +95,11 @@ impl<'a> Cursor<'a> {
             .enumerate()
             .map(|(index, value)| Self { value, place: format!("{}[{index}]", self.place), log: self.log })
             .collect())
+    }
+
+    /// How many items an array has; none where this is no array.
+    pub(crate) fn item_count(&self) -> usize {
+        if let Value::Array(items) = self.value { items.len() } else { 0 }
     }
 
     /// The items of an array property; none if it is not there or is no array.
@@ -109,8 +119,9 @@ impl<'a> Cursor<'a> {
     /// A whole number that is not negative. `3.0` is one too.
     pub(crate) fn uint(&self) -> Checked<usize> {
         const EXACT: f64 = 9_007_199_254_740_992.0; // 2^53: above it, doubles skip whole numbers
-        let whole = self.value.as_u64().or_else(|| {
-            let number = self.value.as_f64()?;
+        let Value::Number(written) = self.value else { return Err(self.wrong_type("a whole number")) };
+        let whole = written.as_u64().or_else(|| {
+            let number = written.as_f64()?;
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -121,11 +132,9 @@ impl<'a> Cursor<'a> {
         });
         match whole.map(usize::try_from) {
             Some(Ok(whole)) => Ok(whole),
-            _ if self.value.is_number() => Err(self.problem(format!(
-                "is {}; it must be a whole number from 0 on, of a size that a file can have",
-                self.value
+            _ => Err(self.problem(format!(
+                "is {written}; it must be a whole number from 0 on, of a size that a file can have"
             ))),
-            _ => Err(self.wrong_type("a whole number")),
         }
     }
 
@@ -142,19 +151,21 @@ impl<'a> Cursor<'a> {
         }))
     }
 
-    /// A number that a 32-bit float can hold.
+    /// A number of at most [`LARGEST`] in size.
     pub(crate) fn number(&self) -> Checked<f64> {
-        let number = self.value.as_f64().ok_or_else(|| self.wrong_type("a number"))?;
-        if to_f32(number).is_finite() {
+        let Value::Number(written) = self.value else { return Err(self.wrong_type("a number")) };
+        let number = written.as_f64().unwrap_or(f64::INFINITY);
+        if number.abs() <= LARGEST {
             return Ok(number);
         }
-        Err(self.problem(format!("is {number}; it must fit a 32-bit float")))
+        Err(self.problem(format!("is {written}; numbers may be at most {LARGEST:e} in size")))
     }
 
     /// An array of exactly `N` numbers.
     pub(crate) fn numbers<const N: usize>(&self) -> Checked<[f64; N]> {
-        let items =
-            self.value.as_array().ok_or_else(|| self.wrong_type(&format!("an array of {N} numbers")))?;
+        let Value::Array(items) = self.value else {
+            return Err(self.wrong_type(&format!("an array of {N} numbers")));
+        };
         if items.len() != N {
             return Err(self.problem(format!("has {} numbers; it must have {N}", items.len())));
         }
@@ -166,11 +177,13 @@ impl<'a> Cursor<'a> {
     }
 
     pub(crate) fn text(&self) -> Checked<&'a str> {
-        self.value.as_str().ok_or_else(|| self.wrong_type("a string"))
+        let Value::Text(text) = self.value else { return Err(self.wrong_type("a string")) };
+        Ok(text)
     }
 
     pub(crate) fn flag(&self) -> Checked<bool> {
-        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false"))
+        let Value::Bool(flag) = self.value else { return Err(self.wrong_type("true or false")) };
+        Ok(*flag)
     }
 
     /// The `name` property, empty where there is none.
@@ -189,7 +202,7 @@ pub(crate) fn to_f32(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use crate::tree::tests::tree;
 
     fn problems(value: &Value, read: impl Fn(&Cursor)) -> Vec<String> {
         let log = Log::default();
@@ -200,7 +213,7 @@ mod tests {
 
     #[test]
     fn every_problem_has_its_path() {
-        let value = json!({"a": [{"i": 7}, 3, {"i": "x"}, {"i": -1}, {}]});
+        let value = tree(r#"{"a": [{"i": 7}, 3, {"i": "x"}, {"i": -1}, {}]}"#);
         let found = problems(&value, |root| {
             for item in root.objects("a") {
                 item.require("i").and_then(|i| i.index(2, "node")).ok();
@@ -220,7 +233,7 @@ mod tests {
 
     #[test]
     fn whole_numbers_may_be_written_as_floats_but_not_beyond_reason() {
-        let value = json!({"a": 3.0, "b": 3.5, "c": 1e300});
+        let value = tree(r#"{"a": 3.0, "b": 3.5, "c": 1e300}"#);
         let log = Log::default();
         let root = Cursor::root(&value, &log);
         assert_eq!(root.require("a").unwrap().uint().unwrap(), 3);
@@ -230,7 +243,7 @@ mod tests {
 
     #[test]
     fn arrays_of_numbers_have_a_length_and_fit_floats() {
-        let value = json!({"short": [1, 2], "wide": [1, 1e39, 2], "good": [1, 2.5, -3]});
+        let value = tree(r#"{"short": [1, 2], "wide": [1, 1e39, 2], "good": [1, 2.5, -3]}"#);
         let log = Log::default();
         let root = Cursor::root(&value, &log);
         assert!(root.get("short").unwrap().numbers::<3>().is_err());

@@ -12,8 +12,9 @@ pub(crate) struct Reported;
 /// A value, or the knowledge that a problem was logged.
 pub(crate) type Checked<T> = Result<T, Reported>;
 
-/// Problems listed at most; a file of garbage would otherwise give a longer list than itself.
-const LISTED_PROBLEMS: usize = 1000;
+/// Problems and notes listed at most; a file of garbage would otherwise give a longer list than
+/// itself.
+const LISTED: usize = 1000;
 
 /// Problems and notes in the order they were found.
 #[derive(Default)]
@@ -33,6 +34,7 @@ struct Problems {
 struct Notes {
     list: Vec<(Note, usize)>,
     by_what: HashMap<String, usize>,
+    unlisted: usize,
 }
 
 impl Log {
@@ -40,7 +42,7 @@ impl Log {
     pub(crate) fn problem(&self, place: impl Into<String>, what: impl Into<String>) -> Reported {
         let mut problems = self.problems.borrow_mut();
         let problem = Problem { place: place.into(), what: what.into() };
-        if problems.list.len() >= LISTED_PROBLEMS {
+        if problems.list.len() >= LISTED {
             problems.unlisted += 1;
         } else if problems.known.insert(problem.clone()) {
             problems.list.push(problem);
@@ -57,6 +59,10 @@ impl Log {
             return;
         }
         let at = notes.list.len();
+        if at >= LISTED {
+            notes.unlisted += 1;
+            return;
+        }
         notes.by_what.insert(what.clone(), at);
         let place = place.into();
         notes.list.push((Note { place, what }, 0));
@@ -74,8 +80,12 @@ impl Log {
         if !list.is_empty() {
             return Err(list);
         }
-        let notes = self.notes.into_inner().list.into_iter();
-        Ok(notes
+        let Notes { list, unlisted, .. } = self.notes.into_inner();
+        let beyond = Note { place: "file".into(), what: format!("has {unlisted} notes beyond these") };
+        let beyond = (unlisted > 0).then_some((beyond, 0));
+        Ok(list
+            .into_iter()
+            .chain(beyond)
             .map(|(mut note, more)| {
                 match more {
                     0 => {}
@@ -110,13 +120,22 @@ mod tests {
     }
 
     #[test]
-    fn a_flood_of_problems_is_cut_and_counted() {
+    fn a_flood_of_problems_or_notes_is_cut_and_counted() {
         let log = Log::default();
-        for i in 0..LISTED_PROBLEMS + 7 {
+        for i in 0..LISTED + 7 {
             log.problem(format!("nodes[{i}]"), "is wrong");
         }
         let problems = log.finish().unwrap_err();
-        assert_eq!(problems.len(), LISTED_PROBLEMS + 1);
-        assert_eq!(problems[LISTED_PROBLEMS].to_string(), "file: has 7 problems beyond these");
+        assert_eq!(problems.len(), LISTED + 1);
+        assert_eq!(problems[LISTED].to_string(), "file: has 7 problems beyond these");
+        let log = Log::default();
+        for i in 0..LISTED + 7 {
+            log.note("nodes[0]", format!("is odd in way {i}"));
+            log.note("nodes[1]", "is odd in way 0");
+        }
+        let notes = log.finish().unwrap();
+        assert_eq!(notes.len(), LISTED + 1);
+        assert_eq!(notes[0].what, "is odd in way 0 (and at 1007 more places)");
+        assert_eq!(notes[LISTED].to_string(), "file: has 7 notes beyond these");
     }
 }

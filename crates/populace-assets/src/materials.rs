@@ -2,7 +2,9 @@
 
 use populace_core::{AlphaMode, Image, Material, Texture, TextureFilter, Wrap};
 
+use crate::budget::Budget;
 use crate::data::Data;
+use crate::folder::Folder;
 use crate::images::ImageStore;
 use crate::json::{Cursor, to_f32};
 use crate::log::{Checked, Log};
@@ -42,8 +44,14 @@ pub(crate) struct Surfaces {
 }
 
 /// Reads everything. An image that cannot be had is noted and left out: a character without it still moves.
-pub(crate) fn read(root: &Cursor, data: &Data, log: &Log, base_folder: Option<&std::path::Path>) -> Surfaces {
-    let mut store = ImageStore::new(root, data, log, base_folder);
+pub(crate) fn read<'a>(
+    root: &Cursor<'a>,
+    data: &'a Data<'a>,
+    log: &'a Log,
+    budget: &'a Budget<'a>,
+    folder: &'a Folder,
+) -> Surfaces {
+    let mut store = ImageStore::new(root, data, log, budget, folder);
     let sampler_count = root.objects("samplers").len();
     let samplers: Vec<_> = root.objects("samplers").iter().map(read_sampler).collect();
     let textures: Vec<_> = root

@@ -3,6 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use populace_core::Trs;
 
+use crate::budget::Budget;
 use crate::json::{Cursor, to_f32};
 use crate::log::{Checked, Log, Reported};
 
@@ -34,6 +35,21 @@ pub(crate) struct Counts {
     pub(crate) meshes: usize,
     pub(crate) skins: usize,
     pub(crate) cameras: usize,
+}
+
+/// Nodes that a file may have.
+const MOST_NODES: usize = 1 << 17;
+/// Bytes that a node takes at most while it becomes a joint, beside its name and its JSON.
+const NODE_BYTES: u64 = 1200;
+
+/// That there are not too many nodes.
+pub(crate) fn check_count(root: &Cursor, budget: &Budget) -> Checked<()> {
+    let Some(at) = root.get("nodes") else { return Ok(()) };
+    let count = at.item_count();
+    if count > MOST_NODES {
+        return Err(at.problem(format!("has {count} nodes; at most {MOST_NODES} are read")));
+    }
+    budget.take(at.place(), format!("{count} nodes"), count as u64 * NODE_BYTES)
 }
 
 /// Reads all nodes and scenes. The second value says whether the nodes form a forest to work with; wrong properties of
@@ -263,10 +279,11 @@ fn mirrors(local: &Trs) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use crate::tree::tests::tree;
 
     fn local(matrix: [f64; 16]) -> Result<Trs, String> {
-        let value = json!({"matrix": matrix});
+        let text = format!("{{\"matrix\": {matrix:?}}}");
+        let value = tree(&text);
         let log = Log::default();
         let trs = read_local(&Cursor::root(&value, &log));
         trs.map_err(|_| log.finish().unwrap_err()[0].to_string())
@@ -275,7 +292,7 @@ mod tests {
     #[test]
     fn a_walk_knows_who_is_below_whom() {
         let value =
-            json!({"nodes": [{"children": [2, 1]}, {"children": [3]}, {}, {}, {"children": [5]}, {}]});
+            tree(r#"{"nodes": [{"children": [2, 1]}, {"children": [3]}, {}, {}, {"children": [5]}, {}]}"#);
         let log = Log::default();
         let counts = Counts { meshes: 0, skins: 0, cameras: 0 };
         let (nodes, forest) = read(&Cursor::root(&value, &log), &log, counts);

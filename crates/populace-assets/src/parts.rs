@@ -36,14 +36,15 @@ pub(crate) struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Makes a part; `None` where the primitive shows nothing.
+    /// Makes a part, with the number of vertices that the file has: copies of some may follow them.
+    /// `None` where the primitive shows nothing.
     pub(crate) fn part(
         &self,
         place: Place,
         primitive: &Primitive,
         mover: Mover,
         palette: &mut Palette,
-    ) -> Checked<Option<Part>> {
+    ) -> Checked<Option<(Part, usize)>> {
         let Some((topology, positions)) = self.shown(primitive) else {
             return Ok(None);
         };
@@ -83,7 +84,8 @@ impl Maker<'_> {
             geometry::flip(&mut mesh.indices);
         }
         let Place { node, node_name, primitive: index } = place;
-        Ok(Some(Part { node, node_name, primitive: index, material: primitive.material, mesh }))
+        let part = Part { node, node_name, primitive: index, material: primitive.material, mesh };
+        Ok(Some((part, count)))
     }
 
     /// How a primitive is joined and where its vertices are; nothing where it shows nothing.
@@ -107,7 +109,7 @@ impl Maker<'_> {
         let Some(index) = primitive.indices else {
             let all = u32::try_from(count)
                 .map_err(|_| self.problem(primitive, "has more vertices than 32-bit indices reach".into()))?;
-            self.data.charge(&primitive.place, count.saturating_mul(12))?;
+            self.data.budget.charge(&primitive.place, count.saturating_mul(12))?;
             return Ok(geometry::triangulate((0..all).collect(), topology));
         };
         let components = [Component::U8, Component::U16, Component::U32];
@@ -141,7 +143,7 @@ impl Maker<'_> {
             self.log.note(&primitive.place, "has indices that make no whole triangle; they are left out");
         }
         if topology != Topology::Triangles {
-            self.data.charge(&primitive.place, indices.len().saturating_mul(12))?;
+            self.data.budget.charge(&primitive.place, indices.len().saturating_mul(12))?;
         }
         Ok(geometry::triangulate(indices, topology))
     }
@@ -202,7 +204,7 @@ impl Maker<'_> {
         palette: &mut Palette,
     ) -> Checked<populace_core::Influences> {
         let (place, log) = (&primitive.place, self.log);
-        self.data.charge(place, count.saturating_mul(24))?;
+        self.data.budget.charge(place, count.saturating_mul(24))?;
         match mover {
             Mover::Rigid { joint, .. } => influences::rigid(joint, count, palette, place, log),
             Mover::Skin(skin) => {
@@ -239,7 +241,7 @@ impl Maker<'_> {
 
     fn add_flat_normals(&self, primitive: &Primitive, mesh: &mut Mesh) -> Checked<()> {
         self.log.note(&primitive.place, "has no NORMAL; flat normals are made");
-        self.data.charge(&primitive.place, mesh.indices.len().saturating_mul(64))?;
+        self.data.budget.charge(&primitive.place, mesh.indices.len().saturating_mul(64))?;
         let flat = geometry::flat_normals(&mesh.positions, &mut mesh.indices);
         mesh.normals = flat.normals;
         let width = mesh.influences.per_vertex;

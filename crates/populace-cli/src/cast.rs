@@ -9,6 +9,7 @@ use populace_cast::{Look, person};
 
 use crate::failure::Failure;
 use crate::fit;
+use crate::input::InputArgs;
 use crate::names::hint;
 use crate::progress::Progress;
 use crate::report::talk;
@@ -53,26 +54,48 @@ pub(crate) struct Cast {
     pub(crate) files: Vec<PathBuf>,
 }
 
+/// Loads characters from files, and keeps the paths of all files that these name.
+pub(crate) struct Files<'a> {
+    input: &'a InputArgs,
+    named: Vec<PathBuf>,
+}
+
+impl<'a> Files<'a> {
+    pub(crate) fn new(input: &'a InputArgs) -> Self {
+        Self { input, named: Vec::new() }
+    }
+
+    fn load(&mut self, file: &Path) -> Result<Character, Failure> {
+        let imported = self.input.load(file)?;
+        for note in &imported.notes {
+            talk!("{}: {}: {}", file.display(), note.place, note.what);
+        }
+        self.named.extend(imported.named_files);
+        Ok(imported.character)
+    }
+}
+
 /// Loads the inputs into the crowd: files, or built-in people as `@people` or one by name as `@child`. Files without
 /// meshes lend their clips to all characters, and so do the lenders.
 pub(crate) fn load(
     crowd: &mut Crowd,
+    input: &InputArgs,
     inputs: &[PathBuf],
     lenders: &[PathBuf],
     wanted: Wanted,
     height_m: Option<f32>,
 ) -> Result<Cast, Failure> {
-    let (mut drawn, mut lent, mut files) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut drawn, mut lent, mut files) = (Vec::new(), Vec::new(), Files::new(input));
     let mut progress = Progress::new("files", inputs.len() + lenders.len());
     for lender in lenders {
-        lent.extend(lend(lender, &mut files)?);
+        lent.extend(lend(&mut files, lender)?);
         progress.step();
     }
     for input in inputs {
         match built_in_name(input) {
             Some(name) => drawn.extend(built_in(name)?),
             None => {
-                let character = from_file(input, &mut files)?;
+                let character = files.load(input)?;
                 if character.parts.is_empty() {
                     lent.extend(character.clips.iter().cloned());
                 } else {
@@ -94,7 +117,7 @@ pub(crate) fn load(
         Ok::<_, Failure>(Role { scale, ..role(crowd, character, &lent, wanted)? })
     };
     let roles = drawn.into_iter().map(&mut role).collect::<Result<_, _>>()?;
-    Ok(Cast { roles, files })
+    Ok(Cast { roles, files: files.named })
 }
 
 /// The name of a built-in person that stands in a file's place, as `people` in `@people`.
@@ -127,21 +150,16 @@ fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
     looks(name)?.iter().map(|look| made(look).map(Arc::new)).collect()
 }
 
-/// The clips of a file, or of a built-in person: `@people` are as the first of them. Adds what the file names to `files`.
-pub(crate) fn lend(lender: &Path, files: &mut Vec<PathBuf>) -> Result<Vec<Arc<Clip>>, Failure> {
+/// The clips of a file, or of a built-in person: `@people` are as the first of them.
+pub(crate) fn lend(files: &mut Files, lender: &Path) -> Result<Vec<Arc<Clip>>, Failure> {
     match built_in_name(lender) {
-        Some(name) => looks(name)?.first().map_or(Ok(Vec::new()), |look| Ok(made(look)?.clips.clone())),
-        None => Ok(from_file(lender, files)?.clips.clone()),
+        Some(name) => built_in_clips(name),
+        None => Ok(files.load(lender)?.clips.clone()),
     }
 }
 
-fn from_file(file: &Path, files: &mut Vec<PathBuf>) -> Result<Character, Failure> {
-    let imported = populace_assets::load(file)?;
-    for note in &imported.notes {
-        talk!("{}: {}: {}", file.display(), note.place, note.what);
-    }
-    files.extend(imported.named_files);
-    Ok(imported.character)
+fn built_in_clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
+    looks(name)?.first().map_or(Ok(Vec::new()), |look| Ok(made(look)?.clips.clone()))
 }
 
 /// Adds a character to the crowd, with clips of others; a humanoid that then has none gets those of the built-in people.
@@ -165,7 +183,7 @@ fn role(
     }
     let without = crowd.clips(id)?.is_empty();
     if without && RoleMap::detect(&character.skeleton).is_some() {
-        for clip in &lend(Path::new("@people"), &mut Vec::new())? {
+        for clip in &built_in_clips("people")? {
             fits.extend(add_fitting(crowd, (id, &character), clip)?);
         }
     }

@@ -10,6 +10,7 @@ use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
 use crate::aim::{Point, ReachArg};
 use crate::bench::{Load, Way};
 use crate::failure::Failure;
+use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
 pub(crate) use values::{Size, VertexId, View};
 use values::{frame_rate, height, percent};
@@ -119,7 +120,7 @@ pub(crate) fn build(builder: CrowdBuilder) -> Result<Crowd, Failure> {
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
     /// glTF 2.0 files (.gltf, .glb) with characters; files that hold only clips lend them to the others. @people are the
-    /// built-in people, @woman, @child and so on one of them
+    /// built-in people, @woman, @child and so on one of them; - is standard input
     #[arg(required = true, value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
     /// Members of the crowd
@@ -182,12 +183,14 @@ pub(crate) struct PictureArgs {
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
+    pub(crate) input: InputArgs,
+    #[command(flatten)]
     pub(crate) device: DeviceArgs,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// glTF 2.0 files (.gltf, .glb)
+    /// glTF 2.0 files (.gltf, .glb); - is standard input
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Show only what clips take: rows, their bytes, and those of the files' keys
@@ -196,11 +199,13 @@ pub(crate) struct InspectArgs {
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct PoseArgs {
-    /// A glTF 2.0 file (.gltf, .glb)
+    /// A glTF 2.0 file (.gltf, .glb); - is standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
     /// Clip to play, by name or by index [default: none, the rest pose]
@@ -238,6 +243,8 @@ pub(crate) struct PoseArgs {
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
 }

@@ -76,7 +76,7 @@ impl Film<'_> {
         #[cfg(unix)]
         crate::aborts::end_with_a_code();
         let wanted = Wanted { clip: args.clip.as_deref(), root_motion: args.root_motion };
-        let cast = cast::load(&mut crowd, self.inputs, &args.clips, wanted, args.height)?;
+        let cast = cast::load(&mut crowd, &args.input, self.inputs, &args.clips, wanted, args.height)?;
         check_inputs(pictures.paths(), &cast.files)?;
         check_hidden(&cast.roles, &args.hide)?;
         let plan = Plan {

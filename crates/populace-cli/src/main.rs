@@ -13,6 +13,7 @@ mod commands;
 mod failure;
 mod film;
 mod fit;
+mod input;
 mod mix;
 mod names;
 mod output;

@@ -74,8 +74,22 @@ impl Clip {
     ///
     /// [`Error::BadTrack`] or [`Error::DuplicateTrack`].
     pub fn new(source: ClipSource, skeleton: &Skeleton) -> Result<Self, Error> {
+        Self::with_at_most(usize::MAX, source, skeleton)
+    }
+
+    /// Bytes that a joint takes in a row while a clip is made, at most.
+    pub const POSE_BYTES: usize = size_of::<curves::Local>() + size_of::<crate::Trs>() + ROW_POSE_BYTES;
+
+    /// As [`new`](Self::new), but gaps between keys are divided only while there are fewer than
+    /// `most_rows` rows. Keys have their rows all the same. Where these rows do not do,
+    /// [`ClipStats::error_bound_m`] is above the tolerance.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new).
+    pub fn with_at_most(most_rows: usize, source: ClipSource, skeleton: &Skeleton) -> Result<Self, Error> {
         let curves = curves::Curves::new(&source, skeleton)?;
-        let rows = Rows::new(&curves, skeleton);
+        let rows = Rows::new(&curves, skeleton, most_rows);
         let contacts = Contacts::new(&rows, skeleton);
         Ok(Self { source, skeleton: skeleton.clone(), rows, contacts, ring: None, motion: None })
     }
@@ -190,6 +204,8 @@ impl Clip {
 }
 
 const BLOCK: usize = JOINT_BLOCK as usize;
+/// What a joint takes of a stored row at most: all its components as floats.
+const ROW_POSE_BYTES: usize = 4 * (4 + 3 + 3);
 
 /// Parents as [`crate::f64math`] takes them.
 fn parents(skeleton: &Skeleton) -> Vec<Option<JointIndex>> {
@@ -219,5 +235,24 @@ mod tests {
         // 8 for each key, 200,000 poses of one joint beside, and what was still to be pushed when they were spent.
         assert!(stats.row_count < 20 * 8 + 2000 + 50, "{} rows", stats.row_count);
         assert!(stats.error_bound_m > stats.tolerance_m);
+    }
+
+    #[test]
+    fn what_16_bits_cannot_hold_is_found_in_few_rounds() {
+        // 4000 blocks of joints that must all be floats: minutes, were they found one by one.
+        let joints: Vec<_> = (0..64_000)
+            .map(|i| JointSource { name: i.to_string(), parent: None, rest: Trs::IDENTITY })
+            .collect();
+        let skeleton = Skeleton::new(&joints).unwrap();
+        let track = |joint: &JointSource| Track {
+            joint: joint.name.clone(),
+            property: Property::Translation,
+            interpolation: Interpolation::Linear,
+            times: vec![0.0, 1.0, 2.0],
+            values: [[-100.0; 3], [0.0; 3], [100.0; 3]].concat(),
+        };
+        let source = ClipSource { name: "far".into(), tracks: joints.iter().map(track).collect() };
+        let stats = Clip::new(source, &skeleton).unwrap().stats();
+        assert!(stats.error_bound_m <= stats.tolerance_m, "{} m", stats.error_bound_m);
     }
 }

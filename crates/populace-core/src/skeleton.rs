@@ -189,8 +189,10 @@ impl Skeleton {
     /// The model transform of a joint when nothing plays.
     #[must_use]
     pub fn rest_model(&self, joint: JointIndex) -> Affine {
-        let local = Affine::from_trs(self.rest(joint));
-        self.parent(joint).map_or(local, |parent| self.rest_model(parent).mul(&local))
+        // From the root down, without a call for each joint: chains may be longer than a stack.
+        let mut chain: Vec<_> = std::iter::once(joint).chain(self.ancestors(joint)).collect();
+        let root = chain.pop().map_or(Affine::IDENTITY, |root| Affine::from_trs(self.rest(root)));
+        chain.iter().rev().fold(root, |model, joint| model.mul(&Affine::from_trs(self.rest(*joint))))
     }
 
     /// The range of joint indices of each depth, roots first.
@@ -339,6 +341,14 @@ mod tests {
         let mut nan = joint("nan", None);
         nan.rest.scale[1] = f32::NAN;
         assert!(matches!(Skeleton::new(&[nan]).unwrap_err(), Error::BadRest { joint: 0, .. }));
+    }
+
+    #[test]
+    fn the_end_of_a_long_chain_has_a_place() {
+        let up = Trs { translation: [0.0, 1.0, 0.0], ..Trs::IDENTITY };
+        let link = |i: usize| JointSource { name: i.to_string(), parent: i.checked_sub(1), rest: up };
+        let skeleton = Skeleton::new(&(0..200_000).map(link).collect::<Vec<_>>()).unwrap();
+        assert_eq!(skeleton.rest_model(JointIndex(199_999)).origin(), [0.0, 200_000.0, 0.0]);
     }
 
     proptest! {

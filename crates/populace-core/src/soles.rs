@@ -48,6 +48,9 @@ pub fn sole_points(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]
 /// The farthest of some points in each direction that may lead down.
 fn lowest(points: &[DVec3]) -> Vec<[f32; 3]> {
     let mut found: Vec<[f32; 3]> = Vec::new();
+    if points.is_empty() {
+        return found; // most joints of a large file have none, and directions take time
+    }
     for pitch in -PITCHES..=PITCHES {
         for roll in -ROLLS..=ROLLS {
             let (pitch, roll) = (f64::from(pitch) * STEP_RAD, f64::from(roll) * STEP_RAD);

@@ -156,5 +156,5 @@ fn many_keys_times_many_joints_are_refused() {
         file.add("nodes", json!({}));
     }
     file.json["nodes"][2]["children"] = (first..first + 5_000).collect::<Vec<_>>().into();
-    assert_problem(&file.glb(), "animations[0]: has 20000 key times for 5002 joints");
+    assert_problem(&file.glb(), "animations[0]: needs rows of 5002 joints at 20000 key times; that, with");
 }

@@ -38,7 +38,10 @@ fn missing_files_and_folders_are_told_apart_from_bad_ones() {
     std::fs::create_dir(folder.path().join("folder")).unwrap();
     let file = rigid().gltf_beside("folder");
     let error = load_from_slice(&file, Some(folder.path())).unwrap_err().to_string();
-    assert!(error.contains("buffers[0].uri: names \"folder\", which is no regular file"), "{error}");
+    assert!(
+        error.contains("buffers[0].uri: names \"folder\", which cannot be read: it is not a regular file"),
+        "{error}"
+    );
     assert_problem(&file, "buffers[0].uri: names the file \"folder\", but files beside this one");
 }
 
@@ -56,6 +59,21 @@ fn an_unused_buffer_need_not_exist() {
     let mut file = rigid();
     file.json["buffers"] = json!([{"byteLength": file.bin.len()}, {"byteLength": 9, "uri": "gone.bin"}]);
     assert_note(&file.glb(), "buffers[1]: is not opened");
+}
+
+#[test]
+fn a_buffer_that_is_nowhere_may_be_there_until_it_is_read() {
+    let mut file = File::new();
+    file.json["buffers"] = json!([{"byteLength": 48}]);
+    file.add("bufferViews", json!({"buffer": 0, "byteLength": 48}));
+    file.add("accessors", json!({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}));
+    for bytes in [file.glb(), file.json.to_string().into_bytes()] {
+        assert_note(&bytes, "buffers[0]: has no uri; nothing that is drawn or played needs it");
+    }
+    file.add("meshes", json!({"primitives": [{"attributes": {"POSITION": 0}}]}));
+    file.add("nodes", json!({"mesh": 0}));
+    assert_problem(&file.glb(), "buffers[0]: has no uri, and the file has no BIN chunk for it");
+    assert_problem(file.json.to_string().as_bytes(), "buffers[0]: has no uri; only the first buffer");
 }
 
 #[test]

@@ -5,6 +5,8 @@ mod animations;
 mod builder;
 mod containers;
 mod extensions;
+mod folders;
+mod limits;
 mod materials;
 mod meshes;
 mod mutations;

@@ -41,6 +41,27 @@ fn lists_strips_and_fans_become_triangles_and_points_and_lines_nothing() {
 }
 
 #[test]
+fn how_many_vertices_the_file_has_is_told() {
+    for (mode, indexed) in [(4, false), (5, false), (6, false), (5, true), (6, true)] {
+        let mut file = square(1.0);
+        file.primitive()["mode"] = mode.into();
+        if indexed {
+            let indices = file.shorts("SCALAR", &[3, 2, 1, 0]);
+            file.primitive()["indices"] = indices.into();
+        }
+        let imported = loaded(&file.glb());
+        let positions = &imported.character.parts[0].mesh.positions;
+        assert_eq!(imported.vertex_counts, [4], "mode {mode}");
+        assert_eq!(positions[..4], [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 1.0]]);
+        assert_eq!(
+            positions.len() > 4,
+            mode != 4,
+            "the folded square's second triangle has normals of its own"
+        );
+    }
+}
+
+#[test]
 fn indices_stay_below_the_vertex_count() {
     let mut file = rigid();
     let indices = file.accessor(&[0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0], U32, 3, "SCALAR");

@@ -34,7 +34,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
 
 fn read(file: &Path) -> Result<Document, Failure> {
     let wrong = |why: String| Failure::Input(anyhow::anyhow!("{}: {why}", file.display()));
-    let text = std::fs::read_to_string(file).map_err(|e| wrong(e.to_string()))?;
+    let text = crate::input::read_text(file).map_err(wrong)?;
     let json: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
     Document::from_json(&json).map_err(wrong)
 }

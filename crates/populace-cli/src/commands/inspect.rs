@@ -16,7 +16,7 @@ const ERROR_POINTS: usize = 4;
 
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     if args.rows {
-        let taken = args.files.iter().map(|file| Ok(Taken::of(file, &populace_assets::load(file)?)));
+        let taken = args.files.iter().map(|file| Ok(Taken::of(file, &args.input.load(file)?)));
         let taken = taken.collect::<Result<Vec<_>, Failure>>()?;
         return if args.json {
             report::json(&rows::as_json(&taken))
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
         return Err(Failure::usage("--json describes one file; only with --rows several"));
     }
     for file in &args.files {
-        let document = describe(&populace_assets::load(file)?, &file.display().to_string());
+        let document = describe(&args.input.load(file)?, &file.display().to_string());
         if args.json { report::json(&document)? } else { report::text(&as_text(&document))? }
     }
     Ok(())
@@ -53,7 +53,7 @@ fn describe(imported: &Imported, file: &str) -> Value {
         "palette_entries": character.palette.len(),
         "skins": skins,
         "roles": describe_roles(skeleton),
-        "parts": describe_parts(character),
+        "parts": describe_parts(imported),
         "materials": describe_materials(character),
         "images": character.images.iter().map(|i| json!({"width": i.width, "height": i.height})).collect::<Vec<_>>(),
         "clips": clips,
@@ -88,19 +88,19 @@ fn describe_clip(clip: &Clip, skeleton: &Skeleton) -> Value {
     })
 }
 
-fn describe_parts(character: &Character) -> Vec<Value> {
-    let describe = |part: &populace::core::Part| {
+fn describe_parts(imported: &Imported) -> Vec<Value> {
+    let describe = |(part, vertex_count): (&populace::core::Part, &usize)| {
         json!({
             "node": part.node,
             "name": part.node_name,
             "primitive": part.primitive,
-            "vertices": part.mesh.positions.len(),
+            "vertices": vertex_count,
             "triangles": part.mesh.indices.len() / 3,
             "influences": part.mesh.influences.per_vertex,
             "material": part.material,
         })
     };
-    character.parts.iter().map(describe).collect()
+    imported.character.parts.iter().zip(&imported.vertex_counts).map(describe).collect()
 }
 
 fn describe_materials(character: &Character) -> Vec<Value> {

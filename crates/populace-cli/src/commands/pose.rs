@@ -23,7 +23,7 @@ pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
         )));
     }
     mix::check(&args.slot, &args.layer)?;
-    let imported = populace_assets::load(&args.file)?;
+    let imported = args.input.load(&args.file)?;
     let document = evaluate(&imported, args)?;
     if args.json { report::json(&document) } else { report::text(&as_text(&document)) }
 }
@@ -38,7 +38,7 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     crate::aborts::end_with_a_code();
     let id = crowd.add_character(Arc::clone(&character))?;
     if let Some(file) = &args.clips {
-        for clip in cast::lend(file, &mut Vec::new())? {
+        for clip in cast::lend(&mut cast::Files::new(&args.input), file)? {
             crowd.add_clip(id, &clip)?;
         }
     }
@@ -64,7 +64,7 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
         "schedule": crowd.schedule().name(),
         "joints": joints(imported, &models),
         "skins": skins,
-        "vertices": if args.vertices { vertices(&character, &palette, &args.vertex)? } else { Vec::new() },
+        "vertices": if args.vertices { vertices(imported, &palette, &args.vertex)? } else { Vec::new() },
     }))
 }
 
@@ -106,18 +106,19 @@ fn skin_palette(skin: &SkinInstance, character: &Character, palette: &[Affine], 
     json!({"skin": skin.skin, "node": skin.node, "palette": rows})
 }
 
-fn vertices(character: &Character, palette: &[Affine], wanted: &[VertexId]) -> Result<Vec<Value>, Failure> {
+/// Vertices as the file counts them: what follows those of the file in a part is left out.
+fn vertices(imported: &Imported, palette: &[Affine], wanted: &[VertexId]) -> Result<Vec<Value>, Failure> {
+    let parts = || imported.character.parts.iter().zip(&imported.vertex_counts);
     let row = |part: &Part, vertex: usize| {
         let [x, y, z] = skinned(part, vertex, palette);
         json!([part.node, part.primitive, vertex, x, y, z])
     };
     if wanted.is_empty() {
-        let all = character.parts.iter().flat_map(|p| (0..p.mesh.positions.len()).map(move |v| row(p, v)));
-        return Ok(all.collect());
+        return Ok(parts().flat_map(|(part, count)| (0..*count).map(move |v| row(part, v))).collect());
     }
     let find = |id: &VertexId| {
-        let part = character.parts.iter().find(|p| p.node == id.node && p.primitive == id.primitive);
-        let part = part.filter(|p| id.vertex < p.mesh.positions.len()).ok_or_else(|| {
+        let part = parts().find(|(p, _)| p.node == id.node && p.primitive == id.primitive);
+        let (part, _) = part.filter(|(_, count)| id.vertex < **count).ok_or_else(|| {
             let VertexId { node, primitive, vertex } = id;
             Failure::usage(format!(
                 "the file draws no vertex {vertex} of primitive {primitive} of node {node}"

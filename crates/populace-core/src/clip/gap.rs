@@ -49,17 +49,15 @@ pub(super) struct Gap<'a> {
 impl Gap<'_> {
     /// Pushes `from` and the rows that are needed between it and `to`, which is left out; returns the bound that holds.
     pub(super) fn fill(&self, from: Row, to: &Row, halvings: u32, rows: &mut Vec<Row>) -> f64 {
-        let mut bound = self.error_bound(&from, to);
-        if bound > self.allowed && from.secs < to.secs {
-            bound = bound.min(self.measured_error(&from, to)); // the bound is cheap and often far too high
-        }
         let middle = from.secs + (to.secs - from.secs) / 2.0;
-        if bound <= self.allowed
-            || halvings == 0
-            || rows.len() >= self.most
-            || middle <= from.secs
-            || middle >= to.secs
-        {
+        let can_divide = halvings > 0 && rows.len() < self.most && middle > from.secs && middle < to.secs;
+        // Where the gap can be divided, that it must be is enough to know.
+        let enough = if can_divide { self.allowed } else { f64::INFINITY };
+        let mut bound = self.error_bound(&from, to, enough);
+        if bound > self.allowed && from.secs < to.secs {
+            bound = bound.min(self.measured_error(&from, to, enough)); // the bound is cheap and often far too high
+        }
+        if bound <= self.allowed || !can_divide {
             rows.push(from);
             return bound;
         }
@@ -68,22 +66,27 @@ impl Gap<'_> {
         first.max(self.fill(middle, to, halvings - 1, rows))
     }
 
-    /// An upper bound on how far a probe strays between two rows: each joint's own deviation moves what hangs on it
-    /// by at most its angle times reach, and deviations add up along the chain.
-    fn error_bound(&self, from: &Row, to: &Row) -> f64 {
+    /// An upper bound on how far a probe strays between two rows: each joint's own deviation moves
+    /// what hangs on it by at most its angle times reach, and deviations add up along the chain.
+    /// Infinite once it is more than `enough`.
+    fn error_bound(&self, from: &Row, to: &Row, enough: f64) -> f64 {
         let mut totals = Vec::with_capacity(self.reach.len());
         let mut worst: f64 = 0.0;
         for joint in self.skeleton.joints() {
             let above = self.skeleton.parent(joint).map_or(0.0, |p: JointIndex| totals[p.index()]);
             let total = above + self.deviation(joint, from, to);
             worst = worst.max(total);
+            if worst > enough {
+                return f64::INFINITY;
+            }
             totals.push(total);
         }
         worst
     }
 
     /// The error at places between two rows, with a tenth more for what lies between those places.
-    fn measured_error(&self, from: &Row, to: &Row) -> f64 {
+    /// Of a place alone where that is more than `enough`.
+    fn measured_error(&self, from: &Row, to: &Row, enough: f64) -> f64 {
         let parents = parents(self.skeleton);
         let mut worst: f64 = 0.0;
         for place in 1..MEASURED {
@@ -94,10 +97,13 @@ impl Gap<'_> {
             let stored = from.pose.iter().zip(&to.pose).map(|(a, b)| between(a, b, u).affine());
             let stored = f64math::model_from_joints(&parents, stored);
             for ((a, b), &probe) in exact.iter().zip(&stored).zip(self.probes) {
-                worst = worst.max(distance_at_probes(a, b, probe));
+                worst = worst.max(1.1 * distance_at_probes(a, b, probe));
+            }
+            if worst > enough {
+                break;
             }
         }
-        1.1 * worst
+        worst
     }
 
     fn deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {

@@ -54,7 +54,7 @@ impl Row {
 }
 
 impl Rows {
-    pub(super) fn new(curves: &Curves, skeleton: &Skeleton) -> Self {
+    pub(super) fn new(curves: &Curves, skeleton: &Skeleton, most_rows: usize) -> Self {
         let scale = f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
         let tolerance = TOLERANCE_M * scale;
         let allowed = tolerance - STORAGE_M * scale - COMPUTED * f64::from(skeleton.size_m());
@@ -65,7 +65,7 @@ impl Rows {
         let mut rows = Vec::new();
         let mut worst: f64 = 0.0;
         let times = key_times(curves);
-        let most = ROWS_PER_KEY * times.len() + FREE_POSES / skeleton.joint_count();
+        let most = (ROWS_PER_KEY * times.len() + FREE_POSES / skeleton.joint_count()).min(most_rows);
         for (secs, jumps) in times {
             let row = Row::new(curves, skeleton, secs, if jumps { Side::Before } else { Side::After });
             if let Some(last) = rows.pop() {

@@ -18,6 +18,8 @@ use crate::{JointIndex, Property, Skeleton, Trs, f64math};
 
 /// Steps over a joint's range.
 const STEPS: f64 = 65535.0;
+/// Properties of blocks that are made floats one by one.
+const ONE_BY_ONE: usize = 6;
 /// A value counts as still while it moves no probe by more than this part of what storage may be off by.
 const STILL: f64 = 0.01;
 
@@ -71,26 +73,31 @@ pub(super) struct Judge<'a> {
 }
 
 impl Storage {
-    /// Stores rows: as 16-bit steps, and for as long as those move a probe too far, the block's property that moves them
-    /// most as floats. `poses` are the rows in single precision, neighbouring rotations in one hemisphere.
+    /// Stores rows: as 16-bit steps, and for as long as those move a probe too far, the properties
+    /// of blocks that move them most as floats. They are found one by one, and where many are
+    /// needed four times as many each time. `poses` are the rows in single precision, neighbouring
+    /// rotations in one hemisphere.
     pub(super) fn new(rows: &[Row], poses: &[Vec<Trs>], judge: &Judge) -> Self {
         let ranges = ranges(poses, judge);
         let mut floats = vec![[false; 3]; ranges.len().div_ceil(BLOCK)];
+        let mut found = 0;
         loop {
             let mut stored = Self::encode(poses, ranges.clone(), &floats);
             stored.measure(rows, judge);
-            let Some((block, property)) = stored.coarsest(judge, &floats) else {
-                return stored;
-            };
-            if stored.error_m <= judge.allowed {
+            let coarsest = stored.coarsest(judge, &floats);
+            if coarsest.is_empty() || stored.error_m <= judge.allowed {
                 return stored;
             }
-            floats[block][property as usize] = true;
+            let at_once = if found < ONE_BY_ONE { 1 } else { 3 * found };
+            for &(block, property) in coarsest.iter().take(at_once) {
+                floats[block][property as usize] = true;
+                found += 1;
+            }
         }
     }
 
-    /// The block and property, not yet floats, whose steps move probes most.
-    fn coarsest(&self, judge: &Judge, floats: &[[bool; 3]]) -> Option<(usize, Property)> {
+    /// The properties of blocks that are not yet floats, those first whose steps move probes most.
+    fn coarsest(&self, judge: &Judge, floats: &[[bool; 3]]) -> Vec<(usize, Property)> {
         let moved_m = |block: usize, property: Property| {
             let columns = block * BLOCK..self.worst.len().min((block + 1) * BLOCK);
             let moved = columns.map(|column| {
@@ -103,7 +110,9 @@ impl Storage {
         let coarse = all.filter(|&(block, property)| {
             !floats[block][property as usize] && planes(&self.blocks[block], property).0 != NONE
         });
-        coarse.max_by(|a, b| moved_m(a.0, a.1).total_cmp(&moved_m(b.0, b.1)))
+        let mut coarse: Vec<_> = coarse.map(|(block, p)| (moved_m(block, p), (block, p))).collect();
+        coarse.sort_by(|a, b| a.0.total_cmp(&b.0));
+        coarse.into_iter().rev().map(|(_, which)| which).collect()
     }
 
     fn encode(poses: &[Vec<Trs>], mut ranges: Vec<[Range; 3]>, floats: &[[bool; 3]]) -> Self {

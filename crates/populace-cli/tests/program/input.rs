@@ -1,0 +1,115 @@
+//! What the program reads: files, standard input, and no more of either than it is allowed to.
+
+use std::io::Write;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::json;
+
+use super::post::{Folder, post};
+use super::{json_of, populace, refused};
+
+/// Runs the program with bytes on its standard input.
+fn fed(args: &[&str], bytes: &[u8]) -> Output {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_populace"));
+    program.args(args).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut running = program.spawn().expect("the program starts");
+    // A program that has seen enough closes its end.
+    let _ = running.stdin.take().expect("a pipe").write_all(bytes);
+    running.wait_with_output().expect("the program ends")
+}
+
+#[test]
+fn files_outside_are_read_only_with_allow_outside() {
+    let folder = Folder::new();
+    let mut file = post();
+    let length = file["buffers"][0]["byteLength"].as_u64().expect("a length");
+    file["buffers"][0]["uri"] = "../secret".into();
+    std::fs::create_dir(folder.path("model")).expect("a folder");
+    std::fs::write(folder.path("model/post.gltf"), file.to_string()).expect("written");
+    let secret = vec![0; usize::try_from(length).expect("small")];
+    let (path, picture) = (folder.text("model/post.gltf"), folder.text("out.png"));
+    let commands: [&[&str]; 4] = [
+        &["inspect", &path],
+        &["pose", &path],
+        &["render", &path, "--members", "1", "--out", &picture],
+        &["pose", &folder.text("post.gltf"), "--clips", &path],
+    ];
+    for command in commands {
+        std::fs::write(folder.path("secret"), &secret).expect("written");
+        let there = populace(command).stderr;
+        refused(command, 1, &["buffers[0].uri", "\"../secret\"", "--allow-outside"]);
+        std::fs::remove_file(folder.path("secret")).expect("removed");
+        assert_eq!(populace(command).stderr, there, "{command:?} tells whether the file is there");
+        refused(&[command, &["--allow-outside"]].concat(), 1, &["cannot be read"]);
+    }
+}
+
+#[test]
+fn what_takes_too_much_memory_is_refused_with_the_flag_that_allows_it() {
+    let folder = Folder::new();
+    let mut file = post();
+    // An accessor without data is zeros, of which a file can claim many.
+    let accessors = file["accessors"].as_array_mut().expect("accessors");
+    accessors.push(json!({"componentType": 5125, "count": 16 << 20, "type": "SCALAR"}));
+    file["meshes"][0]["primitives"][0]["indices"] = 7.into();
+    std::fs::write(folder.path("large.gltf"), file.to_string()).expect("written");
+    let large = folder.text("large.gltf");
+    let limit = ["--memory-limit", "8"];
+    let words = ["large.gltf", "accessors[7]: needs 64 MiB", "memory limit is 8 MiB", "--memory-limit"];
+    for command in [&["inspect", &large][..], &["pose", &large], &["render", &large, "--out", "never.png"]] {
+        refused(&[command, &limit].concat(), 1, &words);
+    }
+    refused(&["inspect", &large, "--memory-limit", "0"], 2, &["--memory-limit"]);
+}
+
+#[test]
+fn standard_input_is_a_file_called_dash() {
+    let file = post().to_string();
+    let inspected = fed(&["inspect", "-", "--json"], file.as_bytes());
+    let document: serde_json::Value = serde_json::from_slice(&inspected.stdout).expect("a document");
+    assert_eq!((&document["joints"], &document["file"]), (&json!(2), &json!("-")));
+    let folder = Folder::new();
+    let posed = fed(&["pose", &folder.text("post.gltf"), "--clips", "-", "--clip", "1"], file.as_bytes());
+    assert_eq!(posed.status.code(), Some(0), "{posed:?}");
+    for (args, bytes, code, words) in [
+        (&["inspect", "-"][..], &b"GIF89a"[..], 1, "standard input is refused"),
+        (&["inspect", "-", "-"], file.as_bytes(), 2, "- can be named once"),
+        (&["pose", "-", "--memory-limit", "1"], &[b' '; 2 << 20], 1, "--memory-limit"),
+    ] {
+        let output = fed(args, bytes);
+        let talk = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(code) && talk.contains(words), "{args:?}: {talk}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_not_waited_for() {
+    let folder = Folder::new();
+    let pipe = folder.text("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+    for file in [pipe.as_str(), "/dev/zero", &folder.text("")] {
+        for command in [&["inspect", file][..], &["pose", file], &["bench", "--from", file]] {
+            refused(command, 1, &["it is not a regular file"]);
+        }
+    }
+}
+
+#[test]
+fn vertices_are_those_of_the_file() {
+    let folder = Folder::new();
+    let mut file = post();
+    // Some triangles of this strip are lines, whose normals are others: they get vertices of their
+    // own.
+    file["meshes"][0]["primitives"][0]["mode"] = 5.into();
+    file["meshes"][0]["primitives"][0].as_object_mut().expect("an object").remove("indices");
+    std::fs::write(folder.path("strip.gltf"), file.to_string()).expect("written");
+    let strip = folder.text("strip.gltf");
+    let pose = ["pose", &strip, "--vertices", "--json"];
+    let d = json_of(&pose);
+    let vertices = d["vertices"].as_array().expect("vertices");
+    let numbers: Vec<_> = vertices.iter().map(|v| v[2].as_u64().expect("a number")).collect();
+    assert_eq!(numbers, (0..8).collect::<Vec<_>>());
+    assert_eq!(json_of(&["inspect", &strip, "--json"])["parts"][0]["vertices"], 8);
+    refused(&[&pose[..], &["--vertex", "0,0,8"]].concat(), 2, &["no vertex 8"]);
+}
