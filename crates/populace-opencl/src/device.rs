@@ -85,7 +85,8 @@ pub struct OpenClDevice {
 }
 
 impl OpenClDevice {
-    /// Makes the device of an index (see [`devices`]) ready. Kernels are built for it when they are first asked for.
+    /// Makes the device of an index (see [`devices`](crate::devices)) ready. Kernels are built for it when they are first
+    /// asked for.
     ///
     /// # Errors
     ///

@@ -37,7 +37,7 @@ pub enum DeviceKind {
 /// A device for people to choose from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceInfo {
-    /// The number that [`OpenClDevice::open`] takes.
+    /// The number that [`open`](crate::OpenClDevice::open) takes.
     pub index: usize,
     /// The device's own name.
     pub name: String,
@@ -47,7 +47,7 @@ pub struct DeviceInfo {
     pub kind: DeviceKind,
     /// Compute units.
     pub compute_units: u32,
-    /// Into how many equal parts the device can be cut at most, for [`OpenClDevice::open_part`]; 1 where it cannot be cut.
+    /// Into how many equal parts the device can be cut at most, for [`open_part`](crate::OpenClDevice::open_part); 1 where it cannot be cut.
     pub most_parts: u32,
     /// Memory in bytes.
     pub memory_bytes: u64,
@@ -55,7 +55,7 @@ pub struct DeviceInfo {
     pub max_allocation_bytes: u64,
     /// What the work-items of a group share, in bytes.
     pub local_memory_bytes: u64,
-    /// Whether the driver offers `cl_khr_gl_sharing`; see [`OpenClDevice::open_for_gl`].
+    /// Whether the driver offers `cl_khr_gl_sharing`; see [`open_for_gl`](crate::OpenClDevice::open_for_gl).
     pub shares_with_gl: bool,
     /// Why the device cannot be used on this machine, as far as that shows without building a kernel.
     pub fault: Option<String>,
