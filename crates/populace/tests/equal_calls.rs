@@ -1,0 +1,59 @@
+//! Equal calls on two crowds give equal palettes, whatever order hash maps iterate in.
+
+use populace::core::{Character, CharacterSource, JointSource, PaletteEntry, Skeleton};
+use populace::{
+    Affine, Crowd, Device, Gaze, GazeLimits, JointIndex, Member, Placement, Target, Trs, Weight,
+};
+
+const JOINTS: u32 = 8;
+
+/// A chain of joints, each a little to the side of the one before.
+fn chain() -> Character {
+    let joint = |index: u32| JointSource {
+        name: format!("joint {index}"),
+        parent: index.checked_sub(1).map(|parent| parent as usize),
+        rest: Trs { translation: [0.1 * index as f32, 0.2, 0.0], ..Trs::IDENTITY },
+    };
+    let skeleton = Skeleton::new(&(0..JOINTS).map(joint).collect::<Vec<_>>()).unwrap();
+    let palette = skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY });
+    let (palette, parts, materials, images, skins, clips) =
+        (palette.collect(), vec![], vec![], vec![], vec![], vec![]);
+    let name = "chain".into();
+    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips }).unwrap()
+}
+
+fn watch_all(crowd: &mut Crowd, member: Member) {
+    for joint in 0..JOINTS {
+        crowd.watch(member, JointIndex(joint)).unwrap();
+    }
+}
+
+/// The palette of a member that looks at a joint of another, in the frame in which it begins to, after a member with
+/// watches on all joints has left.
+fn palette_after_a_watched_member_left() -> Vec<Affine> {
+    let mut crowd = Crowd::builder().device(Device::Native { threads: 1 }).build().unwrap();
+    let chain = crowd.add_character(chain()).unwrap();
+    let at = |x: f32| Placement::at([x, 0.0, 2.0 - x]);
+    let [leaving, looking, other] = [0.0, 1.0, 2.0].map(|x| crowd.spawn(chain, at(x)).unwrap());
+    watch_all(&mut crowd, leaving);
+    crowd.watch(other, JointIndex(0)).unwrap();
+    crowd.update(0.1).unwrap();
+    crowd.despawn(leaving).unwrap();
+    let limits = GazeLimits { yaw_rad: 1.5, up_rad: 1.0, down_rad: 1.0 };
+    let chain = vec![(JointIndex(1), 1.0)];
+    let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits, targets: vec![] };
+    let target = Target::Joint { member: other, joint: JointIndex(3) };
+    crowd.look_with(looking, &gaze, target, Weight::FULL.over_secs(0.0)).unwrap();
+    crowd.update(0.1).unwrap();
+    crowd.palette(looking).unwrap()
+}
+
+#[test]
+fn equal_calls_give_equal_palettes_after_watched_members_leave() {
+    let first = palette_after_a_watched_member_left();
+    for _ in 0..8 {
+        assert_eq!(palette_after_a_watched_member_left(), first);
+    }
+    let turned = first[1].rows[0][2].abs() + first[1].rows[1][2].abs();
+    assert!(turned < 1e-6, "the joint has not been seen yet, so the gaze counts nothing: {turned}");
+}
