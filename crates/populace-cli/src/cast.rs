@@ -250,8 +250,8 @@ pub(crate) fn clip(crowd: &Crowd, id: CharacterId, name: &str) -> Result<ClipId,
     })
 }
 
-/// A clip with its root motion: whatever moves the body where that is asked for, else what the feet of one that walks in
-/// place tell.
+/// A clip with its root motion: whatever moves the body where that is asked for, else what the feet
+/// of one that walks in place tell.
 fn moving(crowd: &mut Crowd, role: CharacterId, clip: ClipId, wanted: Wanted) -> Result<Moving, Failure> {
     let Some((_, plain)) = crowd.clips(role)?.into_iter().find(|(id, _)| *id == clip) else {
         return Ok(Moving { id: clip, motion: None });

@@ -219,8 +219,9 @@ pub(crate) struct PoseArgs {
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     pub(crate) time: f32,
     /// Mix this clip, by name or by index, standing at a time on its own axis; can be repeated, up to 8 times [weight 1
-    /// among the clips of its layer, layer 0]. With "partial" also one that hardly fits: names alone bind less than 30 %
-    /// of the joints that it moves. A backslash quotes a comma, an equals sign or a backslash in a name
+    /// among the clips of its layer, layer 0]. With "partial" also one that hardly fits: names
+    /// alone bind less than 30 % of the joints that it moves. A backslash quotes a comma, an equals
+    /// sign or a backslash in a name
     #[arg(long, value_name = "clip=C,time=S,weight=W,layer=L,partial", conflicts_with_all = ["clip", "time"])]
     pub(crate) slot: Vec<SlotArg>,
     /// Lay layer 1, 2 or 3 over those below it, for this joint and what hangs on it, with its weight, replacing them or

@@ -5,11 +5,11 @@ use serde_json::{Value, json};
 
 use crate::report::{as_typed, talk};
 
-/// Names bind less of what a clip moves only where a part of the motion is missing: files whose clips and skeletons
-/// belong together have at least 0.89, others at most 0.17.
+/// Names bind less of what a clip moves only where a part of the motion is missing: files whose
+/// clips and skeletons belong together have at least 0.89, others at most 0.17.
 const WELL_BOUND: f32 = 0.8;
-/// Names alone bind joints that are turned further from each other at rest only where the rigs differ, in radians: then
-/// 0.8 and more, else nothing.
+/// Names alone bind joints that are turned further from each other at rest only where the rigs
+/// differ, in radians: then 0.8 and more, else nothing.
 const WELL_TURNED_RAD: f32 = 0.3;
 
 /// Warns where names bind a clip badly.

@@ -77,8 +77,8 @@ impl Target {
         self
     }
 
-    /// Lets the weight run to `to` in `secs` from where it is at `tick`. A ramp that was begun with the same `to` and `secs`
-    /// goes on.
+    /// Lets the weight run to `to` in `secs` from where it is at `tick`. A ramp that was begun with
+    /// the same `to` and `secs` goes on.
     #[must_use]
     pub fn ramped_to(self, tick: u64, to: f32, secs: f32) -> Self {
         if is_ramp_to([self.start_weight, self.weight_rate, self.end_weight], to, secs) {

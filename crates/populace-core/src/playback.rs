@@ -53,7 +53,8 @@ pub(crate) fn ramp_rate(from: f32, to: f32, secs: f32) -> f32 {
     if secs > 0.0 { (to - from) / secs.max(TICK_SECS) } else { 0.0 }
 }
 
-/// Whether a weight is on its way to a number by a ramp that was begun to take this time, or has come there by it.
+/// Whether a weight is on its way to a number by a ramp that was begun to take this time, or has
+/// come there by it.
 pub(crate) fn is_ramp_to([start, rate, end]: [f32; 3], to: f32, secs: f32) -> bool {
     end == to && rate == ramp_rate(start, to, secs)
 }

@@ -4,12 +4,13 @@ use crate::character::{Character, CharacterSource, PaletteEntry, SkinInstance};
 use crate::humanoid::{Role, RoleMap, Side};
 use crate::{Error, JointIndex, JointSource, Skeleton, Trs, f64math};
 
-/// A transform that differs by more than this from one of translation, rotation and scale is sheared.
+/// A transform that differs by more than this from one of translation, rotation and scale is
+/// sheared.
 const SHEARED: f64 = 1e-3;
 
 impl RoleMap {
-    /// The lower legs and feet of which the foot does not hang on the leg, as in rigs whose feet are targets for legs to
-    /// reach.
+    /// The lower legs and feet of which the foot does not hang on the leg, as in rigs whose feet
+    /// are targets for legs to reach.
     pub fn loose_feet(&self, skeleton: &Skeleton) -> impl Iterator<Item = (JointIndex, JointIndex)> {
         let leg = |side| Some((self.joint(Role::LowerLeg(side))?, self.joint(Role::Foot(side))?));
         let legs = [Side::Left, Side::Right].into_iter().filter_map(leg);
@@ -18,16 +19,17 @@ impl RoleMap {
 }
 
 impl Character {
-    /// The same body with feet that hang on their legs, for rigs in which they hang elsewhere: what moves legs, such as
-    /// planting feet on the ground, then takes the feet along.
+    /// The same body with feet that hang on their legs, for rigs in which they hang elsewhere: what
+    /// moves legs, such as planting feet on the ground, then takes the feet along.
     ///
-    /// Joints keep their names and their rest in model space, but not their indices. Clips keep their own skeleton, and
-    /// play by humanoid roles. Where all feet hang on their legs this changes nothing.
+    /// Joints keep their names and their rest in model space, but not their indices. Clips keep
+    /// their own skeleton, and play by humanoid roles. Where all feet hang on their legs this
+    /// changes nothing.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRole`] for roles of another skeleton, [`Error::BadRest`] for a foot that would be sheared, and
-    /// [`Error::Cycle`] for a leg that hangs on its own foot.
+    /// [`Error::BadRole`] for roles of another skeleton, [`Error::BadRest`] for a foot that would
+    /// be sheared, and [`Error::Cycle`] for a leg that hangs on its own foot.
     pub fn with_feet_on_legs(&self, roles: &RoleMap) -> Result<Self, Error> {
         let old = &self.skeleton;
         if roles.joint_count() != old.joint_count() {

@@ -62,11 +62,13 @@ impl From<[f32; 3]> for Target {
 
 /// How much a constraint counts, and how long it takes to come to that: it eases in and out.
 ///
-/// A call may be repeated, each frame if need be. With the same weight and time the ease goes on; with another weight or
-/// time a new one begins from the weight that the constraint has. With another target of the same kind ([`Target::Point`],
-/// [`Target::InModel`] or [`Target::Direction`]) it depends on when the last call was:
+/// A call may be repeated, each frame if need be. With the same weight and time the ease goes on;
+/// with another weight or time a new one begins from the weight that the constraint has. With
+/// another target of the same kind ([`Target::Point`], [`Target::InModel`] or
+/// [`Target::Direction`]) it depends on when the last call was:
 ///
-/// - Less than the time to ease ago: the calls follow one moving target. The target moves at once, and the ease goes on.
+/// - Less than the time to ease ago: the calls follow one moving target. The target moves at once,
+///   and the ease goes on.
 /// - Longer ago: the constraint eases over from the target of before to the new one.
 ///
 /// With a target of another kind, or another joint, the constraint always eases over.
@@ -99,8 +101,9 @@ impl Weight {
         self
     }
 
-    /// Eases over to another target even where calls have followed a moving one, such as from one shop window to the next.
-    /// It is for the one call with which the target changes: repeated with a moving target, the ease begins over each time.
+    /// Eases over to another target even where calls have followed a moving one, such as from one
+    /// shop window to the next. It is for the one call with which the target changes: repeated with
+    /// a moving target, the ease begins over each time.
     #[must_use]
     pub const fn easing_over(mut self) -> Self {
         self.eases_over = true;

@@ -131,9 +131,10 @@ impl Play {
         self
     }
 
-    /// Plays the clip even where names alone bind less than 30 % of the joints that it moves, which is refused otherwise:
-    /// for clips of which a part is wanted, such as through a mask. [`Crowd::binding`](crate::Crowd::binding) tells the
-    /// share. A clip that moves no joint of the body is refused all the same.
+    /// Plays the clip even where names alone bind less than 30 % of the joints that it moves, which
+    /// is refused otherwise: for clips of which a part is wanted, such as through a mask.
+    /// [`Crowd::binding`](crate::Crowd::binding) tells the share. A clip that moves no joint of the
+    /// body is refused all the same.
     #[must_use]
     pub const fn partial(mut self) -> Self {
         self.partial = true;

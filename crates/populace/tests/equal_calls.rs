@@ -1,9 +1,7 @@
 //! Equal calls on two crowds give equal palettes, whatever order hash maps iterate in.
 
 use populace::core::{Character, CharacterSource, JointSource, PaletteEntry, Skeleton};
-use populace::{
-    Affine, Crowd, Device, Gaze, GazeLimits, JointIndex, Member, Placement, Target, Trs, Weight,
-};
+use populace::{Affine, Crowd, Device, Gaze, GazeLimits, JointIndex, Member, Placement, Target, Trs, Weight};
 
 const JOINTS: u32 = 8;
 
@@ -19,7 +17,8 @@ fn chain() -> Character {
     let (palette, parts, materials, images, skins, clips) =
         (palette.collect(), vec![], vec![], vec![], vec![], vec![]);
     let name = "chain".into();
-    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips }).unwrap()
+    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
+        .unwrap()
 }
 
 fn watch_all(crowd: &mut Crowd, member: Member) {

@@ -82,7 +82,8 @@ fn refused(folder: &Path) -> Result<(), Failed> {
     if says { Ok(()) } else { Err(text.into()) }
 }
 
-/// A robot whose feet hang on its root walks the same with feet on its legs, and these keep to a slope.
+/// A robot whose feet hang on its root walks the same with feet on its legs, and these keep to a
+/// slope.
 fn feet_on_legs(folder: &Path) -> Result<(), Failed> {
     const SLOPE: f32 = 0.2;
     let loose = load(folder, "quaternius_robot")?;

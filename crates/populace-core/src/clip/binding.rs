@@ -129,8 +129,8 @@ impl Binding {
     ///
     /// # Errors
     ///
-    /// [`Error::CannotBind`] where names alone bind less than [`BindingReport::LEAST_SHARE`] of the joints that the clip
-    /// moves.
+    /// [`Error::CannotBind`] where names alone bind less than [`BindingReport::LEAST_SHARE`] of the
+    /// joints that the clip moves.
     pub fn fitting(
         clip: &Clip,
         clip_roles: Option<&RoleMap>,
@@ -142,8 +142,8 @@ impl Binding {
         Ok(binding)
     }
 
-    /// As [`fitting`](Self::fitting), of a clip of which no more than a part is wanted, such as through a mask: names alone
-    /// may bind any share of its joints.
+    /// As [`fitting`](Self::fitting), of a clip of which no more than a part is wanted, such as
+    /// through a mask: names alone may bind any share of its joints.
     ///
     /// # Errors
     ///

@@ -24,19 +24,21 @@ pub struct BindingReport {
     pub moving_joints: usize,
     /// Those of them that move the skeleton.
     pub bound_joints: usize,
-    /// How far the rest poses are turned from each other in radians, in the mean over bound joints: by names, local
-    /// rotations; by roles, what brings the body from its rest to the common pose.
+    /// How far the rest poses are turned from each other in radians, in the mean over bound joints:
+    /// by names, local rotations; by roles, what brings the body from its rest to the common pose.
     pub rest_turn_rad: f32,
-    /// How far local translations at rest differ, in parts of the larger body's size and in the mean over bound joints; 0
-    /// by roles, which keep the body's own.
+    /// How far local translations at rest differ, in parts of the larger body's size and in the
+    /// mean over bound joints; 0 by roles, which keep the body's own.
     pub rest_shift: f32,
 }
 
 impl BindingReport {
-    /// The least share of a clip's moving joints that names alone must bind, unless a part of the clip is asked for.
+    /// The least share of a clip's moving joints that names alone must bind, unless a part of the
+    /// clip is asked for.
     pub const LEAST_SHARE: f32 = 0.3;
 
-    /// The share of the clip's moving joints that move the skeleton, 0 to 1; 1 for a clip that sets nothing.
+    /// The share of the clip's moving joints that move the skeleton, 0 to 1; 1 for a clip that sets
+    /// nothing.
     #[must_use]
     pub fn share(&self) -> f32 {
         if self.moving_joints == 0 { 1.0 } else { self.bound_joints as f32 / self.moving_joints as f32 }

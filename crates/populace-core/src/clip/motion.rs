@@ -10,8 +10,8 @@ use crate::{ClipSource, Error, Interpolation, JointIndex, Property, Track, f64ma
 
 /// Rows per second, or a little more: they fill the clip's length evenly.
 const ROWS_PER_SEC: f64 = 60.0;
-/// A body that ends no further from its start than this part of its size, or that much in each second, stands still, as
-/// does one whose feet tell no more.
+/// A body that ends no further from its start than this part of its size, or that much in each
+/// second, stands still, as does one whose feet tell no more.
 const STANDS: f64 = 0.05;
 /// A body whose heading ends no further from where it was than this, in radians, does not turn.
 const TURNS_RAD: f64 = 0.25;
@@ -19,11 +19,13 @@ const TURNS_RAD: f64 = 0.25;
 /// What moves the body.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum MotionSource {
-    /// [`Root`](Self::Root) where that goes anywhere or turns, [`Feet`](Self::Feet) for a clip that walks in place, and
-    /// nothing for one that stands, whose sway stays in its pose. [`RootMotion::origin`] tells which.
+    /// [`Root`](Self::Root) where that goes anywhere or turns, [`Feet`](Self::Feet) for a clip that
+    /// walks in place, and nothing for one that stands, whose sway stays in its pose.
+    /// [`RootMotion::origin`] tells which.
     #[default]
     Auto,
-    /// The first joint that moves from the root down to the hips; without hips, the first whose translation moves.
+    /// The first joint that moves from the root down to the hips; without hips, the first whose
+    /// translation moves.
     Root,
     /// The joint of this name; what it hangs on stands still.
     Joint(String),
@@ -197,12 +199,14 @@ fn told(rigid: &Rigid) -> ([f32; 3], f32) {
 
 impl Clip {
     /// The same motion with what moves the whole body taken out of its pose: members that are moved by their clips go where
-    /// it goes, others play it in place. [`RootMotion::origin`] of its [`root_motion`](Self::root_motion) tells from where.
+    /// it goes, others play it in place. [`RootMotion::origin`] of its
+    /// [`root_motion`](Self::root_motion) tells from where.
     ///
     /// # Errors
     ///
-    /// [`Error::NoMotion`] where nothing of the kind that is named moves the body, where it hangs on what moves, and for a
-    /// clip that is live or has its motion already; [`Error::UnknownJoints`] with the nearest names.
+    /// [`Error::NoMotion`] where nothing of the kind that is named moves the body, where it hangs
+    /// on what moves, and for a clip that is live or has its motion already;
+    /// [`Error::UnknownJoints`] with the nearest names.
     pub fn with_root_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         if self.ring.is_some() || self.motion.is_some() {
             return self.no_motion("is live, or its motion is taken out already");

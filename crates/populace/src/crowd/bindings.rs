@@ -16,11 +16,12 @@ pub(super) struct Bound {
 }
 
 impl Crowd {
-    /// How well a clip fits a character: the way in which its joints are found, the share of those it moves that are bound, and
-    /// how far the rest poses are apart.
+    /// How well a clip fits a character: the way in which its joints are found, the share of those
+    /// it moves that are bound, and how far the rest poses are apart.
     ///
-    /// Below [`BindingReport::LEAST_SHARE`] a clip that is bound by names alone is refused when it is played, unless by
-    /// [`Play::partial`](crate::Play::partial). Between that and 80 % it plays, and a part of the motion is missing.
+    /// Below [`BindingReport::LEAST_SHARE`] a clip that is bound by names alone is refused when it
+    /// is played, unless by [`Play::partial`](crate::Play::partial). Between that and 80 % it
+    /// plays, and a part of the motion is missing.
     ///
     /// # Errors
     ///
@@ -33,7 +34,8 @@ impl Crowd {
         }
     }
 
-    /// Binds a clip to a character's body, or finds how it was bound. `partial` lets names alone bind any share of it.
+    /// Binds a clip to a character's body, or finds how it was bound. `partial` lets names alone
+    /// bind any share of it.
     pub(super) fn bind(&mut self, character: CharacterId, clip: ClipId, partial: bool) -> Result<u32, Error> {
         let (state, known) = self.to_bind(character, clip)?;
         let key = (state.body, clip.index);

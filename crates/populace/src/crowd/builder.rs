@@ -85,7 +85,8 @@ impl CrowdBuilder {
         self
     }
 
-    /// Clips that a member can play at once, 1 to 8; 4 unless set. [`build`](Self::build) refuses others.
+    /// Clips that a member can play at once, 1 to 8; 4 unless set. [`build`](Self::build) refuses
+    /// others.
     #[must_use]
     pub fn slots_per_member(mut self, slots: usize) -> Self {
         self.slots_per_member = slots;

@@ -33,7 +33,8 @@ pub(crate) struct MemberControls {
     aimed: Vec<(Goal, u64)>,
 }
 
-/// A constraint of a member apart from all others: its kind, and the joint that is to face or meet the target.
+/// A constraint of a member apart from all others: its kind, and the joint that is to face or meet
+/// the target.
 type Goal = (Discriminant<Constraint>, Option<JointIndex>);
 
 impl Crowd {
@@ -87,7 +88,8 @@ impl Crowd {
     }
 
     /// Lets a member look at something with a chain of joints, from now on and in place of what it looked at before with the
-    /// chain's last joint: the gaze eases over, or follows where calls move its target ([`Weight`]).
+    /// chain's last joint: the gaze eases over, or follows where calls move its target
+    /// ([`Weight`]).
     ///
     /// # Errors
     ///
@@ -102,8 +104,8 @@ impl Crowd {
         self.aim(member, target.into(), weight, &Constraint::Gaze(gaze.clone()))
     }
 
-    /// Lets a limb of a member reach for something, from now on and in place of what it reached for before: it eases over, or
-    /// follows where calls move its target ([`Weight`]).
+    /// Lets a limb of a member reach for something, from now on and in place of what it reached for
+    /// before: it eases over, or follows where calls move its target ([`Weight`]).
     ///
     /// # Errors
     ///
@@ -385,8 +387,8 @@ impl Crowd {
     }
 }
 
-/// Lets one target take over from all others. Where calls follow a moving target, it takes the place of the one before of
-/// its kind.
+/// Lets one target take over from all others. Where calls follow a moving target, it takes the
+/// place of the one before of its kind.
 fn aim_at(
     targets: &mut Vec<layout::Target>,
     target: layout::Target,

@@ -19,8 +19,8 @@ const EYES: GazeLimits =
 
 impl Crowd {
     /// Lets a member look at something, from now on and in place of what it looked at before: spine, neck, head and eyes
-    /// share the turn, as far as the character has them, and the gaze eases over, or follows where calls move its target
-    /// ([`Weight`]). Beyond 85 degrees to either side, 45 up
+    /// share the turn, as far as the character has them, and the gaze eases over, or follows where
+    /// calls move its target ([`Weight`]). Beyond 85 degrees to either side, 45 up
     /// and 50 down it is followed no further, and while it passes behind the gaze comes back to the front.
     ///
     /// A character without humanoid roles looks with its joint that is called head.
@@ -50,7 +50,8 @@ impl Crowd {
     ///
     /// [`Error::StaleMember`], a character whose legs are not known (see [`set_roles`](Self::set_roles) and
     /// [`plant_with`](Self::plant_with)) or whose feet hang elsewhere (see
-    /// [`Character::with_feet_on_legs`](populace_core::Character::with_feet_on_legs)), or a weight that is not from 0 to 1.
+    /// [`Character::with_feet_on_legs`](populace_core::Character::with_feet_on_legs)), or a weight
+    /// that is not from 0 to 1.
     pub fn plant_feet(&mut self, member: Member, weight: Weight) -> Result<(), Error> {
         weight.check()?;
         let character = self.check(member)?;

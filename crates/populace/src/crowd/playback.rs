@@ -20,8 +20,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], an id of another crowd, a setting that is out of its range, or a clip that does not fit
-    /// ([`binding`](Self::binding)).
+    /// [`Error::StaleMember`], an id of another crowd, a setting that is out of its range, or a
+    /// clip that does not fit ([`binding`](Self::binding)).
     pub fn play(&mut self, member: Member, clip: ClipId, play: Play) -> Result<PlayId, Error> {
         let start = self.start_of(member, clip, play, true)?;
         self.waiting.retain(member.place, |waiting| waiting.play.layer != play.layer);

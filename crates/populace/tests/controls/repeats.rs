@@ -161,7 +161,8 @@ fn calls_that_say_the_same_again_change_nothing() {
         });
         for frame in 0..150_u8 {
             for (nth, member) in [once, ever].into_iter().enumerate() {
-                // Each of these is to go on, not to begin over: looks, stands, carries and weighs, then lets go.
+                // Each of these is to go on, not to begin over: looks, stands, carries and weighs,
+                // then lets go.
                 let (begins, ends, stops) = (frame == 0, frame == 50, frame == 90);
                 let says = |at: bool, from: u8, to: u8| at || (nth == 1 && (from..to).contains(&frame));
                 let crowd = &mut stage.crowd;

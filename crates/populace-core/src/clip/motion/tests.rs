@@ -141,7 +141,8 @@ fn nothing_to_take_out_is_said() {
     assert!(refused(still.with_root_motion(&root)).contains("MotionSource::Feet"));
 }
 
-/// Hips with two feet that tread in place, a step each, `reach` metres long, and hips that go `far` metres ahead.
+/// Hips with two feet that tread in place, a step each, `reach` metres long, and hips that go `far`
+/// metres ahead.
 fn tread(reach: f32, far: f32) -> Clip {
     let joint = |name: &str, parent, translation| JointSource {
         name: name.into(),
