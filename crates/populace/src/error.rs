@@ -100,7 +100,7 @@ pub enum Error {
 
 /// Refuses values that are not finite, or so large that products of them are not.
 pub(crate) fn bounded(what: &'static str, values: &[f32]) -> Result<(), Error> {
-    match values.iter().find(|v| !(v.abs() <= LARGEST)) {
+    match values.iter().find(|v| v.is_nan() || v.abs() > LARGEST) {
         Some(&value) => Err(Error::BadValue { what, value, rule: "a finite number of at most 1e9 in size" }),
         None => Ok(()),
     }

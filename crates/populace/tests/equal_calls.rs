@@ -12,39 +12,39 @@ fn chain() -> Character {
         parent: index.checked_sub(1).map(|parent| parent as usize),
         rest: Trs { translation: [0.1 * index as f32, 0.2, 0.0], ..Trs::IDENTITY },
     };
-    let skeleton = Skeleton::new(&(0..JOINTS).map(joint).collect::<Vec<_>>()).unwrap();
+    let skeleton = Skeleton::new(&(0..JOINTS).map(joint).collect::<Vec<_>>()).expect("a good call");
     let palette = skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY });
     let (palette, parts, materials, images, skins, clips) =
         (palette.collect(), vec![], vec![], vec![], vec![], vec![]);
     let name = "chain".into();
     Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
-        .unwrap()
+        .expect("a good call")
 }
 
 fn watch_all(crowd: &mut Crowd, member: Member) {
     for joint in 0..JOINTS {
-        crowd.watch(member, JointIndex(joint)).unwrap();
+        crowd.watch(member, JointIndex(joint)).expect("a good call");
     }
 }
 
 /// The palette of a member that looks at a joint of another, in the frame in which it begins to, after a member with
 /// watches on all joints has left.
 fn palette_after_a_watched_member_left() -> Vec<Affine> {
-    let mut crowd = Crowd::builder().device(Device::Native { threads: 1 }).build().unwrap();
-    let chain = crowd.add_character(chain()).unwrap();
+    let mut crowd = Crowd::builder().device(Device::Native { threads: 1 }).build().expect("a good call");
+    let chain = crowd.add_character(chain()).expect("a good call");
     let at = |x: f32| Placement::at([x, 0.0, 2.0 - x]);
-    let [leaving, looking, other] = [0.0, 1.0, 2.0].map(|x| crowd.spawn(chain, at(x)).unwrap());
+    let [leaving, looking, other] = [0.0, 1.0, 2.0].map(|x| crowd.spawn(chain, at(x)).expect("a good call"));
     watch_all(&mut crowd, leaving);
-    crowd.watch(other, JointIndex(0)).unwrap();
-    crowd.update(0.1).unwrap();
-    crowd.despawn(leaving).unwrap();
+    crowd.watch(other, JointIndex(0)).expect("a good call");
+    crowd.update(0.1).expect("a good call");
+    crowd.despawn(leaving).expect("a good call");
     let limits = GazeLimits { yaw_rad: 1.5, up_rad: 1.0, down_rad: 1.0 };
     let chain = vec![(JointIndex(1), 1.0)];
     let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits, targets: vec![] };
     let target = Target::Joint { member: other, joint: JointIndex(3) };
-    crowd.look_with(looking, &gaze, target, Weight::FULL.over_secs(0.0)).unwrap();
-    crowd.update(0.1).unwrap();
-    crowd.palette(looking).unwrap()
+    crowd.look_with(looking, &gaze, target, Weight::FULL.over_secs(0.0)).expect("a good call");
+    crowd.update(0.1).expect("a good call");
+    crowd.palette(looking).expect("a good call")
 }
 
 #[test]

@@ -31,7 +31,7 @@ fn everywhere() -> Vec<(Devices, Schedule)> {
 /// A joint at height 0 that "Stand" leaves there and "Rise" lifts to `1.0`.
 fn post() -> Character {
     let joint = JointSource { name: "post".into(), parent: None, rest: Trs::IDENTITY };
-    let skeleton = Skeleton::new(&[joint]).unwrap();
+    let skeleton = Skeleton::new(&[joint]).expect("a good call");
     let clip = |name: &str, height: f32| {
         let track = Track {
             joint: "post".into(),
@@ -40,23 +40,25 @@ fn post() -> Character {
             times: vec![0.0],
             values: vec![0.0, height, 0.0],
         };
-        Arc::new(Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, &skeleton).unwrap())
+        Arc::new(
+            Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, &skeleton).expect("a good call"),
+        )
     };
     let clips = vec![clip("Stand", 0.0), clip("Rise", 1.0)];
     let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
     let name = "post".into();
     Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
-        .unwrap()
+        .expect("a good call")
 }
 
 /// A crowd of one member that stands, before its first update.
 fn standing(devices: Devices, schedule: Schedule) -> (Crowd, Member, ClipId) {
-    let mut crowd = Crowd::builder().devices(devices).schedule(schedule).build().unwrap();
-    let post = crowd.add_character(post()).unwrap();
-    let [stand, rise] = ["Stand", "Rise"].map(|name| crowd.clip(post, name).unwrap());
-    let member = crowd.spawn(post, Placement::at([0.0; 3])).unwrap();
-    crowd.play(member, stand, Play::looping()).unwrap();
+    let mut crowd = Crowd::builder().devices(devices).schedule(schedule).build().expect("a good call");
+    let post = crowd.add_character(post()).expect("a good call");
+    let [stand, rise] = ["Stand", "Rise"].map(|name| crowd.clip(post, name).expect("a good call"));
+    let member = crowd.spawn(post, Placement::at([0.0; 3])).expect("a good call");
+    crowd.play(member, stand, Play::looping()).expect("a good call");
     (crowd, member, rise)
 }
 

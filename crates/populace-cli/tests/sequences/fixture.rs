@@ -1,8 +1,9 @@
 //! The characters, clips and devices of the sequences.
 
-use std::f32::consts::TAU;
+use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
+use glam::DQuat;
 use populace::core::{
     Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, MotionSettings, PaletteEntry,
     Property, Skeleton, Track,
@@ -47,9 +48,13 @@ fn turning(name: &str, joints: usize, skeleton: &Skeleton) -> Clip {
     let turn = |joint: usize| {
         let times = [0.0, 0.3, 0.7, 1.1];
         let values = times.iter().flat_map(|secs| {
-            let half = 0.4 * (secs / 1.1 * TAU + joint as f32).sin();
-            let (sin, cos) = half.sin_cos();
-            if joint % 2 == 0 { [sin, 0.0, 0.0, cos] } else { [0.0, 0.0, sin, cos] }
+            let half = 0.4 * f64::sin(f64::from(*secs) / 1.1 * TAU + joint as f64);
+            let turn = if joint.is_multiple_of(2) {
+                DQuat::from_rotation_x(2.0 * half)
+            } else {
+                DQuat::from_rotation_z(2.0 * half)
+            };
+            turn.as_quat().to_array()
         });
         track(format!("{name} {joint}"), Property::Rotation, &times, values.collect())
     };

@@ -23,6 +23,12 @@ fn number(name: &str, otherwise: u64) -> u64 {
     })
 }
 
+/// Talks to whoever started the run.
+#[expect(clippy::print_stderr, reason = "this is a program, and stderr is where it talks")]
+fn talk(text: &str) {
+    eprint!("{text}");
+}
+
 /// Runs sequences of seeds from `--seed` on, until `--calls` calls were made on each set-up whose name begins with `--setup`.
 pub(crate) fn run() -> ExitCode {
     let (seed, calls) = (number("--seed", 0), number("--calls", 1));
@@ -36,16 +42,20 @@ pub(crate) fn run() -> ExitCode {
         let (start, memory) = (Instant::now(), resident_mib());
         for nth in 0..count {
             // Told before it runs, for a driver that crashes leaves nothing else.
-            eprint!("\r{}: seed {} ", setup.name, seed + nth);
+            talk(&format!("\r{}: seed {} ", setup.name, seed + nth));
             let sequence = Sequence::new(seed + nth, length);
             if let Err(fault) = sequence.run(setup) {
-                eprintln!("\n{}", sequence.report(setup, &fault));
+                talk(&format!("\n{}\n", sequence.report(setup, &fault)));
                 return ExitCode::FAILURE;
             }
         }
         let secs = start.elapsed().as_secs();
         let made = count * length as u64;
-        eprintln!("\r{}: {made} calls in {secs} s, {memory} to {} MiB resident", setup.name, resident_mib());
+        let now = resident_mib();
+        talk(&format!(
+            "\r{}: {made} calls on each of two crowds in {secs} s, {memory} to {now} MiB resident\n",
+            setup.name
+        ));
     }
     ExitCode::SUCCESS
 }

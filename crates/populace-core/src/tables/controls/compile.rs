@@ -70,7 +70,7 @@ fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
     let length: f32 = given.rotation.iter().map(|v| v * v).sum();
     if !given.is_bounded() || !(0.9..1.1).contains(&length) {
         return bad(format!(
-            "{what} needs a translation of at most {LARGEST:e}, scales of at most {LARGEST_SCALE:e} and a rotation of length 1"
+            "{what} needs finite numbers, a translation of at most {LARGEST:e}, scales of at most {LARGEST_SCALE:e} and a rotation of length 1"
         ));
     }
     let [x, y, z] = given.translation;
