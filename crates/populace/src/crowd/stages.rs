@@ -6,7 +6,7 @@ use populace_core::layout::{STAGE_PARAMETERS, STAGES_MOST};
 use populace_core::{After, JointIndex, UserStage, layout};
 
 use super::{Crowd, Member, u32_from};
-use crate::error::bounded;
+use crate::error::finite;
 use crate::{Error, StageUse};
 
 /// A user's stage of a crowd. It goes stale when the stage is removed, and is then refused.
@@ -99,7 +99,7 @@ impl Crowd {
     /// A stage that is not there, more than 16 numbers, or one that is not finite.
     pub fn set_stage_parameters(&mut self, id: StageId, parameters: &[f32]) -> Result<(), Error> {
         self.stage_after(id)?;
-        bounded("a parameter of a stage", parameters)?;
+        finite("a parameter of a stage", parameters)?;
         let mut all = [0.0; STAGE_PARAMETERS as usize];
         let Some(given) = all.get_mut(..parameters.len()) else {
             let (what, value) = ("the number of a stage's parameters", parameters.len() as f32);
@@ -118,7 +118,7 @@ impl Crowd {
     pub fn use_stage(&mut self, member: Member, id: StageId, how: StageUse) -> Result<(), Error> {
         let after = self.stage_after(id)?;
         let character = self.check(member)?;
-        bounded("a member's value for a stage", &how.values)?;
+        finite("a member's value for a stage", &how.values)?;
         let skeleton = &self.character_state(character)?.character.skeleton;
         let all = || (0..u32_from(skeleton.joint_count())).map(JointIndex).collect();
         // Each joint once, however often it is named.
