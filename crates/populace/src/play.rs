@@ -1,7 +1,7 @@
 //! How clips are started and members are placed.
 
 use populace_core::layout::Slot;
-use populace_core::{Affine, LARGEST_SCALE, ticks_from_secs};
+use populace_core::{Affine, LARGEST, LARGEST_SCALE, ticks_from_secs};
 
 use crate::error::bounded;
 use crate::{ClipId, Error, PlayId};
@@ -197,10 +197,10 @@ pub(crate) fn check_weight(what: &'static str, value: f32) -> Result<(), Error> 
 }
 
 pub(crate) fn check_secs(what: &'static str, value: f32) -> Result<(), Error> {
-    if value >= 0.0 && value.is_finite() {
+    if (0.0..=LARGEST).contains(&value) {
         Ok(())
     } else {
-        Err(Error::BadValue { what, value, rule: "finite and not negative" })
+        Err(Error::BadValue { what, value, rule: "from 0 to 1e9" })
     }
 }
 

@@ -76,8 +76,7 @@ impl Sequence {
                 let (a, b) = (number(first[at]), number(second[at]));
                 return Err(format!("number {at} of the palette of member {member} is {a} and {b}"));
             }
-            let odd = first.iter().position(|bits| !number(*bits).is_finite());
-            if let Some(at) = odd.filter(|_| !self.odd) {
+            if let Some(at) = first.iter().position(|bits| !number(*bits).is_finite()) {
                 return Err(format!(
                     "number {at} of the palette of member {member} is {}",
                     number(first[at])
