@@ -291,6 +291,7 @@ impl Backend for OpenClBackend {
             _ if buffer == StageBuffer::Running => machines.read(queue, first, into),
             Plan::Staged(staged) => staged.buffers.read(queue, buffer, first, into),
             Plan::Fused(fused) => {
+                keeping.prepare_aside(device, queue)?;
                 let on = On { queue, host: tables, tables: &self.tables, keeping, machines, pages };
                 return fused.read(&on, device, buffer, first, into);
             }

@@ -12,6 +12,7 @@ use populace_core::{BackendError, Frame, StageBuffer, Tables};
 use crate::OpenClDevice;
 use crate::backend::{On, narrow};
 use crate::buffer::Buffer;
+use crate::keeping::Writes;
 use crate::launch::Launch;
 use crate::program::Form;
 use crate::tables::DevicePages;
@@ -119,7 +120,7 @@ impl Fused {
         count: usize,
     ) -> Result<Event, ClError> {
         let launch = self
-            .launch(on, &self.whole, frame)
+            .launch(on, &self.whole, frame, Writes::Frame)
             .buffer("page_members", &self.lists.lists[page].buffer)
             .buffer("entries", &on.tables.entries.buffer)
             .uint("place_first", frame.place_first)
@@ -132,7 +133,7 @@ impl Fused {
     }
 
     /// What all kernels read.
-    fn launch<'a>(&self, on: &On, kernel: &'a Kernel, frame: Frame) -> Launch<'a> {
+    fn launch<'a>(&self, on: &On, kernel: &'a Kernel, frame: Frame, writes: Writes) -> Launch<'a> {
         let tables = on.tables;
         let launch = Launch::of(kernel)
             .buffer("members", &tables.members.buffer)
@@ -157,7 +158,7 @@ impl Fused {
             .ulong("tick", frame.tick)
             .uint("slots_per_member", narrow(on.host.slots_per_member()))
             .buffer("joint_scales", &tables.joint_scales.buffer);
-        on.keeping.parameters(launch, tables, frame)
+        on.keeping.parameters(launch, tables, frame, writes)
     }
 
     /// Reads elements of one member's joints or samples as of the last frame.
@@ -189,7 +190,7 @@ impl Fused {
 
     fn run_joints(&self, on: &On, place: u32, sheet: &Sheet) -> Result<Event, ClError> {
         let launch = self
-            .launch(on, &self.joints, self.last)
+            .launch(on, &self.joints, self.last, Writes::Aside)
             .uint("owner", place)
             .buffer("samples", &sheet.samples)
             .buffer("planes", &sheet.planes)

@@ -16,12 +16,23 @@ use crate::tables::DeviceTables;
 pub(crate) struct Keeping {
     states: [Buffer<Float4>; 2],
     watched: [Buffer<Float4>; 2],
+    /// States and watched joints that a member writes while it is evaluated once more to be read: no frame sees them.
+    aside: [Buffer<Float4>; 2],
     /// Which of the two the last frame left.
     now: usize,
     /// What was watched, on its way to the host, the oldest first.
     landings: VecDeque<(u64, Landing<Float4>)>,
     /// The newest that landed, and the clock when it was so.
     landed: Option<(u64, Landing<Float4>)>,
+}
+
+/// Where what members keep is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Writes {
+    /// For the next frame, and for later phases of this one.
+    Frame,
+    /// Where no frame sees it.
+    Aside,
 }
 
 /// As many frames as a device may be behind before what it is asked for is left out.
@@ -33,6 +44,7 @@ impl Keeping {
         Ok(Self {
             states: [empty()?, empty()?],
             watched: [empty()?, empty()?],
+            aside: [empty()?, empty()?],
             now: 0,
             landings: VecDeque::new(),
             landed: None,
@@ -64,7 +76,7 @@ impl Keeping {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.states.iter().chain(&self.watched).map(Buffer::bytes).sum()
+        self.states.iter().chain(&self.watched).chain(&self.aside).map(Buffer::bytes).sum()
     }
 
     /// Begins a frame: what the last one left is what this one is evaluated from, and stays where this one writes nothing.
@@ -76,14 +88,32 @@ impl Keeping {
         Ok(())
     }
 
+    /// Makes room aside for a member that is evaluated once more, with the watched joints of the last frame for it to read.
+    pub(crate) fn prepare_aside(
+        &mut self,
+        device: &OpenClDevice,
+        queue: &CommandQueue,
+    ) -> Result<(), BackendError> {
+        let Self { aside: [states, watched], now, .. } = self;
+        states.grow(device, queue, self.states[*now].len(), "states of a member that is read")?;
+        watched.grow(device, queue, self.watched[*now].len(), "watched joints of a member that is read")?;
+        let copied = watched.copy_from(queue, &self.watched[*now]);
+        copied.map_err(|e| device.failed("read a member's joints", &e))
+    }
+
     /// Sets what the steps of members read and write.
     pub(crate) fn parameters<'a>(
         &self,
         launch: Launch<'a>,
         tables: &DeviceTables,
         frame: Frame,
+        writes: Writes,
     ) -> Launch<'a> {
         let before = 1 - self.now;
+        let [states, watched] = match writes {
+            Writes::Frame => [&self.states[self.now], &self.watched[self.now]],
+            Writes::Aside => [&self.aside[0], &self.aside[1]],
+        };
         launch
             .buffer("controls", &tables.controls.buffer)
             .buffer("steps", &tables.steps.buffer)
@@ -95,8 +125,8 @@ impl Keeping {
             .buffer("heights", &tables.heights.buffer)
             .buffer("states_before", &self.states[before])
             .buffer("watched_before", &self.watched[before])
-            .buffer("states", &self.states[self.now])
-            .buffer("watched", &self.watched[self.now])
+            .buffer("states", states)
+            .buffer("watched", watched)
             .buffer("stage_values", &tables.stage_values.buffer)
             .buffer("motions", &tables.motions.buffer)
             .uint("elapsed_ticks", frame.elapsed_ticks)

@@ -13,6 +13,7 @@ use populace_core::{BackendError, Frame, Stage};
 use crate::OpenClDevice;
 use crate::backend::{On, narrow};
 use crate::buffer::Buffer;
+use crate::keeping::Writes;
 use crate::launch::Launch;
 use crate::program::Form;
 use crate::stage_buffers::StageBuffers;
@@ -170,7 +171,7 @@ impl Staged {
             .uint("slots_per_member", narrow(on.host.slots_per_member()))
             .ulong("tick", frame.tick);
         on.keeping
-            .parameters(launch, on.tables, frame)
+            .parameters(launch, on.tables, frame, Writes::Frame)
             .buffer("turns", &self.buffers.turns)
             .buffer("row0", &self.buffers.models[0])
             .buffer("row1", &self.buffers.models[1])

@@ -7,8 +7,8 @@ use populace::core::{
     Property, Skeleton, Track,
 };
 use populace::{
-    Affine, BackendError, ClipId, Crowd, Device, Devices, Error, JointIndex, Member, Placement, Play,
-    Schedule, Trs,
+    Affine, BackendError, ClipId, Crowd, Device, Devices, Error, Gaze, GazeLimits, JointIndex, Member,
+    Placement, Play, Schedule, Target, Trs, Weight,
 };
 
 /// All devices and schedules, and two devices that share a crowd.
@@ -28,8 +28,8 @@ fn everywhere() -> Vec<(Devices, Schedule)> {
     all
 }
 
-/// A joint at height 0 that "Stand" leaves there and "Rise" lifts to `1.0`.
-fn post() -> Character {
+/// A joint at height 0 that "Stand" leaves there and "Rise" lifts to `1.0`, with `entries` palette entries.
+fn post(entries: usize) -> Character {
     let joint = JointSource { name: "post".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint]).expect("a good call");
     let clip = |name: &str, height: f32| {
@@ -45,7 +45,7 @@ fn post() -> Character {
         )
     };
     let clips = vec![clip("Stand", 0.0), clip("Rise", 1.0)];
-    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
+    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }; entries];
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
     let name = "post".into();
     Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
@@ -55,7 +55,7 @@ fn post() -> Character {
 /// A crowd of one member that stands, before its first update.
 fn standing(devices: Devices, schedule: Schedule) -> (Crowd, Member, ClipId) {
     let mut crowd = Crowd::builder().devices(devices).schedule(schedule).build().expect("a good call");
-    let post = crowd.add_character(post()).expect("a good call");
+    let post = crowd.add_character(post(1)).expect("a good call");
     let [stand, rise] = ["Stand", "Rise"].map(|name| crowd.clip(post, name).expect("a good call"));
     let member = crowd.spawn(post, Placement::at([0.0; 3])).expect("a good call");
     crowd.play(member, stand, Play::looping()).expect("a good call");
@@ -149,5 +149,30 @@ fn a_watch_never_shows_the_joint_that_had_its_place_before() {
         crowd.finish().unwrap();
         let seen = crowd.sighting(second).unwrap().expect("the device has finished");
         assert_eq!(seen.world_from_joint.rows[0][3], 5.0, "{devices}, {schedule}");
+    }
+}
+
+#[test]
+fn a_read_leaves_no_trace_in_the_frames_to_come() {
+    for (devices, schedule) in everywhere() {
+        let turned = |reads: bool| {
+            let (mut crowd, member, _) = standing(devices.clone(), schedule);
+            // Fused schedules evaluate members without palette entries only to be read.
+            let bare = crowd.add_character(post(0)).unwrap();
+            let bare = crowd.spawn(bare, Placement::at([3.0, 0.0, 1.0])).unwrap();
+            let chain = vec![(JointIndex(0), 1.0)];
+            let limits = GazeLimits { yaw_rad: 1.5, up_rad: 1.0, down_rad: 1.0 };
+            let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits, targets: vec![] };
+            let target = Target::Joint { member: bare, joint: JointIndex(0) };
+            crowd.look_with(member, &gaze, target, Weight::FULL.over_secs(0.0)).unwrap();
+            for _ in 0..3 {
+                crowd.update(0.1).unwrap();
+                if reads {
+                    crowd.model_from_joints(bare).unwrap();
+                }
+            }
+            crowd.palette(member).unwrap()
+        };
+        assert_eq!(turned(true), turned(false), "{devices}, {schedule}");
     }
 }
