@@ -23,8 +23,8 @@ use fixture::{Setup, setups};
 use sequence::Sequence;
 
 /// Sequences of a test for each set-up, and calls of each.
-const SEQUENCES: u64 = 12;
-const CALLS: usize = 400;
+const SEQUENCES: u64 = 48;
+const CALLS: usize = 500;
 
 fn main() -> ExitCode {
     if std::env::args().any(|argument| long::FLAGS.contains(&argument.as_str())) {
