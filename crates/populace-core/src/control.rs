@@ -1,7 +1,7 @@
 //! What beside clips moves a member: overrides, constraints, and what of it others look at.
 
 use crate::layout::{
-    Float4, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD, Target,
+    Float4, LEAST_WEIGHT, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD, Target,
 };
 use crate::math::{quat, vec3};
 use crate::playback::{is_ramp_to, ramp, ramp_rate};
@@ -94,13 +94,14 @@ impl Target {
         ramp(tick.saturating_sub(self.weight_tick), self.start_weight, self.weight_rate, self.end_weight)
     }
 
-    /// The weight at a time of the clock, eased where the ramp begins and ends; the twin of `target_weight` in
-    /// `kernels/targets.cl`.
+    /// The weight at a time of the clock, eased where the ramp begins and ends, and 0 below [`LEAST_WEIGHT`]; the twin of
+    /// `target_weight` in `kernels/targets.cl`.
     #[inline]
     #[must_use]
     pub fn weight_at(&self, tick: u64) -> f32 {
         let w = self.ramp_at(tick);
-        w * w * (3.0 - 2.0 * w)
+        let eased = w * w * (3.0 - 2.0 * w);
+        if eased > LEAST_WEIGHT { eased } else { 0.0 }
     }
 }
 

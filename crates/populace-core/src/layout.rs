@@ -266,11 +266,15 @@ pub fn device_structs() -> Vec<StructLayout> {
     ]
 }
 
+/// Weights that sum to less count as none: the inverse of the sum would overflow.
+pub const LEAST_WEIGHT: f32 = 1e-20;
+
 /// All constants and structs as OpenCL C, to stand before the kernels.
 #[must_use]
 pub fn opencl_prelude() -> String {
     let mut text: String = CONSTS.iter().map(|(name, value)| format!("#define {name} {value}u\n")).collect();
     text += &format!("#define TICK_SECS {:.12e}f\n", crate::playback::TICK_SECS);
+    text += &format!("#define LEAST_WEIGHT {LEAST_WEIGHT:e}f\n");
     text += &format!("#define TICKS_PER_SEC {}.0f\n", crate::playback::TICKS_PER_SEC);
     text += &format!("#define FIRST_TICK {}ul\n", crate::playback::FIRST_TICK);
     for declaration in [

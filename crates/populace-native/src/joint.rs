@@ -1,7 +1,9 @@
 //! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin of `kernels/joint.cl`.
 
 use populace_core::Tables;
-use populace_core::layout::{Body, Control, Layer, NONE, REST_SCALE, REST_TRANSLATION, Slot, SlotSample};
+use populace_core::layout::{
+    Body, Control, LEAST_WEIGHT, Layer, NONE, REST_SCALE, REST_TRANSLATION, Slot, SlotSample,
+};
 use populace_core::math::{Real, quat};
 
 use crate::controls::Clock;
@@ -219,7 +221,7 @@ impl Posing<'_> {
             }
             let additive = layer.is_additive();
             let sum = self.sum_layer::<R>(index, additive, rest);
-            if !additive && sum.total <= 0.0 {
+            if !additive && sum.total <= LEAST_WEIGHT {
                 continue;
             }
             let mut own = if additive { sum.local } else { mean_of(&sum, rest) };

@@ -108,7 +108,7 @@ APART void lay_over(const Clips *of, Playback playback, __global const Layer *la
         if (!ANY(laid)) continue;
         const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
         const Sum sum = sum_layer(of, playback, l, additive, body, joint, rest);
-        if (!additive && sum.total <= 0.0f) continue;
+        if (!additive && sum.total <= LEAST_WEIGHT) continue;
         Trs own = additive ? sum.trs : mean_of(sum, rest);
         if (playback.settling.count > 0) {
             Trs settled = own;

@@ -157,7 +157,7 @@ APART_STEP Move move_within(Controls of, uint owner, Span span)
     for (uint l = 1; l < layer_count; l++) {
         const Moves above = moves_of_layer(of, owner, l, span);
         const float weight = weight_at_root(of, owner, l);
-        if (above.total <= 0.0f || weight <= 0.0f) continue;
+        if (above.total <= LEAST_WEIGHT || weight <= 0.0f) continue;
         moved = move_mix(moved, moves_over(above, above.total), weight * (above.total < 1.0f ? above.total : 1.0f));
     }
     return moved;

@@ -68,12 +68,13 @@ INLINE float4 to_world(Control control, float4 p)
     return vec((cosine * p.x + sine * p.z) * place.w + place.x, p.y * place.w + place.y, (cosine * p.z - sine * p.x) * place.w + place.z);
 }
 
-/* The weight of a target now, eased where its ramp begins and ends. */
+/* The weight of a target now, eased where its ramp begins and ends, and 0 below LEAST_WEIGHT. */
 INLINE float target_weight(Target target, ulong tick)
 {
     const ulong elapsed = tick > target.weight_tick ? tick - target.weight_tick : 0;
     const float w = ramp(elapsed, target.start_weight, target.weight_rate, target.end_weight);
-    return w * w * (3.0f - 2.0f * w);
+    const float eased = w * w * (3.0f - 2.0f * w);
+    return eased > LEAST_WEIGHT ? eased : 0.0f;
 }
 
 /* Where a target is in model space, seen from a point there; nothing before it was ever seen. */

@@ -7,8 +7,8 @@
 
 use populace_core::Affine;
 use populace_core::layout::{
-    BoundClip, ClipRows, FEET_MOST, Float4, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE,
-    SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
+    BoundClip, ClipRows, FEET_MOST, Float4, LEAST_WEIGHT, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP,
+    SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
 use populace_core::math::{Real, vec3};
 
@@ -216,7 +216,7 @@ impl Steering<'_> {
             if layer == 0 {
                 let part = sum.span.map_or(1.0, |played| span_part(span, played));
                 moved = if sum.total > 1e-3 { sum.over(sum.total / part) } else { moved };
-            } else if sum.total > 0.0 && weight > 0.0 {
+            } else if sum.total > LEAST_WEIGHT && weight > 0.0 {
                 let part = weight * if sum.total < 1.0 { sum.total } else { 1.0 };
                 moved = moved.mix(&sum.over(sum.total), part);
             }
