@@ -66,7 +66,8 @@ impl Crowd {
     }
 
     /// The newest that has come to the host of a joint that is watched: as of the last update on the native device, some
-    /// frames ago on others. `None` before the first has, and once the watch was let go of or the member has left.
+    /// frames ago on others. `None` until an update has moved the clock on since the watch began and its result has come,
+    /// and once the watch was let go of or the member has left.
     ///
     /// # Errors
     ///
