@@ -367,8 +367,8 @@ pub trait Backend: PaletteSource + Send {
     }
 
     /// Reads elements of a buffer as of the last frame, waiting for what was enqueued before. A fused schedule keeps only
-    /// the palettes; of other buffers it reads those of one member at a time, which it evaluates once more for that. Changes
-    /// of the tables since the last [`update`](Self::update) do not show.
+    /// the palettes; of other buffers it reads those of one member at a time, which it evaluates once more for that.
+    /// `tables` are as of the last [`update`](Self::update), see [`Tables::with_taken_over`].
     ///
     /// # Errors
     ///

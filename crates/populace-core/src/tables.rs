@@ -11,7 +11,6 @@ mod set;
 mod space;
 mod table;
 
-use std::borrow::Cow;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -286,16 +285,14 @@ impl Tables {
         self.page_lists.mark_clean();
     }
 
-    /// The tables as devices last took them over: these, where nothing changed since, else a copy for reading.
-    #[must_use]
-    pub fn as_taken_over(&self) -> Cow<'_, Self> {
-        if self.all.is_clean() && self.blocks.is_clean() {
-            return Cow::Borrowed(self);
-        }
-        let mut copy = self.clone();
-        copy.all.revert();
-        copy.blocks.revert();
-        Cow::Owned(copy)
+    /// Shows the tables to `read` as devices last took them over. Takes time by the number of changes since.
+    pub fn with_taken_over<R>(&mut self, read: impl FnOnce(&Self) -> R) -> R {
+        self.all.revert();
+        self.blocks.revert();
+        let result = read(self);
+        self.all.restore();
+        self.blocks.restore();
+        result
     }
 
     /// Marks every element as changed, for a device that knows nothing yet.

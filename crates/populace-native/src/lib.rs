@@ -36,7 +36,6 @@ mod transform;
 mod turns;
 mod write_back;
 
-use std::borrow::Cow;
 use std::sync::PoisonError;
 use std::time::Instant;
 
@@ -62,8 +61,6 @@ pub struct NativeBackend {
     scratch: Vec<Scratch>,
     /// What a fused schedule was last asked to read.
     reading: Option<Reading>,
-    /// The tables as of the last update, where they changed since and a member was read.
-    taken_over: Option<Box<Tables>>,
     /// The last frame; `None` before the first.
     last: Option<Frame>,
     keeping: Keeping,
@@ -119,7 +116,6 @@ impl NativeBackend {
             dispatch: Dispatch::detect(),
             scratch,
             reading: None,
-            taken_over: None,
             last: None,
             keeping: Keeping::default(),
             stages: Stages::default(),
@@ -229,7 +225,7 @@ impl Backend for NativeBackend {
     }
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        (self.reading, self.taken_over) = (None, None);
+        self.reading = None;
         if let Some(stages) = self.next_stages.take() {
             self.stages = stages;
         }
@@ -306,12 +302,6 @@ impl Backend for NativeBackend {
     ) -> Result<(), BackendError> {
         if !self.is_staged() && !is_kept(buffer) {
             let last = self.last.ok_or(BackendError::NotEvaluated)?;
-            if self.taken_over.is_none()
-                && let Cow::Owned(copy) = tables.as_taken_over()
-            {
-                self.taken_over = Some(Box::new(copy));
-            }
-            let tables = self.taken_over.as_deref().unwrap_or(tables);
             let of = (Clock::of(last, &self.stages), &self.keeping);
             return reading::read(&mut self.reading, tables, of, buffer, first, into);
         }

@@ -126,12 +126,12 @@ macro_rules! table_set {
                 $(self.$name.mark_dirty();)*
             }
 
-            pub(super) fn is_clean(&self) -> bool {
-                true $(&& self.$name.is_clean())*
-            }
-
             pub(super) fn revert(&mut self) {
                 $(self.$name.revert();)*
+            }
+
+            pub(super) fn restore(&mut self) {
+                $(self.$name.restore();)*
             }
         }
 

@@ -20,6 +20,8 @@ pub struct Table<T> {
     changed: Vec<u32>,
     /// What stood at each of `changed` when devices last took over.
     before: Vec<T>,
+    /// Elements past the table's own end that are there while it is reverted.
+    brought_back: usize,
     /// A bit for each element below `known`, set for those in `changed`.
     is_changed: Vec<u64>,
 }
@@ -33,6 +35,7 @@ impl<T: bytemuck::Pod> Table<T> {
             known: 0,
             changed: Vec::new(),
             before: Vec::new(),
+            brought_back: 0,
             is_changed: Vec::new(),
         }
     }
@@ -131,14 +134,24 @@ impl<T: bytemuck::Pod> Table<T> {
         self.changed.is_empty() && self.known == self.data.len()
     }
 
-    /// Goes back to the elements that devices last took over.
+    /// Puts back the elements that devices last took over; elements added since stay behind them. [`restore`](Self::restore)
+    /// ends this, and nothing may change until then. Takes time by the number of changes.
     pub(super) fn revert(&mut self) {
-        // Elements past the end went, so `before` has them.
-        self.data.resize(self.known, T::zeroed());
-        for (index, value) in self.changed.iter().zip(&self.before) {
-            self.data[*index as usize] = *value;
+        self.brought_back = self.known.saturating_sub(self.data.len());
+        self.data.resize(self.data.len() + self.brought_back, T::zeroed());
+        self.exchange();
+    }
+
+    /// Puts the changes in again after [`revert`](Self::revert).
+    pub(super) fn restore(&mut self) {
+        self.exchange();
+        self.data.truncate(self.data.len() - std::mem::take(&mut self.brought_back));
+    }
+
+    fn exchange(&mut self) {
+        for (index, before) in self.changed.iter().zip(&mut self.before) {
+            std::mem::swap(&mut self.data[*index as usize], before);
         }
-        self.forget_changes();
     }
 
     /// Forgets which elements changed.
@@ -278,9 +291,13 @@ mod tests {
                 }
             }
             if table.known > 0 {
-                let mut reverted = table.clone();
-                reverted.revert();
-                assert!(reverted.as_slice() == taken_over && reverted.is_clean(), "step {step}");
+                let now = table.as_slice().to_vec();
+                for _ in 0..2 {
+                    table.revert();
+                    assert_eq!(table.as_slice()[..table.known], taken_over, "step {step}");
+                    table.restore();
+                    assert_eq!(table.as_slice(), now, "step {step}");
+                }
             }
             let changed = changed(&table);
             let (unique, tail) = (changed.windows(2).all(|w| w[0] < w[1]), table.tail());

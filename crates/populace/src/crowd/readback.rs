@@ -29,12 +29,11 @@ impl Crowd {
     pub fn palette(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
         let (row, body) = self.device_member(member)?;
         let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
-        self.opened.backend_mut().read(
-            &self.tables,
-            StageBuffer::Palette,
-            row.palette_first as usize * 3,
-            &mut elements,
-        )?;
+        let Self { tables, opened, .. } = self;
+        let first = row.palette_first as usize * 3;
+        tables.with_taken_over(|tables| {
+            opened.backend_mut().read(tables, StageBuffer::Palette, first, &mut elements)
+        })?;
         Ok(elements.as_chunks::<3>().0.iter().map(|rows| Affine { rows: rows.map(|r| r.0) }).collect())
     }
 
@@ -92,9 +91,12 @@ impl Crowd {
     fn read_joints(&mut self, member: Member, buffers: [StageBuffer; 3]) -> Result<[Vec<Float4>; 3], Error> {
         let (row, body) = self.device_member(member)?;
         let mut arrays = [(); 3].map(|()| vec![Float4::default(); body.joint_count as usize]);
-        for (buffer, array) in buffers.into_iter().zip(&mut arrays) {
-            self.opened.backend_mut().read(&self.tables, buffer, row.joint_first as usize, array)?;
-        }
+        let Self { tables, opened, .. } = self;
+        tables.with_taken_over(|tables| {
+            let mut all = buffers.into_iter().zip(&mut arrays);
+            let first = row.joint_first as usize;
+            all.try_for_each(|(buffer, array)| opened.backend_mut().read(tables, buffer, first, array))
+        })?;
         Ok(arrays)
     }
 
