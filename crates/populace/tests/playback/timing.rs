@@ -236,13 +236,13 @@ fn bad_values_are_refused_and_change_nothing() {
     assert_near(root(&mut crowd, member), 0.5);
     // The longest delays and fades and the slowest speeds are only long and slow.
     for _ in 0..9 {
-        crowd.blend(member, clips[1], Play::looping().fade_in_secs(f32::MAX).on_layer(1)).unwrap();
+        crowd.blend(member, clips[1], Play::looping().fade_in_secs(1e9).on_layer(1)).unwrap();
     }
-    crowd.queue(member, clips[1], Play::once().after_secs(f32::MAX)).unwrap();
+    crowd.queue(member, clips[1], Play::once().after_secs(1e9)).unwrap();
     crowd.set_speed(wave, 1e-30).unwrap();
     crowd.queue(member, clips[1], Play::once().speed(1e-30)).unwrap();
     crowd.queue(member, clips[1], Play::once().speed(0.0)).unwrap();
     crowd.queue(member, clips[1], Play::once()).unwrap();
-    crowd.update(1e6).unwrap();
+    crowd.update(1e3).unwrap();
     assert_near(root(&mut crowd, member), 0.5);
 }
