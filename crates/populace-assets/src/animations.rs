@@ -184,7 +184,7 @@ impl<'a> Clips<'a> {
         Ok(Arc::new(clip))
     }
 
-    /// Poses of one joint in so many rows.
+    /// Joint poses in `rows` rows: each row holds all joints of the skeleton.
     fn poses(&self, rows: u64) -> u64 {
         rows.saturating_mul(self.rig.skeleton.joint_count() as u64)
     }

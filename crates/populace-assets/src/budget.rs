@@ -7,23 +7,22 @@ use crate::log::{Checked, Log, Reported};
 
 /// Bytes of arrays that any file may ask for, however small.
 const ARRAY_BYTES: u64 = 64 << 20;
-/// And for each byte of it: real files share arrays, but not without end.
+/// Bytes of arrays for each byte of a file. Real files share arrays, but not without end.
 const ARRAY_BYTES_PER_BYTE: u64 = 64;
 /// Poses of one joint that the clips of any file may hold, however small.
 const POSES: u64 = 1 << 18;
-/// And for each byte of it. Clips hold a row of all joints for each key time of any track, so many
-/// keys and many joints, each a few bytes, would make out-of-proportion work together.
+/// Joint poses for each byte of a file. Clips hold a row of all joints for each key time of any
+/// track: a few bytes each of keys and joints multiply to work out of proportion.
 const POSES_PER_BYTE: u64 = 2;
 
-/// What is left of both. Each estimate is refused before the memory is allocated.
+/// Remaining memory and work of one load. Estimates past it are refused before any allocation.
 pub(crate) struct Budget<'a> {
     log: &'a Log,
     limit: u64,
     used: Cell<u64>,
     arrays_left: Cell<u64>,
     poses_left: Cell<u64>,
-    /// Whether it was said that the file asks for work out of proportion to its size. Once is
-    /// enough.
+    /// Set once the log says that the file asks for work out of proportion to its size.
     is_out_of_proportion: Cell<bool>,
 }
 
@@ -44,7 +43,7 @@ impl<'a> Budget<'a> {
         self.limit - self.used.get()
     }
 
-    /// Lets arrays and clips grow in proportion to `bytes` of a file.
+    /// Raises the limits of arrays and clips in proportion to `bytes` bytes of a file.
     pub(crate) fn allow_for(&self, bytes: usize) {
         let grow = |cell: &Cell<u64>, by: u64| cell.set(cell.get().saturating_add(by));
         grow(&self.arrays_left, (bytes as u64).saturating_mul(ARRAY_BYTES_PER_BYTE));

@@ -10,10 +10,10 @@ use crate::log::{Checked, Log};
 use crate::nodes::Node;
 use crate::rig::Rig;
 
-/// What factors and distances may come to along a chain of joints: times a bind matrix and a vertex
-/// of [`LARGEST`], and summed up, single precision still holds it.
+/// Largest product of scales, and largest distance, along a chain of joints. Single precision still
+/// holds its product with a bind matrix and a vertex of [`LARGEST`].
 const LARGEST_OF_CHAIN: f64 = LARGEST * LARGEST;
-/// What a tangent adds to a spline at most, in parts of its own size.
+/// Largest overshoot that a tangent adds to a spline, as a fraction of the tangent's size.
 const TANGENT: f64 = 4.0 / 27.0;
 
 /// For each joint the most that its rest and the keys of all clips make of its scale and its

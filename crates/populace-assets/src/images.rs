@@ -191,7 +191,7 @@ mod tests {
         bytes.into_inner()
     }
 
-    /// What becomes of an image under a memory limit in bytes: the image, a note or a problem.
+    /// Decodes an image with at most `limit` bytes of memory.
     fn decoded(bytes: &[u8], limit: u64) -> Result<Image, String> {
         let (log, value) = (Log::default(), tree("{}"));
         let (budget, folder, root) =

@@ -3,7 +3,7 @@
 use crate::log::{Checked, Log, Reported};
 use crate::tree::Value;
 
-/// What numbers of transforms, keys and vertices may be in size: products of several stay within
+/// Largest size of a number in transforms, keys and vertices. Products of several stay within
 /// single precision.
 pub(crate) const LARGEST: f64 = populace_core::LARGEST as f64;
 

@@ -180,7 +180,7 @@ pub fn load_from_slice_with(
 
 /// One load.
 struct Job<'a> {
-    /// Of the character.
+    /// The character's name.
     name: String,
     /// For messages.
     file: PathBuf,
