@@ -1,5 +1,6 @@
-//! `POPULACE_SKIP=opencl,gl` shows the tests that need a device or GL as ignored; without it a missing one fails them.
-//! Tests that read real characters show as ignored where `POPULACE_TEST_DATA` names no folder.
+//! `POPULACE_SKIP=opencl,gl` shows the tests that need a device or GL as ignored; without it a
+//! missing one fails them. Tests that read real characters show as ignored where
+//! `POPULACE_TEST_DATA` names no folder.
 
 fn main() {
     println!("cargo:rerun-if-env-changed=POPULACE_SKIP");

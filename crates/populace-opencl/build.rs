@@ -1,4 +1,5 @@
-//! `POPULACE_SKIP=opencl` shows the tests that need a device as ignored; without it a missing device fails them.
+//! `POPULACE_SKIP=opencl` shows the tests that need a device as ignored; without it a missing
+//! device fails them.
 
 fn main() {
     println!("cargo:rustc-check-cfg=cfg(skip_opencl)");

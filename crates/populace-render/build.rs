@@ -1,4 +1,5 @@
-//! Turns `POPULACE_SKIP=gl` into a cfg, so that tests which need OpenGL show as ignored instead of failing.
+//! Turns `POPULACE_SKIP=gl` into a cfg, so that tests which need OpenGL show as ignored instead of
+//! failing.
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(skip_gl)");

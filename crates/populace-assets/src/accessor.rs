@@ -1,4 +1,5 @@
-//! Accessors and buffer views as the file declares them, checked against each other (glTF 2.0, section 3.6.2).
+//! Accessors and buffer views as the file declares them, checked against each other (glTF 2.0,
+//! section 3.6.2).
 
 use crate::json::Cursor;
 use crate::log::Checked;
@@ -35,13 +36,14 @@ impl Component {
     fn read(at: &Cursor) -> Checked<Self> {
         let code = at.uint()?;
         let known = Self::ALL.iter().find(|(c, _)| *c == code);
-        known
-            .map(|(_, component)| *component)
-            .ok_or_else(|| at.problem(format!("is {code}; component types are 5120 to 5123, 5125 and 5126")))
+        known.map(|(_, component)| *component).ok_or_else(|| {
+            at.problem(format!("is {code}; component types are 5120 to 5123, 5125 and 5126"))
+        })
     }
 }
 
-/// How components form an element: columns and rows of a matrix, one column for scalars and vectors.
+/// How components form an element: columns and rows of a matrix, one column for scalars and
+/// vectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
     pub(crate) columns: usize,
@@ -108,9 +110,9 @@ impl View {
             return Err(at.problem("has a byteLength of 0; it must be at least 1"));
         }
         if let Some(stride) = stride.filter(|s| !(4..=252).contains(s) || s % 4 != 0) {
-            return Err(
-                at.problem(format!("has a byteStride of {stride}; it must be a multiple of 4 from 4 to 252"))
-            );
+            return Err(at.problem(format!(
+                "has a byteStride of {stride}; it must be a multiple of 4 from 4 to 252"
+            )));
         }
         let buffer_length = buffer_lengths[buffer]?;
         if offset.checked_add(length).is_none_or(|end| end > buffer_length) {
@@ -145,7 +147,8 @@ pub(crate) struct Accessor {
     pub(crate) component: Component,
     pub(crate) shape: Shape,
     pub(crate) normalized: bool,
-    /// May be 0, which glTF forbids: exporters write empty animations so. Whoever needs elements has to ask.
+    /// May be 0, which glTF forbids: exporters write empty animations so. Whoever needs elements
+    /// has to ask.
     pub(crate) count: usize,
     pub(crate) base: Option<Stretch>,
     pub(crate) sparse: Option<Sparse>,

@@ -57,7 +57,9 @@ fn read_animation(at: &Cursor, nodes: &[Node], data: &Data) -> Animation {
         let Ok(Some(channel)) = read_channel(&item, nodes, samplers.len()) else {
             continue;
         };
-        if let Some(first) = targets.insert((channel.node, channel.property), item.place().to_owned()) {
+        if let Some(first) =
+            targets.insert((channel.node, channel.property), item.place().to_owned())
+        {
             item.problem(format!(
                 "drives the same property of node {} as {first}; one channel may",
                 channel.node
@@ -78,8 +80,10 @@ fn read_sampler(at: &Cursor, data: &Data) -> Checked<Sampler> {
         "CUBICSPLINE" => Ok(Interpolation::CubicSpline),
         other => Err(i.problem(format!("is \"{other}\"; it must be LINEAR, STEP or CUBICSPLINE"))),
     });
-    let (input, output, interpolation) = (input?, output?, interpolation?.unwrap_or(Interpolation::Linear));
-    let times = data.of_format(input, "key times", &[Format::plain(Shape::SCALAR, Component::F32)])?;
+    let (input, output, interpolation) =
+        (input?, output?, interpolation?.unwrap_or(Interpolation::Linear));
+    let times =
+        data.of_format(input, "key times", &[Format::plain(Shape::SCALAR, Component::F32)])?;
     let values = data.accessor(output)?;
     for accessor in [times, values] {
         if data.has_stride(accessor) {
@@ -214,14 +218,20 @@ impl<'a> Clips<'a> {
         let Some(joint) = self.rig.joint_from_node[channel.node] else {
             return Ok(None);
         };
-        let values =
-            self.data.of_format(sampler.output, output_name(channel.property), &formats(channel.property))?;
+        let values = self.data.of_format(
+            sampler.output,
+            output_name(channel.property),
+            &formats(channel.property),
+        )?;
         let keys = self.data.accessor(sampler.input)?.count;
         let per_key = if sampler.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if keys.checked_mul(per_key) != Some(values.count) {
             return Err(self.log.problem(
                 &channel.place,
-                format!("has {keys} keys and {} values; there must be {per_key} for each key", values.count),
+                format!(
+                    "has {keys} keys and {} values; there must be {per_key} for each key",
+                    values.count
+                ),
             ));
         }
         let times = self.data.accessor(sampler.input)?;

@@ -56,10 +56,14 @@ impl<'a> Data<'a> {
         if buffers.is_empty() && container.bin.is_some_and(|b| !b.is_empty()) {
             log.note("chunk 1", "holds data, but the file has no buffers; it is ignored");
         }
-        let lengths: Vec<_> =
-            buffers.iter().map(|b| b.as_ref().map(|b| b.length).map_err(|reported| *reported)).collect();
-        let views: Vec<_> = root.objects("bufferViews").iter().map(|at| View::read(at, &lengths)).collect();
-        let accessors = root.objects("accessors").iter().map(|at| Accessor::read(at, &views)).collect();
+        let lengths: Vec<_> = buffers
+            .iter()
+            .map(|b| b.as_ref().map(|b| b.length).map_err(|reported| *reported))
+            .collect();
+        let views: Vec<_> =
+            root.objects("bufferViews").iter().map(|at| View::read(at, &lengths)).collect();
+        let accessors =
+            root.objects("accessors").iter().map(|at| Accessor::read(at, &views)).collect();
         budget.allow_for(container.json.len() + container.bin.map_or(0, <[u8]>::len));
         Self { log, budget, folder, buffers, views, accessors }
     }
@@ -77,7 +81,12 @@ impl<'a> Data<'a> {
     }
 
     /// That an accessor is one of the `formats` that `what` may have.
-    pub(crate) fn of_format(&self, index: usize, what: &str, formats: &[Format]) -> Checked<&Accessor> {
+    pub(crate) fn of_format(
+        &self,
+        index: usize,
+        what: &str,
+        formats: &[Format],
+    ) -> Checked<&Accessor> {
         let accessor = self.accessor(index)?;
         if formats.iter().any(|f| f.fits(accessor)) {
             return Ok(accessor);
@@ -147,12 +156,17 @@ impl<'a> Data<'a> {
         };
         if let Some(sparse) = &accessor.sparse {
             let values = self.gather(&sparse.values, accessor, sparse.count)?;
-            let as_indices =
-                Accessor { component: sparse.index_component, shape: Shape::SCALAR, ..accessor.clone() };
+            let as_indices = Accessor {
+                component: sparse.index_component,
+                shape: Shape::SCALAR,
+                ..accessor.clone()
+            };
             let indices = self.gather(&sparse.indices, &as_indices, sparse.count)?;
             let packed = packed.to_mut();
             let mut next = 0;
-            for (place, value) in widen_uints(&indices, sparse.index_component).zip(values.chunks(size)) {
+            for (place, value) in
+                widen_uints(&indices, sparse.index_component).zip(values.chunks(size))
+            {
                 let place = place as usize;
                 if place < next || place >= accessor.count {
                     return Err(self.log.problem(
@@ -170,8 +184,14 @@ impl<'a> Data<'a> {
         Ok(packed)
     }
 
-    /// Packs `count` elements of the accessor's kind; that they lie in the view was checked at the start.
-    fn gather(&self, stretch: &Stretch, accessor: &Accessor, count: usize) -> Checked<Cow<'_, [u8]>> {
+    /// Packs `count` elements of the accessor's kind; that they lie in the view was checked at the
+    /// start.
+    fn gather(
+        &self,
+        stretch: &Stretch,
+        accessor: &Accessor,
+        count: usize,
+    ) -> Checked<Cow<'_, [u8]>> {
         let view = self.views[stretch.view].as_ref().map_err(|reported| *reported)?;
         let bytes = &self.view_bytes(stretch.view)?[stretch.offset..];
         let (column, element) = (accessor.column_bytes(), accessor.element_bytes());
@@ -209,7 +229,8 @@ impl<'a> Data<'a> {
         Ok(floats)
     }
 
-    /// [`Self::floats`], `N` to an element. The accessor's shape must have been expected to be that.
+    /// [`Self::floats`], `N` to an element. The accessor's shape must have been expected to be
+    /// that.
     pub(crate) fn vectors<const N: usize>(&self, index: usize) -> Checked<Vec<[f32; N]>> {
         let floats = self.floats(index)?;
         Ok(floats.as_chunks::<N>().0.to_vec())
@@ -240,8 +261,12 @@ fn widen_floats(bytes: &[u8], component: Component, normalized: bool) -> Vec<f32
     match component {
         Component::I8 => bytes.iter().map(|b| scaled(f32::from(b.cast_signed()), 127.0)).collect(),
         Component::U8 => bytes.iter().map(|b| scaled(f32::from(*b), 255.0)).collect(),
-        Component::I16 => pairs().map(|b| scaled(f32::from(i16::from_le_bytes(*b)), 32767.0)).collect(),
-        Component::U16 => pairs().map(|b| scaled(f32::from(u16::from_le_bytes(*b)), 65535.0)).collect(),
+        Component::I16 => {
+            pairs().map(|b| scaled(f32::from(i16::from_le_bytes(*b)), 32767.0)).collect()
+        }
+        Component::U16 => {
+            pairs().map(|b| scaled(f32::from(u16::from_le_bytes(*b)), 65535.0)).collect()
+        }
         Component::U32 => widen_uints(bytes, component).map(|v| v as f32).collect(),
         Component::F32 => bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect(),
     }
@@ -266,7 +291,9 @@ fn read_buffer<'a>(
             Some(bin) => Ok(Source::Here(Cow::Borrowed(bin))),
             None => Ok(Source::Nowhere("has no uri, and the file has no BIN chunk for it")),
         },
-        None => Ok(Source::Nowhere("has no uri; only the first buffer of a binary file may do without")),
+        None => {
+            Ok(Source::Nowhere("has no uri; only the first buffer of a binary file may do without"))
+        }
     };
     let (length, source) = (length?, source?);
     if let Source::Here(bytes) = &source {
@@ -288,7 +315,10 @@ fn uri_source<'a>(uri: &Cursor<'a>, budget: &Budget) -> Checked<Source<'a>> {
         Uri::Data(data) => {
             let known = ["application/octet-stream", "application/gltf-buffer"];
             if !known.iter().any(|k| k.eq_ignore_ascii_case(data.media_type)) {
-                let what = format!("is of media type \"{}\", which is not one for buffers", data.media_type);
+                let what = format!(
+                    "is of media type \"{}\", which is not one for buffers",
+                    data.media_type
+                );
                 uri.note(what);
             }
             budget.take(uri.place(), "the data of its URI", data.decoded_bytes())?;
@@ -316,7 +346,11 @@ impl Format {
     }
 
     fn of(accessor: &Accessor) -> Self {
-        Self { shape: accessor.shape, component: accessor.component, normalized: accessor.normalized }
+        Self {
+            shape: accessor.shape,
+            component: accessor.component,
+            normalized: accessor.normalized,
+        }
     }
 
     fn fits(&self, accessor: &Accessor) -> bool {

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 /// One thing that is wrong with a file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Problem {
-    /// Where in the file, as `animations[2].channels[0]`; `header` and `chunk 1` are places of a binary file.
+    /// Where in the file, as `animations[2].channels[0]`; `header` and `chunk 1` are places of a
+    /// binary file.
     pub place: String,
     /// What is wrong, and the rule.
     pub what: String,
@@ -70,6 +71,9 @@ mod tests {
             file: "a.glb".into(),
             problems: vec![problem("nodes[0]"), problem("nodes[1].mesh")],
         };
-        assert_eq!(error.to_string(), "a.glb is refused:\nnodes[0]: is wrong\nnodes[1].mesh: is wrong");
+        assert_eq!(
+            error.to_string(),
+            "a.glb is refused:\nnodes[0]: is wrong\nnodes[1].mesh: is wrong"
+        );
     }
 }

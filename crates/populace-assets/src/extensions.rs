@@ -6,15 +6,26 @@ use crate::log::Checked;
 /// Extensions that are honoured.
 const SUPPORTED: [&str; 3] = ["KHR_mesh_quantization", "KHR_texture_transform", "EXT_texture_webp"];
 
-/// Extensions that can be ignored even where a file requires them: they change how a character looks or what stands
-/// around it, not how it moves. All material extensions, whoever defines them, are of that kind too.
-const HARMLESS: [&str; 4] = ["KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld", "KHR_node_visibility"];
+/// Extensions that can be ignored even where a file requires them: they change how a character
+/// looks or what stands around it, not how it moves. All material extensions, whoever defines them,
+/// are of that kind too.
+const HARMLESS: [&str; 4] =
+    ["KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld", "KHR_node_visibility"];
 
 /// Why the better known extensions are refused where a file requires them.
 const REFUSED: [(&str, &str); 4] = [
-    ("KHR_draco_mesh_compression", "meshes compressed by Draco cannot be read; export without compression"),
-    ("EXT_meshopt_compression", "data compressed by meshopt cannot be read; export without compression"),
-    ("KHR_meshopt_compression", "data compressed by meshopt cannot be read; export without compression"),
+    (
+        "KHR_draco_mesh_compression",
+        "meshes compressed by Draco cannot be read; export without compression",
+    ),
+    (
+        "EXT_meshopt_compression",
+        "data compressed by meshopt cannot be read; export without compression",
+    ),
+    (
+        "KHR_meshopt_compression",
+        "data compressed by meshopt cannot be read; export without compression",
+    ),
     ("KHR_texture_basisu", "Basis Universal textures cannot be read; export PNG, JPEG or WebP"),
 ];
 

@@ -40,7 +40,9 @@ impl Extents {
             let Some(joint) = skeleton.find(&track.joint) else { continue };
             let extent = &mut joints[joint.index()];
             match track.property {
-                Property::Translation => extent.distance = extent.distance.max(largest(track, length)),
+                Property::Translation => {
+                    extent.distance = extent.distance.max(largest(track, length))
+                }
                 Property::Scale => extent.scale = extent.scale.max(largest(track, most)),
                 Property::Rotation => {}
             }
@@ -86,7 +88,8 @@ fn largest(track: &Track, size: fn(&[f32]) -> f64) -> f64 {
     if track.interpolation != Interpolation::CubicSpline {
         return most(0, 1);
     }
-    let longest = track.times.windows(2).map(|w| f64::from(w[1]) - f64::from(w[0])).fold(0.0, f64::max);
+    let longest =
+        track.times.windows(2).map(|w| f64::from(w[1]) - f64::from(w[0])).fold(0.0, f64::max);
     most(1, 3) + TANGENT * longest * (most(0, 3) + most(2, 3))
 }
 

@@ -145,13 +145,21 @@ mod tests {
         }
         assert!(resolve(&folder, "loop").unwrap_err().to_string().contains("too many"));
         assert!(resolve(&folder, "gone").is_err());
-        for (name, target) in [("there", "../secret"), ("gone out", "../nothing"), ("far", "/nothing")] {
+        for (name, target) in
+            [("there", "../secret"), ("gone out", "../nothing"), ("far", "/nothing")]
+        {
             symlink(target, folder.join(name)).unwrap();
             assert_eq!(resolve(&folder, name).unwrap(), None, "{name}");
         }
-        for path in
-            ["../secret", "../nothing", "in/self/../secret", "in/../../secret", "/", "/etc/passwd", "/x/y"]
-        {
+        for path in [
+            "../secret",
+            "../nothing",
+            "in/self/../secret",
+            "in/../../secret",
+            "/",
+            "/etc/passwd",
+            "/x/y",
+        ] {
             assert_eq!(resolve(&folder, path).unwrap(), None, "{path}");
         }
     }

@@ -5,7 +5,8 @@ use glam::DVec3;
 use crate::json::to_f32;
 use crate::primitive::Topology;
 
-/// The triangles of a list, strip or fan (glTF 2.0, section 3.7.2.1); vertices left over at the end form none.
+/// The triangles of a list, strip or fan (glTF 2.0, section 3.7.2.1); vertices left over at the end
+/// form none.
 pub(crate) fn triangulate(indices: Vec<u32>, topology: Topology) -> Vec<u32> {
     match topology {
         Topology::Triangles => {
@@ -41,8 +42,9 @@ pub(crate) struct FlatNormals {
     pub(crate) copies: Vec<u32>,
 }
 
-/// Gives each triangle a normal of its own. Vertices of the file keep their place and take the normal of the first
-/// triangle that has them; where another triangle lies at an angle to that, `indices` is led to a copy at the end.
+/// Gives each triangle a normal of its own. Vertices of the file keep their place and take the
+/// normal of the first triangle that has them; where another triangle lies at an angle to that,
+/// `indices` is led to a copy at the end.
 pub(crate) fn flat_normals(positions: &[[f32; 3]], indices: &mut [u32]) -> FlatNormals {
     let mut normals: Vec<Option<[f32; 3]>> = vec![None; positions.len()];
     let mut copies = Vec::new();

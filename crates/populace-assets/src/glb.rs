@@ -28,14 +28,18 @@ pub(crate) fn split<'a>(bytes: &'a [u8], log: &Log) -> Checked<Container<'a>> {
 
 fn check_looks_like_json(bytes: &[u8], place: &str, log: &Log) -> Checked<()> {
     if bytes.starts_with(b"\xEF\xBB\xBF") {
-        return Err(
-            log.problem(place, "begins with a byte order mark; JSON must not (glTF 2.0, section 2.7)")
-        );
+        return Err(log.problem(
+            place,
+            "begins with a byte order mark; JSON must not (glTF 2.0, section 2.7)",
+        ));
     }
     match bytes.iter().find(|b| !b.is_ascii_whitespace()) {
         Some(b'{') => Ok(()),
         Some(_) if place != "file" => Err(log.problem(place, "is no JSON object")),
-        Some(_) => Err(log.problem(place, "is no glTF file: that begins with `glTF` (binary) or `{` (JSON)")),
+        Some(_) => {
+            Err(log
+                .problem(place, "is no glTF file: that begins with `glTF` (binary) or `{` (JSON)"))
+        }
         None => Err(log.problem(place, "is empty")),
     }
 }
@@ -70,7 +74,9 @@ fn declared_bytes(start: &[u8], length: Option<u64>, log: &Log) -> Checked<u64> 
     }
     let declared = u64::from(u32_at(start, 8));
     if declared < (HEADER_BYTES + CHUNK_HEADER_BYTES) as u64 {
-        return header(format!("says the file has {declared} bytes, too few for a header and a chunk"));
+        return header(format!(
+            "says the file has {declared} bytes, too few for a header and a chunk"
+        ));
     }
     match length {
         Some(length) if declared > length => {
@@ -79,7 +85,10 @@ fn declared_bytes(start: &[u8], length: Option<u64>, log: &Log) -> Checked<u64> 
             ));
         }
         Some(length) if declared < length => {
-            log.note("header", format!("the {} bytes after the end are ignored", length - declared));
+            log.note(
+                "header",
+                format!("the {} bytes after the end are ignored", length - declared),
+            );
         }
         _ => {}
     }
@@ -106,18 +115,25 @@ fn split_binary<'a>(bytes: &'a [u8], log: &Log) -> Checked<Container<'a>> {
         let (kind, chunk, after) = next_chunk(rest, &place, log)?;
         rest = after;
         let check: Checked<()> = match (index, kind) {
-            (0, JSON) if chunk.is_empty() => Err(log.problem(&*place, "is empty; it must hold the JSON")),
+            (0, JSON) if chunk.is_empty() => {
+                Err(log.problem(&*place, "is empty; it must hold the JSON"))
+            }
             (0, JSON) => {
                 json = Some(chunk);
                 Ok(())
             }
-            (0, _) => Err(log.problem(&*place, format!("is of kind {kind:#010x}; the first must be JSON"))),
+            (0, _) => {
+                Err(log
+                    .problem(&*place, format!("is of kind {kind:#010x}; the first must be JSON")))
+            }
             (1, BIN) => {
                 bin = Some(chunk);
                 Ok(())
             }
             (_, JSON) => Err(log.problem(&*place, "is a second JSON chunk; there must be one")),
-            (_, BIN) if bin.is_some() => Err(log.problem(&*place, "is a second BIN chunk; there may be one")),
+            (_, BIN) if bin.is_some() => {
+                Err(log.problem(&*place, "is a second BIN chunk; there may be one"))
+            }
             (_, BIN) => Err(log.problem(&*place, "is BIN; that must be the second chunk")),
             _ => {
                 log.note(&*place, format!("is of the unknown kind {kind:#010x} and is ignored"));
@@ -135,7 +151,11 @@ fn split_binary<'a>(bytes: &'a [u8], log: &Log) -> Checked<Container<'a>> {
 }
 
 /// Kind and contents of the first chunk, and what follows it.
-fn next_chunk<'a>(rest: &'a [u8], place: &str, log: &Log) -> Result<(u32, &'a [u8], &'a [u8]), Reported> {
+fn next_chunk<'a>(
+    rest: &'a [u8],
+    place: &str,
+    log: &Log,
+) -> Result<(u32, &'a [u8], &'a [u8]), Reported> {
     if rest.len() < CHUNK_HEADER_BYTES {
         return Err(log.problem(
             place,
@@ -145,10 +165,14 @@ fn next_chunk<'a>(rest: &'a [u8], place: &str, log: &Log) -> Result<(u32, &'a [u
     let (length, kind) = (u32_at(rest, 0) as usize, u32_at(rest, 4));
     let data = &rest[CHUNK_HEADER_BYTES..];
     if length > data.len() {
-        return Err(log.problem(place, format!("says it has {length} bytes, but {} are left", data.len())));
+        return Err(
+            log.problem(place, format!("says it has {length} bytes, but {} are left", data.len()))
+        );
     }
     if length % 4 != 0 {
-        return Err(log.problem(place, format!("has {length} bytes; chunks are padded to a multiple of 4")));
+        return Err(
+            log.problem(place, format!("has {length} bytes; chunks are padded to a multiple of 4"))
+        );
     }
     Ok((kind, &data[..length], &data[length..]))
 }

@@ -214,7 +214,9 @@ mod tests {
     #[test]
     fn broken_and_huge_images_are_refused() {
         let good = png(3, 2);
-        assert!(decoded(&good[..good.len() / 2], 1 << 20).unwrap_err().contains("cannot be decoded"));
+        assert!(
+            decoded(&good[..good.len() / 2], 1 << 20).unwrap_err().contains("cannot be decoded")
+        );
         assert!(decoded(b"GIF89a", 1 << 20).unwrap_err().contains("neither PNG"));
         let wide = png(MOST_PIXELS + 1, 1);
         assert!(decoded(&wide, 1 << 30).unwrap_err().contains("cannot be decoded"));
@@ -236,7 +238,9 @@ mod tests {
     /// The checksum of a PNG's chunk.
     fn crc(bytes: &[u8]) -> u32 {
         !bytes.iter().fold(!0, |sum, byte| {
-            (0..8).fold(sum ^ u32::from(*byte), |s, _| s >> 1 ^ if s & 1 == 1 { 0xEDB8_8320 } else { 0 })
+            (0..8).fold(sum ^ u32::from(*byte), |s, _| {
+                s >> 1 ^ if s & 1 == 1 { 0xEDB8_8320 } else { 0 }
+            })
         })
     }
 }

@@ -94,7 +94,10 @@ fn named_files(root: &Cursor, folder: &Folder) -> Vec<PathBuf> {
 fn without_padding<'a>(json: &'a [u8], log: &Log) -> &'a [u8] {
     let end = json.iter().rposition(|b| *b != 0).map_or(0, |at| at + 1);
     if end < json.len() {
-        log.note("chunk 0", "is padded with zeros; JSON is padded with spaces (glTF 2.0, section 4.4.3.2)");
+        log.note(
+            "chunk 0",
+            "is padded with zeros; JSON is padded with spaces (glTF 2.0, section 4.4.3.2)",
+        );
     }
     &json[..end]
 }
@@ -151,7 +154,8 @@ impl Document {
         Self { nodes, forest, meshes, skins, animations }
     }
 
-    /// The skeleton: joints, what hangs on them, nodes with meshes of their own, and nodes that clips move.
+    /// The skeleton: joints, what hangs on them, nodes with meshes of their own, and nodes that
+    /// clips move.
     fn rig(&self, log: &Log) -> Checked<Rig> {
         let walk = Walk::new(&self.nodes);
         let mut joints = Vec::new();
@@ -159,8 +163,8 @@ impl Document {
             skin.note_roots(&self.nodes, &walk, log);
             joints.extend_from_slice(&skin.joints);
         }
-        let rigid =
-            (0..self.nodes.len()).filter(|n| self.nodes[*n].in_scene && self.is_rigid(&self.nodes[*n]));
+        let rigid = (0..self.nodes.len())
+            .filter(|n| self.nodes[*n].in_scene && self.is_rigid(&self.nodes[*n]));
         let driven = self.animations.iter().flat_map(|a| a.channels.iter().map(|c| c.node));
         Rig::new(&self.nodes, rigid.chain(driven), &joints, log)
     }
@@ -189,7 +193,8 @@ impl Assembly<'_> {
         let mut failed = None;
         for (index, node) in self.document.nodes.iter().enumerate().filter(|(_, n)| n.in_scene) {
             let Some(mesh) = node.mesh else { continue };
-            let Ok(skin) = self.skin_instance(index, node).inspect_err(|r| failed = Some(*r)) else {
+            let Ok(skin) = self.skin_instance(index, node).inspect_err(|r| failed = Some(*r))
+            else {
                 continue;
             };
             for (primitive, declared) in self.document.meshes[mesh].iter().enumerate() {
@@ -229,8 +234,9 @@ impl Assembly<'_> {
                 "has no joints and weights, though its node has a skin; it moves with the node",
             );
         }
-        let joint = self.rig.joint_from_node[index]
-            .ok_or_else(|| log.problem(&node.place, "carries a mesh, but did not become a joint"))?;
+        let joint = self.rig.joint_from_node[index].ok_or_else(|| {
+            log.problem(&node.place, "carries a mesh, but did not become a joint")
+        })?;
         Ok(Mover::Rigid { joint, mirrored: node.mirrored })
     }
 

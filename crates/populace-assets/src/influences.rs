@@ -112,8 +112,8 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    /// Fills one vertex's entries; weights stay as the file has them. Influences without weight repeat one that has
-    /// some: the joints they name need not even exist.
+    /// Fills one vertex's entries; weights stay as the file has them. Influences without weight
+    /// repeat one that has some: the joints they name need not even exist.
     fn bind_vertex(
         &mut self,
         vertex: usize,
@@ -132,7 +132,8 @@ impl Binder<'_> {
                 self.log.note(self.place, what);
             }
         } else {
-            let what = "has vertices whose weights are all zero; they follow the first joint they name";
+            let what =
+                "has vertices whose weights are all zero; they follow the first joint they name";
             self.log.note(self.place, what);
             weights[0] = 1.0;
         }
@@ -147,8 +148,10 @@ impl Binder<'_> {
     fn entry(&mut self, vertex: usize, joint: u32) -> Checked<u16> {
         let index = joint as usize;
         let Some(entry) = self.skin.get(index) else {
-            let what =
-                format!("binds vertex {vertex} to joint {joint}, but the skin has {}", self.skin.len());
+            let what = format!(
+                "binds vertex {vertex} to joint {joint}, but the skin has {}",
+                self.skin.len()
+            );
             return Err(self.log.problem(self.place, what));
         };
         if let Some(known) = self.mapped[index] {
@@ -170,7 +173,10 @@ mod tests {
         PaletteEntry { joint: JointIndex(joint), joint_from_bind }
     }
 
-    fn bind(joints: &[[u32; 4]], weights: &[[f32; 4]]) -> Result<(Influences, Vec<PaletteEntry>), String> {
+    fn bind(
+        joints: &[[u32; 4]],
+        weights: &[[f32; 4]],
+    ) -> Result<(Influences, Vec<PaletteEntry>), String> {
         let skin = [entry(5, 0.0), entry(6, 1.0), entry(5, 0.0), entry(5, 2.0)];
         let sets = Sets {
             joints: joints.chunks(1).map(|s| s[0].to_vec()).collect(),
@@ -178,7 +184,9 @@ mod tests {
         };
         let (log, mut palette) = (Log::default(), Palette::default());
         let influences = skinned(&sets, &skin, &mut palette, "here", &log);
-        influences.map(|i| (i, palette.into_entries())).map_err(|_| log.finish().unwrap_err()[0].to_string())
+        influences
+            .map(|i| (i, palette.into_entries()))
+            .map_err(|_| log.finish().unwrap_err()[0].to_string())
     }
 
     #[test]
@@ -192,7 +200,8 @@ mod tests {
     #[test]
     fn two_sets_are_kept_together_and_an_idle_second_one_is_dropped() {
         let (both, palette) =
-            bind(&[[0, 0, 0, 0], [1, 0, 0, 0]], &[[0.25, 0.0, 0.0, 0.0], [0.75, 0.0, 0.0, 0.0]]).unwrap();
+            bind(&[[0, 0, 0, 0], [1, 0, 0, 0]], &[[0.25, 0.0, 0.0, 0.0], [0.75, 0.0, 0.0, 0.0]])
+                .unwrap();
         assert_eq!(both.per_vertex, 8);
         assert_eq!((both.weights[0], both.weights[4]), (0.25, 0.75));
         assert_eq!(palette[usize::from(both.entries[4])], entry(6, 1.0));

@@ -48,11 +48,16 @@ impl<'a> Cursor<'a> {
     /// A property that must be there.
     pub(crate) fn require(&self, key: &str) -> Checked<Self> {
         self.object()?;
-        self.get(key).ok_or_else(|| self.log.problem(self.place_of(key), "is missing; it is required"))
+        self.get(key)
+            .ok_or_else(|| self.log.problem(self.place_of(key), "is missing; it is required"))
     }
 
     /// A property that may be left out, read by `read`.
-    pub(crate) fn optional<T>(&self, key: &str, read: impl Fn(&Self) -> Checked<T>) -> Checked<Option<T>> {
+    pub(crate) fn optional<T>(
+        &self,
+        key: &str,
+        read: impl Fn(&Self) -> Checked<T>,
+    ) -> Checked<Option<T>> {
         self.get(key).map(|at| read(&at)).transpose()
     }
 
@@ -75,7 +80,9 @@ impl<'a> Cursor<'a> {
 
     /// That this is an object.
     pub(crate) fn object(&self) -> Checked<()> {
-        matches!(self.value, Value::Object(_)).then_some(()).ok_or_else(|| self.wrong_type("an object"))
+        matches!(self.value, Value::Object(_))
+            .then_some(())
+            .ok_or_else(|| self.wrong_type("an object"))
     }
 
     /// The property names of an object.
@@ -93,7 +100,11 @@ impl<'a> Cursor<'a> {
         Ok(items
             .iter()
             .enumerate()
-            .map(|(index, value)| Self { value, place: format!("{}[{index}]", self.place), log: self.log })
+            .map(|(index, value)| Self {
+                value,
+                place: format!("{}[{index}]", self.place),
+                log: self.log,
+            })
             .collect())
     }
 
@@ -119,7 +130,9 @@ impl<'a> Cursor<'a> {
     /// A whole number that is not negative. `3.0` is one too.
     pub(crate) fn uint(&self) -> Checked<usize> {
         const EXACT: f64 = 9_007_199_254_740_992.0; // 2^53: above it, doubles skip whole numbers
-        let Value::Number(written) = self.value else { return Err(self.wrong_type("a whole number")) };
+        let Value::Number(written) = self.value else {
+            return Err(self.wrong_type("a whole number"));
+        };
         let whole = written.as_u64().or_else(|| {
             let number = written.as_f64()?;
             #[expect(
@@ -127,7 +140,8 @@ impl<'a> Cursor<'a> {
                 clippy::cast_sign_loss,
                 reason = "just checked to be a whole number in range"
             )]
-            let whole = (number.fract() == 0.0 && (0.0..=EXACT).contains(&number)).then_some(number as u64);
+            let whole =
+                (number.fract() == 0.0 && (0.0..=EXACT).contains(&number)).then_some(number as u64);
             whole
         });
         match whole.map(usize::try_from) {

@@ -1,6 +1,8 @@
-//! Reads characters and clips from glTF 2.0 files, text or binary, into the types of [`populace_core`].
+//! Reads characters and clips from glTF 2.0 files, text or binary, into the types of
+//! [`populace_core`].
 //!
-//! Units and spaces are those of glTF: metres, seconds, radians, Y up, +Z front; nothing is scaled or turned.
+//! Units and spaces are those of glTF: metres, seconds, radians, Y up, +Z front; nothing is scaled
+//! or turned.
 //!
 //! ```
 //! let file = br#"{
@@ -27,13 +29,14 @@
 //! # Ok::<(), populace_assets::Error>(())
 //! ```
 //!
-//! What becomes of a file: nodes that are joints, stand above or below one, carry a mesh of their own or are moved by
-//! an animation form the skeleton. The meshes of the default scene become parts, animations become clips. What the
-//! file holds beyond that is ignored, and [`Imported::notes`] says what and why.
+//! What becomes of a file: nodes that are joints, stand above or below one, carry a mesh of their
+//! own or are moved by an animation form the skeleton. The meshes of the default scene become
+//! parts, animations become clips. What the file holds beyond that is ignored, and
+//! [`Imported::notes`] says what and why.
 //!
-//! The main decision: JSON is read through a cursor that knows its own path and a log that gathers problems, rather
-//! than into declared structures that fail at the first surprise. A file is refused with all of its problems or taken
-//! whole.
+//! The main decision: JSON is read through a cursor that knows its own path and a log that gathers
+//! problems, rather than into declared structures that fail at the first surprise. A file is
+//! refused with all of its problems or taken whole.
 //!
 //! Files need not be trusted. By default URIs stay inside the folder of the file, and one load
 //! takes at most 1 GiB, which is estimated before it is allocated ([`LoadOptions`]). Arrays and
@@ -83,8 +86,8 @@ pub use options::LoadOptions;
 /// A file, as far as crowds are concerned.
 #[derive(Clone, Debug)]
 pub struct Imported {
-    /// The skeleton, what is drawn on it, and its clips. A file of clips alone gives a character without parts, whose
-    /// clips bind to other skeletons by joint name.
+    /// The skeleton, what is drawn on it, and its clips. A file of clips alone gives a character
+    /// without parts, whose clips bind to other skeletons by joint name.
     pub character: Character,
     /// What was ignored and why, and what was repaired.
     pub notes: Vec<Note>,
@@ -92,7 +95,8 @@ pub struct Imported {
     pub generator: Option<String>,
     /// The skins of the file, used or not, in its order.
     pub skins: Vec<SkinInfo>,
-    /// For each joint, in level order, the file's index of the node that it is; `None` for a joint that was made up.
+    /// For each joint, in level order, the file's index of the node that it is; `None` for a joint
+    /// that was made up.
     pub node_from_joint: Vec<Option<usize>>,
     /// Every file that the file's buffers and images name, read or not, below its folder.
     pub named_files: Vec<PathBuf>,
@@ -145,7 +149,11 @@ pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Import
 /// # Errors
 ///
 /// As [`load_with`].
-pub fn load_from_reader(reader: impl Read, name: &str, options: &LoadOptions) -> Result<Imported, Error> {
+pub fn load_from_reader(
+    reader: impl Read,
+    name: &str,
+    options: &LoadOptions,
+) -> Result<Imported, Error> {
     let folder = Folder::new(None, options.allow_outside);
     let job = Job { name: name.into(), file: name.into(), folder, options };
     job.run(|budget, log| read::stream(reader, None, budget, log))
@@ -195,9 +203,12 @@ impl Job<'_> {
     ) -> Result<Imported, Error> {
         let log = Log::default();
         let budget = Budget::new(self.options.memory_limit_bytes, &log);
-        let bytes = bytes(&budget, &log).map_err(|source| Error::Io { path: self.file.clone(), source })?;
-        let built = bytes.and_then(|b| import::import(b.as_ref(), &self.name, &self.folder, &budget, &log));
-        let rejected = |problems| Error::Rejected { file: self.file.display().to_string(), problems };
+        let bytes =
+            bytes(&budget, &log).map_err(|source| Error::Io { path: self.file.clone(), source })?;
+        let built =
+            bytes.and_then(|b| import::import(b.as_ref(), &self.name, &self.folder, &budget, &log));
+        let rejected =
+            |problems| Error::Rejected { file: self.file.display().to_string(), problems };
         let notes = log.finish().map_err(rejected)?;
         // Whoever gives up has said why; should one not have, that must not look like success.
         let silent = || vec![Problem { place: "file".into(), what: "cannot be imported".into() }];

@@ -5,7 +5,8 @@ use std::collections::{HashMap, HashSet};
 
 use crate::{Note, Problem};
 
-/// Stands for a problem that is already in the log; whoever gets it gives up on what depends on it and goes on.
+/// Stands for a problem that is already in the log; whoever gets it gives up on what depends on it
+/// and goes on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reported;
 
@@ -81,7 +82,8 @@ impl Log {
             return Err(list);
         }
         let Notes { list, unlisted, .. } = self.notes.into_inner();
-        let beyond = Note { place: "file".into(), what: format!("has {unlisted} notes beyond these") };
+        let beyond =
+            Note { place: "file".into(), what: format!("has {unlisted} notes beyond these") };
         let beyond = (unlisted > 0).then_some((beyond, 0));
         Ok(list
             .into_iter()

@@ -43,7 +43,8 @@ pub(crate) struct Surfaces {
     pub(crate) images: Vec<Image>,
 }
 
-/// Reads everything. An image that cannot be had is noted and left out: a character without it still moves.
+/// Reads everything. An image that cannot be had is noted and left out: a character without it
+/// still moves.
 pub(crate) fn read<'a>(
     root: &Cursor<'a>,
     data: &'a Data<'a>,
@@ -183,8 +184,11 @@ mod tests {
 
     #[test]
     fn a_texture_transform_scales_then_turns_then_moves() {
-        let transform =
-            UvTransform { offset: [0.5, 0.25], rotation: std::f64::consts::FRAC_PI_2, scale: [2.0, 4.0] };
+        let transform = UvTransform {
+            offset: [0.5, 0.25],
+            rotation: std::f64::consts::FRAC_PI_2,
+            scale: [2.0, 4.0],
+        };
         // The extension's own matrix for a quarter turn takes (u, v) to (v, -u).
         let [u, v] = transform.apply([0.25, 0.5]);
         assert!((u - 2.5).abs() < 1e-6 && (v + 0.25).abs() < 1e-6, "{u} {v}");

@@ -7,7 +7,8 @@ use crate::budget::Budget;
 use crate::json::{Cursor, to_f32};
 use crate::log::{Checked, Log, Reported};
 
-/// A matrix counts as sheared where a column of what it decomposes to is off by more than this part of its length.
+/// A matrix counts as sheared where a column of what it decomposes to is off by more than this part
+/// of its length.
 const SHEAR: f64 = 1e-3;
 
 /// One node.
@@ -24,8 +25,8 @@ pub(crate) struct Node {
     pub(crate) skin: Option<usize>,
     /// Whether the scene that is imported holds the node.
     pub(crate) in_scene: bool,
-    /// Whether the world transform of a node in the scene mirrors, so that its triangles face the other way
-    /// (glTF 2.0, section 3.7.4).
+    /// Whether the world transform of a node in the scene mirrors, so that its triangles face the
+    /// other way (glTF 2.0, section 3.7.4).
     pub(crate) mirrored: bool,
 }
 
@@ -52,8 +53,8 @@ pub(crate) fn check_count(root: &Cursor, budget: &Budget) -> Checked<()> {
     budget.take(at.place(), format!("{count} nodes"), count as u64 * NODE_BYTES)
 }
 
-/// Reads all nodes and scenes. The second value says whether the nodes form a forest to work with; wrong properties of
-/// single nodes are in the log and read as if they were left out.
+/// Reads all nodes and scenes. The second value says whether the nodes form a forest to work with;
+/// wrong properties of single nodes are in the log and read as if they were left out.
 pub(crate) fn read(root: &Cursor, log: &Log, counts: Counts) -> (Vec<Node>, Checked<()>) {
     let items = root.objects("nodes");
     let mut nodes: Vec<_> = items.iter().map(|at| read_node(at, items.len(), counts)).collect();
@@ -170,7 +171,8 @@ fn decompose(at: &Cursor, matrix: [f64; 16]) -> Checked<Trs> {
         scale[0] = -scale[0];
     }
     let axes = axes(columns, scale);
-    let off = (0..3).any(|c| (axes.col(c) * scale[c] - columns[c]).length() > SHEAR * scale[c].abs());
+    let off =
+        (0..3).any(|c| (axes.col(c) * scale[c] - columns[c]).length() > SHEAR * scale[c].abs());
     if off {
         return Err(at.problem(
             "is sheared; a node's matrix must be a product of translation, rotation and scale (glTF 2.0, section 3.5.3)",
@@ -237,7 +239,8 @@ fn check_cycles(nodes: &[Node], log: &Log) -> Checked<()> {
     failed.map_or(Ok(()), Err)
 }
 
-/// The roots of the scene to import: the default one, else the first, else every node without a parent.
+/// The roots of the scene to import: the default one, else the first, else every node without a
+/// parent.
 fn scene_roots(root: &Cursor, nodes: &[Node]) -> Checked<Vec<usize>> {
     let read_scene = |at: &Cursor| -> Checked<Vec<usize>> {
         let roots = at.list("nodes").into_iter().map(|item| {
@@ -291,24 +294,28 @@ mod tests {
 
     #[test]
     fn a_walk_knows_who_is_below_whom() {
-        let value =
-            tree(r#"{"nodes": [{"children": [2, 1]}, {"children": [3]}, {}, {}, {"children": [5]}, {}]}"#);
+        let value = tree(
+            r#"{"nodes": [{"children": [2, 1]}, {"children": [3]}, {}, {}, {"children": [5]}, {}]}"#,
+        );
         let log = Log::default();
         let counts = Counts { meshes: 0, skins: 0, cameras: 0 };
         let (nodes, forest) = read(&Cursor::root(&value, &log), &log, counts);
         forest.unwrap();
         let walk = Walk::new(&nodes);
         assert_eq!(walk.roots, [0, 0, 0, 0, 4, 4]);
-        let below: Vec<_> =
-            (0..6).map(|root| (0..6).filter(|n| walk.is_at_or_below(*n, root)).collect::<Vec<_>>()).collect();
+        let below: Vec<_> = (0..6)
+            .map(|root| (0..6).filter(|n| walk.is_at_or_below(*n, root)).collect::<Vec<_>>())
+            .collect();
         assert_eq!(below, [vec![0, 1, 2, 3], vec![1, 3], vec![2], vec![3], vec![4, 5], vec![5]]);
     }
 
     #[test]
     fn a_matrix_becomes_translation_rotation_and_scale() {
         // A quarter turn about z of a scale by 2, 3, 4.
-        let trs =
-            local([0.0, 2.0, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 5.0, 6.0, 7.0, 1.0]).unwrap();
+        let trs = local([
+            0.0, 2.0, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 5.0, 6.0, 7.0, 1.0,
+        ])
+        .unwrap();
         assert_eq!((trs.translation, trs.scale), ([5.0, 6.0, 7.0], [2.0, 3.0, 4.0]));
         let half = std::f32::consts::FRAC_1_SQRT_2;
         for (is, wanted) in trs.rotation.iter().zip([0.0, 0.0, half, half]) {
@@ -318,14 +325,18 @@ mod tests {
 
     #[test]
     fn mirrors_and_flat_matrices_have_a_decomposition_and_shear_has_none() {
-        let diagonal = |x, y, z| [x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0, 1.0];
+        let diagonal =
+            |x, y, z| [x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0, 1.0];
         for [x, y, z] in
             [[-1.0, 2.0, 3.0], [0.0, 2.0, 3.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, 0.0]]
         {
             let trs = local(diagonal(x, y, z)).unwrap();
             let back = populace_core::Affine::from_trs(&trs);
             for (row, wanted) in [x, y, z].into_iter().enumerate() {
-                assert!((f64::from(back.rows[row][row]) - wanted).abs() < 1e-6, "{x} {y} {z}: {back:?}");
+                assert!(
+                    (f64::from(back.rows[row][row]) - wanted).abs() < 1e-6,
+                    "{x} {y} {z}: {back:?}"
+                );
             }
         }
         let mut sheared = diagonal(1.0, 1.0, 1.0);

@@ -58,7 +58,8 @@ impl Maker<'_> {
             self.log.note(&accessor.place, what);
         }
         let count = accessor.count;
-        // All of a primitive's problems are wanted, so nothing is given up before each attribute was looked at.
+        // All of a primitive's problems are wanted, so nothing is given up before each attribute
+        // was looked at.
         let indices = self.indices(primitive, topology, count);
         let normals = self.attribute::<3>(primitive, "NORMAL", count);
         let uvs = self.uvs(primitive, count);
@@ -93,7 +94,9 @@ impl Maker<'_> {
         let found = (primitive.topology, primitive.attribute("POSITION"));
         match found {
             (Some(topology), Some(positions)) => return Some((topology, positions)),
-            (None, _) => self.log.note(&primitive.place, "is made of points or lines and is left out"),
+            (None, _) => {
+                self.log.note(&primitive.place, "is made of points or lines and is left out")
+            }
             (_, None) => self.log.note(&primitive.place, "has no POSITION and is left out"),
         }
         None
@@ -103,12 +106,18 @@ impl Maker<'_> {
         self.log.problem(&primitive.place, what)
     }
 
-    fn indices(&self, primitive: &Primitive, topology: Topology, count: usize) -> Checked<Vec<u32>> {
+    fn indices(
+        &self,
+        primitive: &Primitive,
+        topology: Topology,
+        count: usize,
+    ) -> Checked<Vec<u32>> {
         use crate::accessor::{Component, Shape};
         use crate::data::Format;
         let Some(index) = primitive.indices else {
-            let all = u32::try_from(count)
-                .map_err(|_| self.problem(primitive, "has more vertices than 32-bit indices reach".into()))?;
+            let all = u32::try_from(count).map_err(|_| {
+                self.problem(primitive, "has more vertices than 32-bit indices reach".into())
+            })?;
             self.data.budget.charge(&primitive.place, count.saturating_mul(12))?;
             return Ok(geometry::triangulate((0..all).collect(), topology));
         };
@@ -140,7 +149,10 @@ impl Maker<'_> {
             Topology::Strip | Topology::Fan => indices.len() >= 3,
         };
         if !whole {
-            self.log.note(&primitive.place, "has indices that make no whole triangle; they are left out");
+            self.log.note(
+                &primitive.place,
+                "has indices that make no whole triangle; they are left out",
+            );
         }
         if topology != Topology::Triangles {
             self.data.budget.charge(&primitive.place, indices.len().saturating_mul(12))?;
@@ -177,9 +189,10 @@ impl Maker<'_> {
         if let Some(transform) = texture.and_then(|t| t.transform) {
             uvs.iter_mut().for_each(|uv| *uv = UvTransform::apply(&transform, *uv));
             if uvs.iter().flatten().any(|v| !v.is_finite()) {
-                return Err(
-                    self.problem(primitive, "has texture coordinates that overflow when transformed".into())
-                );
+                return Err(self.problem(
+                    primitive,
+                    "has texture coordinates that overflow when transformed".into(),
+                ));
             }
         }
         Ok(uvs)
@@ -233,8 +246,10 @@ impl Maker<'_> {
             }
         }
         if primitive.attribute("JOINTS_2").is_some() {
-            self.log
-                .note(&primitive.place, "has more than eight influences a vertex; the first eight are taken");
+            self.log.note(
+                &primitive.place,
+                "has more than eight influences a vertex; the first eight are taken",
+            );
         }
         Ok(sets)
     }

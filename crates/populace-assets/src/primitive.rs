@@ -40,7 +40,11 @@ impl Primitive {
 /// A mesh: its primitives.
 pub(crate) type Mesh = Vec<Checked<Primitive>>;
 
-pub(crate) fn read_meshes(root: &Cursor, accessor_count: usize, material_count: usize) -> Vec<Mesh> {
+pub(crate) fn read_meshes(
+    root: &Cursor,
+    accessor_count: usize,
+    material_count: usize,
+) -> Vec<Mesh> {
     let read = |at: &Cursor| {
         at.require("primitives").ok();
         let primitives = at.objects("primitives");
@@ -108,8 +112,9 @@ pub(crate) fn formats(attribute: &str, extensions: Extensions) -> Vec<Format> {
         "NORMAL" => (Shape::VEC3, vec![]),
         "TEXCOORD_" => (Shape::VEC2, normalized(Shape::VEC2, [U8, U16]).into()),
         "COLOR_" => {
-            let colors =
-                normalized(Shape::VEC3, [U8, U16]).into_iter().chain(normalized(Shape::VEC4, [U8, U16]));
+            let colors = normalized(Shape::VEC3, [U8, U16])
+                .into_iter()
+                .chain(normalized(Shape::VEC4, [U8, U16]));
             (Shape::VEC4, colors.chain(plain(Shape::VEC3, [F32])).collect())
         }
         "WEIGHTS_" => (Shape::VEC4, normalized(Shape::VEC4, [U8, U16]).into()),
@@ -123,9 +128,10 @@ pub(crate) fn formats(attribute: &str, extensions: Extensions) -> Vec<Format> {
             plain(shape, all).into_iter().chain(normalized(shape, all)).collect()
         }
         "NORMAL" => normalized(shape, [I8, I16]).into(),
-        "TEXCOORD_" => {
-            plain(shape, [I8, U8, I16, U16]).into_iter().chain(normalized(shape, [I8, I16])).collect()
-        }
+        "TEXCOORD_" => plain(shape, [I8, U8, I16, U16])
+            .into_iter()
+            .chain(normalized(shape, [I8, I16]))
+            .collect(),
         _ => vec![],
     };
     plain(shape, [F32]).into_iter().chain(own).chain(quantized).collect()

@@ -30,8 +30,12 @@ pub(crate) fn stream(
     let read = from.by_ref().take(START_BYTES).read_to_end(&mut bytes)? as u64;
     // A stream that ended already has told its length.
     let length = if read < START_BYTES { Some(read) } else { length };
-    let Ok(wanted) = glb::wanted_bytes(&bytes, length, log) else { return Ok(Err(crate::log::Reported)) };
-    if let Err(reported) = wanted.map_or(Ok(()), |wanted| budget.take("file", "its content", wanted)) {
+    let Ok(wanted) = glb::wanted_bytes(&bytes, length, log) else {
+        return Ok(Err(crate::log::Reported));
+    };
+    if let Err(reported) =
+        wanted.map_or(Ok(()), |wanted| budget.take("file", "its content", wanted))
+    {
         return Ok(Err(reported));
     }
     // Of a stream of unknown length one byte more than fits is read, which is then refused.
@@ -76,7 +80,10 @@ mod tests {
     fn what_does_not_begin_as_gltf_is_read_no_further() {
         for start in [&b""[..], b"\x89PNG", b" \n\t x", b"\xEF\xBB\xBF{}"] {
             let (problem, read) = refused(start, Some(3 << 30), 4 << 30);
-            assert!(problem.starts_with("file: ") && read <= 2 * START_BYTES, "{problem} after {read}");
+            assert!(
+                problem.starts_with("file: ") && read <= 2 * START_BYTES,
+                "{problem} after {read}"
+            );
         }
     }
 
@@ -87,7 +94,11 @@ mod tests {
             (b"{".to_vec(), Some(3 << 30), "needs 3072 MiB for its content"),
             (header(2 << 20), Some(3 << 30), "needs 2 MiB for its content"),
             (header(2 << 20), None, "needs 2 MiB for its content"),
-            (header(2 << 20), Some(1 << 19), "header: says the file has 2097152 bytes, but it ends after"),
+            (
+                header(2 << 20),
+                Some(1 << 19),
+                "header: says the file has 2097152 bytes, but it ends after",
+            ),
             (header(13), None, "header: says the file has 13 bytes, too few"),
         ] {
             let (problem, read) = refused(&start, length, 1 << 20);

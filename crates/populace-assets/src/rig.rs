@@ -18,7 +18,8 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// Makes a skeleton of the nodes that are `wanted`, all above them, and all below `joints`, where props are hung.
+    /// Makes a skeleton of the nodes that are `wanted`, all above them, and all below `joints`,
+    /// where props are hung.
     pub(crate) fn new(
         nodes: &[Node],
         wanted: impl Iterator<Item = usize>,
@@ -46,12 +47,15 @@ impl Rig {
             sources.push(JointSource { name: "root".into(), parent: None, rest: Trs::IDENTITY });
         }
         let skeleton = Skeleton::new(&sources).map_err(|e| log.problem("nodes", e.to_string()))?;
-        let joint_from_node =
-            source_from_node.iter().map(|source| source.map(|s| skeleton.joint_from_source(s))).collect();
+        let joint_from_node = source_from_node
+            .iter()
+            .map(|source| source.map(|s| skeleton.joint_from_source(s)))
+            .collect();
         Ok(Self { skeleton, joint_from_node })
     }
 
-    /// Lets clips be stored so that these vertices too stay within the error bound, and feet be kept above the ground.
+    /// Lets clips be stored so that these vertices too stay within the error bound, and feet be
+    /// kept above the ground.
     pub(crate) fn reach_vertices(&mut self, palette: &[PaletteEntry], parts: &[Part]) {
         let reach = vertex_reach_m(&self.skeleton, palette, parts);
         let soles = sole_points(&self.skeleton, palette, parts);
@@ -100,8 +104,9 @@ fn choose(nodes: &[Node], wanted: impl Iterator<Item = usize>, joints: &[usize])
     chosen
 }
 
-/// Names that differ: the first of each name keeps it, later ones get `#2`, `#3` and so on, nodes without a name are
-/// called after their index. Clips of other files bind by name, so names in the file are never changed needlessly.
+/// Names that differ: the first of each name keeps it, later ones get `#2`, `#3` and so on, nodes
+/// without a name are called after their index. Clips of other files bind by name, so names in the
+/// file are never changed needlessly.
 fn unique_names(list: &[usize], nodes: &[Node], log: &Log) -> Vec<String> {
     let mut taken: HashSet<String> = HashSet::new();
     let mut names: Vec<Option<String>> = list
@@ -173,7 +178,8 @@ mod tests {
         ];
         let log = Log::default();
         let rig = Rig::new(&nodes, std::iter::empty(), &[1], &log).unwrap();
-        let names: Vec<_> = rig.skeleton.joints().map(|j| rig.skeleton.name(j).to_owned()).collect();
+        let names: Vec<_> =
+            rig.skeleton.joints().map(|j| rig.skeleton.name(j).to_owned()).collect();
         assert_eq!(names, ["armature", "hips", "hand", "grip"]);
         assert_eq!(rig.joint_from_node[5], None);
         assert_eq!(rig.node_name(&nodes, 5), "mesh");

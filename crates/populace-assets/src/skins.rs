@@ -21,7 +21,8 @@ pub(crate) struct Skin {
     inverse_bind: Option<usize>,
 }
 
-/// Reads the declarations; the `skeleton` property is a hint that nothing here needs, but it must name a node.
+/// Reads the declarations; the `skeleton` property is a hint that nothing here needs, but it must
+/// name a node.
 pub(crate) fn read(root: &Cursor, node_count: usize, data: &Data) -> Vec<Checked<Skin>> {
     let read = |at: &Cursor| read_skin(at, node_count, data);
     root.objects("skins").iter().map(read).collect()
@@ -37,7 +38,8 @@ fn read_skin(at: &Cursor, node_count: usize, data: &Data) -> Checked<Skin> {
         let nodes: Vec<_> = items.iter().map(|j| j.index(node_count, "node")).collect();
         nodes.into_iter().collect::<Checked<Vec<usize>>>()
     });
-    let inverse_bind = at.optional("inverseBindMatrices", |i| i.index(data.accessor_count(), "accessor"));
+    let inverse_bind =
+        at.optional("inverseBindMatrices", |i| i.index(data.accessor_count(), "accessor"));
     let (joints, inverse_bind, skeleton) = (joints?, inverse_bind?, skeleton?);
     let mut seen = HashSet::new();
     if let Some(twice) = joints.iter().find(|j| !seen.insert(**j)) {

@@ -53,7 +53,11 @@ pub(crate) fn parse<'a>(json: &'a [u8], budget: &Budget, log: &Log) -> Checked<V
     let parsed = Builder { budget }.deserialize(&mut deserializer);
     parsed.and_then(|value| deserializer.end().map(|()| value)).map_err(|error| {
         // Only the budget refuses values, and it has said so.
-        if error.is_data() { Reported } else { log.problem("file", format!("is no valid JSON: {error}")) }
+        if error.is_data() {
+            Reported
+        } else {
+            log.problem("file", format!("is no valid JSON: {error}"))
+        }
     })
 }
 
@@ -126,7 +130,8 @@ impl<'de> Visitor<'de> for Builder<'_> {
         self.take(BLOCK_BYTES)?;
         let mut properties = Vec::new();
         while let Some(name) = map.next_key_seed(Name)? {
-            let owned = if matches!(name, Cow::Owned(_)) { name.len() as u64 + BLOCK_BYTES } else { 0 };
+            let owned =
+                if matches!(name, Cow::Owned(_)) { name.len() as u64 + BLOCK_BYTES } else { 0 };
             self.take(size_of::<(Cow<str>, Value)>() as u64 + owned)?;
             properties.push((name, map.next_value_seed(self)?));
         }
@@ -173,7 +178,8 @@ pub(crate) mod tests {
 
     #[test]
     fn values_come_out_as_they_are_written() {
-        let root = tree(r#"{"b": [1, -2, 2.5, "x", "\n", null, true], "a": {}, "b\u0061": 1, "ba": 2}"#);
+        let root =
+            tree(r#"{"b": [1, -2, 2.5, "x", "\n", null, true], "a": {}, "b\u0061": 1, "ba": 2}"#);
         let Value::Object(root) = root else { panic!("{root:?}") };
         assert_eq!(root.keys().collect::<Vec<_>>(), ["a", "b", "ba"]);
         assert_eq!(root.get("a"), Some(&Value::Object(Object::default())));

@@ -52,14 +52,16 @@ impl<'a> Uri<'a> {
     }
 }
 
-/// What stands before a colon in the first segment of a path; a drive letter counts, and nothing at all too.
+/// What stands before a colon in the first segment of a path; a drive letter counts, and nothing at
+/// all too.
 fn scheme(text: &str) -> Option<&str> {
     let (scheme, _) = text.split_once(':')?;
     (!scheme.contains(['/', '\\', '%', '?', '#'])).then_some(scheme)
 }
 
 fn parse_data(data: &str) -> Result<DataUri<'_>, String> {
-    let (header, payload) = data.split_once(',').ok_or("is a data: URI without a comma before its data")?;
+    let (header, payload) =
+        data.split_once(',').ok_or("is a data: URI without a comma before its data")?;
     let mut parts = header.split(';');
     let media_type = parts.next().unwrap_or_default();
     let parameters: Vec<_> = parts.collect();
@@ -132,7 +134,8 @@ mod tests {
         assert_eq!(path("../textures/a#1.png").as_deref(), Some("../textures/a#1.png"));
         assert_eq!(path("folder/a:b.bin").as_deref(), Some("folder/a:b.bin"));
         assert_eq!(path("%2Fetc/x").as_deref(), Some("/etc/x"));
-        let refused = ["", ":", "\\\\host\\x", "C:\\x", "http://a/b.bin", "file:///x", "a%00b", "%FF"];
+        let refused =
+            ["", ":", "\\\\host\\x", "C:\\x", "http://a/b.bin", "file:///x", "a%00b", "%FF"];
         for text in refused {
             assert_eq!(path(text), None, "{text}");
         }

@@ -1,5 +1,6 @@
-//! One test for each file below the folder that the environment variable `POPULACE_TEST_DATA` names: bad files must be
-//! refused for the right reason, odd ones must load, and characters must stand where an independent computation says.
+//! One test for each file below the folder that the environment variable `POPULACE_TEST_DATA`
+//! names: bad files must be refused for the right reason, odd ones must load, and characters must
+//! stand where an independent computation says.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +26,8 @@ fn main() {
 }
 
 fn ignored() -> Vec<Trial> {
-    let name = format!("files (set {VARIABLE} to the folder of test data to run one test per file)");
+    let name =
+        format!("files (set {VARIABLE} to the folder of test data to run one test per file)");
     vec![Trial::test(name, || Ok(())).with_ignored_flag(true)]
 }
 
@@ -75,7 +77,9 @@ fn run(name: &str, path: &Path, reference: Option<&Value>) -> Result<(), Failed>
         (Expected::Loads, Ok(imported)) => check_loaded(name, &imported, reference),
         (Expected::LoadsWithNote(what), Ok(imported)) => {
             let notes: Vec<_> = imported.notes.iter().map(ToString::to_string).collect();
-            check(notes.iter().any(|n| n.contains(what)), || format!("no note says `{what}`: {notes:#?}"))?;
+            check(notes.iter().any(|n| n.contains(what)), || {
+                format!("no note says `{what}`: {notes:#?}")
+            })?;
             check_loaded(name, &imported, reference)
         }
         (Expected::Refused(reasons), Err(Error::Rejected { problems, .. })) => {
@@ -87,7 +91,9 @@ fn run(name: &str, path: &Path, reference: Option<&Value>) -> Result<(), Failed>
             }
             Ok(())
         }
-        (Expected::Refused(_), Ok(imported)) => Err(format!("loads, with {:#?}", imported.notes).into()),
+        (Expected::Refused(_), Ok(imported)) => {
+            Err(format!("loads, with {:#?}", imported.notes).into())
+        }
         (_, Err(error)) => Err(error.to_string().into()),
     }
 }
@@ -105,14 +111,19 @@ fn check_loaded(name: &str, imported: &Imported, reference: Option<&Value>) -> R
         if reference.is_some() && stats.row_count * skeleton.joint_count() <= 5000 {
             let error = clip.measured_error_m(skeleton, 5);
             check(error <= stats.tolerance_m, || {
-                format!("clip \"{}\" is off by {error} m, more than {} m", clip.name(), stats.tolerance_m)
+                format!(
+                    "clip \"{}\" is off by {error} m, more than {} m",
+                    clip.name(),
+                    stats.tolerance_m
+                )
             })?;
         }
     }
     Ok(())
 }
 
-/// Holds the box around the vertices at rest, and the vertices' places in their parts, against the reference.
+/// Holds the box around the vertices at rest, and the vertices' places in their parts, against the
+/// reference.
 fn check_rest(name: &str, imported: &Imported, reference: &Value) -> Result<(), Failed> {
     let rest = &reference["rest"];
     let corner = |key: &str| -> Vec<f64> {
@@ -132,8 +143,10 @@ fn check_rest(name: &str, imported: &Imported, reference: &Value) -> Result<(), 
     }
     let clips = reference["clips"].as_array().into_iter().flatten();
     for clip in clips {
-        let index =
-            clip["clip"].as_u64().and_then(|i| usize::try_from(i).ok()).ok_or("a clip has no index")?;
+        let index = clip["clip"]
+            .as_u64()
+            .and_then(|i| usize::try_from(i).ok())
+            .ok_or("a clip has no index")?;
         let named = imported.character.clips.get(index).map(|c| c.name());
         check(named == clip["name"].as_str(), || {
             format!("clip {index} is named {named:?}, not {}", clip["name"])
@@ -153,7 +166,8 @@ fn check_vertex(character: &Character, row: &Value, tolerance: f64) -> Result<()
         .iter()
         .find(|p| Some(p.node) == index(0) && Some(p.primitive) == index(1))
         .ok_or_else(|| format!("there is no part for {row}"))?;
-    let vertex = index(2).filter(|v| *v < part.mesh.positions.len()).ok_or("there are too few vertices")?;
+    let vertex =
+        index(2).filter(|v| *v < part.mesh.positions.len()).ok_or("there are too few vertices")?;
     let skeleton = &character.skeleton;
     let mut models: Vec<DAffine3> = Vec::new();
     for joint in skeleton.joints() {
@@ -165,7 +179,8 @@ fn check_vertex(character: &Character, row: &Value, tolerance: f64) -> Result<()
     let mut sum = DVec3::ZERO;
     for at in vertex * width..(vertex + 1) * width {
         let entry = &character.palette[usize::from(part.mesh.influences.entries[at])];
-        let moved = (models[entry.joint.index()] * affine(&entry.joint_from_bind)).transform_point3(position);
+        let moved = (models[entry.joint.index()] * affine(&entry.joint_from_bind))
+            .transform_point3(position);
         sum += moved * f64::from(part.mesh.influences.weights[at]);
     }
     let wanted = DVec3::from_array([3, 4, 5].map(|i| row[i].as_f64().unwrap_or(f64::NAN)));

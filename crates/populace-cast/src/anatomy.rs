@@ -36,7 +36,8 @@ impl Side {
     }
 }
 
-/// A rigid piece of the body that surfaces and motions are made for; rigs have joints for all or some of them.
+/// A rigid piece of the body that surfaces and motions are made for; rigs have joints for all or
+/// some of them.
 pub(crate) type Segment = usize;
 
 /// How many segments there are.
@@ -197,10 +198,14 @@ impl Body {
         for (finger, (length, across)) in FINGERS.into_iter().zip(KNUCKLES).enumerate() {
             let knuckle = shoulder + self.along * KNUCKLE * h + DVec3::Z * across * PALM * h;
             for (joint, part) in FINGER_AT.into_iter().enumerate() {
-                left.push((Limb::Finger(finger + 1, joint), knuckle + self.along * part * length * h));
+                left.push((
+                    Limb::Finger(finger + 1, joint),
+                    knuckle + self.along * part * length * h,
+                ));
             }
         }
-        let root = shoulder + self.along * 0.335 * h + DVec3::Z * 0.014 * h - self.outward * 0.003 * h;
+        let root =
+            shoulder + self.along * 0.335 * h + DVec3::Z * 0.014 * h - self.outward * 0.003 * h;
         for (joint, part) in [0.0, 0.026, 0.047].into_iter().enumerate() {
             left.push((Limb::Finger(0, joint), root + self.thumb * part * h));
         }

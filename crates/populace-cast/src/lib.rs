@@ -1,9 +1,9 @@
-//! People made by code: bodies of one closed surface on two kinds of skeleton, with clips that stand, walk and run, so
-//! that a crowd needs no download.
+//! People made by code: bodies of one closed surface on two kinds of skeleton, with clips that
+//! stand, walk and run, so that a crowd needs no download.
 //!
-//! Spaces and units are those of [`populace_core`]: metres, Y up, facing +Z, soles on y = 0. Each character brings the
-//! clips `Idle`, `Idle_Shift`, `Walk` and `Run`; the last two walk in place, at the ground speed that
-//! [`ClipStats`](populace_core::ClipStats) tells.
+//! Spaces and units are those of [`populace_core`]: metres, Y up, facing +Z, soles on y = 0. Each
+//! character brings the clips `Idle`, `Idle_Shift`, `Walk` and `Run`; the last two walk in place,
+//! at the ground speed that [`ClipStats`](populace_core::ClipStats) tells.
 //!
 //! ```
 //! use populace_cast::{Look, person};
@@ -16,8 +16,9 @@
 //! # Ok::<(), populace_core::Error>(())
 //! ```
 //!
-//! The main decision: surface and motion are made for one set of 54 body segments, and a rig says which joint carries
-//! which segment. So both skeletons share every body and every motion, and a rig's names and rest rotations are its own.
+//! The main decision: surface and motion are made for one set of 54 body segments, and a rig says
+//! which joint carries which segment. So both skeletons share every body and every motion, and a
+//! rig's names and rest rotations are its own.
 
 mod anatomy;
 mod look;
@@ -27,7 +28,9 @@ mod surface;
 
 use std::sync::Arc;
 
-use populace_core::{Character, CharacterSource, Clip, Error, SkinInstance, sole_points, vertex_reach_m};
+use populace_core::{
+    Character, CharacterSource, Clip, Error, SkinInstance, sole_points, vertex_reach_m,
+};
 
 pub use look::{Colors, Hair, Look, Reach, Rig};
 
@@ -47,7 +50,9 @@ pub fn cast() -> Result<Vec<Character>, Error> {
 /// Those of [`person`]; the presets themselves have none.
 pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
     let presets = Look::presets();
-    (0..outfits).flat_map(|number| presets.iter().map(move |look| person(&look.in_outfit(number)))).collect()
+    (0..outfits)
+        .flat_map(|number| presets.iter().map(move |look| person(&look.in_outfit(number))))
+        .collect()
 }
 
 /// Makes one person with clips; the same look gives the same data.

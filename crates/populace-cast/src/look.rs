@@ -106,8 +106,13 @@ const BROWN: [f32; 3] = [0.22, 0.10, 0.055];
 const DARK: [f32; 3] = [0.11, 0.05, 0.03];
 
 const SKINS: [[f32; 3]; 5] = [PALE, LIGHT, TAN, BROWN, DARK];
-const HAIRS: [[f32; 3]; 5] =
-    [[0.02, 0.012, 0.01], [0.06, 0.03, 0.015], [0.16, 0.07, 0.025], [0.33, 0.19, 0.07], [0.2, 0.05, 0.02]];
+const HAIRS: [[f32; 3]; 5] = [
+    [0.02, 0.012, 0.01],
+    [0.06, 0.03, 0.015],
+    [0.16, 0.07, 0.025],
+    [0.33, 0.19, 0.07],
+    [0.2, 0.05, 0.02],
+];
 /// Cloth as people wear it in the street: mostly dark or dull, a few bright.
 const SHIRTS: [[f32; 3]; 9] = [
     [0.55, 0.53, 0.48],
@@ -120,12 +125,17 @@ const SHIRTS: [[f32; 3]; 9] = [
     [0.42, 0.25, 0.33],
     [0.08, 0.30, 0.32],
 ];
-const TROUSERS: [[f32; 3]; 5] =
-    [[0.04, 0.06, 0.12], [0.05, 0.05, 0.055], [0.24, 0.19, 0.12], [0.12, 0.13, 0.15], [0.09, 0.06, 0.045]];
+const TROUSERS: [[f32; 3]; 5] = [
+    [0.04, 0.06, 0.12],
+    [0.05, 0.05, 0.055],
+    [0.24, 0.19, 0.12],
+    [0.12, 0.13, 0.15],
+    [0.09, 0.06, 0.045],
+];
 
 impl Look {
-    /// The same build in other clothes, with other skin and hair, a little taller or shorter; number 0 is as it was.
-    /// Outfits of different builds differ too.
+    /// The same build in other clothes, with other skin and hair, a little taller or shorter;
+    /// number 0 is as it was. Outfits of different builds differ too.
     #[must_use]
     pub fn in_outfit(&self, number: usize) -> Self {
         let mut look = self.clone();
@@ -323,8 +333,9 @@ mod tests {
 
     #[test]
     fn outfits_differ_between_numbers_and_builds() {
-        let looks: Vec<Look> =
-            (0..5).flat_map(|n| Look::presets().into_iter().map(move |look| look.in_outfit(n))).collect();
+        let looks: Vec<Look> = (0..5)
+            .flat_map(|n| Look::presets().into_iter().map(move |look| look.in_outfit(n)))
+            .collect();
         for (index, a) in looks.iter().enumerate() {
             for b in &looks[..index] {
                 assert_ne!(a.name, b.name);

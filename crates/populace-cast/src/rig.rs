@@ -2,7 +2,8 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_core::{
-    Affine, ClipSource, Error, Interpolation, JointSource, PaletteEntry, Property, Skeleton, Track, Trs,
+    Affine, ClipSource, Error, Interpolation, JointSource, PaletteEntry, Property, Skeleton, Track,
+    Trs,
 };
 
 use crate::Rig;
@@ -10,7 +11,8 @@ use crate::anatomy::{Body, HEAD, Limb, NECK, PELVIS, SEGMENTS, SPINE, Segment, S
 use crate::motion::{Motion, Pose};
 use crate::surface::{narrow, narrow_one};
 
-/// A joint of a rig: its name, the segment at whose place it stands, the segment whose turns it makes, its parent.
+/// A joint of a rig: its name, the segment at whose place it stands, the segment whose turns it
+/// makes, its parent.
 struct Entry {
     name: String,
     place: Segment,
@@ -56,7 +58,11 @@ impl Joints {
                 JointSource {
                     name: self.entries[at].name.clone(),
                     parent: self.entries[at].parent,
-                    rest: Trs { translation: narrow(offset), rotation: quat(turn), scale: [1.0; 3] },
+                    rest: Trs {
+                        translation: narrow(offset),
+                        rotation: quat(turn),
+                        scale: [1.0; 3],
+                    },
                 }
             })
             .collect();
@@ -71,7 +77,10 @@ impl Joints {
                 let m = model.inverse();
                 let columns = [m.x_axis, m.y_axis, m.z_axis, m.translation].map(narrow);
                 let rows = [0, 1, 2].map(|row| columns.map(|column| column[row]));
-                PaletteEntry { joint: skeleton.joint_from_source(at), joint_from_bind: Affine { rows } }
+                PaletteEntry {
+                    joint: skeleton.joint_from_source(at),
+                    joint_from_bind: Affine { rows },
+                }
             })
             .collect()
     }
@@ -79,8 +88,9 @@ impl Joints {
     /// Rotations of all joints and the root's translation.
     pub(crate) fn tracks(&self, body: &Body, motion: &Motion) -> ClipSource {
         let last = motion.poses.len() - 1;
-        let times: Vec<f32> =
-            (0..=last).map(|key| narrow_one(motion.duration_secs * key as f64 / last as f64)).collect();
+        let times: Vec<f32> = (0..=last)
+            .map(|key| narrow_one(motion.duration_secs * key as f64 / last as f64))
+            .collect();
         let mut tracks = Vec::with_capacity(self.entries.len() + 1);
         tracks.push(Track {
             joint: self.entries[0].name.clone(),
@@ -177,7 +187,8 @@ fn full() -> (Vec<Entry>, [u16; SEGMENTS]) {
 
 /// Two joints for the spine, one for the neck, one for four fingers, one for the thumb.
 fn lean() -> (Vec<Entry>, [u16; SEGMENTS]) {
-    let entry = |name: &str, place, driver, parent| Entry { name: name.into(), place, driver, parent };
+    let entry =
+        |name: &str, place, driver, parent| Entry { name: name.into(), place, driver, parent };
     let mut entries = vec![
         entry("hips", PELVIS, PELVIS, None),
         entry("spine", SPINE[0], SPINE[1], Some(0)),
@@ -222,7 +233,8 @@ fn lean() -> (Vec<Entry>, [u16; SEGMENTS]) {
     (entries, of_segment)
 }
 
-/// The rest rotation of the full rig: Y to the next joint, Z as far to the front (of feet: up) as can be.
+/// The rest rotation of the full rig: Y to the next joint, Z as far to the front (of feet: up) as
+/// can be.
 fn along_segment(body: &Body, segment: Segment) -> DQuat {
     let next = (segment + 1..SEGMENTS).filter(|&s| parent(s) == Some(segment));
     let middle = Side::BOTH.map(|side| Limb::Finger(2, 0).of(side));

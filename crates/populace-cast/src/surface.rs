@@ -53,7 +53,8 @@ pub(crate) type Weights = Vec<(Segment, f64)>;
 pub(crate) struct Surface {
     pub(crate) points: Vec<DVec3>,
     pub(crate) weights: Vec<Weights>,
-    /// Regions of which a vertex is part or border; a triangle whose corners share one is drawn as that.
+    /// Regions of which a vertex is part or border; a triangle whose corners share one is drawn as
+    /// that.
     marks: Vec<u16>,
     pub(crate) triangles: Vec<([usize; 3], Region)>,
 }
@@ -95,21 +96,24 @@ impl Surface {
         [Iris, EyeWhite, Lips, Brow, Hair].into_iter().find(|r| shared & r.bit() != 0)
     }
 
-    /// Two triangles between four corners, counter-clockwise, cut where regions meet, else from the first corner, or
-    /// from the second where `mirrored`, so that both halves of a body are cut alike.
+    /// Two triangles between four corners, counter-clockwise, cut where regions meet, else from the
+    /// first corner, or from the second where `mirrored`, so that both halves of a body are cut
+    /// alike.
     fn quad(&mut self, [a, b, c, d]: [usize; 4], region: Region, mirrored: bool) {
         let cuts = [[[a, b, c], [a, c, d]], [[b, c, d], [b, d, a]]];
-        let marked = |cut: &[[usize; 3]; 2]| cut.iter().filter(|t| self.region(**t).is_some()).count();
+        let marked =
+            |cut: &[[usize; 3]; 2]| cut.iter().filter(|t| self.region(**t).is_some()).count();
         let default = usize::from(mirrored);
         let other = 1 - default;
-        let cut = if marked(&cuts[other]) > marked(&cuts[default]) { cuts[other] } else { cuts[default] };
+        let cut =
+            if marked(&cuts[other]) > marked(&cuts[default]) { cuts[other] } else { cuts[default] };
         for corners in cut {
             self.triangle(corners, region);
         }
     }
 
-    /// A band of quads between two rings of equally many points. Seen from outside, with `to` above `from`, the rings
-    /// run to the right, or to the left where `mirrored`.
+    /// A band of quads between two rings of equally many points. Seen from outside, with `to` above
+    /// `from`, the rings run to the right, or to the left where `mirrored`.
     fn bridge(&mut self, from: &[usize], to: &[usize], region: Region, mirrored: bool) {
         let next = |k: usize| (k + 1) % from.len();
         for k in 0..from.len() {
@@ -133,7 +137,8 @@ pub(crate) fn smooth(low: f64, high: f64, x: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Weights along a chain: `bounds` are where one segment ends and the next begins, and over how much either side.
+/// Weights along a chain: `bounds` are where one segment ends and the next begins, and over how
+/// much either side.
 fn chain(at: f64, segments: &[Segment], bounds: &[(f64, f64)]) -> Weights {
     let mut rest = 1.0;
     let mut weights = Vec::new();

@@ -1,6 +1,6 @@
-//! Seven people walk with torches that they hold up, and with hats on which feathers stick: each torch and each hat is a
-//! member of its own, attached to a joint of its bearer, and each feather to its hat. All of them are where the same frame
-//! draws what they hang on.
+//! Seven people walk with torches that they hold up, and with hats on which feathers stick: each
+//! torch and each hat is a member of its own, attached to a joint of its bearer, and each feather
+//! to its hat. All of them are where the same frame draws what they hang on.
 //!
 //! `cargo run --example attach [PICTURE.png]`
 
@@ -16,7 +16,9 @@ use std::sync::Arc;
 
 use populace::core::Character;
 use populace::core::math::{quat, vec3};
-use populace::{CharacterId, Crowd, JointIndex, Member, Placement, Play, Reach, Target, Trs, Weight};
+use populace::{
+    CharacterId, Crowd, JointIndex, Member, Placement, Play, Reach, Target, Trs, Weight,
+};
 use populace_cast::{Look, person};
 
 const WOOD: [f32; 3] = [0.12, 0.05, 0.02];
@@ -26,7 +28,10 @@ const TORCH: [prop::Piece; 3] = [
     ([1.0, 0.3, 0.02], &[[0.028, 0.3], [0.04, 0.34], [0.022, 0.43], [0.0, 0.5]]),
 ];
 const HAT: [prop::Piece; 2] = [
-    ([0.5, 0.33, 0.12], &[[0.1, 0.0], [0.2, -0.01], [0.2, 0.0], [0.1, 0.01], [0.085, 0.1], [0.0, 0.11]]),
+    (
+        [0.5, 0.33, 0.12],
+        &[[0.1, 0.0], [0.2, -0.01], [0.2, 0.0], [0.1, 0.01], [0.085, 0.1], [0.0, 0.11]],
+    ),
     ([0.35, 0.02, 0.02], &[[0.101, 0.008], [0.099, 0.035]]),
 ];
 const FEATHER: [prop::Piece; 1] =
@@ -59,21 +64,29 @@ fn walker(
     let joint = |name: &str| person.skeleton.find(name).ok_or(format!("no joint {name}"));
     let (head, hand, knuckles) = (joint("head")?, joint("r_hand")?, joint("r_fingers")?);
     let x = nth as f32 - 3.0;
-    let member = crowd.spawn(id, Placement::at([0.85 * x, 0.0, 0.2 * x.abs()]).facing(0.25 - 0.1 * x))?;
+    let member =
+        crowd.spawn(id, Placement::at([0.85 * x, 0.0, 0.2 * x.abs()]).facing(0.25 - 0.1 * x))?;
     crowd.play(member, crowd.clip(id, "Walk")?, Play::looping().phase(nth as f32 / 7.0))?;
     let size = person.height_m() / 1.7;
     let up = [-0.42 * size, (1.05 + 0.1 * (nth % 3) as f32) * size, 0.3 * size];
     crowd.reach(member, Reach::with(hand), Target::InModel(up), Weight::FULL)?;
 
-    // A torch lies across the fist, a little towards the fingers: forward while arms hang, up where they are bent.
+    // A torch lies across the fist, a little towards the fingers: forward while arms hang, up where
+    // they are bent.
     let fist = person.skeleton.rest(knuckles).translation;
     let across = quat::mul([0.0, -0.3, 0.0, 0.954], [FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2]);
     let here = Placement::at([0.0; 3]);
     let [torch, hat, feather] =
         [crowd.spawn(torch, here)?, crowd.spawn(hat, here)?, crowd.spawn(feather, here)?];
-    crowd.attach(torch, member, hand, Trs { translation: fist, rotation: across, scale: [0.9 * size; 3] })?;
+    crowd.attach(
+        torch,
+        member,
+        hand,
+        Trs { translation: fist, rotation: across, scale: [0.9 * size; 3] },
+    )?;
     crowd.attach(hat, member, head, on_top(&person, head))?;
-    let aslant = Trs { translation: [0.1, 0.0, 0.0], rotation: [-0.3, 0.0, -0.2, 0.933], ..Trs::IDENTITY };
+    let aslant =
+        Trs { translation: [0.1, 0.0, 0.0], rotation: [-0.3, 0.0, -0.2, 0.933], ..Trs::IDENTITY };
     crowd.attach(feather, hat, JointIndex(0), aslant)?;
     Ok(Walker { member, hand, fist, torch })
 }
@@ -103,7 +116,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let fist = crowd.model_from_joints(member)?[hand.index()].transform_point(fist);
         let torch = crowd.model_from_joints(torch)?[0].origin();
         let apart = vec3::length(vec3::sub(fist, torch));
-        println!("{nth}: the torch is {apart:.3} m from the fist, {:.2} m above the ground", torch[1]);
+        println!(
+            "{nth}: the torch is {apart:.3} m from the fist, {:.2} m above the ground",
+            torch[1]
+        );
     }
     let path = shared::output("attach.png");
     let drawn: Vec<&Character> = characters.iter().collect();

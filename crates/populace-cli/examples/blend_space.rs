@@ -1,5 +1,5 @@
-//! Seven people at seven speeds, from standing to running, out of three clips: a blend space mixes the two around each
-//! speed, in one phase, so that their feet fall together.
+//! Seven people at seven speeds, from standing to running, out of three clips: a blend space mixes
+//! the two around each speed, in one phase, so that their feet fall together.
 //!
 //! `cargo run --example blend_space [PICTURE.png]`
 
@@ -30,7 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // All stand, and change over to a speed of their own within a second.
     let mut members = Vec::new();
     for nth in 0..7_u8 {
-        let place = Placement::at([f32::from(nth) * 1.2 - 3.6, 0.0, 0.0]).facing(std::f32::consts::FRAC_PI_2);
+        let place = Placement::at([f32::from(nth) * 1.2 - 3.6, 0.0, 0.0])
+            .facing(std::f32::consts::FRAC_PI_2);
         let member = crowd.spawn(id, place)?;
         crowd.play_space(member, gait, 0.0, Play::looping())?;
         crowd.steer(member, f32::from(nth) * 0.5, 1.0)?;
@@ -41,7 +42,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let clips = crowd.clips(id)?;
     for (nth, member) in (0..7_u8).zip(members) {
-        let name = |clip| clips.iter().find(|(id, _)| *id == clip).map_or("", |(_, clip)| clip.name());
+        let name =
+            |clip| clips.iter().find(|(id, _)| *id == clip).map_or("", |(_, clip)| clip.name());
         let playing = crowd.playing(member)?;
         let shares: Vec<_> =
             playing.iter().map(|p| format!("{} {:.0} %", name(p.clip), p.weight * 100.0)).collect();

@@ -1,5 +1,5 @@
-//! Nine people stand in a row and look at a tenth who walks past: at the joint of her head, wherever it is. Those whom she
-//! has passed look after her as far as necks turn.
+//! Nine people stand in a row and look at a tenth who walks past: at the joint of her head,
+//! wherever it is. Those whom she has passed look after her as far as necks turn.
 //!
 //! `cargo run --example gaze [PICTURE.png]`
 
@@ -19,7 +19,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let id = crowd.add_character(woman.clone())?;
     let (idle, walk) = (crowd.clip(id, "Idle")?, crowd.clip(id, "Walk")?);
 
-    let passer = crowd.spawn(id, Placement::at([-3.0, 0.0, 1.6]).facing(std::f32::consts::FRAC_PI_2))?;
+    let passer =
+        crowd.spawn(id, Placement::at([-3.0, 0.0, 1.6]).facing(std::f32::consts::FRAC_PI_2))?;
     crowd.play(passer, walk, Play::looping())?;
     let mut row = Vec::new();
     for nth in 0..9_u8 {

@@ -1,5 +1,5 @@
-//! Four people walk. The second also waves: a clip on a layer of its own, masked to one arm. The third bows as well: an
-//! additive clip on another. The fourth does both by half.
+//! Four people walk. The second also waves: a clip on a layer of its own, masked to one arm. The
+//! third bows as well: an additive clip on another. The fourth does both by half.
 //!
 //! `cargo run --example layers [PICTURE.png]`
 
@@ -26,9 +26,15 @@ fn clip(
         property: Property::Rotation,
         interpolation: Interpolation::Linear,
         times: vec![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0],
-        values: angles.into_iter().flat_map(|angle| Quat::from_axis_angle(axis, angle).to_array()).collect(),
+        values: angles
+            .into_iter()
+            .flat_map(|angle| Quat::from_axis_angle(axis, angle).to_array())
+            .collect(),
     };
-    Clip::new(ClipSource { name: name.into(), tracks: joints.iter().map(track).collect() }, skeleton)
+    Clip::new(
+        ClipSource { name: name.into(), tracks: joints.iter().map(track).collect() },
+        skeleton,
+    )
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -51,8 +57,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (wave, bow) = (crowd.add_clip(id, &wave.into())?, crowd.add_clip(id, &bow.into())?);
     let (walk, one_arm) = (crowd.clip(id, "Walk")?, crowd.add_mask(id, &one_arm)?);
     let added = LayerMode::Additive;
-    for (nth, (waves, bows)) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.5)].into_iter().enumerate() {
-        let member = crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.4))?;
+    for (nth, (waves, bows)) in
+        [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.5)].into_iter().enumerate()
+    {
+        let member =
+            crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.4))?;
         crowd.set_layer(
             member,
             1,

@@ -1,10 +1,14 @@
-//! A motion-capture stream that comes in while people follow it: poses at about 30 Hz, never quite on time, into a live clip.
-//! The first of five people shows it a tenth of a second late, each of the others 0.15 s later still.
+//! A motion-capture stream that comes in while people follow it: poses at about 30 Hz, never quite
+//! on time, into a live clip. The first of five people shows it a tenth of a second late, each of
+//! the others 0.15 s later still.
 //!
 //! `cargo run --example live_clip [PICTURE.png]`
 
 #![expect(clippy::print_stdout, reason = "an example tells what it does")]
-#![expect(clippy::disallowed_methods, reason = "a made motion has no need of the same bits on every machine")]
+#![expect(
+    clippy::disallowed_methods,
+    reason = "a made motion has no need of the same bits on every machine"
+)]
 
 mod shared;
 
@@ -25,7 +29,8 @@ fn actor(skeleton: &Skeleton, secs: f32) -> Result<Vec<Trs>, populace::core::Err
         ("l_upper_arm", Quat::from_rotation_x(0.9 * beat)),
         ("spine", Quat::from_rotation_z(0.12 * beat)),
     ];
-    for (joint, (_, turn)) in skeleton.find_all(turns.map(|(name, _)| name))?.into_iter().zip(turns) {
+    for (joint, (_, turn)) in skeleton.find_all(turns.map(|(name, _)| name))?.into_iter().zip(turns)
+    {
         let rest = Quat::from_array(skeleton.rest(joint).rotation);
         pose[joint.index()].rotation = (turn * rest).to_array();
     }
@@ -36,7 +41,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let woman = person(&Look::woman())?;
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(woman.clone())?;
-    // Rotations alone: whoever follows keeps their own proportions. Two seconds are kept, older rows are written over.
+    // Rotations alone: whoever follows keeps their own proportions. Two seconds are kept, older
+    // rows are written over.
     let settings = LiveSettings {
         rows_per_sec: 60.0,
         secs: 2.0,

@@ -1,6 +1,7 @@
-//! Seven people of several builds run one state machine, each by parameters of its own. One after the other they are called:
-//! they turn to us, walk up, run if that is far, and stand. The host moves them and says how fast they go and turn; which
-//! clip that takes, and when, is the machine's.
+//! Seven people of several builds run one state machine, each by parameters of its own. One after
+//! the other they are called: they turn to us, walk up, run if that is far, and stand. The host
+//! moves them and says how fast they go and turn; which clip that takes, and when, is the
+//! machine's.
 //!
 //! `cargo run --example machine [PICTURE.png]`
 
@@ -62,7 +63,12 @@ fn gait([idle, walk, run]: [ClipId; 3], [walking, running]: [f32; 2]) -> StateMa
         .state("run", run, Play::looping())
         .transition("idle", "turn", 0.15, &[Condition::above("turn", 0.1)])
         .transition("turn", "walk", 0.25, std::slice::from_ref(&goes))
-        .transition("turn", "idle", 0.2, &[Condition::below("turn", 0.1), Condition::AfterSecs(0.4)])
+        .transition(
+            "turn",
+            "idle",
+            0.2,
+            &[Condition::below("turn", 0.1), Condition::AfterSecs(0.4)],
+        )
         .transition("idle", "walk", 0.25, &[goes])
         .transition("walk", "run", 0.3, &[Condition::above("speed", between)])
         .transition("run", "walk", 0.3, &[Condition::below("speed", between - 0.3)])
@@ -82,7 +88,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut speeds = [1.4, 3.0];
     for (clip, motion) in crowd.clips(ids[0])? {
         let speed = motion.stats().ground_speed_m_per_sec.unwrap_or(0.0);
-        speeds = [if clip == walk { speed } else { speeds[0] }, if clip == run { speed } else { speeds[1] }];
+        speeds = [
+            if clip == walk { speed } else { speeds[0] },
+            if clip == run { speed } else { speeds[1] },
+        ];
     }
     let gait = crowd.add_machine(&gait([idle, walk, run], speeds))?;
 
@@ -103,7 +112,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     for (nth, walker) in walkers.iter().enumerate() {
         let state = crowd.state_of(walker.member, 0)?;
-        println!("{nth}: {state} at {:.1} m/s, {:.1} m away", walker.speed_m_per_sec, walker.z.abs());
+        println!(
+            "{nth}: {state} at {:.1} m/s, {:.1} m away",
+            walker.speed_m_per_sec,
+            walker.z.abs()
+        );
     }
     let path = shared::output("machine.png");
     let drawn: Vec<_> = people.iter().collect();

@@ -35,7 +35,11 @@ fn main() -> Result<()> {
         let plan = Arc::new(RagdollPlan::from_skeleton(&person.skeleton));
         let character = crowd.add_character(person)?;
         let member = crowd.spawn(character, place(number, 0))?;
-        crowd.play(member, crowd.clip(character, "Walk")?, Play::looping().phase(0.37 * number as f32))?;
+        crowd.play(
+            member,
+            crowd.clip(character, "Walk")?,
+            Play::looping().phase(0.37 * number as f32),
+        )?;
         people.push((member, plan));
     }
     crowd.update(0.0)?;
@@ -63,7 +67,12 @@ fn main() -> Result<()> {
     Ok(write_png(&file, &draw(&mut renderer, &mut crowd, &handles, front)?)?)
 }
 
-fn draw(renderer: &mut Renderer, crowd: &mut Crowd, known: &[CharacterHandle], front: f32) -> Result<Image> {
+fn draw(
+    renderer: &mut Renderer,
+    crowd: &mut Crowd,
+    known: &[CharacterHandle],
+    front: f32,
+) -> Result<Image> {
     renderer.take_palettes(crowd)?;
     let drawn = crowd.instances().map(|i| Instance {
         character: known[i.character.index()],
@@ -73,7 +82,8 @@ fn draw(renderer: &mut Renderer, crowd: &mut Crowd, known: &[CharacterHandle], f
         tint: [1.0; 3],
     });
     let framing = Camera::framing([[-4.3, 0.0, 0.0], [4.3, 1.8, front]], 16.0 / 9.0);
-    let camera = Camera { eye: [1.0, 3.2, front + 7.2], target: [0.0, 0.4, 0.5 * front], ..framing };
+    let camera =
+        Camera { eye: [1.0, 3.2, front + 7.2], target: [0.0, 0.4, 0.5 * front], ..framing };
     renderer.draw(&Scene { camera, ..Scene::default() }, &drawn.collect::<Vec<_>>())?;
     Ok(renderer.read_image()?)
 }

@@ -1,5 +1,6 @@
-//! Five people reach for a ball each that hangs ever farther away: arms straighten as they come to their full length, and
-//! point at what is out of reach. The ground slopes, and their feet stand on it.
+//! Five people reach for a ball each that hangs ever farther away: arms straighten as they come to
+//! their full length, and point at what is out of reach. The ground slopes, and their feet stand on
+//! it.
 //!
 //! `cargo run --example reach [PICTURE.png]`
 
@@ -26,7 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(man.clone())?;
     let idle = crowd.clip(id, "Idle")?;
-    // Up to the right of the picture by a fifth: what feet know of the ground, and a ramp to see it by.
+    // Up to the right of the picture by a fifth: what feet know of the ground, and a ramp to see it
+    // by.
     let ramp = ramp::ramp(RISE)?;
     let drawn = crowd.add_character(ramp.clone())?;
     crowd.spawn(drawn, Placement::at([0.0, HEIGHT, 0.0]))?;

@@ -1,7 +1,9 @@
-//! One clip on bodies of other builds: a woman's walk on a man, on a tall man with other proportions, and on a child, whose
-//! joints have other names and rests. Bodies keep their own proportions.
+//! One clip on bodies of other builds: a woman's walk on a man, on a tall man with other
+//! proportions, and on a child, whose joints have other names and rests. Bodies keep their own
+//! proportions.
 //!
-//! `cargo run --example retarget [PICTURE.png] [FILE.glb CLIP]`: a clip of a file instead of the walk.
+//! `cargo run --example retarget [PICTURE.png] [FILE.glb CLIP]`: a clip of a file instead of the
+//! walk.
 
 #![expect(clippy::print_stdout, reason = "an example tells what it does")]
 
@@ -14,7 +16,8 @@ use populace::{Crowd, Placement, Play};
 use populace_cast::{Look, person};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (woman, man, child) = (person(&Look::woman())?, person(&Look::man())?, person(&Look::child())?);
+    let (woman, man, child) =
+        (person(&Look::woman())?, person(&Look::man())?, person(&Look::child())?);
     let mut arguments = std::env::args().skip(2);
     let source = match (arguments.next(), arguments.next()) {
         (Some(file), Some(clip)) => {
@@ -29,17 +32,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (nth, character) in [&woman, &man, &man, &child].into_iter().enumerate() {
         let id = crowd.add_character(character.clone())?;
         let clip = crowd.add_clip(id, &source)?;
-        let member = crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.6))?;
+        let member =
+            crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.6))?;
         crowd.play(member, clip, Play::looping().phase(0.1))?;
         if nth == 2 {
             // Long legs, long arms, on a member of its own.
-            let lengths = character.skeleton.joints().map(|joint| match character.skeleton.name(joint) {
-                name if name.contains("Shin") || name.contains("Foot") => 1.15,
-                name if name.contains("Forearm") || name.contains("Hand") => 1.15,
-                // The legs carry it so much higher.
-                "Pelvis" => 1.14,
-                _ => 1.0,
-            });
+            let lengths =
+                character.skeleton.joints().map(|joint| match character.skeleton.name(joint) {
+                    name if name.contains("Shin") || name.contains("Foot") => 1.15,
+                    name if name.contains("Forearm") || name.contains("Hand") => 1.15,
+                    // The legs carry it so much higher.
+                    "Pelvis" => 1.14,
+                    _ => 1.0,
+                });
             crowd.set_proportions(member, &lengths.collect::<Vec<f32>>())?;
         }
         people.push((member, character, crowd.roles(id)?.map_or("none", |roles| roles.naming())));
@@ -47,13 +52,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     crowd.update(0.35)?;
     for (member, character, naming) in &people {
         let joints = crowd.model_from_joints(*member)?;
-        let hips =
-            character.skeleton.joints().find(|j| ["hips", "Pelvis"].contains(&character.skeleton.name(*j)));
+        let hips = character
+            .skeleton
+            .joints()
+            .find(|j| ["hips", "Pelvis"].contains(&character.skeleton.name(*j)));
         let height = hips.map_or(0.0, |hips| joints[hips.index()].origin()[1]);
         println!("{}: roles by names as of {naming}, hips {height:.2} m high", character.name);
     }
     let path = shared::output("retarget.png");
-    shared::draw(&mut crowd, &[&woman, &man, &man, &child], &[[-2.4, -0.3, 0.4], [2.4, 2.2, 0.0]], &path)?;
+    shared::draw(
+        &mut crowd,
+        &[&woman, &man, &man, &child],
+        &[[-2.4, -0.3, 0.4], [2.4, 2.2, 0.0]],
+        &path,
+    )?;
     println!("on {}, drawn to {path}", crowd.device_name());
     Ok(())
 }

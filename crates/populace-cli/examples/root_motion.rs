@@ -1,5 +1,6 @@
-//! Two files of people set out from one place each: they walk, then run, and their clips carry them over the ground. The
-//! program places nobody after the start. Then one of them is asked where she is.
+//! Two files of people set out from one place each: they walk, then run, and their clips carry them
+//! over the ground. The program places nobody after the start. Then one of them is asked where she
+//! is.
 //!
 //! `cargo run --example root_motion [PICTURE.png]`
 
@@ -47,7 +48,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         crowd.update(1.0 / 60.0)?;
     }
-    // Shadows reach as far as members are known to have gone: let the device catch up before what is to be drawn.
+    // Shadows reach as far as members are known to have gone: let the device catch up before what
+    // is to be drawn.
     crowd.finish()?;
     crowd.update(0.0)?;
     let first = people[0].0;

@@ -1,6 +1,6 @@
-//! Three people swing an arm outwards and then hold it up: the first by a cut, the second by a crossfade, the third by an
-//! inertialised transition. Beads show the way of each one's hand, sixty a second: dark before, red after. Only the third's
-//! has no corner.
+//! Three people swing an arm outwards and then hold it up: the first by a cut, the second by a
+//! crossfade, the third by an inertialised transition. Beads show the way of each one's hand, sixty
+//! a second: dark before, red after. Only the third's has no corner.
 //!
 //! `cargo run --example settle [PICTURE.png]`
 
@@ -24,7 +24,12 @@ const FRAMES: u8 = 38;
 const SECS: f32 = 0.3;
 
 /// A clip that turns the right arm, from one rotation to another in 0.6 s.
-fn clip(skeleton: &Skeleton, name: &str, from: Quat, to: Quat) -> Result<Clip, populace::core::Error> {
+fn clip(
+    skeleton: &Skeleton,
+    name: &str,
+    from: Quat,
+    to: Quat,
+) -> Result<Clip, populace::core::Error> {
     let track = Track {
         joint: "r_upper_arm".into(),
         property: Property::Rotation,
@@ -42,10 +47,12 @@ fn clips(skeleton: &Skeleton) -> Result<[Clip; 2], populace::core::Error> {
     Ok([clip(skeleton, "Swing", front, side)?, clip(skeleton, "Up", up, up)?])
 }
 
-/// By how much a hand's speed changes from one frame to the next at most, once it is interrupted, in metres per second.
+/// By how much a hand's speed changes from one frame to the next at most, once it is interrupted,
+/// in metres per second.
 fn largest_change(way: &[[f32; 3]]) -> f32 {
     let step = |frame: usize| Vec3::from(way[frame]) - Vec3::from(way[frame - 1]);
-    let changes = (usize::from(SWING)..way.len()).map(|frame| (step(frame) - step(frame - 1)).length());
+    let changes =
+        (usize::from(SWING)..way.len()).map(|frame| (step(frame) - step(frame - 1)).length());
     changes.fold(0.0, f32::max) / FRAME_SECS
 }
 
@@ -93,7 +100,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     crowd.update(0.0)?;
     let path = shared::output("settle.png");
-    shared::draw(&mut crowd, &[&woman, &before, &after], &[[-2.6, -0.1, 0.4], [2.6, 2.2, 0.4]], &path)?;
+    shared::draw(
+        &mut crowd,
+        &[&woman, &before, &after],
+        &[[-2.6, -0.1, 0.4], [2.6, 2.2, 0.4]],
+        &path,
+    )?;
     println!("all three on {}, drawn to {path}", crowd.device_name());
     Ok(())
 }

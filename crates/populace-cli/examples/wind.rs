@@ -1,5 +1,6 @@
-//! A field of wheat in a wind of gusts. The wind is a stage of our own that runs after Transform for every joint of every
-//! stalk: in OpenCL C on OpenCL devices, in Rust on the native one, with the same picture.
+//! A field of wheat in a wind of gusts. The wind is a stage of our own that runs after Transform
+//! for every joint of every stalk: in OpenCL C on OpenCL devices, in Rust on the native one, with
+//! the same picture.
 //!
 //! `cargo run --release --example wind [PICTURE.png]`
 
@@ -10,14 +11,16 @@ mod shared;
 use std::error::Error;
 
 use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part, Skeleton,
+    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
+    Skeleton,
 };
 use populace::{Affine, After, Crowd, Device, Placement, StageJoint, StageUse, Trs, UserStage};
 
 const JOINTS: u16 = 6;
 const JOINT_M: f32 = 0.17;
 
-/// A gust is a hump that runs over the field. Parameters: its strength, length in metres and period in seconds.
+/// A gust is a hump that runs over the field. Parameters: its strength, length in metres and period
+/// in seconds.
 const WIND: &str = "
 void wind(StageJoint *joint)
 {
@@ -47,7 +50,9 @@ fn stalk() -> Result<Character, populace::core::Error> {
         rest: Trs { translation: [0.0, if at == 0 { 0.0 } else { JOINT_M }, 0.0], ..Trs::IDENTITY },
     };
     let skeleton = Skeleton::new(&(0..JOINTS).map(joint).collect::<Vec<_>>())?;
-    let down = |at: f32| Affine::from_trs(&Trs { translation: [0.0, -at * JOINT_M, 0.0], ..Trs::IDENTITY });
+    let down = |at: f32| {
+        Affine::from_trs(&Trs { translation: [0.0, -at * JOINT_M, 0.0], ..Trs::IDENTITY })
+    };
     let entry = |joint| PaletteEntry { joint, joint_from_bind: down(joint.0 as f32) };
     let palette: Vec<_> = skeleton.joints().map(entry).collect();
     let (mut positions, mut normals, mut colors) = (vec![], vec![], vec![]);
@@ -62,26 +67,40 @@ fn stalk() -> Result<Character, populace::core::Error> {
             weights.extend([1.0, 0.0, 0.0, 0.0]);
         }
     }
-    for (ring, a, b) in (0..6).flat_map(|ring| [(3 * ring, 0, 1), (3 * ring, 1, 2), (3 * ring, 2, 0)]) {
+    for (ring, a, b) in
+        (0..6).flat_map(|ring| [(3 * ring, 0, 1), (3 * ring, 1, 2), (3 * ring, 2, 0)])
+    {
         indices.extend([ring + a, ring + b, ring + 3 + a, ring + b, ring + 3 + b, ring + 3 + a]);
     }
     let influences = Influences { per_vertex: 4, entries, weights };
     let mesh = Mesh { positions, normals, uvs: vec![], colors, influences, indices };
     let (name, materials) = ("stalk".to_owned(), vec![Material::default()]);
-    let parts = vec![Part { node: 0, node_name: name.clone(), primitive: 0, material: Some(0), mesh }];
+    let parts =
+        vec![Part { node: 0, node_name: name.clone(), primitive: 0, material: Some(0), mesh }];
     let (images, skins, clips) = (vec![], vec![], vec![]);
-    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images,
+        skins,
+        clips,
+    })
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let stalk = stalk()?;
     let mut crowd = Crowd::builder().device(Device::native()).capacity(10_000).build()?;
     let id = crowd.add_character(stalk.clone())?;
-    let wind = crowd.add_stage(After::Transform, UserStage::new("wind").opencl_c(WIND).rust(wind))?;
+    let wind =
+        crowd.add_stage(After::Transform, UserStage::new("wind").opencl_c(WIND).rust(wind))?;
     crowd.set_stage_parameters(wind, &[0.13, 3.5, 4.0])?;
     for nth in 0..10_000_u16 {
         let [a, b, c] = [0.754_877_7, 0.569_840_3, 0.347_296].map(|k| (f32::from(nth) * k).fract());
-        let place = Placement::at([12.0 * a - 6.0, 0.0, -9.0 * b]).scaled(0.85 + 0.3 * c).facing(6.0 * c);
+        let place =
+            Placement::at([12.0 * a - 6.0, 0.0, -9.0 * b]).scaled(0.85 + 0.3 * c).facing(6.0 * c);
         let member = crowd.spawn(id, place)?;
         crowd.use_stage(member, wind, StageUse::on_all().with_values([0.12 * c, 0.0, 0.0, 0.0]))?;
     }

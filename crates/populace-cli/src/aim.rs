@@ -25,11 +25,14 @@ impl FromStr for Point {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split(',').map(|n| n.trim().parse::<f32>().ok().filter(|n| n.is_finite()));
+        let numbers =
+            text.split(',').map(|n| n.trim().parse::<f32>().ok().filter(|n| n.is_finite()));
         let numbers: Option<Vec<f32>> = numbers.collect();
         match numbers.as_deref() {
             Some(&[x, y, z]) => Ok(Self([x, y, z])),
-            _ => Err(format!("\"{text}\" is no point; write three numbers of metres, as 0.3,1.2,0.5")),
+            _ => Err(format!(
+                "\"{text}\" is no point; write three numbers of metres, as 0.3,1.2,0.5"
+            )),
         }
     }
 }
@@ -40,7 +43,11 @@ impl FromStr for ReachArg {
     fn from_str(text: &str) -> Result<Self, String> {
         let (joint, rest) = name_and_rest(text)?;
         let point = rest.ok_or("write JOINT=X,Y,Z, as hand_l=0.3,1.2,0.5")?.parse()?;
-        if joint.is_empty() { Err("the joint has no name".into()) } else { Ok(Self { joint, point }) }
+        if joint.is_empty() {
+            Err("the joint has no name".into())
+        } else {
+            Ok(Self { joint, point })
+        }
     }
 }
 
@@ -65,7 +72,9 @@ pub(crate) fn apply(
     let mut told = Vec::new();
     for ReachArg { joint, point } in reaches {
         let end = names::joint(&skeleton, joint)?;
-        crowd.reach(member, Reach::with(end), Target::InModel(point.0), at_once).map_err(refused)?;
+        crowd
+            .reach(member, Reach::with(end), Target::InModel(point.0), at_once)
+            .map_err(refused)?;
         told.push(json!({"joint": joint, "target": point.as_json()}));
     }
     Ok([look.map_or(Value::Null, Point::as_json), Value::Array(told)])

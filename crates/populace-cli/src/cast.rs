@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use populace::core::{Binding, Character, Clip, RoleMap, RootMotion};
-use populace::{BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource};
+use populace::{
+    BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
+};
 use populace_cast::{Look, person};
 
 use crate::failure::Failure;
@@ -16,7 +18,8 @@ use crate::report::talk;
 
 /// Slower clips are taken to stand still.
 const WALKING_M_PER_SEC: f32 = 0.1;
-/// Heights that are believed to be metres in a crowd of mixed characters; others are in some other unit.
+/// Heights that are believed to be metres in a crowd of mixed characters; others are in some other
+/// unit.
 const BELIEVED_M: std::ops::Range<f32> = 0.5..2.2;
 /// What a character of some other unit becomes, if it stands upright.
 const UPRIGHT_M: f32 = 1.75;
@@ -75,8 +78,8 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Loads the inputs into the crowd: files, or built-in people as `@people` or one by name as `@child`. Files without
-/// meshes lend their clips to all characters, and so do the lenders.
+/// Loads the inputs into the crowd: files, or built-in people as `@people` or one by name as
+/// `@child`. Files without meshes lend their clips to all characters, and so do the lenders.
 pub(crate) fn load(
     crowd: &mut Crowd,
     input: &InputArgs,
@@ -128,14 +131,17 @@ pub(crate) fn built_in_name(input: &Path) -> Option<&str> {
 /// Outfits of each build among `@people`.
 const OUTFITS: usize = 5;
 
-/// The looks of built-in people: all of them, in several outfits, for `people`, else the one of that name.
+/// The looks of built-in people: all of them, in several outfits, for `people`, else the one of
+/// that name.
 fn looks(name: &str) -> Result<Vec<Look>, Failure> {
     let presets = Look::presets();
     if name == "people" {
-        let outfits = (0..OUTFITS).flat_map(|number| presets.iter().map(move |look| look.in_outfit(number)));
+        let outfits =
+            (0..OUTFITS).flat_map(|number| presets.iter().map(move |look| look.in_outfit(number)));
         return Ok(outfits.collect());
     }
-    let list = presets.iter().map(|look| format!("\"@{}\"", look.name)).collect::<Vec<_>>().join(", ");
+    let list =
+        presets.iter().map(|look| format!("\"@{}\"", look.name)).collect::<Vec<_>>().join(", ");
     let look = presets.into_iter().find(|look| look.name == name).ok_or_else(|| {
         Failure::usage(format!("there is no built-in \"@{name}\"; there are \"@people\", {list}"))
     })?;
@@ -162,7 +168,8 @@ fn built_in_clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
     looks(name)?.first().map_or(Ok(Vec::new()), |look| Ok(made(look)?.clips.clone()))
 }
 
-/// Adds a character to the crowd, with clips of others; a humanoid that then has none gets those of the built-in people.
+/// Adds a character to the crowd, with clips of others; a humanoid that then has none gets those of
+/// the built-in people.
 fn role(
     crowd: &mut Crowd,
     character: Arc<Character>,
@@ -176,7 +183,9 @@ fn role(
             Ok(fit) => fits.push(fit),
             Err(refused) if wanted.clip == Some(lent.name()) => {
                 let (clip, name) = (lent.name(), &character.name);
-                return Err(Failure::usage(format!("\"{name}\" cannot play the clip \"{clip}\": {refused}")));
+                return Err(Failure::usage(format!(
+                    "\"{name}\" cannot play the clip \"{clip}\": {refused}"
+                )));
             }
             Err(_) => {}
         }
@@ -198,7 +207,8 @@ fn role(
         let known = crowd.clips(id)?.into_iter().find(|(known, _)| known == clip);
         fit::warn(known.as_ref().map_or("", |(_, clip)| clip.name()), &character.name, report);
     }
-    let clips = clips.into_iter().map(|clip| moving(crowd, id, clip, wanted)).collect::<Result<_, _>>()?;
+    let clips =
+        clips.into_iter().map(|clip| moving(crowd, id, clip, wanted)).collect::<Result<_, _>>()?;
     Ok(Role { id, character, clips, scale: 1.0 })
 }
 
@@ -208,9 +218,12 @@ fn add_fitting(
     (id, character): (CharacterId, &Character),
     clip: &Arc<Clip>,
 ) -> Result<Result<(ClipId, BindingReport), String>, Failure> {
-    let (clip_roles, own) = (RoleMap::detect(clip.skeleton()), RoleMap::detect(&character.skeleton));
+    let (clip_roles, own) =
+        (RoleMap::detect(clip.skeleton()), RoleMap::detect(&character.skeleton));
     Ok(match Binding::fitting(clip, clip_roles.as_ref(), &character.skeleton, own.as_ref()) {
-        Ok(binding) if binding.bound_joint_count() > 0 => Ok((crowd.add_clip(id, clip)?, *binding.report())),
+        Ok(binding) if binding.bound_joint_count() > 0 => {
+            Ok((crowd.add_clip(id, clip)?, *binding.report()))
+        }
         Ok(_) => Err("it drives nothing".to_owned()),
         Err(error) => Err(error.to_string()),
     })
@@ -252,7 +265,12 @@ pub(crate) fn clip(crowd: &Crowd, id: CharacterId, name: &str) -> Result<ClipId,
 
 /// A clip with its root motion: whatever moves the body where that is asked for, else what the feet
 /// of one that walks in place tell.
-fn moving(crowd: &mut Crowd, role: CharacterId, clip: ClipId, wanted: Wanted) -> Result<Moving, Failure> {
+fn moving(
+    crowd: &mut Crowd,
+    role: CharacterId,
+    clip: ClipId,
+    wanted: Wanted,
+) -> Result<Moving, Failure> {
     let Some((_, plain)) = crowd.clips(role)?.into_iter().find(|(id, _)| *id == clip) else {
         return Ok(Moving { id: clip, motion: None });
     };
@@ -287,12 +305,14 @@ fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
     }
 }
 
-/// The plainest walks and the plainest idle of a character, by name: of several, those with the shortest names. Where
-/// there are none, all its clips.
+/// The plainest walks and the plainest idle of a character, by name: of several, those with the
+/// shortest names. Where there are none, all its clips.
 fn usual_clips(crowd: &Crowd, id: CharacterId) -> Result<Vec<ClipId>, Failure> {
     let clips = crowd.clips(id)?;
     let plainest = |word: &str, most: usize| {
-        let named = |name: &str| name.to_lowercase().contains(word) && !name.to_lowercase().contains("pose");
+        let named = |name: &str| {
+            name.to_lowercase().contains(word) && !name.to_lowercase().contains("pose")
+        };
         let mut found: Vec<_> = clips.iter().filter(|(_, clip)| named(clip.name())).collect();
         found.sort_by_key(|(_, clip)| clip.name().len());
         found.into_iter().take(most).map(|(id, _)| *id).collect::<Vec<_>>()

@@ -69,14 +69,16 @@ impl Film<'_> {
         check_inputs(pictures.paths(), &given)?;
         check_writable(&pictures.path(0))?;
         unfinished::expect_pictures(pictures.count());
-        // Without OpenGL the inputs are still checked first: what is wrong with them is of more use.
+        // Without OpenGL the inputs are still checked first: what is wrong with them is of more
+        // use.
         let renderer = Renderer::headless(args.size.0);
         let builder = args.device.crowd().capacity(self.members as usize).slots_per_member(1);
         let mut crowd = build(drawn_with(builder, &renderer))?;
         #[cfg(unix)]
         crate::aborts::end_with_a_code();
         let wanted = Wanted { clip: args.clip.as_deref(), root_motion: args.root_motion };
-        let cast = cast::load(&mut crowd, &args.input, self.inputs, &args.clips, wanted, args.height)?;
+        let cast =
+            cast::load(&mut crowd, &args.input, self.inputs, &args.clips, wanted, args.height)?;
         check_inputs(pictures.paths(), &cast.files)?;
         check_hidden(&cast.roles, &args.hide)?;
         let plan = Plan {
@@ -89,9 +91,9 @@ impl Film<'_> {
         let camera = self.camera(&staging);
         let devices = devices_and_shares(&crowd);
         talk!("{} on {devices}, {}", counted(crowd.member_count(), "member"), crowd.schedule());
-        let studio = renderer
-            .map_err(Failure::from)
-            .and_then(|renderer| Studio::new(renderer, &mut crowd, &cast.roles, &args.hide, camera));
+        let studio = renderer.map_err(Failure::from).and_then(|renderer| {
+            Studio::new(renderer, &mut crowd, &cast.roles, &args.hide, camera)
+        });
         self.shoot(&mut crowd, studio, &pictures)
     }
 
@@ -125,8 +127,8 @@ impl Film<'_> {
         self.report(crowd, &studio, &times, pictures)
     }
 
-    /// Evaluates all that comes before the first picture and gives the time of the last frame of it. The first evaluation also
-    /// uploads everything, so it counts only where there is no other.
+    /// Evaluates all that comes before the first picture and gives the time of the last frame of
+    /// it. The first evaluation also uploads everything, so it counts only where there is no other.
     fn lead_in(&self, crowd: &mut Crowd, times: &mut Times) -> Result<f64, Failure> {
         let mut ms = times.animate(crowd, 0.0)?;
         if self.lead_in > 0 {
@@ -149,7 +151,11 @@ impl Film<'_> {
     ) -> Result<(), Failure> {
         let (out, count, drawn) = (pictures.path(0), pictures.count(), studio.drawn());
         let [total, animate, draw] = times.medians();
-        talk!("{} drawn, {}", counted(drawn.members, "member"), counted(drawn.triangles, "triangle"));
+        talk!(
+            "{} drawn, {}",
+            counted(drawn.members, "member"),
+            counted(drawn.triangles, "triangle")
+        );
         let median = if count == 1 { "" } else { ", median" };
         let frames = counted(count as usize, "frame");
         talk!("{frames}{median}: {total:.2} ms, {animate:.2} to animate, {draw:.2} to draw");
@@ -174,7 +180,8 @@ impl Film<'_> {
         let aspect = width as f32 / height as f32;
         // The whole film must show what it is about, and walkers walk.
         let first_secs = self.lead_in as f32 * LEAD_IN_SECS;
-        let length_secs = self.args.frames.map_or(0.0, |frames| (frames - 1) as f32 / self.args.fps);
+        let length_secs =
+            self.args.frames.map_or(0.0, |frames| (frames - 1) as f32 / self.args.fps);
         let film_secs = [first_secs, first_secs + length_secs];
         match self.args.camera {
             View::Crowd => Camera::framing(staging.framed(film_secs), aspect),
@@ -195,8 +202,9 @@ fn check_hidden(roles: &[Role], hide: &[String]) -> Result<(), Failure> {
     let names = || roles.iter().flat_map(|r| &r.character.parts).map(|p| p.node_name.as_str());
     match hide.iter().find(|wanted| !names().any(|n| n == wanted.as_str())) {
         None => Ok(()),
-        Some(unknown) => {
-            Err(Failure::usage(format!("no node \"{unknown}\" draws anything{}", hint(unknown, names()))))
-        }
+        Some(unknown) => Err(Failure::usage(format!(
+            "no node \"{unknown}\" draws anything{}",
+            hint(unknown, names())
+        ))),
     }
 }

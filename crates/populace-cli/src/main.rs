@@ -1,7 +1,8 @@
 //! The `populace` program: draws crowds of animated characters and shows what is in their files.
 //!
-//! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 input rejected, 2 usage or unknown name, 3 no usable
-//! device or GL, 4 output or run failed, 130 interrupted by SIGINT, 143 by SIGTERM.
+//! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 input rejected, 2 usage or unknown
+//! name, 3 no usable device or GL, 4 output or run failed, 130 interrupted by SIGINT, 143 by
+//! SIGTERM.
 
 #[cfg(unix)]
 mod aborts;

@@ -47,13 +47,21 @@ impl FromStr for SlotArg {
         for field in fields(text)? {
             let (key, value) = field;
             match (key.as_str(), value) {
-                (key, _) if seen.iter().any(|k| k == key) => return Err(format!("{key} is given twice")),
+                (key, _) if seen.iter().any(|k| k == key) => {
+                    return Err(format!("{key} is given twice"));
+                }
                 ("clip", Some(clip)) => slot.clip = clip,
-                ("time", Some(secs)) => slot.time_secs = finite("time", &secs, "a number of seconds")?,
+                ("time", Some(secs)) => {
+                    slot.time_secs = finite("time", &secs, "a number of seconds")?
+                }
                 ("weight", Some(weight)) => slot.weight = share(&weight)?,
                 ("layer", Some(layer)) => slot.layer = layer_index(&layer, 0)?,
                 ("partial", None) => slot.partial = true,
-                _ => return Err(format!("\"{key}\" is none of clip=, time=, weight=, layer= and partial")),
+                _ => {
+                    return Err(format!(
+                        "\"{key}\" is none of clip=, time=, weight=, layer= and partial"
+                    ));
+                }
             }
             seen.push(key);
         }
@@ -78,7 +86,9 @@ impl FromStr for LayerArg {
         let mut seen = Vec::new();
         for (key, value) in all {
             match (key.as_str(), value) {
-                (key, _) if seen.iter().any(|k| k == key) => return Err(format!("{key} is given twice")),
+                (key, _) if seen.iter().any(|k| k == key) => {
+                    return Err(format!("{key} is given twice"));
+                }
                 ("mask", Some(joint)) => arg.mask = Some(joint),
                 ("weight", Some(weight)) => arg.settings.weight = share(&weight)?,
                 ("additive", None) => arg.settings.mode = LayerMode::Additive,
@@ -99,7 +109,11 @@ pub(crate) fn name_and_rest(text: &str) -> Result<(String, Option<&str>), String
             '=' => return Ok((name, Some(&text[at + 1..]))),
             '\\' => match letters.next() {
                 Some((_, quoted @ (',' | '=' | '\\'))) => name.push(quoted),
-                _ => return Err("a backslash stands before a comma, an = or another backslash".into()),
+                _ => {
+                    return Err(
+                        "a backslash stands before a comma, an = or another backslash".into()
+                    );
+                }
             },
             plain => name.push(plain),
         }
@@ -118,8 +132,14 @@ fn fields(text: &str) -> Result<Vec<(String, Option<String>)>, String> {
             '=' if value.is_none() => value = Some(String::new()),
             '=' => return Err("write an = within a name as \\=".into()),
             '\\' => match letters.next() {
-                Some(quoted @ (',' | '=' | '\\')) => value.as_mut().unwrap_or(&mut key).push(quoted),
-                _ => return Err("a backslash stands before a comma, an = or another backslash".into()),
+                Some(quoted @ (',' | '=' | '\\')) => {
+                    value.as_mut().unwrap_or(&mut key).push(quoted)
+                }
+                _ => {
+                    return Err(
+                        "a backslash stands before a comma, an = or another backslash".into()
+                    );
+                }
             },
             plain => value.as_mut().unwrap_or(&mut key).push(plain),
         }
@@ -136,7 +156,11 @@ fn finite(what: &str, text: &str, rule: &str) -> Result<f32, String> {
 fn share(text: &str) -> Result<f32, String> {
     let rule = "a number from 0 to 1";
     let weight = finite("weight", text, rule)?;
-    if (0.0..=1.0).contains(&weight) { Ok(weight) } else { Err(format!("weight={text} is not {rule}")) }
+    if (0.0..=1.0).contains(&weight) {
+        Ok(weight)
+    } else {
+        Err(format!("weight={text} is not {rule}"))
+    }
 }
 
 fn layer_index(text: &str, least: usize) -> Result<usize, String> {
@@ -156,12 +180,15 @@ pub(crate) fn check(slots: &[SlotArg], layers: &[LayerArg]) -> Result<(), Failur
         let message = format!("there are {} slots; a member has at most {MAX_SLOTS}", slots.len());
         return Err(Failure::usage(message));
     }
-    let twice = layers.iter().enumerate().find(|(nth, l)| layers[..*nth].iter().any(|o| o.layer == l.layer));
+    let twice = layers
+        .iter()
+        .enumerate()
+        .find(|(nth, l)| layers[..*nth].iter().any(|o| o.layer == l.layer));
     twice.map_or(Ok(()), |(_, l)| Err(Failure::usage(format!("layer {} is set twice", l.layer))))
 }
 
-/// Lets a member play slots in layers. `find` finds clips by what was typed, and their names. Gives what is mixed, for
-/// the document.
+/// Lets a member play slots in layers. `find` finds clips by what was typed, and their names. Gives
+/// what is mixed, for the document.
 pub(crate) fn apply(
     crowd: &mut Crowd,
     (id, member): (CharacterId, Member),
@@ -194,7 +221,9 @@ pub(crate) fn apply(
         crowd.set_layer(member, arg.layer, arg.settings, mask)?;
         let additive = arg.settings.mode == LayerMode::Additive;
         let weight = as_typed(arg.settings.weight);
-        told.1.push(json!({"layer": arg.layer, "mask": joint, "additive": additive, "weight": weight}));
+        told.1.push(
+            json!({"layer": arg.layer, "mask": joint, "additive": additive, "weight": weight}),
+        );
     }
     Ok(told)
 }
@@ -216,7 +245,8 @@ mod tests {
 
     #[test]
     fn slots_are_read() {
-        let full = SlotArg { weight: 0.25, layer: 3, partial: true, ..SlotArg::alone("Walk", -0.5) };
+        let full =
+            SlotArg { weight: 0.25, layer: 3, partial: true, ..SlotArg::alone("Walk", -0.5) };
         assert_eq!(slot("clip=Walk,time=-0.5,weight=0.25,layer=3,partial"), full);
         assert_eq!(slot("partial,layer=3,weight=0.25,time=-.5,clip=Walk"), full);
         assert_eq!(slot("clip=7"), SlotArg::alone("7", 0.0));

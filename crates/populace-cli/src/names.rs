@@ -8,7 +8,8 @@ use crate::failure::Failure;
 /// Names that are listed where none is like the one that was typed.
 const LISTED: usize = 8;
 
-/// The end of a message that refuses `name`: the nearest of `names`, or the first of them where none is near.
+/// The end of a message that refuses `name`: the nearest of `names`, or the first of them where
+/// none is near.
 pub(crate) fn hint<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     let mut known = Vec::new();
     for name in names {

@@ -1,4 +1,5 @@
-//! Files that the program writes: where they go, that they are none of its inputs, and that no half of one is ever seen.
+//! Files that the program writes: where they go, that they are none of its inputs, and that no half
+//! of one is ever seen.
 
 use std::ffi::OsStr;
 use std::fs::OpenOptions;
@@ -17,7 +18,8 @@ pub(crate) struct Pictures {
 }
 
 impl Pictures {
-    /// `frames` numbered pictures named after `out`, or `out` itself where there is no number of frames.
+    /// `frames` numbered pictures named after `out`, or `out` itself where there is no number of
+    /// frames.
     pub(crate) fn new(out: &Path, frames: Option<u32>) -> Result<Self, Failure> {
         check_kind(out, "png")?;
         Ok(Self { out: out.to_owned(), frames })
@@ -51,16 +53,21 @@ pub(crate) fn check_kind(path: &Path, kind: &str) -> Result<(), Failure> {
         return Ok(());
     }
     let (path, kind_name) = (path.display(), kind.to_uppercase());
-    Err(Failure::usage(format!("{path} does not end in .{kind}, and {kind_name} is what is written")))
+    Err(Failure::usage(format!(
+        "{path} does not end in .{kind}, and {kind_name} is what is written"
+    )))
 }
 
-/// Refuses outputs that are one of the inputs: by the same path, through links, or as another name of the same file.
+/// Refuses outputs that are one of the inputs: by the same path, through links, or as another name
+/// of the same file.
 pub(crate) fn check_inputs(
     outputs: impl Iterator<Item = PathBuf>,
     inputs: &[impl AsRef<Path>],
 ) -> Result<(), Failure> {
-    let known: Vec<_> =
-        inputs.iter().filter_map(|input| Some((identity(input.as_ref())?, input.as_ref()))).collect();
+    let known: Vec<_> = inputs
+        .iter()
+        .filter_map(|input| Some((identity(input.as_ref())?, input.as_ref())))
+        .collect();
     if known.is_empty() {
         return Ok(());
     }
@@ -77,7 +84,8 @@ pub(crate) fn check_inputs(
     Ok(())
 }
 
-/// What tells an existing file from all others, whatever name it is found by: its device and number there.
+/// What tells an existing file from all others, whatever name it is found by: its device and number
+/// there.
 #[cfg(unix)]
 fn identity(path: &Path) -> Option<impl PartialEq + use<>> {
     use std::os::unix::fs::MetadataExt;
@@ -85,14 +93,15 @@ fn identity(path: &Path) -> Option<impl PartialEq + use<>> {
     Some((metadata.dev(), metadata.ino()))
 }
 
-/// What tells an existing file from others: its path without links. Two hard links to one file are not found out.
+/// What tells an existing file from others: its path without links. Two hard links to one file are
+/// not found out.
 #[cfg(not(unix))]
 fn identity(path: &Path) -> Option<impl PartialEq + use<>> {
     std::fs::canonicalize(path).ok()
 }
 
-/// Refuses an output that cannot be written before the work, so that a wrong path costs no waiting. What stands there is left
-/// as it is.
+/// Refuses an output that cannot be written before the work, so that a wrong path costs no waiting.
+/// What stands there is left as it is.
 pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
     let target = target(path);
     if let Some(folder) = folder(&target).filter(|folder| !folder.exists()) {
@@ -105,8 +114,9 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
     Unfinished::beside(&target).map(drop).map_err(|e| cannot_write(path, &e))
 }
 
-/// Writes a whole file, or leaves what stood there: the bytes go to a temporary file beside it, which takes its name once it is
-/// complete. A link stays one, and the file that it leads to is replaced.
+/// Writes a whole file, or leaves what stood there: the bytes go to a temporary file beside it,
+/// which takes its name once it is complete. A link stays one, and the file that it leads to is
+/// replaced.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let target = target(path);
     check_target(path, &target)?;
@@ -121,7 +131,8 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     written().map_err(|e| cannot_write(path, &e))
 }
 
-/// Refuses what a file must not take the place of: folders and devices, and files that this user may not change.
+/// Refuses what a file must not take the place of: folders and devices, and files that this user
+/// may not change.
 fn check_target(path: &Path, target: &Path) -> Result<(), Failure> {
     let Ok(metadata) = target.metadata() else { return Ok(()) };
     if !metadata.is_file() {
@@ -164,7 +175,8 @@ mod tests {
     #[test]
     fn frames_keep_bytes_that_are_not_utf_8() {
         use std::os::unix::ffi::OsStrExt;
-        let [film, frame] = [&b"f\xFF.png"[..], b"f\xFF_0002.png"].map(|b| Path::new(OsStr::from_bytes(b)));
+        let [film, frame] =
+            [&b"f\xFF.png"[..], b"f\xFF_0002.png"].map(|b| Path::new(OsStr::from_bytes(b)));
         assert_eq!(frame_path(film, 2), frame);
     }
 }

@@ -44,9 +44,9 @@ const WIDENING: f32 = 0.55;
 /// Distance of the first row from that point, in rows.
 const FIRST_ROW: f32 = 4.0;
 
-/// Ground places for `count` members, in staggered rows that widen away from the camera at +Z as its view does, about
-/// `spacing` metres apart; every place is shaken a little, so that it does not read as a grid. One member stands at
-/// the origin.
+/// Ground places for `count` members, in staggered rows that widen away from the camera at +Z as
+/// its view does, about `spacing` metres apart; every place is shaken a little, so that it does not
+/// read as a grid. One member stands at the origin.
 pub(crate) fn places(count: usize, spacing: f32, random: &mut Random) -> Vec<[f32; 3]> {
     let mut places = Vec::with_capacity(count);
     let mut row = 0.0;
@@ -92,7 +92,10 @@ mod tests {
     #[test]
     fn the_same_seed_gives_the_same_numbers() {
         let run = |seed| {
-            (0..5).map(|_| 0).scan(Random::new(seed), |r, _| Some(r.unit().to_bits())).collect::<Vec<_>>()
+            (0..5)
+                .map(|_| 0)
+                .scan(Random::new(seed), |r, _| Some(r.unit().to_bits()))
+                .collect::<Vec<_>>()
         };
         assert_eq!(run(3), run(3));
         assert_ne!(run(3), run(4));

@@ -1,4 +1,5 @@
-//! Bars that tell how long something still takes, on a terminal alone, for whatever takes longer than a second.
+//! Bars that tell how long something still takes, on a terminal alone, for whatever takes longer
+//! than a second.
 
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
@@ -22,7 +23,9 @@ impl Progress {
     /// Work of `steps` steps, called `what`.
     pub(crate) fn new(what: &'static str, steps: usize) -> Self {
         let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::hidden());
-        if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos} of {len}, {eta} left") {
+        if let Ok(style) =
+            ProgressStyle::with_template("{msg} {wide_bar} {pos} of {len}, {eta} left")
+        {
             bar.set_style(style);
         }
         bar.set_message(what);

@@ -39,7 +39,8 @@ pub(crate) fn as_typed(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
 
-/// Says something on stderr, formatted as by `format!`. Where nobody can hear it, that is no reason to stop.
+/// Says something on stderr, formatted as by `format!`. Where nobody can hear it, that is no reason
+/// to stop.
 macro_rules! talk {
     ($($text:tt)*) => {
         crate::report::say(&format!($($text)*))

@@ -61,7 +61,8 @@ impl Staging {
         for (index, &position) in places.iter().enumerate() {
             // By turns while there are few, then by chance, so that no pattern shows.
             let role = &roles[if index < roles.len() { index } else { random.below(roles.len()) }];
-            let away = if random.below(100) < plan.away_percent { std::f32::consts::PI } else { 0.0 };
+            let away =
+                if random.below(100) < plan.away_percent { std::f32::consts::PI } else { 0.0 };
             let yaw_rad = away + random.signed() * 0.5;
             let placement = Placement::at(position).facing(yaw_rad).scaled(role.scale);
             let member = crowd.spawn(role.id, placement)?;
@@ -87,8 +88,9 @@ impl Staging {
     /// The same of the member in the middle of the first row.
     pub(crate) fn closest(&self, secs: [f32; 2]) -> Vec<[f32; 3]> {
         let first_row = self.walkers.iter().take(6);
-        let middle = first_row
-            .min_by(|a, b| a.placement.position()[0].abs().total_cmp(&b.placement.position()[0].abs()));
+        let middle = first_row.min_by(|a, b| {
+            a.placement.position()[0].abs().total_cmp(&b.placement.position()[0].abs())
+        });
         middle.into_iter().flat_map(|walker| self.around(walker, secs)).collect()
     }
 
@@ -100,8 +102,9 @@ impl Staging {
     }
 }
 
-/// How much ground a member takes: the larger side of what it shows, playing its first clip. Many rest with their arms
-/// spread, which says nothing of how they stand, so a member is posed and looked at.
+/// How much ground a member takes: the larger side of what it shows, playing its first clip. Many
+/// rest with their arms spread, which says nothing of how they stand, so a member is posed and
+/// looked at.
 fn footprint_m(crowd: &mut Crowd, role: &Role, hide: &[String]) -> Result<f32, Failure> {
     let member = crowd.spawn(role.id, Placement::at([0.0; 3]))?;
     if let Some(clip) = role.clips.first() {
@@ -119,7 +122,10 @@ fn footprint_m(crowd: &mut Crowd, role: &Role, hide: &[String]) -> Result<f32, F
             high = std::array::from_fn(|axis| high[axis].max(at[axis]));
         }
     }
-    #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "rounding to the nearest f32 is what is wanted"
+    )]
     let side = (high[0] - low[0]).max(high[2] - low[2]) as f32;
     Ok((side * role.scale).max(1e-3))
 }

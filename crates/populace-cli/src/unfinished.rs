@@ -1,8 +1,9 @@
 //! Files that are not complete yet, and what becomes of them where the program is told to end.
 //!
-//! SIGINT and SIGTERM end the program at once, wherever it is: loading, waiting for a driver's compiler or drawing. That is
-//! safe because nothing is ever written under its final name. A thread of its own waits for signals, removes the file that is
-//! being written, tells how many are complete, and exits.
+//! SIGINT and SIGTERM end the program at once, wherever it is: loading, waiting for a driver's
+//! compiler or drawing. That is safe because nothing is ever written under its final name. A thread
+//! of its own waits for signals, removes the file that is being written, tells how many are
+//! complete, and exits.
 
 use std::fs::Permissions;
 use std::io::{self, Write};
@@ -62,7 +63,8 @@ impl Unfinished {
         self.file()?.as_file().set_permissions(permissions)
     }
 
-    /// Gives the file its name, in place of what had it. Some file systems tell that they are full only when asked to sync.
+    /// Gives the file its name, in place of what had it. Some file systems tell that they are full
+    /// only when asked to sync.
     pub(crate) fn finish(mut self, target: &Path) -> io::Result<()> {
         self.file()?.as_file().sync_all()?;
         let mut state = state();
@@ -116,8 +118,9 @@ pub(crate) fn end_on_signals() -> io::Result<()> {
             if let Some(path) = &state.path {
                 let _ = std::fs::remove_file(path);
             }
-            let told =
-                state.wanted.map(|wanted| format!("; {} of {wanted} frames are complete", state.complete));
+            let told = state
+                .wanted
+                .map(|wanted| format!("; {} of {wanted} frames are complete", state.complete));
             crate::progress::clear();
             crate::report::talk!("interrupted{}", told.unwrap_or_default());
             low_level::exit(128 + signal);

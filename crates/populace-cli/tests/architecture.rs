@@ -36,11 +36,15 @@ fn crates_use_only_what_lies_below_them() {
         .current_dir(root())
         .output()
         .expect("cargo runs");
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("cargo prints JSON");
+    let metadata: serde_json::Value =
+        serde_json::from_slice(&output.stdout).expect("cargo prints JSON");
     let mut found = BTreeMap::new();
     for package in metadata["packages"].as_array().expect("packages") {
-        let ours =
-            package["dependencies"].as_array().expect("dependencies").iter().filter(|d| d["kind"].is_null());
+        let ours = package["dependencies"]
+            .as_array()
+            .expect("dependencies")
+            .iter()
+            .filter(|d| d["kind"].is_null());
         let names = ours.filter_map(|d| d["name"].as_str()).filter(|n| n.starts_with("populace"));
         found.insert(package["name"].as_str().expect("a name"), names.collect::<BTreeSet<_>>());
     }
@@ -67,7 +71,8 @@ fn one_crate_alone_uses_rapier() {
 #[test]
 fn every_path_that_the_architecture_page_names_exists() {
     let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
-    let quoted: Vec<_> = page.split('`').skip(1).step_by(2).filter(|word| word.contains('/')).collect();
+    let quoted: Vec<_> =
+        page.split('`').skip(1).step_by(2).filter(|word| word.contains('/')).collect();
     assert!(quoted.len() > 5, "the page names too few paths: {quoted:?}");
     for path in quoted {
         assert!(root().join(path).exists(), "ARCHITECTURE.md names {path}, which does not exist");

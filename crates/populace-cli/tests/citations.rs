@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The one paper that is cited by section, figure and equation. Its first pages alone are known here.
+/// The one paper that is cited by section, figure and equation. Its first pages alone are known
+/// here.
 const PAPER: &str = concat!("Lister & Day", " 2012");
 
 /// What is known of it: words that lead to numbers, and the numbers that may follow.
@@ -33,8 +34,10 @@ fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
 
 /// A file's text on one line, without the marks of comments at the start of lines.
 fn flat(path: &Path) -> String {
-    let text = fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let lines = text.lines().map(|line| line.trim_start().trim_start_matches(['/', '*', '!']).trim());
+    let text =
+        fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let lines =
+        text.lines().map(|line| line.trim_start().trim_start_matches(['/', '*', '!']).trim());
     lines.collect::<Vec<_>>().join(" ")
 }
 
@@ -56,7 +59,9 @@ fn numbers<'a>(citation: &'a str, words: &[&str]) -> Vec<&'a str> {
 fn the_paper_is_cited_by_sections_that_are_known() {
     let endings = ["rs", "cl", "glsl", "md"];
     let mut count = 0;
-    for path in files(&root().join("crates"), &endings).iter().chain(&files(&root().join("docs"), &endings)) {
+    for path in
+        files(&root().join("crates"), &endings).iter().chain(&files(&root().join("docs"), &endings))
+    {
         for citation in flat(path).split(PAPER).skip(1) {
             let citation: String = citation.chars().take(40).collect();
             let place = format!("{}: {PAPER}{citation}", path.display());
@@ -77,7 +82,8 @@ fn kernels_and_rust_files_name_each_other_as_twins() {
     let mut count = 0;
     for path in files(&root().join("crates"), &["rs"]) {
         let text = fs::read_to_string(&path).expect("a source");
-        let head: Vec<_> = text.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim).collect();
+        let head: Vec<_> =
+            text.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim).collect();
         for named in head.join(" ").split("twin of `kernels/").skip(1) {
             let kernel = named.split('`').next().expect("a name");
             let kernel_head = flat(&kernels.join(kernel)).chars().take(1500).collect::<String>();
@@ -90,7 +96,8 @@ fn kernels_and_rust_files_name_each_other_as_twins() {
     for path in files(&kernels, &["cl"]) {
         for named in flat(&path).split("populace-").skip(1) {
             let mut words = named.split([' ', ';', ',', ':', '*']);
-            let (of, file) = (words.next().unwrap_or(""), words.next().unwrap_or("").trim_end_matches('.'));
+            let (of, file) =
+                (words.next().unwrap_or(""), words.next().unwrap_or("").trim_end_matches('.'));
             if file.ends_with(".rs") {
                 let there = root().join(format!("crates/populace-{of}/src")).join(file);
                 assert!(there.exists(), "{} names {}", path.display(), there.display());

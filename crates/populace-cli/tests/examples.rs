@@ -5,15 +5,19 @@ use std::process::Command;
 
 #[track_caller]
 fn runs_and_draws(name: &str, words: &[&str]) {
-    // `cargo test` builds them beside the program; `cargo test --test examples` alone wants `cargo build --examples` first.
+    // `cargo test` builds them beside the program; `cargo test --test examples` alone wants
+    // `cargo build --examples` first.
     let program = Path::new(env!("CARGO_BIN_EXE_populace"));
-    let example =
-        program.with_file_name("examples").join(name).with_extension(std::env::consts::EXE_EXTENSION);
+    let example = program
+        .with_file_name("examples")
+        .join(name)
+        .with_extension(std::env::consts::EXE_EXTENSION);
     let folder = tempfile::TempDir::new().expect("a temporary folder");
     let picture = folder.path().join("picture.png");
     let output = Command::new(&example).arg(&picture).current_dir(folder.path()).output();
     let output = output.unwrap_or_else(|error| panic!("{}: {error}", example.display()));
-    let (said, talk) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (said, talk) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(output.status.success(), "{talk}");
     for word in words {
         assert!(said.contains(word), "no {word:?} in: {said}");
@@ -21,8 +25,9 @@ fn runs_and_draws(name: &str, words: &[&str]) {
     let picture = image::open(&picture).expect("a PNG").to_rgb8();
     assert_eq!(picture.dimensions(), (960, 400));
     // Shirts: far from the grey of the ground and the blue of the sky.
-    let strong =
-        |p: &&image::Rgb<u8>| i16::from(p.0[0]) > i16::from(p.0[1]) + 40 || p.0.iter().all(|c| *c < 60);
+    let strong = |p: &&image::Rgb<u8>| {
+        i16::from(p.0[0]) > i16::from(p.0[1]) + 40 || p.0.iter().all(|c| *c < 60)
+    };
     let somebody = picture.pixels().filter(strong).count();
     assert!(somebody > 2000, "{somebody} pixels are somebody's");
 }
@@ -45,13 +50,19 @@ fn settle() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn wind() {
-    runs_and_draws("wind", &["10000 stalks in the wind on native", "both pictures are the same: true"]);
+    runs_and_draws(
+        "wind",
+        &["10000 stalks in the wind on native", "both pictures are the same: true"],
+    );
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn blend_space() {
-    runs_and_draws("blend_space", &["Walk stands at 1.", "0.0 m/s: Idle 100 %\n", "3.0 m/s: Run 100 %"]);
+    runs_and_draws(
+        "blend_space",
+        &["Walk stands at 1.", "0.0 m/s: Idle 100 %\n", "3.0 m/s: Run 100 %"],
+    );
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]

@@ -6,7 +6,8 @@ use std::process::{Command, Output};
 
 /// Runs the example as a reader would, built as it stands now.
 fn run(file: &Path, frames: &str) -> Output {
-    let cargo = ["run", "--quiet", "--offline", "--package", "populace-cli", "--example", "ragdoll", "--"];
+    let cargo =
+        ["run", "--quiet", "--offline", "--package", "populace-cli", "--example", "ragdoll", "--"];
     Command::new(env!("CARGO")).args(cargo).arg(file).arg(frames).output().expect("cargo runs")
 }
 

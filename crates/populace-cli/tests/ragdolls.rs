@@ -1,4 +1,5 @@
-//! Ragdolls on every device and schedule: the same bits, from the walk to the ground and back to the walk.
+//! Ragdolls on every device and schedule: the same bits, from the walk to the ground and back to
+//! the walk.
 #![expect(clippy::expect_used, reason = "a test that cannot go on fails")]
 
 use std::sync::Arc;
@@ -9,16 +10,19 @@ use populace_physics::{RagdollPlan, Ragdolls, State};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// Palettes of a man who walks, falls and walks on, frame by frame, as bits; and how high his hips are.
+/// Palettes of a man who walks, falls and walks on, frame by frame, as bits; and how high his hips
+/// are.
 fn fall(device: Device, schedule: Schedule) -> (Vec<u32>, Vec<f32>) {
     let man = person(&Look::man()).expect("a man");
     let hips = man.skeleton.find("Pelvis").expect("hips");
-    let mut crowd = Crowd::builder().device(device).schedule(schedule).capacity(2).build().expect("a crowd");
+    let mut crowd =
+        Crowd::builder().device(device).schedule(schedule).capacity(2).build().expect("a crowd");
     let id = crowd.add_character(man).expect("room");
     let walk = crowd.clip(id, "Walk").expect("a walk");
     let member = crowd.spawn(id, Placement::at([1.0, 0.0, 2.0]).facing(0.4)).expect("room");
     crowd.play(member, walk, Play::looping().phase(0.3)).expect("a clip");
-    let plan = Arc::new(RagdollPlan::from_skeleton(&crowd.character(id).expect("a character").skeleton));
+    let plan =
+        Arc::new(RagdollPlan::from_skeleton(&crowd.character(id).expect("a character").skeleton));
     let mut ragdolls = Ragdolls::new([0.0, -9.81, 0.0]).expect("gravity");
     let (mut bits, mut heights) = (Vec::new(), Vec::new());
     for frame in 0..270_u16 {
@@ -35,7 +39,8 @@ fn fall(device: Device, schedule: Schedule) -> (Vec<u32>, Vec<f32>) {
         if frame % 9 == 0 {
             let palette = crowd.palette(member).expect("a palette");
             bits.extend(palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits));
-            heights.push(crowd.model_from_joints(member).expect("joints")[hips.index()].origin()[1]);
+            heights
+                .push(crowd.model_from_joints(member).expect("joints")[hips.index()].origin()[1]);
         }
     }
     assert_eq!(ragdolls.state(member), State::Animated);

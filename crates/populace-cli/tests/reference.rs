@@ -1,5 +1,6 @@
-//! `populace pose` against vertices that were computed independently from the glTF 2.0 text: one test for each file of
-//! `reference/skinned_vertices.json` below the folder that `POPULACE_TEST_DATA` names, and for each device.
+//! `populace pose` against vertices that were computed independently from the glTF 2.0 text: one
+//! test for each file of `reference/skinned_vertices.json` below the folder that
+//! `POPULACE_TEST_DATA` names, and for each device.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -27,14 +28,16 @@ fn main() -> ExitCode {
 
 fn trials(folder: &Path) -> Vec<Trial> {
     let path = folder.join("reference/skinned_vertices.json");
-    let text =
-        std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("cannot read {}: {e}", path.display()));
-    let entries: BTreeMap<String, Value> = serde_json::from_str(&text).expect("the reference is JSON");
+    let text = std::fs::read_to_string(&path)
+        .unwrap_or_else(|e| panic!("cannot read {}: {e}", path.display()));
+    let entries: BTreeMap<String, Value> =
+        serde_json::from_str(&text).expect("the reference is JSON");
     let mut trials = Vec::new();
     for device in ["native", "opencl"] {
         for (file, entry) in &entries {
             let (path, entry) = (folder.join(file), entry.clone());
-            let trial = Trial::test(format!("{device}: {file}"), move || check_file(&path, &entry, device));
+            let trial =
+                Trial::test(format!("{device}: {file}"), move || check_file(&path, &entry, device));
             trials.push(trial.with_ignored_flag(device == "opencl" && cfg!(skip_opencl)));
         }
     }
@@ -73,7 +76,8 @@ fn check_pose(path: &PathBuf, pose: &Value, device: &str, allowed: f64) -> Resul
         return Err(format!("{} vertices instead of {}", found.len(), wanted.len()).into());
     }
     for (found, wanted) in found.iter().zip(wanted) {
-        let off = (3..6).map(|i| (number(&found[i]) - number(&wanted[i])).abs()).fold(0.0, f64::max);
+        let off =
+            (3..6).map(|i| (number(&found[i]) - number(&wanted[i])).abs()).fold(0.0, f64::max);
         if off > allowed {
             let at = format!("clip {} at {} s", pose["clip"], pose["t"]);
             return Err(format!(

@@ -46,8 +46,8 @@ pub enum StageBuffer {
     Rotations,
     /// The joint buffer's local scales, `x y z 0`.
     Scales,
-    /// First rows of `model_from_joint`. Rows stand in arrays of their own: a rotated child under non-uniform scale
-    /// shears, and no translation, rotation and scale can hold that.
+    /// First rows of `model_from_joint`. Rows stand in arrays of their own: a rotated child under
+    /// non-uniform scale shears, and no translation, rotation and scale can hold that.
     ModelRow0,
     /// Second rows.
     ModelRow1,
@@ -58,9 +58,11 @@ pub enum StageBuffer {
     /// What is kept of members with controls from frame to frame,
     /// [`STATES_PER_CONTROL`](crate::layout::STATES_PER_CONTROL) for each control.
     States,
-    /// What others look at: three rows of `world_from_joint` for each; of what others are attached to, of `model_from_joint`.
+    /// What others look at: three rows of `world_from_joint` for each; of what others are attached
+    /// to, of `model_from_joint`.
     Watched,
-    /// Where state machines are: a [`Running`](crate::layout::Running) in three elements for each runner.
+    /// Where state machines are: a [`Running`](crate::layout::Running) in three elements for each
+    /// runner.
     Running,
 }
 
@@ -130,8 +132,8 @@ impl std::str::FromStr for Schedule {
 
 /// One frame's arguments.
 ///
-/// Members that are attached to others are evaluated after those, in the next phase. All phases of a frame can run at
-/// once, or one after the other: the first begins the frame.
+/// Members that are attached to others are evaluated after those, in the next phase. All phases of
+/// a frame can run at once, or one after the other: the first begins the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     /// The crowd's clock.
@@ -203,8 +205,8 @@ impl Frame {
         self.phase_first..self.phase_end.min(tables.phase_count())
     }
 
-    /// Whether a stage runs with these phases. What comes before Transform runs with the first for all members, what comes
-    /// after it with the last.
+    /// Whether a stage runs with these phases. What comes before Transform runs with the first for
+    /// all members, what comes after it with the last.
     #[must_use]
     pub fn runs(self, stage: Stage, tables: &Tables) -> bool {
         match stage {
@@ -287,15 +289,17 @@ pub enum BackendError {
         form: &'static str,
     },
     /// A user's stages that do not compile.
-    #[error("{device} cannot compile the user stages; each line is that of the stage's own text:\n{log}")]
+    #[error(
+        "{device} cannot compile the user stages; each line is that of the stage's own text:\n{log}"
+    )]
     BadStages {
         /// The device's name.
         device: String,
         /// The compiler's own words.
         log: String,
     },
-    /// A read of what no frame has evaluated: before the first update, after a move to another device, after an update that
-    /// failed, or of a member that came since.
+    /// A read of what no frame has evaluated: before the first update, after a move to another
+    /// device, after an update that failed, or of a member that came since.
     #[error("nothing has been evaluated yet that could be read; update the crowd first")]
     NotEvaluated,
     /// A call that the device or its driver failed.
@@ -312,9 +316,10 @@ pub enum BackendError {
 
 /// A device that evaluates the tables of a crowd.
 ///
-/// The host's [`Tables`] are the truth. [`update`](Self::update) brings the device's copy up to date; then
-/// [`run`](Self::run) computes a frame. Stages can run alone and their buffers can be read and written, so that each
-/// is tested against the same input. Palettes leave a device as a [`PaletteSource`].
+/// The host's [`Tables`] are the truth. [`update`](Self::update) brings the device's copy up to
+/// date; then [`run`](Self::run) computes a frame. Stages can run alone and their buffers can be
+/// read and written, so that each is tested against the same input. Palettes leave a device as a
+/// [`PaletteSource`].
 pub trait Backend: PaletteSource + Send {
     /// The device's name, for people.
     fn device_name(&self) -> String;
@@ -330,11 +335,13 @@ pub trait Backend: PaletteSource + Send {
     /// Memory that cannot be had, or a failing device.
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError>;
 
-    /// Takes users' stages, by number, in place of those before; they run from the next [`update`](Self::update) on.
+    /// Takes users' stages, by number, in place of those before; they run from the next
+    /// [`update`](Self::update) on.
     ///
     /// # Errors
     ///
-    /// [`BackendError::NoForm`], [`BackendError::BadStages`], or a failing device; what ran before then goes on.
+    /// [`BackendError::NoForm`], [`BackendError::BadStages`], or a failing device; what ran before
+    /// then goes on.
     fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
         match stages.iter().flatten().next() {
             None => Ok(()),
@@ -346,13 +353,19 @@ pub trait Backend: PaletteSource + Send {
         }
     }
 
-    /// Runs one stage for the frame's members, from what the stage before left. Of a frame's phases only
-    /// [`Stage::Transform`] makes a difference.
+    /// Runs one stage for the frame's members, from what the stage before left. Of a frame's phases
+    /// only [`Stage::Transform`] makes a difference.
     ///
     /// # Errors
     ///
-    /// A failing device, or a schedule other than [`Schedule::Staged`], which has no stages of its own.
-    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError>;
+    /// A failing device, or a schedule other than [`Schedule::Staged`], which has no stages of its
+    /// own.
+    fn run_stage(
+        &mut self,
+        tables: &Tables,
+        frame: Frame,
+        stage: Stage,
+    ) -> Result<(), BackendError>;
 
     /// Runs a frame's phases: slots to palettes.
     ///
@@ -361,19 +374,21 @@ pub trait Backend: PaletteSource + Send {
     /// A failing device.
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError>;
 
-    /// Whether [`run`](Self::run) returns while the device is still at work, so that the host can start others meanwhile.
+    /// Whether [`run`](Self::run) returns while the device is still at work, so that the host can
+    /// start others meanwhile.
     fn runs_ahead(&self) -> bool {
         false
     }
 
-    /// Reads elements of a buffer as of the last frame, waiting for what was enqueued before. A fused schedule keeps only
-    /// the palettes; of other buffers it reads those of one member at a time, which it evaluates once more for that.
-    /// `tables` are as of the last [`update`](Self::update), see [`Tables::with_taken_over`].
+    /// Reads elements of a buffer as of the last frame, waiting for what was enqueued before. A
+    /// fused schedule keeps only the palettes; of other buffers it reads those of one member at a
+    /// time, which it evaluates once more for that. `tables` are as of the last
+    /// [`update`](Self::update), see [`Tables::with_taken_over`].
     ///
     /// # Errors
     ///
-    /// [`BackendError::NotEvaluated`] before the first frame, a failing device, or a range past the end or, for a fused
-    /// schedule, past the member.
+    /// [`BackendError::NotEvaluated`] before the first frame, a failing device, or a range past the
+    /// end or, for a fused schedule, past the member.
     fn read(
         &mut self,
         tables: &Tables,
@@ -387,7 +402,12 @@ pub trait Backend: PaletteSource + Send {
     /// # Errors
     ///
     /// A failing device, a range past the end, or a fused schedule.
-    fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError>;
+    fn write(
+        &mut self,
+        buffer: StageBuffer,
+        first: usize,
+        from: &[Float4],
+    ) -> Result<(), BackendError>;
 
     /// Waits until all that was enqueued is done.
     ///
@@ -396,37 +416,40 @@ pub trait Backend: PaletteSource + Send {
     /// A failing device.
     fn finish(&mut self) -> Result<(), BackendError>;
 
-    /// Lets what is watched come to the host as of the last frame, which was that of a clock, without waiting for it. A
-    /// device that is frames behind leaves it out.
+    /// Lets what is watched come to the host as of the last frame, which was that of a clock,
+    /// without waiting for it. A device that is frames behind leaves it out.
     ///
     /// # Errors
     ///
     /// A failing device.
     fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError>;
 
-    /// The newest of what was watched that has come to the host, and the clock when it was so; `None` before the first.
+    /// The newest of what was watched that has come to the host, and the clock when it was so;
+    /// `None` before the first.
     ///
     /// # Errors
     ///
     /// A failing device.
     fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError>;
 
-    /// How often the host has waited for a device of this kind since the process began. Frames do not make it wait.
+    /// How often the host has waited for a device of this kind since the process began. Frames do
+    /// not make it wait.
     fn waits(&self) -> u64 {
         0
     }
 
-    /// Milliseconds of device time that the last frame took, where the device measures it and has finished.
+    /// Milliseconds of device time that the last frame took, where the device measures it and has
+    /// finished.
     fn frame_time_ms(&mut self) -> Option<f64>;
 
-    /// Milliseconds of device time that the last run of each stage took, where there are stages and the device measures
-    /// it.
+    /// Milliseconds of device time that the last run of each stage took, where there are stages and
+    /// the device measures it.
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
         Vec::new()
     }
 
-    /// Writes every palette with a constant and computes nothing: the floor under any schedule, for benchmarks. The
-    /// fastest of several ways to write is taken; returns its time in milliseconds.
+    /// Writes every palette with a constant and computes nothing: the floor under any schedule, for
+    /// benchmarks. The fastest of several ways to write is taken; returns its time in milliseconds.
     ///
     /// # Errors
     ///

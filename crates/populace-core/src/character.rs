@@ -6,13 +6,15 @@ use glam::{DAffine3, DVec3};
 
 use crate::{Affine, Clip, Error, JointIndex, Skeleton, f64math};
 
-/// A distinct pair of a joint and a bind matrix that some vertex uses. Two skins may bind one joint differently, rigid
-/// parts hang on joints with the identity, and joints that move no vertex need no entry.
+/// A distinct pair of a joint and a bind matrix that some vertex uses. Two skins may bind one joint
+/// differently, rigid parts hang on joints with the identity, and joints that move no vertex need
+/// no entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaletteEntry {
     /// The joint that moves the vertices.
     pub joint: JointIndex,
-    /// Takes vertices from the space they were modelled in to the joint's (glTF: inverse bind matrix).
+    /// Takes vertices from the space they were modelled in to the joint's (glTF: inverse bind
+    /// matrix).
     pub joint_from_bind: Affine,
 }
 
@@ -23,8 +25,9 @@ pub struct Influences {
     pub per_vertex: usize,
     /// `vertices x per_vertex` indices into [`CharacterSource::palette`].
     pub entries: Vec<u16>,
-    /// `vertices x per_vertex` weights, as the source has them. A vertex's weights should sum to 1; where they do not,
-    /// the skinning equation is taken at its word, and drawing divides by their sum.
+    /// `vertices x per_vertex` weights, as the source has them. A vertex's weights should sum to 1;
+    /// where they do not, the skinning equation is taken at its word, and drawing divides by their
+    /// sum.
     pub weights: Vec<f32>,
 }
 
@@ -158,7 +161,8 @@ pub struct Image {
     pub rgba: Vec<u8>,
 }
 
-/// A skin as used by one mesh node of the file, for those who want palettes in the file's own order.
+/// A skin as used by one mesh node of the file, for those who want palettes in the file's own
+/// order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkinInstance {
     /// The file's index of the skin.
@@ -233,8 +237,9 @@ impl Character {
     ///
     /// # Errors
     ///
-    /// [`Error::BadCharacter`] names the first piece that does not fit: an index past the end, arrays of different
-    /// lengths, a number that is not finite, an image whose size is not that of its pixels.
+    /// [`Error::BadCharacter`] names the first piece that does not fit: an index past the end,
+    /// arrays of different lengths, a number that is not finite, an image whose size is not that of
+    /// its pixels.
     pub fn new(source: CharacterSource) -> Result<Self, Error> {
         let fail = |place: String, what: String| Err(Error::BadCharacter { place, what });
         let joint_count = source.skeleton.joint_count();
@@ -247,8 +252,12 @@ impl Character {
         for (index, image) in source.images.iter().enumerate() {
             let pixels = image.width as usize * image.height as usize;
             if pixels == 0 || image.rgba.len() != pixels * 4 {
-                let what =
-                    format!("{} bytes for {} x {} pixels", image.rgba.len(), image.width, image.height);
+                let what = format!(
+                    "{} bytes for {} x {} pixels",
+                    image.rgba.len(),
+                    image.width,
+                    image.height
+                );
                 return fail(format!("image {index}"), what);
             }
         }
@@ -263,7 +272,10 @@ impl Character {
         for part in &source.parts {
             if let Err(what) = check_part(part, &source) {
                 return fail(
-                    format!("node {} \"{}\", primitive {}", part.node, part.node_name, part.primitive),
+                    format!(
+                        "node {} \"{}\", primitive {}",
+                        part.node, part.node_name, part.primitive
+                    ),
                     what,
                 );
             }
@@ -287,7 +299,8 @@ impl Character {
 
     fn rest_vertices(&self) -> impl Iterator<Item = [f32; 3]> {
         let models = f64math::rest_models(&self.skeleton);
-        let bind = |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
+        let bind =
+            |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
         let binds: Vec<_> = self.palette.iter().map(bind).collect();
         self.parts.iter().flat_map(move |part| {
             let place = |vertex| f64math::to_f32(rest_place(&part.mesh, vertex, &binds).to_array());
@@ -296,8 +309,8 @@ impl Character {
     }
 }
 
-/// Where a vertex is at rest in model space; `binds` are `model_from_bind` of each palette entry. Indices past the end are
-/// passed over.
+/// Where a vertex is at rest in model space; `binds` are `model_from_bind` of each palette entry.
+/// Indices past the end are passed over.
 pub(crate) fn rest_place(mesh: &Mesh, vertex: usize, binds: &[DAffine3]) -> DVec3 {
     let position = f64math::vec3(mesh.positions[vertex]);
     let moved = |(entry, weight): (usize, f32)| {
@@ -306,15 +319,17 @@ pub(crate) fn rest_place(mesh: &Mesh, vertex: usize, binds: &[DAffine3]) -> DVec
     mesh.influences.of(vertex).filter_map(moved).sum()
 }
 
-/// How far from each joint, in level order, the vertices that it moves lie at rest, times the weight by which it moves
-/// them; what [`Skeleton::with_reach`] takes. Indices past the end are passed over.
+/// How far from each joint, in level order, the vertices that it moves lie at rest, times the
+/// weight by which it moves them; what [`Skeleton::with_reach`] takes. Indices past the end are
+/// passed over.
 #[must_use]
 pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]) -> Vec<f32> {
     let models = f64math::rest_models(skeleton);
     let mut reach: Vec<f64> = vec![0.0; models.len()];
     for mesh in parts.iter().map(|p| &p.mesh) {
         let Influences { per_vertex, entries, weights } = &mesh.influences;
-        for (at, (&entry, &weight)) in entries.iter().zip(weights).enumerate().filter(|(_, (_, w))| **w > 0.0)
+        for (at, (&entry, &weight)) in
+            entries.iter().zip(weights).enumerate().filter(|(_, (_, w))| **w > 0.0)
         {
             let vertex = mesh.positions.get(at / (*per_vertex).max(1));
             let (Some(entry), Some(&vertex)) = (palette.get(usize::from(entry)), vertex) else {
@@ -323,8 +338,8 @@ pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Pa
             let Some(model) = models.get(entry.joint.index()) else {
                 continue;
             };
-            let in_joint =
-                f64math::affine_from(&entry.joint_from_bind).transform_point3(f64math::vec3(vertex));
+            let in_joint = f64math::affine_from(&entry.joint_from_bind)
+                .transform_point3(f64math::vec3(vertex));
             let distance = model.transform_vector3(in_joint).length() * f64::from(weight.min(1.0));
             reach[entry.joint.index()] = reach[entry.joint.index()].max(distance);
         }
@@ -336,16 +351,28 @@ fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {
     let Mesh { positions, normals, uvs, colors, influences, indices } = &part.mesh;
     check_lengths(&part.mesh)?;
     if indices.len() % 3 != 0 || indices.iter().any(|&i| i as usize >= positions.len()) {
-        return Err(format!("indices must be whole triangles of vertices below {}", positions.len()));
+        return Err(format!(
+            "indices must be whole triangles of vertices below {}",
+            positions.len()
+        ));
     }
-    if let Some(entry) = influences.entries.iter().find(|&&e| usize::from(e) >= source.palette.len()) {
-        return Err(format!("a vertex names palette entry {entry}; there are {}", source.palette.len()));
+    if let Some(entry) =
+        influences.entries.iter().find(|&&e| usize::from(e) >= source.palette.len())
+    {
+        return Err(format!(
+            "a vertex names palette entry {entry}; there are {}",
+            source.palette.len()
+        ));
     }
     if part.material.is_some_and(|m| m >= source.materials.len()) {
         return Err("it names a material that does not exist".into());
     }
-    let finite =
-        positions.iter().chain(normals).flatten().chain(uvs.iter().flatten()).chain(&influences.weights);
+    let finite = positions
+        .iter()
+        .chain(normals)
+        .flatten()
+        .chain(uvs.iter().flatten())
+        .chain(&influences.weights);
     if finite.chain(colors.iter().flatten()).any(|v| !v.is_finite()) {
         return Err("a vertex holds a value that is not a finite number".into());
     }
@@ -367,7 +394,9 @@ fn check_lengths(mesh: &Mesh) -> Result<(), String> {
         ("weights", influences.weights.len(), count * per_vertex),
     ];
     match lengths.iter().find(|(_, has, wants)| has != wants) {
-        Some((what, has, wants)) => Err(format!("{has} {what} for {count} vertices; {wants} are needed")),
+        Some((what, has, wants)) => {
+            Err(format!("{has} {what} for {count} vertices; {wants} are needed"))
+        }
         None => Ok(()),
     }
 }

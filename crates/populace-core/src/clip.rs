@@ -22,17 +22,19 @@ pub use motion::{MotionOrigin, MotionSettings, MotionSource, RootMotion};
 use rows::Rows;
 pub(crate) use storage::Range;
 
-/// One motion, stored as rows: poses of all joints of the clip's own skeleton, at the union of the tracks' key times,
-/// with more between them wherever interpolating rows would stray from the source curves by more than the bound.
+/// One motion, stored as rows: poses of all joints of the clip's own skeleton, at the union of the
+/// tracks' key times, with more between them wherever interpolating rows would stray from the
+/// source curves by more than the bound.
 ///
-/// The bound, in model space on the clip's own skeleton, is 0.16 mm for a body of 1.8 m, in proportion for others, at
-/// points 3 cm from each joint and as far from it as the vertices that it moves ([`Skeleton::with_reach`]). Between rows
-/// devices interpolate translations and scales linearly and rotations by normalised linear interpolation. A STEP key is
-/// two rows at one time.
+/// The bound, in model space on the clip's own skeleton, is 0.16 mm for a body of 1.8 m, in
+/// proportion for others, at points 3 cm from each joint and as far from it as the vertices that it
+/// moves ([`Skeleton::with_reach`]). Between rows devices interpolate translations and scales
+/// linearly and rotations by normalised linear interpolation. A STEP key is two rows at one time.
 ///
-/// A row holds blocks of 16 joints ("columns", in the level order of the clip's own skeleton), joints fastest, each
-/// component as 16 bits over the joint's own range. Blocks in which nothing moves are left out. Storage takes its part of
-/// the bound; a motion that 16 bits cannot hold within it is stored as floats.
+/// A row holds blocks of 16 joints ("columns", in the level order of the clip's own skeleton),
+/// joints fastest, each component as 16 bits over the joint's own range. Blocks in which nothing
+/// moves are left out. Storage takes its part of the bound; a motion that 16 bits cannot hold
+/// within it is stored as floats.
 #[derive(Clone, Debug)]
 pub struct Clip {
     source: ClipSource,
@@ -56,9 +58,9 @@ pub struct ClipStats {
     pub row_bytes: usize,
     /// Bytes of the source's key times and values.
     pub key_bytes: usize,
-    /// At most [`tolerance_m`](Self::tolerance_m), but for curves too wild for the rows that a clip of so few keys gets:
-    /// no point 3 cm from a joint (in proportion for bodies that are not 1.8 m) or as far from it as its vertices strays
-    /// further from the source than this, in metres.
+    /// At most [`tolerance_m`](Self::tolerance_m), but for curves too wild for the rows that a clip
+    /// of so few keys gets: no point 3 cm from a joint (in proportion for bodies that are not 1.8
+    /// m) or as far from it as its vertices strays further from the source than this, in metres.
     pub error_bound_m: f32,
     /// The bound asked for, in metres.
     pub tolerance_m: f32,
@@ -67,8 +69,8 @@ pub struct ClipStats {
 }
 
 impl Clip {
-    /// Turns a motion into rows. `skeleton` is the clip's own: that of the file it comes from. Tracks of joints that
-    /// the skeleton lacks are kept in the source and drive nothing.
+    /// Turns a motion into rows. `skeleton` is the clip's own: that of the file it comes from.
+    /// Tracks of joints that the skeleton lacks are kept in the source and drive nothing.
     ///
     /// # Errors
     ///
@@ -78,7 +80,8 @@ impl Clip {
     }
 
     /// Bytes that a joint takes in a row while a clip is made, at most.
-    pub const POSE_BYTES: usize = size_of::<curves::Local>() + size_of::<crate::Trs>() + ROW_POSE_BYTES;
+    pub const POSE_BYTES: usize =
+        size_of::<curves::Local>() + size_of::<crate::Trs>() + ROW_POSE_BYTES;
 
     /// As [`new`](Self::new), but gaps between keys are divided only while there are fewer than
     /// `most_rows` rows. Keys have their rows all the same. Where these rows do not do,
@@ -87,7 +90,11 @@ impl Clip {
     /// # Errors
     ///
     /// As [`new`](Self::new).
-    pub fn with_at_most(most_rows: usize, source: ClipSource, skeleton: &Skeleton) -> Result<Self, Error> {
+    pub fn with_at_most(
+        most_rows: usize,
+        source: ClipSource,
+        skeleton: &Skeleton,
+    ) -> Result<Self, Error> {
         let curves = curves::Curves::new(&source, skeleton)?;
         let rows = Rows::new(&curves, skeleton, most_rows);
         let contacts = Contacts::new(&rows, skeleton);
@@ -147,23 +154,27 @@ impl Clip {
         }
     }
 
-    /// The largest distance, over `points` times between each two rows, between a point 3 cm from a joint of the
-    /// clip's own skeleton as the source curves move it and as the rows do; metres, in proportion for bodies that are
-    /// not 1.8 m.
+    /// The largest distance, over `points` times between each two rows, between a point 3 cm from a
+    /// joint of the clip's own skeleton as the source curves move it and as the rows do; metres, in
+    /// proportion for bodies that are not 1.8 m.
     ///
     /// # Panics
     ///
     /// If `skeleton` is not the one that the clip was made with.
     #[must_use]
     pub fn measured_error_m(&self, skeleton: &Skeleton, points: usize) -> f32 {
-        assert_eq!(self.skeleton.joint_count(), skeleton.joint_count(), "not the clip's own skeleton");
+        assert_eq!(
+            self.skeleton.joint_count(),
+            skeleton.joint_count(),
+            "not the clip's own skeleton"
+        );
         let curves = curves::Curves::new(&self.source, skeleton).expect("checked by `new`");
         self.rows.measured_error_m(&curves, skeleton, points)
     }
 
-    /// How far a joint's stored rotation components, translation in metres or scale factors are at most from the source
-    /// curves at the times of the clip's rows; 0 where the clip does not know the joint. Part of
-    /// [`ClipStats::error_bound_m`].
+    /// How far a joint's stored rotation components, translation in metres or scale factors are at
+    /// most from the source curves at the times of the clip's rows; 0 where the clip does not know
+    /// the joint. Part of [`ClipStats::error_bound_m`].
     #[must_use]
     pub fn storage_error(&self, joint: &str, property: Property) -> f32 {
         let column = self.skeleton.find(joint);
@@ -192,7 +203,8 @@ impl Clip {
         if self.rows.buckets.is_empty() { &[] } else { &self.rows.times }
     }
 
-    /// For each bucket a row at or before its start, and buckets per second; empty where rows are evenly spaced.
+    /// For each bucket a row at or before its start, and buckets per second; empty where rows are
+    /// evenly spaced.
     pub(crate) fn buckets(&self) -> (&[u32], f32) {
         (&self.rows.buckets, self.rows.buckets_per_sec)
     }
@@ -232,7 +244,8 @@ mod tests {
         };
         let source = ClipSource { name: "wild".into(), tracks: joints.iter().map(track).collect() };
         let stats = Clip::new(source, &skeleton).unwrap().stats();
-        // 8 for each key, 200,000 poses of one joint beside, and what was still to be pushed when they were spent.
+        // 8 for each key, 200,000 poses of one joint beside, and what was still to be pushed when
+        // they were spent.
         assert!(stats.row_count < 20 * 8 + 2000 + 50, "{} rows", stats.row_count);
         assert!(stats.error_bound_m > stats.tolerance_m);
     }

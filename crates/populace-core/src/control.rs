@@ -1,7 +1,8 @@
 //! What beside clips moves a member: overrides, constraints, and what of it others look at.
 
 use crate::layout::{
-    Float4, LEAST_WEIGHT, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD, Target,
+    Float4, LEAST_WEIGHT, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD,
+    Target,
 };
 use crate::math::{quat, vec3};
 use crate::playback::{is_ramp_to, ramp, ramp_rate};
@@ -22,13 +23,13 @@ pub enum Space {
 pub struct JointOverride {
     /// The joint.
     pub joint: JointIndex,
-    /// What the transform is relative to. In local space it takes the place of what clips give, and constraints work on
-    /// it; in model space it has the last word.
+    /// What the transform is relative to. In local space it takes the place of what clips give, and
+    /// constraints work on it; in model space it has the last word.
     pub space: Space,
     /// The transform.
     pub transform: Trs,
-    /// From 0, which leaves the joint as it would be, to 1. Between, translations and scales are mixed, and rotations the
-    /// short way.
+    /// From 0, which leaves the joint as it would be, to 1. Between, translations and scales are
+    /// mixed, and rotations the short way.
     pub weight: f32,
 }
 
@@ -65,8 +66,8 @@ impl Target {
         Self { watched, ..Self::new(TARGET_WATCHED, offset) }
     }
 
-    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at once where `secs` is not
-    /// above zero.
+    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at
+    /// once where `secs` is not above zero.
     #[must_use]
     pub fn with_ramp(mut self, tick: u64, from: f32, to: f32, secs: f32) -> Self {
         let rate = ramp_rate(from, to, secs);
@@ -91,11 +92,16 @@ impl Target {
     #[inline]
     #[must_use]
     pub fn ramp_at(&self, tick: u64) -> f32 {
-        ramp(tick.saturating_sub(self.weight_tick), self.start_weight, self.weight_rate, self.end_weight)
+        ramp(
+            tick.saturating_sub(self.weight_tick),
+            self.start_weight,
+            self.weight_rate,
+            self.end_weight,
+        )
     }
 
-    /// The weight at a time of the clock, eased where the ramp begins and ends, and 0 below [`LEAST_WEIGHT`]; the twin of
-    /// `target_weight` in `kernels/targets.cl`.
+    /// The weight at a time of the clock, eased where the ramp begins and ends, and 0 below
+    /// [`LEAST_WEIGHT`]; the twin of `target_weight` in `kernels/targets.cl`.
     #[inline]
     #[must_use]
     pub fn weight_at(&self, tick: u64) -> f32 {
@@ -116,17 +122,20 @@ pub struct GazeLimits {
     pub down_rad: f32,
 }
 
-/// A chain of joints that turns to look at targets, from the first, which turns the least, to the last, which faces them.
+/// A chain of joints that turns to look at targets, from the first, which turns the least, to the
+/// last, which faces them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gaze {
-    /// Joints from the first down to the last, each with its part of the turn: parts are not negative, and are divided by
-    /// their sum. Joints between that are left out do not turn.
+    /// Joints from the first down to the last, each with its part of the turn: parts are not
+    /// negative, and are divided by their sum. Joints between that are left out do not turn.
     pub chain: Vec<(JointIndex, f32)>,
-    /// Where the last joint faces at rest, in model space: +Z unless the character is built otherwise.
+    /// Where the last joint faces at rest, in model space: +Z unless the character is built
+    /// otherwise.
     pub facing: [f32; 3],
     /// How far the last joint may face away from the front of what carries the chain.
     pub limits: GazeLimits,
-    /// What to look at: weights are divided by their sum where that is above 1, else the rest is left to the clips.
+    /// What to look at: weights are divided by their sum where that is above 1, else the rest is
+    /// left to the clips.
     pub targets: Vec<Target>,
 }
 
@@ -141,12 +150,13 @@ pub struct Limb {
     pub end: JointIndex,
     /// Where the middle joint bends to when the limb is straight, at rest and in model space.
     pub bend: [f32; 3],
-    /// Where the middle joint is drawn to, as a direction in model space; `None` leaves it where the clips have it.
+    /// Where the middle joint is drawn to, as a direction in model space; `None` leaves it where
+    /// the clips have it.
     pub pole: Option<[f32; 3]>,
     /// Whether the end keeps the rotation that it has without this.
     pub keeps_end: bool,
-    /// The part of the full length in which the limb straightens: a target nearer than the rest of it is met, one beyond
-    /// is approached. Above 0 and up to 0.5.
+    /// The part of the full length in which the limb straightens: a target nearer than the rest of
+    /// it is met, one beyond is approached. Above 0 and up to 0.5.
     pub soft: f32,
     /// What to reach for.
     pub targets: Vec<Target>,
@@ -209,15 +219,19 @@ pub struct Controls {
     pub overrides: Vec<JointOverride>,
     /// Users' stages, which run in this order where they meet in a joint; each at most once.
     pub stages: Vec<StageUse>,
-    /// Joints that others look at, or that are read back, each with its place among what is watched.
+    /// Joints that others look at, or that are read back, each with its place among what is
+    /// watched.
     pub watches: Vec<(JointIndex, u32)>,
     /// Joints that other members are attached to, each with its place there.
     pub carries: Vec<(JointIndex, u32)>,
-    /// What the member itself is attached to: the place of that joint, and where the member's roots are from there.
+    /// What the member itself is attached to: the place of that joint, and where the member's roots
+    /// are from there.
     pub attached: Option<(u32, Trs)>,
-    /// Where in [`Tables::joint_scales`](crate::Tables::joint_scales) the lengths of its joints stand.
+    /// Where in [`Tables::joint_scales`](crate::Tables::joint_scales) the lengths of its joints
+    /// stand.
     pub proportions: Option<u32>,
-    /// Set where clips move the whole body: another number lets it begin anew where the member stands.
+    /// Set where clips move the whole body: another number lets it begin anew where the member
+    /// stands.
     pub motion: Option<u32>,
 }
 
@@ -254,7 +268,11 @@ pub(crate) fn rest_rotation(skeleton: &Skeleton, joint: JointIndex) -> [f32; 4] 
 }
 
 /// A direction in model space as a joint at rest has it.
-pub(crate) fn in_joint(skeleton: &Skeleton, joint: Option<JointIndex>, direction: [f32; 3]) -> [f32; 3] {
+pub(crate) fn in_joint(
+    skeleton: &Skeleton,
+    joint: Option<JointIndex>,
+    direction: [f32; 3],
+) -> [f32; 3] {
     let turn = joint.map_or(quat::identity(), |joint| rest_rotation(skeleton, joint));
     vec3::turned(quat::conjugate(turn), direction)
 }

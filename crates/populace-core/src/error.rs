@@ -11,7 +11,9 @@ pub enum Error {
     #[error("a skeleton needs at least one joint")]
     NoJoints,
     /// A parent index past the end.
-    #[error("joint {joint} \"{name}\" names joint {parent} as its parent, but there are {count} joints")]
+    #[error(
+        "joint {joint} \"{name}\" names joint {parent} as its parent, but there are {count} joints"
+    )]
     ParentOutOfRange {
         /// Source index of the joint.
         joint: usize,
@@ -148,7 +150,8 @@ pub enum Error {
         /// The index.
         value: u32,
     },
-    /// A range that reaches past the end of its table: a fault of the library, found before a device follows it.
+    /// A range that reaches past the end of its table: a fault of the library, found before a
+    /// device follows it.
     #[error(
         "control {control} names {count} of {table} from {first} on, and there are {length}; this is a fault of the \
          library: please report it"
@@ -166,7 +169,9 @@ pub enum Error {
         length: usize,
     },
     /// A schedule's name that means nothing.
-    #[error("there is no schedule \"{name}\"; schedules are staged, fused, fused-wide and fused-grouped")]
+    #[error(
+        "there is no schedule \"{name}\"; schedules are staged, fused, fused-wide and fused-grouped"
+    )]
     UnknownSchedule {
         /// The name given.
         name: String,

@@ -12,7 +12,10 @@ pub(crate) fn quat(q: [f32; 4]) -> DQuat {
     DQuat::from_array(q.map(f64::from))
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
 pub(crate) fn to_f32<const N: usize>(v: [f64; N]) -> [f32; N] {
     v.map(|x| x as f32)
 }
@@ -23,7 +26,11 @@ pub(crate) fn normalized(q: [f32; 4]) -> [f32; 4] {
 }
 
 pub(crate) fn affine(trs: &Trs) -> DAffine3 {
-    DAffine3::from_scale_rotation_translation(vec3(trs.scale), quat(trs.rotation), vec3(trs.translation))
+    DAffine3::from_scale_rotation_translation(
+        vec3(trs.scale),
+        quat(trs.rotation),
+        vec3(trs.translation),
+    )
 }
 
 /// `model_from_joint` of each joint, parents first, from local transforms.
@@ -44,8 +51,12 @@ pub(crate) fn rest_models(skeleton: &crate::Skeleton) -> Vec<DAffine3> {
     model_from_joints(&parents, skeleton.joints().map(|joint| affine(skeleton.rest(joint))))
 }
 
-/// Rotations in model space of each joint, parents first, from local ones; scales above do not count.
-pub(crate) fn turns(parents: &[Option<JointIndex>], locals: impl Iterator<Item = DQuat>) -> Vec<DQuat> {
+/// Rotations in model space of each joint, parents first, from local ones; scales above do not
+/// count.
+pub(crate) fn turns(
+    parents: &[Option<JointIndex>],
+    locals: impl Iterator<Item = DQuat>,
+) -> Vec<DQuat> {
     let mut turns: Vec<DQuat> = Vec::with_capacity(parents.len());
     for (parent, local) in parents.iter().zip(locals) {
         turns.push(parent.map_or(local, |p| turns[p.index()] * local));
@@ -67,5 +78,7 @@ pub(crate) fn rest_extent(parents: &[Option<JointIndex>], rest: &[Trs]) -> f32 {
 
 pub(crate) fn affine_from(m: &crate::Affine) -> DAffine3 {
     let [a, b, c] = m.rows.map(|row| row.map(f64::from));
-    DAffine3::from_cols_array(&[a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3]])
+    DAffine3::from_cols_array(&[
+        a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3],
+    ])
 }

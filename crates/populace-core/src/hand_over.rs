@@ -1,10 +1,13 @@
-//! How palettes reach OpenGL: where devices, which write them, and renderers, which draw from them, meet.
+//! How palettes reach OpenGL: where devices, which write them, and renderers, which draw from them,
+//! meet.
 //!
-//! A renderer lends a device memory of OpenGL's as a [`PaletteTarget`]: two sets of pages, so that the device writes
-//! one while OpenGL draws from the other. After each frame, [`PaletteSource::hand_over`] waits for the device and names
-//! the set that it wrote; the renderer waits until OpenGL is done with the other one before the next frame begins.
+//! A renderer lends a device memory of OpenGL's as a [`PaletteTarget`]: two sets of pages, so that
+//! the device writes one while OpenGL draws from the other. After each frame,
+//! [`PaletteSource::hand_over`] waits for the device and names the set that it wrote; the renderer
+//! waits until OpenGL is done with the other one before the next frame begins.
 //!
-//! Lent memory is owned: it stays valid until whoever borrowed it drops it, whatever became of the renderer.
+//! Lent memory is owned: it stays valid until whoever borrowed it drops it, whatever became of the
+//! renderer.
 #![expect(
     unsafe_code,
     reason = "implementors of the traits make promises about memory that the compiler cannot check; nothing here is \
@@ -24,9 +27,11 @@ pub const PAGE_SETS: usize = 2;
 /// A way for palettes to reach OpenGL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PaletteWay {
-    /// OpenCL writes OpenGL's own buffers (`cl_khr_gl_sharing`); its context is made for that of OpenGL.
+    /// OpenCL writes OpenGL's own buffers (`cl_khr_gl_sharing`); its context is made for that of
+    /// OpenGL.
     Shared,
-    /// The host, or a device that works in the host's memory, writes buffers that OpenGL keeps mapped.
+    /// The host, or a device that works in the host's memory, writes buffers that OpenGL keeps
+    /// mapped.
     Mapped,
     /// The device writes its own memory, and one copy of it goes to OpenGL each frame.
     Copied,
@@ -70,8 +75,8 @@ pub struct EglHandles {
 ///
 /// # Safety
 ///
-/// [`handles`](Self::handles) names the same EGL display and OpenGL context each time, and both are valid until the
-/// value is dropped.
+/// [`handles`](Self::handles) names the same EGL display and OpenGL context each time, and both are
+/// valid until the value is dropped.
 pub unsafe trait GlContext: fmt::Debug + Send + Sync {
     /// The context's numbers in EGL.
     fn handles(&self) -> EglHandles;
@@ -81,20 +86,23 @@ pub unsafe trait GlContext: fmt::Debug + Send + Sync {
 ///
 /// # Safety
 ///
-/// [`elements`](Self::elements) returns the same memory each time. From the first call on until the value is dropped,
-/// that memory is valid for reads and writes on every thread, between calls as well, so that its address can be given
-/// to a device. Nothing but OpenGL reads or writes it by other means, and OpenGL only reads.
+/// [`elements`](Self::elements) returns the same memory each time. From the first call on until the
+/// value is dropped, that memory is valid for reads and writes on every thread, between calls as
+/// well, so that its address can be given to a device. Nothing but OpenGL reads or writes it by
+/// other means, and OpenGL only reads.
 pub unsafe trait MappedPage: Send {
     /// The page's memory; what is written there OpenGL sees from its next command on.
     fn elements(&mut self) -> &mut [Float4];
 }
 
-/// A page of palettes in a buffer of OpenGL's for OpenCL to write; dropping it gives the buffer back.
+/// A page of palettes in a buffer of OpenGL's for OpenCL to write; dropping it gives the buffer
+/// back.
 ///
 /// # Safety
 ///
-/// Until the value is dropped, the buffer exists in the context of [`handles`](Self::handles), which exists too, and
-/// keeps storage for at least [`len`](Self::len) elements of [`Float4`]. What OpenGL was told about it so far is done.
+/// Until the value is dropped, the buffer exists in the context of [`handles`](Self::handles),
+/// which exists too, and keeps storage for at least [`len`](Self::len) elements of [`Float4`]. What
+/// OpenGL was told about it so far is done.
 pub unsafe trait SharedPage: Send {
     /// The buffer's name in OpenGL.
     fn buffer(&self) -> NonZeroU32;
@@ -114,7 +122,8 @@ pub unsafe trait SharedPage: Send {
 /// Where a device is to write palettes.
 #[derive(Default)]
 pub enum PaletteTarget {
-    /// See [`PaletteWay::Shared`]. In each set the pages in order, as many as in the other and of the same lengths.
+    /// See [`PaletteWay::Shared`]. In each set the pages in order, as many as in the other and of
+    /// the same lengths.
     Shared([Vec<Box<dyn SharedPage>>; PAGE_SETS]),
     /// See [`PaletteWay::Mapped`]. As above.
     Mapped([Vec<Box<dyn MappedPage>>; PAGE_SETS]),
@@ -140,7 +149,8 @@ impl PaletteTarget {
 pub struct TargetMark(Arc<()>);
 
 impl TargetMark {
-    /// Whether anybody but the caller holds this mark, as a device does while the target is in force.
+    /// Whether anybody but the caller holds this mark, as a device does while the target is in
+    /// force.
     #[must_use]
     pub fn is_held_elsewhere(&self) -> bool {
         Arc::strong_count(&self.0) > 1
@@ -158,13 +168,15 @@ impl PartialEq for TargetMark {
 pub struct HandedOver {
     /// The mark of the target in force.
     pub mark: TargetMark,
-    /// Which set of its pages was written; `None` where the device keeps palettes in its own memory.
+    /// Which set of its pages was written; `None` where the device keeps palettes in its own
+    /// memory.
     pub set: Option<usize>,
 }
 
 /// Something that palettes come from: a device, or a crowd on one.
 pub trait PaletteSource {
-    /// Palette entries of each page in use as of the last frame; a page's number is its place in the list.
+    /// Palette entries of each page in use as of the last frame; a page's number is its place in
+    /// the list.
     fn page_lengths(&self) -> Vec<usize>;
 
     /// Palette entries of each page as of the next frame: what a target should have room for.
@@ -175,32 +187,39 @@ pub trait PaletteSource {
     /// Why palettes cannot reach a context in some way, as far as that shows without trying.
     fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String>;
 
-    /// Makes a device write palettes into `target` from the next frame on. What it wrote last goes there now, into set
-    /// 0, so that it can be handed over at once. The target before is given back.
+    /// Makes a device write palettes into `target` from the next frame on. What it wrote last goes
+    /// there now, into set 0, so that it can be handed over at once. The target before is given
+    /// back.
     ///
-    /// A target stays in force until another takes its place, or until palettes outgrow it: the device then turns back
-    /// to its own memory, and [`hand_over`](Self::hand_over) says so.
+    /// A target stays in force until another takes its place, or until palettes outgrow it: the
+    /// device then turns back to its own memory, and [`hand_over`](Self::hand_over) says so.
     ///
     /// # Errors
     ///
-    /// A way that the device refuses, pages too few or too small for what is in use, or a failing device. The target
-    /// before then stays in force.
+    /// A way that the device refuses, pages too few or too small for what is in use, or a failing
+    /// device. The target before then stays in force.
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError>;
 
-    /// Waits for the last frame and says where its palettes stand: OpenGL can draw from there, and reading them back
-    /// does no harm. The next frame is written into the other set, so OpenGL must be done with that one by then.
-    /// Without a frame since the last call the answer is the same again. `None` where no target is in force.
+    /// Waits for the last frame and says where its palettes stand: OpenGL can draw from there, and
+    /// reading them back does no harm. The next frame is written into the other set, so OpenGL must
+    /// be done with that one by then. Without a frame since the last call the answer is the same
+    /// again. `None` where no target is in force.
     ///
     /// # Errors
     ///
     /// A failing device.
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError>;
 
-    /// Hands a page of palettes to `reader`, waiting for the frame to be done: three elements for each palette entry
-    /// of the page, up to the last entry in use. Where the device shares memory with the host, nothing is copied.
+    /// Hands a page of palettes to `reader`, waiting for the frame to be done: three elements for
+    /// each palette entry of the page, up to the last entry in use. Where the device shares memory
+    /// with the host, nothing is copied.
     ///
     /// # Errors
     ///
     /// A failing device, or a page that does not exist.
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError>;
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError>;
 }

@@ -35,8 +35,8 @@ pub enum Finger {
     Little,
 }
 
-/// A joint of a finger, from the hand outwards. VRM calls those of a thumb metacarpal, proximal and distal, those of other
-/// fingers proximal, intermediate and distal.
+/// A joint of a finger, from the hand outwards. VRM calls those of a thumb metacarpal, proximal and
+/// distal, those of other fingers proximal, intermediate and distal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phalanx {
     /// At the hand.
@@ -47,7 +47,8 @@ pub enum Phalanx {
     Third,
 }
 
-/// What a joint is to a humanoid body: the bones of VRM 1.0 (specification, `humanoid`). Displays as VRM names it.
+/// What a joint is to a humanoid body: the bones of VRM 1.0 (specification, `humanoid`). Displays
+/// as VRM names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// The joint that legs and spine hang on.
@@ -141,13 +142,17 @@ impl Role {
             Self::Foot(side) => Self::LowerLeg(side),
             Self::Toes(side) => Self::Foot(side),
             Self::Finger(side, _, Phalanx::First) => Self::Hand(side),
-            Self::Finger(side, finger, Phalanx::Second) => Self::Finger(side, finger, Phalanx::First),
-            Self::Finger(side, finger, Phalanx::Third) => Self::Finger(side, finger, Phalanx::Second),
+            Self::Finger(side, finger, Phalanx::Second) => {
+                Self::Finger(side, finger, Phalanx::First)
+            }
+            Self::Finger(side, finger, Phalanx::Third) => {
+                Self::Finger(side, finger, Phalanx::Second)
+            }
         })
     }
 
-    /// Rigs whose feet are pulled by targets, and those with several bones in a palm, hang these on some other joint than
-    /// the limb that they end.
+    /// Rigs whose feet are pulled by targets, and those with several bones in a palm, hang these on
+    /// some other joint than the limb that they end.
     const fn may_hang_elsewhere(self) -> bool {
         matches!(self, Self::Foot(_) | Self::Toes(_) | Self::Hand(_) | Self::Finger(..))
     }
@@ -155,7 +160,8 @@ impl Role {
 
 /// All roles, each after the one that it hangs on.
 pub(crate) fn all_roles() -> impl Iterator<Item = Role> {
-    let middle = [Role::Hips, Role::Spine, Role::Chest, Role::UpperChest, Role::Neck, Role::Head, Role::Jaw];
+    let middle =
+        [Role::Hips, Role::Spine, Role::Chest, Role::UpperChest, Role::Neck, Role::Head, Role::Jaw];
     let side = |side| {
         let limbs = [
             Role::Shoulder(side),
@@ -176,7 +182,8 @@ pub(crate) fn all_roles() -> impl Iterator<Item = Role> {
     middle.into_iter().chain(side(Side::Left)).chain(side(Side::Right))
 }
 
-const FINGERS: [Finger; 5] = [Finger::Thumb, Finger::Index, Finger::Middle, Finger::Ring, Finger::Little];
+const FINGERS: [Finger; 5] =
+    [Finger::Thumb, Finger::Index, Finger::Middle, Finger::Ring, Finger::Little];
 const PHALANGES: [Phalanx; 3] = [Phalanx::First, Phalanx::Second, Phalanx::Third];
 
 impl fmt::Display for Role {
@@ -231,20 +238,25 @@ impl RoleMap {
     ///
     /// # Errors
     ///
-    /// [`Error::BadRole`] for a joint that is not there, a role or a joint named twice, a joint that does not hang where its
-    /// role does, or a body without hips and legs.
+    /// [`Error::BadRole`] for a joint that is not there, a role or a joint named twice, a joint
+    /// that does not hang where its role does, or a body without hips and legs.
     pub fn from_names(skeleton: &Skeleton, names: &[(Role, &str)]) -> Result<Self, Error> {
         let mut map = Self::empty(skeleton, "given");
         for &(role, name) in names {
             let bad = |what: String| Error::BadRole { role: role.to_string(), what };
-            let joint =
-                skeleton.find(name).ok_or_else(|| bad(format!("the skeleton has no joint \"{name}\"")))?;
+            let joint = skeleton
+                .find(name)
+                .ok_or_else(|| bad(format!("the skeleton has no joint \"{name}\"")))?;
             if let Some((other, _)) = map.joints.iter().find(|(_, taken)| **taken == joint) {
-                return Err(bad(format!("joint \"{name}\" is {other} already; a joint has one role")));
+                return Err(bad(format!(
+                    "joint \"{name}\" is {other} already; a joint has one role"
+                )));
             }
             if let Some(first) = map.joints.insert(role, joint) {
                 let first = skeleton.name(first);
-                return Err(bad(format!("both \"{first}\" and \"{name}\" are given; a role has one joint")));
+                return Err(bad(format!(
+                    "both \"{first}\" and \"{name}\" are given; a role has one joint"
+                )));
             }
         }
         for (&role, &joint) in &map.joints {
@@ -252,8 +264,7 @@ impl RoleMap {
         }
         match NEEDED.into_iter().find(|role| !map.joints.contains_key(role)) {
             Some(role) => {
-                let what =
-                    "no joint is given; hips, upper and lower legs and feet are needed, others are welcome";
+                let what = "no joint is given; hips, upper and lower legs and feet are needed, others are welcome";
                 Err(Error::BadRole { role: role.to_string(), what: what.into() })
             }
             None => Ok(map),
@@ -265,13 +276,18 @@ impl RoleMap {
         Self { joints: BTreeMap::new(), followers: Vec::new(), naming, joint_count }
     }
 
-    /// Whether a joint hangs where its role does: beneath the joints of the roles above, or elsewhere, for ends of limbs, but
-    /// never above any of them.
+    /// Whether a joint hangs where its role does: beneath the joints of the roles above, or
+    /// elsewhere, for ends of limbs, but never above any of them.
     fn check(&self, skeleton: &Skeleton, role: Role, joint: JointIndex) -> Result<(), Error> {
         let above = std::iter::successors(role.parent(), |role| role.parent());
-        for (at, (parent, of)) in above.filter_map(|r| Some((r, *self.joints.get(&r)?))).enumerate() {
-            let elsewhere = role.may_hang_elsewhere() && !skeleton.is_below(of, joint) && of != joint;
-            if (at == 0 || skeleton.is_below(of, joint)) && !skeleton.is_below(joint, of) && !elsewhere {
+        for (at, (parent, of)) in above.filter_map(|r| Some((r, *self.joints.get(&r)?))).enumerate()
+        {
+            let elsewhere =
+                role.may_hang_elsewhere() && !skeleton.is_below(of, joint) && of != joint;
+            if (at == 0 || skeleton.is_below(of, joint))
+                && !skeleton.is_below(joint, of)
+                && !elsewhere
+            {
                 let (name, of) = (skeleton.name(joint), skeleton.name(of));
                 let what = format!("joint \"{name}\" does not hang on \"{of}\", which is {parent}");
                 return Err(Error::BadRole { role: role.to_string(), what });
@@ -296,8 +312,8 @@ impl RoleMap {
         &self.followers
     }
 
-    /// By which names the roles were found: "VRM", "Mixamo", "Unreal", "KayKit", "Rigify", "Quaternius", "CMU", "Populace",
-    /// or "given" for a user's own.
+    /// By which names the roles were found: "VRM", "Mixamo", "Unreal", "KayKit", "Rigify",
+    /// "Quaternius", "CMU", "Populace", or "given" for a user's own.
     #[must_use]
     pub fn naming(&self) -> &'static str {
         self.naming

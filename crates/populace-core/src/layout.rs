@@ -1,10 +1,12 @@
 //! The structs and constants that host and devices share, each declared once.
 //!
-//! `device_struct!` emits a `#[repr(C)]` [`bytemuck::Pod`] type, its OpenCL C twin as text, and the table of its
-//! fields, which a probe kernel's `sizeof` and offsets are compared with in a test. `device_consts!` emits a constant
-//! and its `#define`. [`opencl_prelude`] joins them all into the head of every OpenCL program.
+//! `device_struct!` emits a `#[repr(C)]` [`bytemuck::Pod`] type, its OpenCL C twin as text, and the
+//! table of its fields, which a probe kernel's `sizeof` and offsets are compared with in a test.
+//! `device_consts!` emits a constant and its `#define`. [`opencl_prelude`] joins them all into the
+//! head of every OpenCL program.
 //!
-//! `Pod` refuses hidden padding, and there is no three-component vector to declare: it is 16 bytes on a device.
+//! `Pod` refuses hidden padding, and there is no three-component vector to declare: it is 16 bytes
+//! on a device.
 
 /// Four floats, aligned to 16 bytes as an OpenCL `float4`.
 #[repr(C, align(16))]
@@ -80,12 +82,13 @@ device_consts! {
     /// elements of 16 bytes are 256 bytes (Lister & Day 2012, section 3.1, fig. 3). Rows of clips
     /// are stored in blocks of 16 as well.
     pub const JOINT_BLOCK: u32 = 16;
-    /// Members whose gazes, limbs and feet one work-item of the wide schedule solves at once: with two legs each, as many legs
-    /// as there are lanes. Each has matrices of its own meanwhile.
+    /// Members whose gazes, limbs and feet one work-item of the wide schedule solves at once: with
+    /// two legs each, as many legs as there are lanes. Each has matrices of its own meanwhile.
     pub const MEMBERS_ABREAST: u32 = 8;
     /// Palette entries per block; each member's palette starts at a whole block.
     pub const PALETTE_BLOCK: u32 = 4;
-    /// Palette entries per page: 48 MiB a page, within what every OpenCL and OpenGL device allows at once.
+    /// Palette entries per page: 48 MiB a page, within what every OpenCL and OpenGL device allows
+    /// at once.
     pub const PAGE_ENTRIES: u32 = 1 << 20;
     /// [`Slot::mode`]: the clip starts again at its end.
     pub const SLOT_LOOP: u32 = 0;
@@ -97,17 +100,19 @@ device_consts! {
     /// before that, its newest after.
     pub const SLOT_LIVE: u32 = 3;
     /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is twice its runner, and which of the two;
-    /// each has half the machine's weight, and what it plays and how much of it stands in [`Running`].
+    /// each has half the machine's weight, and what it plays and how much of it stands in
+    /// [`Running`].
     pub const SLOT_MACHINE: u32 = 4;
     /// [`Slot::mode`]: a clip that was left, of which only that remains in which it differed from what took its place. It
     /// weighs nothing; its fields have other meanings, see [`Slot::settling`].
     pub const SLOT_SETTLING: u32 = 5;
     /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
     pub const SLOT_MODE_BITS: u32 = 8;
-    /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are laid over what lies
-    /// beneath. Without it the layer's mix replaces that, by weight and mask.
+    /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are
+    /// laid over what lies beneath. Without it the layer's mix replaces that, by weight and mask.
     pub const LAYER_ADDITIVE: u32 = 1 << 31;
-    /// The bits of [`Layer::mask_and_mode`] that name the mask; all of them set where the layer has none.
+    /// The bits of [`Layer::mask_and_mode`] that name the mask; all of them set where the layer has
+    /// none.
     pub const LAYER_MASK: u32 = (1 << 31) - 1;
     /// The most slots that a member can have.
     pub const SLOTS_MOST: u32 = 8;
@@ -115,7 +120,8 @@ device_consts! {
     pub const LAYERS_PER_MEMBER: u32 = 4;
     /// The bits of [`Member::layers_and_phase`] that count layers; the phase stands above them.
     pub const MEMBER_LAYER_BITS: u32 = 8;
-    /// Phases of a frame at most: members attached to nothing, and four levels of what is attached to others.
+    /// Phases of a frame at most: members attached to nothing, and four levels of what is attached
+    /// to others.
     pub const PHASES_MOST: u32 = 5;
     /// Flag in a joint map: the rotation comes from the clip's rows.
     pub const MAP_ROTATION: u32 = 1 << 31;
@@ -129,7 +135,8 @@ device_consts! {
     pub const BLOCK_STRAIGHT: u32 = 4;
     /// Flag in a [`BoundBlock`]: what was sampled goes on through the [`BoundClip::next`] clip.
     pub const BLOCK_TURNED: u32 = 8;
-    /// Flag in a [`BoundBlock`]: all translations stand at the body's rest; of a turn, it adds nothing to them.
+    /// Flag in a [`BoundBlock`]: all translations stand at the body's rest; of a turn, it adds
+    /// nothing to them.
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales stand at the body's rest.
     pub const REST_SCALE: u32 = 2;
@@ -142,7 +149,8 @@ device_consts! {
     /// [`Step::kind`]: a chain of any length reaches for its targets.
     pub const STEP_CHAIN: u32 = 3;
     /// [`Step::kind`]: finds where feet go, sinks the pelvis so that they get there, and solves the legs if they can be at
-    /// once. Constraints of a member's feet follow each other, and each has three turns from the step's on.
+    /// once. Constraints of a member's feet follow each other, and each has three turns from the
+    /// step's on.
     pub const STEP_PELVIS: u32 = 4;
     /// [`Step::kind`]: a leg that something moves after the pelvis goes where the pelvis found.
     pub const STEP_FOOT: u32 = 5;
@@ -158,8 +166,9 @@ device_consts! {
     pub const STEP_ATTACH: u32 = 10;
     /// [`Step::kind`]: clips move the whole body, on from where the frame before left it if `turn` is still the same.
     pub const STEP_MOTION: u32 = 11;
-    /// Of a member's state, the first of four elements of its root motion: where its clips have moved it, its heading, how fast
-    /// they last did, and how much faster than what it plays it was when something began to settle: shift and turn in a tick.
+    /// Of a member's state, the first of four elements of its root motion: where its clips have
+    /// moved it, its heading, how fast they last did, and how much faster than what it plays it was
+    /// when something began to settle: shift and turn in a tick.
     pub const MOTION_STATE: u32 = FEET_MOST;
     /// Elements of a row of root motion: a shift, then sine and cosine of a heading.
     pub const MOTION_ELEMENTS: u32 = 2;
@@ -183,8 +192,8 @@ device_consts! {
     pub const FEET_MOST: u32 = 4;
     /// Elements of a member's state.
     pub const STATES_PER_CONTROL: u32 = 8;
-    /// Elements of what is watched of a joint: three rows of its matrix, in the world, or in model space for what is attached
-    /// to it.
+    /// Elements of what is watched of a joint: three rows of its matrix, in the world, or in model
+    /// space for what is attached to it.
     pub const WATCHED_ELEMENTS: u32 = 3;
     /// Elements of a [`Running`].
     pub const RUNNING_ELEMENTS: u32 = 3;
@@ -208,18 +217,20 @@ pub use clips::*;
 pub use members::*;
 pub use playing::*;
 
-/// Planes of a stored pose, each of `padded_count` floats with joints varying fastest: rotation x y z w, translation
-/// x y z, scale x y z.
+/// Planes of a stored pose, each of `padded_count` floats with joints varying fastest: rotation x y
+/// z w, translation x y z, scale x y z.
 pub const POSE_PLANES: usize = 10;
-/// Planes of a bound clip's ranges, laid out alike: offsets of rotation x y z w and their step, of translation x y z and
-/// their step, of scale x y z and their step. A component is `offset + step * n` for the `n` that a row holds; a step of 0
-/// leaves the clip's constant, or the body's rest where the clip does not drive the joint.
+/// Planes of a bound clip's ranges, laid out alike: offsets of rotation x y z w and their step, of
+/// translation x y z and their step, of scale x y z and their step. A component is
+/// `offset + step * n` for the `n` that a row holds; a step of 0 leaves the clip's constant, or the
+/// body's rest where the clip does not drive the joint.
 pub const RANGE_PLANES: usize = 13;
-/// Planes of a turn, laid out alike: offsets of a rotation x y z w, the step of x y z, that of w (their signs differ where the
-/// rotation is undone), offsets of an arm x y z and their step, and a rotation x y z w that comes after. The pose that goes
-/// through a turn has the arm, turned by its rotation so far, added to its translation; then its rotation is multiplied from
-/// the right by the turn's two. All of it leaves joints as they are where the rotations are those that change nothing and
-/// the arm is 0.
+/// Planes of a turn, laid out alike: offsets of a rotation x y z w, the step of x y z, that of w
+/// (their signs differ where the rotation is undone), offsets of an arm x y z and their step, and a
+/// rotation x y z w that comes after. The pose that goes through a turn has the arm, turned by its
+/// rotation so far, added to its translation; then its rotation is multiplied from the right by the
+/// turn's two. All of it leaves joints as they are where the rotations are those that change
+/// nothing and the arm is 0.
 pub const TURN_PLANES: usize = 14;
 
 /// How Rust lays a shared struct out, for comparison with a device.
@@ -272,7 +283,8 @@ pub const LEAST_WEIGHT: f32 = 1e-20;
 /// All constants and structs as OpenCL C, to stand before the kernels.
 #[must_use]
 pub fn opencl_prelude() -> String {
-    let mut text: String = CONSTS.iter().map(|(name, value)| format!("#define {name} {value}u\n")).collect();
+    let mut text: String =
+        CONSTS.iter().map(|(name, value)| format!("#define {name} {value}u\n")).collect();
     text += &format!("#define TICK_SECS {:.12e}f\n", crate::playback::TICK_SECS);
     text += &format!("#define LEAST_WEIGHT {LEAST_WEIGHT:e}f\n");
     text += &format!("#define TICKS_PER_SEC {}.0f\n", crate::playback::TICKS_PER_SEC);
@@ -324,7 +336,8 @@ mod tests {
     #[test]
     fn a_member_of_four_slots_keeps_within_its_memory() {
         // The fourth number is the member's entry in the list of its page.
-        let bytes = size_of::<Member>() + 4 * size_of::<Slot>() + 4 * size_of::<Layer>() + size_of::<u32>();
+        let bytes =
+            size_of::<Member>() + 4 * size_of::<Slot>() + 4 * size_of::<Layer>() + size_of::<u32>();
         assert!(bytes <= 256, "{bytes}");
     }
 
@@ -332,7 +345,8 @@ mod tests {
     fn the_tick_reads_the_same_in_both_languages() {
         let text = opencl_prelude();
         let line = text.lines().find(|l| l.starts_with("#define TICK_SECS")).unwrap();
-        let value: f32 = line.split(' ').next_back().unwrap().trim_end_matches('f').parse().unwrap();
+        let value: f32 =
+            line.split(' ').next_back().unwrap().trim_end_matches('f').parse().unwrap();
         assert_eq!(value.to_bits(), crate::playback::TICK_SECS.to_bits());
     }
 }

@@ -1,10 +1,12 @@
-//! What an animated crowd is, as plain data: [`Skeleton`], [`Clip`], [`AnimationSet`], [`Character`], slots, layers
-//! and masks, the struct layouts that host and devices share ([`layout`]), the tables that a device evaluates
-//! ([`Tables`]) and the trait that every device implements ([`Backend`]).
+//! What an animated crowd is, as plain data: [`Skeleton`], [`Clip`], [`AnimationSet`],
+//! [`Character`], slots, layers and masks, the struct layouts that host and devices share
+//! ([`layout`]), the tables that a device evaluates ([`Tables`]) and the trait that every device
+//! implements ([`Backend`]).
 //!
-//! Spaces and units: right-handed, Y up, +Z front, metres, seconds, radians, quaternions `x y z w`, as glTF 2.0. A
-//! transform is named `to_from`, so that inner names cancel: `model_from_bind = model_from_joint * joint_from_bind`.
-//! *Local* space is relative to the parent joint, *model* space to the character's root, *world* space to the scene.
+//! Spaces and units: right-handed, Y up, +Z front, metres, seconds, radians, quaternions `x y z w`,
+//! as glTF 2.0. A transform is named `to_from`, so that inner names cancel:
+//! `model_from_bind = model_from_joint * joint_from_bind`. *Local* space is relative to the parent
+//! joint, *model* space to the character's root, *world* space to the scene.
 //!
 //! ```
 //! use populace_core::{JointSource, Skeleton, Trs};
@@ -19,9 +21,9 @@
 //! # Ok::<(), populace_core::Error>(())
 //! ```
 //!
-//! The main decision: skeletons are sorted breadth first on the way in ("level order"), so that on every device a
-//! parent's transform is ready before its children ask for it, and all joints of one depth form one contiguous range
-//! (Lister & Day 2012, section 3.1, fig. 2).
+//! The main decision: skeletons are sorted breadth first on the way in ("level order"), so that on
+//! every device a parent's transform is ready before its children ask for it, and all joints of one
+//! depth form one contiguous range (Lister & Day 2012, section 3.1, fig. 2).
 
 mod animation_set;
 pub mod backend;
@@ -47,30 +49,32 @@ mod track;
 pub use animation_set::{AnimationSet, ClipIndex};
 pub use backend::{Backend, BackendError, Frame, Schedule, Stage, StageBuffer};
 pub use character::{
-    AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry, Part,
-    SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
+    AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry,
+    Part, SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use clip::{
-    Binding, BindingReport, BindingWay, Clip, ClipStats, Footstep, LiveRing, LiveSettings, MotionOrigin,
-    MotionSettings, MotionSource, RootMotion, Streamed,
+    Binding, BindingReport, BindingWay, Clip, ClipStats, Footstep, LiveRing, LiveSettings,
+    MotionOrigin, MotionSettings, MotionSource, RootMotion, Streamed,
 };
 pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Place, Space,
 };
 pub use error::Error;
 pub use hand_over::{
-    EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteWay,
-    SharedPage, TargetMark,
+    EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
+    PaletteWay, SharedPage, TargetMark,
 };
 pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
 pub use math::{Affine, LARGEST, LARGEST_SCALE, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use playback::{
-    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, Stand, TICKS_PER_SEC, far_row,
-    row_before, ticks_from_secs,
+    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, Stand, TICKS_PER_SEC,
+    far_row, row_before, ticks_from_secs,
 };
 pub use skeleton::{JointIndex, JointSource, Skeleton};
 pub use soles::sole_points;
 pub use stage::{After, StageFn, StageJoint, StageUse, UserStage};
-pub use tables::{BodyIndex, Condition, Ground, LiveNewest, MachineState, Table, Tables, Transition};
+pub use tables::{
+    BodyIndex, Condition, Ground, LiveNewest, MachineState, Table, Tables, Transition,
+};
 pub use track::{ClipSource, Interpolation, Property, Track};

@@ -3,18 +3,21 @@
 use std::collections::HashSet;
 use std::fmt;
 
-/// The three names most like the one given, nearest first; those with nothing in common are left out.
+/// The three names most like the one given, nearest first; those with nothing in common are left
+/// out.
 #[must_use]
 pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let wanted = name.to_lowercase();
     let likeness = |candidate: &str| {
         let candidate = candidate.to_lowercase();
-        let inside = !wanted.is_empty() && (candidate.contains(&wanted) || wanted.contains(&candidate));
+        let inside =
+            !wanted.is_empty() && (candidate.contains(&wanted) || wanted.contains(&candidate));
         strsim::jaro_winkler(&wanted, &candidate) + if inside { 0.5 } else { 0.0 }
     };
     let mut seen = HashSet::new();
     let different = names.into_iter().filter(|name| seen.insert(*name));
-    let mut scored: Vec<_> = different.map(|n| (likeness(n), n)).filter(|(score, _)| *score > 0.6).collect();
+    let mut scored: Vec<_> =
+        different.map(|n| (likeness(n), n)).filter(|(score, _)| *score > 0.6).collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     scored.into_iter().take(3).map(|(_, n)| n.to_owned()).collect()
 }

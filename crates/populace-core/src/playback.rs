@@ -5,8 +5,8 @@ mod pace;
 mod settle;
 
 use crate::layout::{
-    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE,
-    SLOT_MODE_BITS, SLOT_ONCE, SLOTS_MOST, Slot,
+    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP,
+    SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE, SLOTS_MOST, Slot,
 };
 
 pub use mask::Mask;
@@ -16,11 +16,11 @@ pub use settle::{Stand, far_row, row_before};
 pub const MAX_SLOTS: usize = SLOTS_MOST as usize;
 /// The most layers that a member can have.
 pub const MAX_LAYERS: usize = LAYERS_PER_MEMBER as usize;
-/// Ticks of the crowd's clock in a second: a multiple of the usual frame rates (24, 25, 30, 50, 60, 120, 144), so that
-/// whole frames are whole numbers of ticks.
+/// Ticks of the crowd's clock in a second: a multiple of the usual frame rates (24, 25, 30, 50, 60,
+/// 120, 144), so that whole frames are whole numbers of ticks.
 pub const TICKS_PER_SEC: u64 = 705_600;
-/// Where the clock of a crowd begins. Most of a year after 0: a clip that goes on at another speed is one that began at
-/// another time, maybe long before the crowd did.
+/// Where the clock of a crowd begins. Most of a year after 0: a clip that goes on at another speed
+/// is one that began at another time, maybe long before the crowd did.
 pub const FIRST_TICK: u64 = 1 << 44;
 /// One tick in seconds, rounded to single precision.
 pub(crate) const TICK_SECS: f32 = 1.0 / 705_600.0;
@@ -39,7 +39,8 @@ pub fn ticks_from_secs(secs: f64) -> u64 {
     ticks
 }
 
-/// A weight that runs from `start` by `rate` per second to `end`; the twin of `ramp` in `kernels/slot.cl`.
+/// A weight that runs from `start` by `rate` per second to `end`; the twin of `ramp` in
+/// `kernels/slot.cl`.
 #[inline]
 #[must_use]
 pub(crate) fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
@@ -48,7 +49,8 @@ pub(crate) fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
     if (rising && weight > end) || (!rising && weight < end) { end } else { weight }
 }
 
-/// How fast a weight runs from one number to another in so many seconds, a tick at least; 0 where it is there at once.
+/// How fast a weight runs from one number to another in so many seconds, a tick at least; 0 where
+/// it is there at once.
 pub(crate) fn ramp_rate(from: f32, to: f32, secs: f32) -> f32 {
     if secs > 0.0 { (to - from) / secs.max(TICK_SECS) } else { 0.0 }
 }
@@ -62,7 +64,8 @@ pub(crate) fn is_ramp_to([start, rate, end]: [f32; 3], to: f32, secs: f32) -> bo
 impl Slot {
     /// A slot that loops over a clip.
     ///
-    /// `phase` is where it starts, from 0 to 1; `speed` is 1 for the clip's own pace and negative for backwards.
+    /// `phase` is where it starts, from 0 to 1; `speed` is 1 for the clip's own pace and negative
+    /// for backwards.
     #[must_use]
     pub fn looping(bound_clip: u32, tick: u64, duration_secs: f32, phase: f64, speed: f32) -> Self {
         Self {
@@ -72,17 +75,22 @@ impl Slot {
         }
     }
 
-    /// A slot that plays a clip once, from its start (from its end where `speed` is negative), and holds its end.
+    /// A slot that plays a clip once, from its start (from its end where `speed` is negative), and
+    /// holds its end.
     ///
-    /// The end is reached at `ticks_from_secs(duration_secs / speed.abs())` after `tick`, for runs of up to an hour and
-    /// a half exactly; one of 3 ticks (4 microseconds) or less takes 3. A speed of 0 never reaches it.
+    /// The end is reached at `ticks_from_secs(duration_secs / speed.abs())` after `tick`, for runs
+    /// of up to an hour and a half exactly; one of 3 ticks (4 microseconds) or less takes 3. A
+    /// speed of 0 never reaches it.
     #[must_use]
     pub fn once(bound_clip: u32, tick: u64, duration_secs: f32, speed: f32) -> Self {
-        Self { phase_rate: once_rate(duration_secs, speed), ..Self::still(bound_clip, tick, SLOT_ONCE) }
+        Self {
+            phase_rate: once_rate(duration_secs, speed),
+            ..Self::still(bound_clip, tick, SLOT_ONCE)
+        }
     }
 
-    /// A slot that stands at one time on the clip's own axis; before the first key the first value holds, after the
-    /// last the last.
+    /// A slot that stands at one time on the clip's own axis; before the first key the first value
+    /// holds, after the last the last.
     #[must_use]
     pub fn held(bound_clip: u32, tick: u64, held_secs: f32) -> Self {
         Self { start_phase: held_secs.to_bits(), ..Self::still(bound_clip, tick, SLOT_HELD) }
@@ -94,7 +102,8 @@ impl Slot {
         Self { phase_rate: delay_ticks, ..Self::still(bound_clip, tick, SLOT_LIVE) }
     }
 
-    /// One of the two slots of a state machine, 0 or 1; see [`Tables::add_runner`](crate::Tables::add_runner).
+    /// One of the two slots of a state machine, 0 or 1; see
+    /// [`Tables::add_runner`](crate::Tables::add_runner).
     #[must_use]
     pub fn machine(runner: u32, which: u32, tick: u64) -> Self {
         Self::still(runner << 1 | which, tick, SLOT_MACHINE)
@@ -107,8 +116,9 @@ impl Slot {
         if self.mode() == SLOT_MACHINE { Some(self.bound_clip >> 1) } else { None }
     }
 
-    /// A slot that loops in a phase that others share: one of a blend space. `phase` is that at `tick`, in 2^-64 of a
-    /// cycle, and `cycles_per_sec` how fast it runs, whatever the clip's own length.
+    /// A slot that loops in a phase that others share: one of a blend space. `phase` is that at
+    /// `tick`, in 2^-64 of a cycle, and `cycles_per_sec` how fast it runs, whatever the clip's own
+    /// length.
     #[must_use]
     pub fn in_phase(bound_clip: u32, tick: u64, phase: u64, cycles_per_sec: f64) -> Self {
         Self {
@@ -130,7 +140,8 @@ impl Slot {
         }
     }
 
-    /// Puts the slot into a layer. No member has one of 2^24 or above, which reads as the last below that.
+    /// Puts the slot into a layer. No member has one of 2^24 or above, which reads as the last
+    /// below that.
     #[must_use]
     pub fn on_layer(mut self, layer: u32) -> Self {
         self.layer_and_mode = layer.min(u32::MAX >> SLOT_MODE_BITS) << SLOT_MODE_BITS | self.mode();
@@ -151,7 +162,8 @@ impl Slot {
         self.layer_and_mode & ((1 << SLOT_MODE_BITS) - 1)
     }
 
-    /// The time that a slot of [`SLOT_HELD`] stands at, on the clip's own axis; any number for other slots.
+    /// The time that a slot of [`SLOT_HELD`] stands at, on the clip's own axis; any number for
+    /// other slots.
     #[inline]
     #[must_use]
     pub const fn held_secs(&self) -> f32 {
@@ -165,8 +177,8 @@ impl Slot {
         self
     }
 
-    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at once where `secs` is not
-    /// above zero.
+    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at
+    /// once where `secs` is not above zero.
     pub fn ramp_weight(&mut self, tick: u64, from: f32, to: f32, secs: f32) {
         let rate = ramp_rate(from, to, secs);
         // What falls at no rate has fallen, and still tells what it weighed before.
@@ -182,24 +194,33 @@ impl Slot {
         is_ramp_to([self.start_weight, self.weight_rate, self.end_weight], to, secs)
     }
 
-    /// The weight at a time of the clock, 0 before the slot begins and while it settles; the twin of `slot_weight` in
-    /// `kernels/slot.cl`.
+    /// The weight at a time of the clock, 0 before the slot begins and while it settles; the twin
+    /// of `slot_weight` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn weight_at(&self, tick: u64) -> f32 {
         if tick < self.start_tick || self.is_settling() {
             return 0.0;
         }
-        ramp(tick.saturating_sub(self.weight_tick), self.start_weight, self.weight_rate, self.end_weight)
+        ramp(
+            tick.saturating_sub(self.weight_tick),
+            self.start_weight,
+            self.weight_rate,
+            self.end_weight,
+        )
     }
 
-    /// The mean of the weight from one time of the clock, not before the slot begins, to a later one; the twin of
-    /// `slot_mean_weight` in `kernels/slot.cl`.
+    /// The mean of the weight from one time of the clock, not before the slot begins, to a later
+    /// one; the twin of `slot_mean_weight` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn mean_weight(&self, from_tick: u64, to_tick: u64) -> f32 {
         let end = self.weight_at(to_tick);
-        let start = if from_tick < self.weight_tick { self.start_weight } else { self.weight_at(from_tick) };
+        let start = if from_tick < self.weight_tick {
+            self.start_weight
+        } else {
+            self.weight_at(from_tick)
+        };
         if start == end || self.is_settling() {
             return end;
         }
@@ -210,8 +231,9 @@ impl Slot {
         end + (start - end) * ((still + half) / (to_tick - from_tick) as f32)
     }
 
-    /// The time on the clip's own axis at a time of the clock that is not before the start, of a clip whose axis begins
-    /// at `start_secs`; of no meaning for live and settling slots. The twin of `slot_time` in `kernels/slot.cl`.
+    /// The time on the clip's own axis at a time of the clock that is not before the start, of a
+    /// clip whose axis begins at `start_secs`; of no meaning for live and settling slots. The twin
+    /// of `slot_time` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn time_at(&self, tick: u64, start_secs: f32, duration_secs: f32) -> f32 {
@@ -227,14 +249,16 @@ impl Slot {
                 return if backwards { start_secs } else { start_secs + duration_secs };
             }
             // A whole cycle would read as none, so backwards begins one step below it.
-            phase = if backwards { !elapsed.wrapping_mul(rate) } else { elapsed.wrapping_mul(rate) };
+            phase =
+                if backwards { !elapsed.wrapping_mul(rate) } else { elapsed.wrapping_mul(rate) };
         }
         // The upper 24 bits are exact in single precision and never round up to a whole cycle.
         start_secs + (phase >> 40) as f32 * (1.0 / 16_777_216.0) * duration_secs
     }
 
-    /// How often a looping slot passes an end of its clip from one time of the clock, not before its start, to a later one;
-    /// 0 for other slots. The twin of `slot_cycles` in `kernels/slot.cl`.
+    /// How often a looping slot passes an end of its clip from one time of the clock, not before
+    /// its start, to a later one; 0 for other slots. The twin of `slot_cycles` in
+    /// `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn cycles_between(&self, from_tick: u64, to_tick: u64) -> u64 {
@@ -275,11 +299,16 @@ pub(crate) fn rate_from_cycles(per_sec: f64) -> u64 {
 }
 
 fn phase_rate(duration_secs: f32, speed: f32) -> u64 {
-    if duration_secs <= 0.0 { 0 } else { rate_from_cycles(f64::from(speed) / f64::from(duration_secs)) }
+    if duration_secs <= 0.0 {
+        0
+    } else {
+        rate_from_cycles(f64::from(speed) / f64::from(duration_secs))
+    }
 }
 
-/// The phase per tick with which one cycle fills in just so many ticks as its time rounds to: rounded up, so that it
-/// is full at the last of them, which for up to 2^32 ticks leaves it less than full at the one before.
+/// The phase per tick with which one cycle fills in just so many ticks as its time rounds to:
+/// rounded up, so that it is full at the last of them, which for up to 2^32 ticks leaves it less
+/// than full at the one before.
 fn once_rate(duration_secs: f32, speed: f32) -> u64 {
     if duration_secs <= 0.0 || speed == 0.0 {
         return 0;
@@ -297,14 +326,16 @@ pub enum LayerMode {
     /// The layer's mix replaces what lies beneath, by layer weight times mask.
     #[default]
     Override,
-    /// Each slot's difference from its clip's first row is added, by slot weight times layer weight times mask.
+    /// Each slot's difference from its clip's first row is added, by slot weight times layer weight
+    /// times mask.
     Additive,
 }
 
 /// A layer as a user sets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerSettings {
-    /// How the layer meets what lies beneath it. Layer 0 lies over the rest pose and always overrides.
+    /// How the layer meets what lies beneath it. Layer 0 lies over the rest pose and always
+    /// overrides.
     pub mode: LayerMode,
     /// From 0 to 1; not looked at in layer 0.
     pub weight: f32,
@@ -318,8 +349,8 @@ impl Default for LayerSettings {
 
 impl Layer {
     /// A layer for all joints, or through the mask whose weights stand at an offset of
-    /// [`Tables::masks`](crate::Tables::masks). Offsets of [`LAYER_MASK`] and above, where no mask can be, read as the
-    /// last below.
+    /// [`Tables::masks`](crate::Tables::masks). Offsets of [`LAYER_MASK`] and above, where no mask
+    /// can be, read as the last below.
     #[must_use]
     pub fn new(settings: LayerSettings, mask: Option<u32>) -> Self {
         let mode = match settings.mode {
@@ -330,7 +361,8 @@ impl Layer {
         Self { weight: settings.weight, mask_and_mode: mask | mode }
     }
 
-    /// Where in [`Tables::masks`](crate::Tables::masks) the layer's weights per joint stand; `None` for all joints.
+    /// Where in [`Tables::masks`](crate::Tables::masks) the layer's weights per joint stand; `None`
+    /// for all joints.
     #[inline]
     #[must_use]
     pub fn mask(&self) -> Option<u32> {

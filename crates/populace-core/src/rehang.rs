@@ -11,7 +11,10 @@ const SHEARED: f64 = 1e-3;
 impl RoleMap {
     /// The lower legs and feet of which the foot does not hang on the leg, as in rigs whose feet
     /// are targets for legs to reach.
-    pub fn loose_feet(&self, skeleton: &Skeleton) -> impl Iterator<Item = (JointIndex, JointIndex)> {
+    pub fn loose_feet(
+        &self,
+        skeleton: &Skeleton,
+    ) -> impl Iterator<Item = (JointIndex, JointIndex)> {
         let leg = |side| Some((self.joint(Role::LowerLeg(side))?, self.joint(Role::Foot(side))?));
         let legs = [Side::Left, Side::Right].into_iter().filter_map(leg);
         legs.filter(|(shin, foot)| !skeleton.is_below(*foot, *shin))
@@ -43,15 +46,21 @@ impl Character {
             parent: old.parent(joint).map(place),
             rest: *old.rest(joint),
         };
-        let mut joints: Vec<_> = (0..old.joint_count()).map(|at| source(old.joint_from_source(at))).collect();
+        let mut joints: Vec<_> =
+            (0..old.joint_count()).map(|at| source(old.joint_from_source(at))).collect();
         let models = f64math::rest_models(old);
         for (shin, foot) in roles.loose_feet(old) {
             let rest = models[shin.index()].inverse() * models[foot.index()];
             let (scale, rotation, translation) = rest.to_scale_rotation_translation();
-            let plain = glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+            let plain =
+                glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
             if !plain.abs_diff_eq(rest, SHEARED) {
                 let (joint, name) = (place(foot), old.name(foot).to_owned());
-                return Err(Error::BadRest { joint, name, what: "a shear, once it hangs on its leg" });
+                return Err(Error::BadRest {
+                    joint,
+                    name,
+                    what: "a shear, once it hangs on its leg",
+                });
             }
             let (translation, scale) =
                 (f64math::to_f32(translation.to_array()), f64math::to_f32(scale.to_array()));
@@ -61,7 +70,8 @@ impl Character {
         }
         let skeleton = Skeleton::new(&joints)?;
         let was = |joint: JointIndex| old.joint_from_source(skeleton.source_from_joint(joint));
-        let reach: Vec<f32> = skeleton.joints().map(|joint| old.reach_m()[was(joint).index()]).collect();
+        let reach: Vec<f32> =
+            skeleton.joints().map(|joint| old.reach_m()[was(joint).index()]).collect();
         let soles: Vec<_> = skeleton.joints().map(|joint| old.soles(was(joint)).to_vec()).collect();
         let entry = |entry: &PaletteEntry| {
             let joint = skeleton.joint_from_source(place(entry.joint));

@@ -1,8 +1,9 @@
 //! Which joints of two skeletons belong together, and the pose in which they stand alike.
 //!
-//! Both skeletons face +Z with +Y up, as glTF says. `Gs` and `Gt` are rotations in model space of a joint of the source (the
-//! clip's own skeleton) and of the target, `0` marks the rest pose, `c` the target's common pose. A joint of the target
-//! that has a joint of the source of its role turns away from the common pose as that one turns away from its rest pose:
+//! Both skeletons face +Z with +Y up, as glTF says. `Gs` and `Gt` are rotations in model space of a
+//! joint of the source (the clip's own skeleton) and of the target, `0` marks the rest pose, `c`
+//! the target's common pose. A joint of the target that has a joint of the source of its role turns
+//! away from the common pose as that one turns away from its rest pose:
 //! `Gt = Gs * inverse(Gs0) * Gtc`. All other joints of the target keep their local rest.
 
 mod chain;
@@ -47,9 +48,12 @@ impl<'a> Figure<'a> {
         self.rest[joint.index()].translation
     }
 
-    /// How much longer what hangs on a joint is in model space than in its own, in the mean over all directions.
+    /// How much longer what hangs on a joint is in model space than in its own, in the mean over
+    /// all directions.
     fn scale(&self, joint: Option<JointIndex>) -> f64 {
-        joint.map_or(1.0, |joint| self.rest[joint.index()].matrix3.determinant().abs().cbrt().max(1e-9))
+        joint.map_or(1.0, |joint| {
+            self.rest[joint.index()].matrix3.determinant().abs().cbrt().max(1e-9)
+        })
     }
 
     /// The joint that carries the whole body over the ground, where there is one: the hips' parent.
@@ -57,12 +61,14 @@ impl<'a> Figure<'a> {
         self.skeleton.parent(self.roles.joint(Role::Hips)?)
     }
 
-    /// Whether the joint between chest and upper arm leads outwards, as collarbones do. Some rigs have a joint in its place
-    /// that turns the arm in the shoulder: what it does is part of what the upper arm does.
+    /// Whether the joint between chest and upper arm leads outwards, as collarbones do. Some rigs
+    /// have a joint in its place that turns the arm in the shoulder: what it does is part of what
+    /// the upper arm does.
     fn has_collarbone(&self, side: Side) -> bool {
         let place = |role| Some(self.place(self.roles.joint(role)?));
         let arms = [Side::Left, Side::Right].map(|side| place(Role::UpperArm(side)));
-        let (Some(left), Some(right), Some(shoulder)) = (arms[0], arms[1], place(Role::Shoulder(side)))
+        let (Some(left), Some(right), Some(shoulder)) =
+            (arms[0], arms[1], place(Role::Shoulder(side)))
         else {
             return false;
         };
@@ -103,8 +109,15 @@ pub(crate) struct Common<'a> {
 impl<'a> Common<'a> {
     pub(crate) fn new(source: Figure<'a>, target: Figure<'a>) -> Self {
         let pairs = pairs(&source, &target);
-        let mut common =
-            Self { source, target, pairs, turn: Vec::new(), place: Vec::new(), lift: 0.0, scale: 1.0 };
+        let mut common = Self {
+            source,
+            target,
+            pairs,
+            turn: Vec::new(),
+            place: Vec::new(),
+            lift: 0.0,
+            scale: 1.0,
+        };
         common.turn = common.turns();
         common.place = common.places();
         let sides = [Side::Left, Side::Right];
@@ -117,7 +130,8 @@ impl<'a> Common<'a> {
             legs.map(height).sum::<f64>() / 2.0
         };
         let (source, target) = (&common.source, &common.target);
-        let (at_rest, in_common) = (|j| target.place(j).y, |j: JointIndex| common.place[j.index()].y);
+        let (at_rest, in_common) =
+            (|j| target.place(j).y, |j: JointIndex| common.place[j.index()].y);
         let ground = lowest(&in_common, target).unwrap_or(0.0);
         let lift = lowest(&at_rest, target).unwrap_or(0.0) - ground;
         let source_height = |j| source.place(j).y;
@@ -127,7 +141,8 @@ impl<'a> Common<'a> {
         );
         let size = f64::from(target.skeleton.size_m()) / f64::from(source.skeleton.size_m());
         let short = |length: f64, of: &Figure<'_>| length <= 0.01 * f64::from(of.skeleton.size_m());
-        let scale = if short(legs.0, target) || short(legs.1, source) { size } else { legs.0 / legs.1 };
+        let scale =
+            if short(legs.0, target) || short(legs.1, source) { size } else { legs.0 / legs.1 };
         (common.lift, common.scale) = (lift, scale);
         common
     }
@@ -142,12 +157,13 @@ impl<'a> Common<'a> {
         self.turn[joint.index()].angle_between(self.target.turn[joint.index()])
     }
 
-    /// The joint of the target whose turn from rest to the common pose a joint shares before its own is added: its parent,
-    /// or what it follows where it hangs elsewhere.
+    /// The joint of the target whose turn from rest to the common pose a joint shares before its
+    /// own is added: its parent, or what it follows where it hangs elsewhere.
     fn guide(&self, joint: JointIndex) -> Option<JointIndex> {
         self.detached(joint)
             .or_else(|| {
-                let followed = self.target.roles.followers().iter().find(|(_, follower)| *follower == joint);
+                let followed =
+                    self.target.roles.followers().iter().find(|(_, follower)| *follower == joint);
                 followed.and_then(|(role, _)| self.target.roles.joint(*role))
             })
             .or_else(|| self.target.skeleton.parent(joint))
@@ -160,12 +176,13 @@ impl<'a> Common<'a> {
             return None;
         }
         let mut above = std::iter::successors(role.parent(), |role| role.parent());
-        let of =
-            above.find_map(|r| self.target.roles.joint(r).filter(|j| self.pairs[j.index()].is_some()))?;
+        let of = above
+            .find_map(|r| self.target.roles.joint(r).filter(|j| self.pairs[j.index()].is_some()))?;
         (!self.target.skeleton.is_below(joint, of)).then_some(of)
     }
 
-    /// Rotations of the common pose. A joint's guide comes first; should guides lead in a circle, what is left stays at rest.
+    /// Rotations of the common pose. A joint's guide comes first; should guides lead in a circle,
+    /// what is left stays at rest.
     fn turns(&self) -> Vec<DQuat> {
         let skeleton = self.target.skeleton;
         let guides: Vec<_> = skeleton.joints().map(|j| self.guide(j)).collect();
@@ -177,7 +194,9 @@ impl<'a> Common<'a> {
                 let at_rest = self.target.turn[joint.index()];
                 let from_rest = match guides[joint.index()] {
                     None => Some(DQuat::IDENTITY),
-                    Some(g) => turns[g.index()].map(|turn| turn * self.target.turn[g.index()].inverse()),
+                    Some(g) => {
+                        turns[g.index()].map(|turn| turn * self.target.turn[g.index()].inverse())
+                    }
                 };
                 if let (None, Some(from_rest)) = (turns[joint.index()], from_rest) {
                     turns[joint.index()] = Some(self.common_turn(joint, from_rest) * at_rest);
@@ -198,16 +217,19 @@ impl<'a> Common<'a> {
             return inherited;
         };
         match role {
-            // Ankles and heads differ from body to body; soles lie flat and faces look ahead in every rest pose.
+            // Ankles and heads differ from body to body; soles lie flat and faces look ahead in
+            // every rest pose.
             Role::Foot(_) | Role::Head => return DQuat::IDENTITY,
             _ if self.target.roles.joint(role) != Some(joint) => return inherited,
             _ => {}
         }
         let swing = end(role).and_then(|end| {
-            let (to_source, to_target) = (self.source.roles.joint(end)?, self.target.roles.joint(end)?);
+            let (to_source, to_target) =
+                (self.source.roles.joint(end)?, self.target.roles.joint(end)?);
             let wanted = self.source.place(to_source) - self.source.place(source);
             let inherits = inherited * (self.target.place(to_target) - self.target.place(joint));
-            let long = |v: DVec3, of: &Figure<'_>| v.length() > SHORT * f64::from(of.skeleton.size_m());
+            let long =
+                |v: DVec3, of: &Figure<'_>| v.length() > SHORT * f64::from(of.skeleton.size_m());
             let both = long(wanted, &self.source) && long(inherits, &self.target);
             both.then(|| DQuat::from_rotation_arc(inherits.normalize(), wanted.normalize()))
         });
@@ -231,7 +253,8 @@ impl<'a> Common<'a> {
         }
         let stood = |joint: JointIndex| models[joint.index()].translation;
         let mut shifts = vec![DVec3::ZERO; models.len()];
-        // What hangs elsewhere may come before what it follows, and a hand and three joints of a finger may all do.
+        // What hangs elsewhere may come before what it follows, and a hand and three joints of a
+        // finger may all do.
         for _ in 0..=LOOSE {
             for joint in skeleton.joints() {
                 let parent = skeleton.parent(joint).map_or(DVec3::ZERO, |p| shifts[p.index()]);
@@ -246,8 +269,8 @@ impl<'a> Common<'a> {
     }
 }
 
-/// Where the limb of a role leads to. Hands and fingers keep their own shape: a palm may be cupped at rest, and pulling it
-/// straight would tear it.
+/// Where the limb of a role leads to. Hands and fingers keep their own shape: a palm may be cupped
+/// at rest, and pulling it straight would tear it.
 fn end(role: Role) -> Option<Role> {
     match role {
         Role::UpperArm(side) => Some(Role::LowerArm(side)),
@@ -258,8 +281,9 @@ fn end(role: Role) -> Option<Role> {
     }
 }
 
-/// Joints of the source by joint of the target: those of one role, and roots. Backs of unlike many joints are paired from
-/// both ends: where one has a chest and the other an upper chest, on either of them hang the shoulders.
+/// Joints of the source by joint of the target: those of one role, and roots. Backs of unlike many
+/// joints are paired from both ends: where one has a chest and the other an upper chest, on either
+/// of them hang the shoulders.
 fn pairs(source: &Figure<'_>, target: &Figure<'_>) -> Vec<Option<Pair>> {
     let mut pairs = vec![None; target.skeleton.joint_count()];
     for (role, joint) in target.roles.iter().chain(target.roles.followers().iter().copied()) {
@@ -271,7 +295,8 @@ fn pairs(source: &Figure<'_>, target: &Figure<'_>) -> Vec<Option<Pair>> {
         pairs[joint.index()] = same.map(|source| Pair { source, role: Some(role) });
     }
     let (from, onto) = (source.back(), target.back());
-    let role = |joint: JointIndex| target.roles.iter().find(|(_, j)| *j == joint).map(|(role, _)| role);
+    let role =
+        |joint: JointIndex| target.roles.iter().find(|(_, j)| *j == joint).map(|(role, _)| role);
     for (at, &joint) in onto.iter().enumerate() {
         let last = at + 1 == onto.len();
         let other = if last { from.last() } else { from.get(at).filter(|_| at + 1 < from.len()) };

@@ -56,13 +56,13 @@ struct Parts {
 }
 
 impl Skeleton {
-    /// Sorts the joints into level order; joints of one level keep the order of their parents, then of the source.
-    /// Rest rotations are normalised.
+    /// Sorts the joints into level order; joints of one level keep the order of their parents, then
+    /// of the source. Rest rotations are normalised.
     ///
     /// # Errors
     ///
-    /// The first joint found that names a missing parent, is its own ancestor, shares its name, or has a rest
-    /// transform that is not finite or whose rotation has no length.
+    /// The first joint found that names a missing parent, is its own ancestor, shares its name, or
+    /// has a rest transform that is not finite or whose rotation has no length.
     pub fn new(joints: &[JointSource]) -> Result<Self, Error> {
         check(joints)?;
         let (order, levels) = level_order(joints)?;
@@ -74,9 +74,11 @@ impl Skeleton {
         for trs in &mut rest {
             trs.rotation = f64math::normalized(trs.rotation);
         }
-        let parents: Vec<_> = order.iter().map(|&s| joints[s].parent.map(|p| joint_from_source[p])).collect();
+        let parents: Vec<_> =
+            order.iter().map(|&s| joints[s].parent.map(|p| joint_from_source[p])).collect();
         let names: Vec<_> = order.iter().map(|&s| joints[s].name.clone()).collect();
-        let by_name = names.iter().cloned().zip(order.iter().map(|&s| joint_from_source[s])).collect();
+        let by_name =
+            names.iter().cloned().zip(order.iter().map(|&s| joint_from_source[s])).collect();
         let size_m = f64math::rest_extent(&parents, &rest);
         let (reach_m, soles) = (vec![0.0; joints.len()], vec![Vec::new(); joints.len()]);
         let parts = Parts {
@@ -94,8 +96,9 @@ impl Skeleton {
         Ok(Self { parts: Arc::new(parts) })
     }
 
-    /// Says how far from each joint, in level order, the vertices that it moves lie at rest, in metres: clips are then
-    /// stored so that those vertices too stay within the error bound. Missing and bad values count as 0.
+    /// Says how far from each joint, in level order, the vertices that it moves lie at rest, in
+    /// metres: clips are then stored so that those vertices too stay within the error bound.
+    /// Missing and bad values count as 0.
     #[must_use]
     pub fn with_reach(mut self, reach_m: &[f32]) -> Self {
         for (reach, given) in Arc::make_mut(&mut self.parts).reach_m.iter_mut().zip(reach_m) {
@@ -104,13 +107,16 @@ impl Skeleton {
         self
     }
 
-    /// Says which points of each joint, in level order, may touch the ground ([`sole_points`](crate::sole_points)): places at
-    /// rest in model space, in metres. The feet of clips that were made for other bodies are then kept above the ground
-    /// ([`Binding::retarget`](crate::Binding::retarget)). Points that are not finite are passed over.
+    /// Says which points of each joint, in level order, may touch the ground
+    /// ([`sole_points`](crate::sole_points)): places at rest in model space, in metres. The feet of
+    /// clips that were made for other bodies are then kept above the ground
+    /// ([`Binding::retarget`](crate::Binding::retarget)). Points that are not finite are passed
+    /// over.
     #[must_use]
     pub fn with_soles(mut self, soles: &[Vec<[f32; 3]>]) -> Self {
         for (own, given) in Arc::make_mut(&mut self.parts).soles.iter_mut().zip(soles) {
-            *own = given.iter().copied().filter(|place| place.iter().all(|c| c.is_finite())).collect();
+            *own =
+                given.iter().copied().filter(|place| place.iter().all(|c| c.is_finite())).collect();
         }
         self
     }
@@ -123,7 +129,10 @@ impl Skeleton {
 
     /// All joint indices, parents first.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = JointIndex> + use<> {
-        #[expect(clippy::cast_possible_truncation, reason = "`new` refuses more joints than fit in 32 bits")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "`new` refuses more joints than fit in 32 bits"
+        )]
         let count = self.parts.names.len() as u32;
         (0..count).map(JointIndex)
     }
@@ -192,7 +201,10 @@ impl Skeleton {
         // From the root down, without a call for each joint: chains may be longer than a stack.
         let mut chain: Vec<_> = std::iter::once(joint).chain(self.ancestors(joint)).collect();
         let root = chain.pop().map_or(Affine::IDENTITY, |root| Affine::from_trs(self.rest(root)));
-        chain.iter().rev().fold(root, |model, joint| model.mul(&Affine::from_trs(self.rest(*joint))))
+        chain
+            .iter()
+            .rev()
+            .fold(root, |model, joint| model.mul(&Affine::from_trs(self.rest(*joint))))
     }
 
     /// The range of joint indices of each depth, roots first.
@@ -217,20 +229,22 @@ impl Skeleton {
         self.parts.joint_from_source[source]
     }
 
-    /// How far from each joint the vertices that it moves lie at rest, in metres; 0 where that is not known.
+    /// How far from each joint the vertices that it moves lie at rest, in metres; 0 where that is
+    /// not known.
     #[must_use]
     pub fn reach_m(&self) -> &[f32] {
         &self.parts.reach_m
     }
 
-    /// Points of a joint that may touch the ground, at rest in model space; none where that is not known.
+    /// Points of a joint that may touch the ground, at rest in model space; none where that is not
+    /// known.
     #[must_use]
     pub fn soles(&self, joint: JointIndex) -> &[[f32; 3]] {
         &self.parts.soles[joint.index()]
     }
 
-    /// The largest side of the box around the joints at rest, in metres; 1 where all joints coincide. Error bounds
-    /// are in proportion to it.
+    /// The largest side of the box around the joints at rest, in metres; 1 where all joints
+    /// coincide. Error bounds are in proportion to it.
     #[must_use]
     pub fn size_m(&self) -> f32 {
         self.parts.size_m
@@ -253,7 +267,12 @@ fn check(joints: &[JointSource]) -> Result<(), Error> {
     for (index, joint) in joints.iter().enumerate() {
         let name = || joint.name.clone();
         if let Some(parent) = joint.parent.filter(|&p| p >= joints.len()) {
-            return Err(Error::ParentOutOfRange { joint: index, name: name(), parent, count: joints.len() });
+            return Err(Error::ParentOutOfRange {
+                joint: index,
+                name: name(),
+                parent,
+                count: joints.len(),
+            });
         }
         let bad_rest = |what| Err(Error::BadRest { joint: index, name: name(), what });
         if !joint.rest.is_finite() {
@@ -290,7 +309,8 @@ fn level_order(joints: &[JointSource]) -> Result<(Vec<usize>, Vec<Range<usize>>)
     if order.len() < joints.len() {
         let mut reached = vec![false; joints.len()];
         order.iter().for_each(|&index| reached[index] = true);
-        // Every joint that no root reaches leads upwards into a cycle; walk far enough to stand on it.
+        // Every joint that no root reaches leads upwards into a cycle; walk far enough to stand on
+        // it.
         let mut joint = reached.iter().position(|r| !r).unwrap_or(0);
         for _ in 0..joints.len() {
             joint = joints[joint].parent.unwrap_or(joint);
@@ -326,8 +346,8 @@ mod tests {
 
     #[test]
     fn a_cycle_beside_a_good_tree_is_named() {
-        let error =
-            Skeleton::new(&[joint("root", None), joint("a", Some(2)), joint("b", Some(1))]).unwrap_err();
+        let error = Skeleton::new(&[joint("root", None), joint("a", Some(2)), joint("b", Some(1))])
+            .unwrap_err();
         assert!(matches!(error, Error::Cycle { joint: 1 | 2, .. }), "{error}");
     }
 
@@ -335,7 +355,10 @@ mod tests {
     fn bad_joints_are_refused_by_name() {
         assert_eq!(Skeleton::new(&[]).unwrap_err(), Error::NoJoints);
         let far = Skeleton::new(&[joint("far", Some(7))]).unwrap_err();
-        assert_eq!(far, Error::ParentOutOfRange { joint: 0, name: "far".into(), parent: 7, count: 1 });
+        assert_eq!(
+            far,
+            Error::ParentOutOfRange { joint: 0, name: "far".into(), parent: 7, count: 1 }
+        );
         let twins = Skeleton::new(&[joint("twin", None), joint("twin", Some(0))]).unwrap_err();
         assert_eq!(twins, Error::DuplicateJointName { first: 0, second: 1, name: "twin".into() });
         let mut nan = joint("nan", None);
@@ -346,7 +369,8 @@ mod tests {
     #[test]
     fn the_end_of_a_long_chain_has_a_place() {
         let up = Trs { translation: [0.0, 1.0, 0.0], ..Trs::IDENTITY };
-        let link = |i: usize| JointSource { name: i.to_string(), parent: i.checked_sub(1), rest: up };
+        let link =
+            |i: usize| JointSource { name: i.to_string(), parent: i.checked_sub(1), rest: up };
         let skeleton = Skeleton::new(&(0..200_000).map(link).collect::<Vec<_>>()).unwrap();
         assert_eq!(skeleton.rest_model(JointIndex(199_999)).origin(), [0.0, 200_000.0, 0.0]);
     }
@@ -354,8 +378,8 @@ mod tests {
     proptest! {
         #[test]
         fn level_order_holds(parents in proptest::collection::vec(0usize..1000, 1..60), keep in 0usize..60) {
-            // A random forest: joint i hangs on one of the joints before it, or is a root; then the list is rotated,
-            // so that parents come after their children in the source.
+            // A random forest: joint i hangs on one of the joints before it, or is a root; then the
+            // list is rotated, so that parents come after their children in the source.
             let count = parents.len();
             let turn = keep % count;
             let place = |i: usize| (i + turn) % count;

@@ -11,16 +11,22 @@ use crate::{PaletteEntry, Part, Skeleton, f64math};
 const LOW: f64 = 0.25;
 /// The part of a vertex's weight that makes it a joint's own.
 const MOST: f32 = 0.5;
-/// Steps of the directions in which points are the farthest: from heel down over flat to toes down, and to either side.
+/// Steps of the directions in which points are the farthest: from heel down over flat to toes down,
+/// and to either side.
 const PITCHES: i32 = 6;
 const ROLLS: i32 = 2;
 const STEP_RAD: f64 = PI / 12.0;
 
-/// For each joint, in level order, those of its vertices that come lowest when it stands flat, on the heel, on the toes or
-/// on an edge: places at rest in model space, in metres; what [`Skeleton::with_soles`] takes. A vertex is that of the joint
-/// that has half of its weight or more; only the lowest quarter of the body counts. Indices past the end are passed over.
+/// For each joint, in level order, those of its vertices that come lowest when it stands flat, on
+/// the heel, on the toes or on an edge: places at rest in model space, in metres; what
+/// [`Skeleton::with_soles`] takes. A vertex is that of the joint that has half of its weight or
+/// more; only the lowest quarter of the body counts. Indices past the end are passed over.
 #[must_use]
-pub fn sole_points(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]) -> Vec<Vec<[f32; 3]>> {
+pub fn sole_points(
+    skeleton: &Skeleton,
+    palette: &[PaletteEntry],
+    parts: &[Part],
+) -> Vec<Vec<[f32; 3]>> {
     let models = f64math::rest_models(skeleton);
     let model = |entry: &PaletteEntry| {
         models.get(entry.joint.index()).map(|m| *m * f64math::affine_from(&entry.joint_from_bind))
@@ -32,7 +38,8 @@ pub fn sole_points(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]
         for vertex in 0..mesh.positions.len() {
             let place = rest_place(mesh, vertex, &binds);
             (low, high) = (low.min(place.y), high.max(place.y));
-            let shares = || mesh.influences.of(vertex).filter_map(|(e, w)| Some((palette.get(e)?.joint, w)));
+            let shares =
+                || mesh.influences.of(vertex).filter_map(|(e, w)| Some((palette.get(e)?.joint, w)));
             let share = |joint| shares().filter(|(j, _)| *j == joint).map(|(_, w)| w).sum::<f32>();
             if let Some((joint, _)) = shares().find(|(joint, _)| share(*joint) >= MOST)
                 && let Some(carried) = carried.get_mut(joint.index())
@@ -42,7 +49,10 @@ pub fn sole_points(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]
         }
     }
     let is_low = |place: &DVec3| place.y <= low + LOW * (high - low);
-    carried.iter().map(|all| lowest(&all.iter().copied().filter(is_low).collect::<Vec<_>>())).collect()
+    carried
+        .iter()
+        .map(|all| lowest(&all.iter().copied().filter(is_low).collect::<Vec<_>>()))
+        .collect()
 }
 
 /// The farthest of some points in each direction that may lead down.
@@ -75,18 +85,28 @@ mod tests {
             parent,
             rest: Trs { translation: [0.0, y, 0.0], ..Trs::IDENTITY },
         };
-        let skeleton = Skeleton::new(&[joint("shin", None, 0.5), joint("foot", Some(0), -0.25)]).unwrap();
+        let skeleton =
+            Skeleton::new(&[joint("shin", None, 0.5), joint("foot", Some(0), -0.25)]).unwrap();
         let mut joint_from_bind = Affine::IDENTITY;
         joint_from_bind.rows[1][3] = -0.25;
         let palette = [
             PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY },
             PaletteEntry { joint: JointIndex(1), joint_from_bind },
         ];
-        // Heel, tip, the top of the foot, what is moved by less than half, by no joint, and by the shin, too high up.
-        let positions =
-            vec![[0.0, 0.0, -0.1], [0.0, 0.0, 0.2], [0.0, 0.05, 0.05], [0.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
-        let entries = vec![1, 1, 1, 1, 9, 0].into_iter().flat_map(|entry| [entry, 0, 0, 0]).collect();
-        let weights = [1.0, 1.0, 1.0, 0.4, 1.0, 1.0].into_iter().flat_map(|w| [w, 0.0, 0.0, 0.0]).collect();
+        // Heel, tip, the top of the foot, what is moved by less than half, by no joint, and by the
+        // shin, too high up.
+        let positions = vec![
+            [0.0, 0.0, -0.1],
+            [0.0, 0.0, 0.2],
+            [0.0, 0.05, 0.05],
+            [0.0, 0.0, 0.0],
+            [0.0; 3],
+            [0.0; 3],
+        ];
+        let entries =
+            vec![1, 1, 1, 1, 9, 0].into_iter().flat_map(|entry| [entry, 0, 0, 0]).collect();
+        let weights =
+            [1.0, 1.0, 1.0, 0.4, 1.0, 1.0].into_iter().flat_map(|w| [w, 0.0, 0.0, 0.0]).collect();
         let mesh = Mesh {
             normals: Vec::new(),
             uvs: Vec::new(),

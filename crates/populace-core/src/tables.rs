@@ -15,8 +15,8 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::layout::{
-    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MOTION_ELEMENTS, NONE,
-    PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, POSE_PLANES,
+    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MOTION_ELEMENTS,
+    NONE, PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, POSE_PLANES,
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, RootMotion, Skeleton, StageBuffer, Trs};
 use controls::ControlSpaces;
@@ -40,7 +40,8 @@ fn u32_from(index: usize) -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyIndex(pub u32);
 
-/// All that a device needs to evaluate a crowd. The host's copy is the truth; devices take over what changed.
+/// All that a device needs to evaluate a crowd. The host's copy is the truth; devices take over
+/// what changed.
 #[derive(Clone, Debug)]
 pub struct Tables {
     /// Slots of each member, 1 to [`MAX_SLOTS`].
@@ -67,8 +68,9 @@ impl Tables {
         Self::with_capacity(slots_per_member, 0)
     }
 
-    /// As [`new`](Self::new), for a crowd that will have so many members: devices make room for them at once, and for
-    /// no more. A crowd can still grow larger, and memory that the host needs is taken as members come.
+    /// As [`new`](Self::new), for a crowd that will have so many members: devices make room for
+    /// them at once, and for no more. A crowd can still grow larger, and memory that the host needs
+    /// is taken as members come.
     #[must_use]
     pub fn with_capacity(slots_per_member: usize, members: usize) -> Self {
         let slots_per_member = slots_per_member.clamp(1, MAX_SLOTS);
@@ -124,8 +126,9 @@ impl Tables {
         (0..total.div_ceil(page)).map(move |p| (total - p * page).min(page))
     }
 
-    /// The places of the members whose palettes stand in a page, in no order; members without palette entries stand in
-    /// none. The list shortens as members leave: what stands past its end on a device is of no meaning.
+    /// The places of the members whose palettes stand in a page, in no order; members without
+    /// palette entries stand in none. The list shortens as members leave: what stands past its end
+    /// on a device is of no meaning.
     ///
     /// # Panics
     ///
@@ -147,18 +150,22 @@ impl Tables {
         self.all.bodies.as_slice().iter().map(|body| body.padded_count as usize).max().unwrap_or(0)
     }
 
-    /// Whose element `first` of a buffer is, and which of that member's own elements; `None` for palettes, what is
-    /// kept or watched, and for elements that are nobody's.
+    /// Whose element `first` of a buffer is, and which of that member's own elements; `None` for
+    /// palettes, what is kept or watched, and for elements that are nobody's.
     #[must_use]
     pub fn place_of(&self, buffer: StageBuffer, first: usize) -> Option<(u32, usize)> {
         let place = match buffer {
-            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running => {
+            StageBuffer::Palette
+            | StageBuffer::States
+            | StageBuffer::Watched
+            | StageBuffer::Running => {
                 return None;
             }
             StageBuffer::Samples => u32::try_from(first / self.slots_per_member).ok()?,
             _ => *self.joint_blocks().as_slice().get(first / JOINT_BLOCK as usize)?,
         };
-        let member = self.all.members.as_slice().get(place as usize).filter(|member| member.body != NONE)?;
+        let member =
+            self.all.members.as_slice().get(place as usize).filter(|member| member.body != NONE)?;
         let own_first = match buffer {
             StageBuffer::Samples => place as usize * self.slots_per_member,
             _ => member.joint_first as usize,
@@ -171,13 +178,23 @@ impl Tables {
     /// # Errors
     ///
     /// [`Error::TooLarge`] past 32-bit offsets, or a palette larger than a page.
-    pub fn add_body(&mut self, skeleton: &Skeleton, palette: &[PaletteEntry]) -> Result<BodyIndex, Error> {
+    pub fn add_body(
+        &mut self,
+        skeleton: &Skeleton,
+        palette: &[PaletteEntry],
+    ) -> Result<BodyIndex, Error> {
         if palette.len() > PAGE_ENTRIES as usize {
             let limit = PAGE_ENTRIES as usize;
-            return Err(Error::TooLarge { what: "one character's palette", count: palette.len(), limit });
+            return Err(Error::TooLarge {
+                what: "one character's palette",
+                count: palette.len(),
+                limit,
+            });
         }
-        let joint_first =
-            self.all.parents.extend(skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)))?;
+        let joint_first = self
+            .all
+            .parents
+            .extend(skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)))?;
         let levels = skeleton.levels();
         let starts = levels.iter().map(|l| l.start).chain([skeleton.joint_count()]);
         let level_first = self.all.levels.extend(starts.map(u32_from))?;
@@ -217,8 +234,8 @@ impl Tables {
         self.all.poses.extend(planes)
     }
 
-    /// Adds a clip's rows and returns its index. A live clip gets the room that it asks for, and stands at rest until rows
-    /// come in.
+    /// Adds a clip's rows and returns its index. A live clip gets the room that it asks for, and
+    /// stands at rest until rows come in.
     ///
     /// # Errors
     ///
@@ -267,7 +284,8 @@ impl Tables {
         self.all.masks.extend(mask.weights().iter().copied().chain(padding))
     }
 
-    /// Adds a factor for the length of each joint of a body, in level order, and returns where they stand.
+    /// Adds a factor for the length of each joint of a body, in level order, and returns where they
+    /// stand.
     ///
     /// # Errors
     ///
@@ -285,7 +303,8 @@ impl Tables {
         self.page_lists.mark_clean();
     }
 
-    /// Shows the tables to `read` as devices last took them over. Takes time by the number of changes since.
+    /// Shows the tables to `read` as devices last took them over. Takes time by the number of
+    /// changes since.
     pub fn with_taken_over<R>(&mut self, read: impl FnOnce(&Self) -> R) -> R {
         self.all.revert();
         self.blocks.revert();

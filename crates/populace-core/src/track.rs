@@ -42,7 +42,8 @@ pub enum Interpolation {
     Linear,
     /// The value of the key before.
     Step,
-    /// Cubic Hermite splines. A key is three values: in-tangent, value, out-tangent; tangents are per second.
+    /// Cubic Hermite splines. A key is three values: in-tangent, value, out-tangent; tangents are
+    /// per second.
     CubicSpline,
 }
 
@@ -57,7 +58,8 @@ pub struct Track {
     pub interpolation: Interpolation,
     /// Seconds on the clip's own axis, strictly increasing, at least one.
     pub times: Vec<f32>,
-    /// `keys x width` values, or `keys x 3 x width` (in-tangent, value, out-tangent) for cubic splines.
+    /// `keys x width` values, or `keys x 3 x width` (in-tangent, value, out-tangent) for cubic
+    /// splines.
     pub values: Vec<f32>,
 }
 
@@ -73,11 +75,13 @@ impl Track {
     ///
     /// # Errors
     ///
-    /// [`Error::BadTrack`] names the joint and says what is wrong: no keys, times that do not increase, a number of
-    /// values that does not fit, a value that is not finite, or a rotation of length zero.
+    /// [`Error::BadTrack`] names the joint and says what is wrong: no keys, times that do not
+    /// increase, a number of values that does not fit, a value that is not finite, or a rotation of
+    /// length zero.
     pub fn check(&self) -> Result<(), Error> {
-        let bad =
-            |what: String| Err(Error::BadTrack { joint: self.joint.clone(), property: self.property, what });
+        let bad = |what: String| {
+            Err(Error::BadTrack { joint: self.joint.clone(), property: self.property, what })
+        };
         if self.times.is_empty() {
             return bad("has no keys; a track needs at least one".into());
         }

@@ -1,9 +1,10 @@
-//! What beside clips moves a member on the way down its hierarchy: constraints, overrides, and what others watch; the twin
-//! of `kernels/steps.cl`.
+//! What beside clips moves a member on the way down its hierarchy: constraints, overrides, and what
+//! others watch; the twin of `kernels/steps.cl`.
 //!
-//! Constraints turn joints in model space, each about its own place, once the joint's parent has its final transform: what
-//! hangs on the joint follows rigidly, so that lengths stay however joints are scaled. A constraint is solved at the first
-//! joint of its chain, from the chain's local transforms, and hands turns down to the others.
+//! Constraints turn joints in model space, each about its own place, once the joint's parent has
+//! its final transform: what hangs on the joint follows rigidly, so that lengths stay however
+//! joints are scaled. A constraint is solved at the first joint of its chain, from the chain's
+//! local transforms, and hands turns down to the others.
 
 mod chain;
 mod feet;
@@ -13,9 +14,9 @@ mod motion;
 mod targets;
 
 use populace_core::layout::{
-    Constraint, Control, Float4, LINKS_MOST, Link, NONE, STATES_PER_CONTROL, STEP_ATTACH, STEP_CARRY,
-    STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE,
-    STEP_TURN, STEP_WATCH, Step, TURNS_MOST, WATCHED_ELEMENTS,
+    Constraint, Control, Float4, LINKS_MOST, Link, NONE, STATES_PER_CONTROL, STEP_ATTACH,
+    STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS,
+    STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST, WATCHED_ELEMENTS,
 };
 use populace_core::math::{quat, vec3};
 use populace_core::{Affine, Frame, Tables, Trs};
@@ -39,7 +40,8 @@ pub(crate) struct Kept {
 }
 
 impl Keeping {
-    /// Begins a frame: what the last one left is what this one is evaluated from, and stays where this one writes nothing.
+    /// Begins a frame: what the last one left is what this one is evaluated from, and stays where
+    /// this one writes nothing.
     pub(crate) fn begin_frame(&mut self) {
         self.before.states.clone_from(&self.now.states);
         self.before.watched.clone_from(&self.now.watched);
@@ -126,8 +128,11 @@ pub(crate) fn descend(models: &mut impl Models, parents: &[u32]) {
 #[inline(always)]
 fn take(models: &mut impl Models, parents: &[u32], joint: usize) {
     let local = models.local(joint);
-    let model =
-        if parents[joint] == NONE { local } else { models.model(parents[joint] as usize).mul(&local) };
+    let model = if parents[joint] == NONE {
+        local
+    } else {
+        models.model(parents[joint] as usize).mul(&local)
+    };
     models.set(joint, model);
 }
 
@@ -150,7 +155,8 @@ impl<'a> Steering<'a> {
     #[inline(never)]
     pub(crate) fn descend(&mut self, models: &mut impl Models, parents: &[u32]) {
         let first = self.control.step_first as usize;
-        let steps = &self.tables.steps().as_slice()[first..first + self.control.step_count as usize];
+        let steps =
+            &self.tables.steps().as_slice()[first..first + self.control.step_count as usize];
         let mut next = 0;
         for step in steps {
             while next <= step.joint as usize {
@@ -176,7 +182,8 @@ impl<'a> Steering<'a> {
             STEP_OVERRIDE => self.override_model(models, joint, step.index),
             STEP_STAGE => {
                 let own = models.model(joint);
-                if let Some(model) = stages::model(self.tables, self.clock, step, self.control, own) {
+                if let Some(model) = stages::model(self.tables, self.clock, step, self.control, own)
+                {
                     models.set(joint, model);
                 }
             }
@@ -207,10 +214,14 @@ impl<'a> Steering<'a> {
         &self.tables.links().as_slice()[first..first + constraint.link_count as usize]
     }
 
-    /// Where the joints of a chain are, as the clips have them, and the last one's model transform; `from` is the first
-    /// one's.
+    /// Where the joints of a chain are, as the clips have them, and the last one's model transform;
+    /// `from` is the first one's.
     #[inline(always)]
-    fn walk(models: &impl Models, links: &[Link], from: Affine) -> ([[f32; 3]; LINKS_MOST as usize], Affine) {
+    fn walk(
+        models: &impl Models,
+        links: &[Link],
+        from: Affine,
+    ) -> ([[f32; 3]; LINKS_MOST as usize], Affine) {
         let mut places = [[0.0; 3]; LINKS_MOST as usize];
         let mut model = from;
         places[0] = model.origin();
@@ -225,22 +236,28 @@ impl<'a> Steering<'a> {
     fn given(&self, index: u32) -> (Affine, f32) {
         let given = &self.tables.overrides().as_slice()[index as usize];
         let [x, y, z, weight] = given.translation_and_weight.0;
-        let trs = Trs { translation: [x, y, z], rotation: given.rotation.0, scale: given.scale.xyz() };
+        let trs =
+            Trs { translation: [x, y, z], rotation: given.rotation.0, scale: given.scale.xyz() };
         (Affine::from_trs(&trs), weight)
     }
 
     #[inline(never)]
     fn override_model(&self, models: &mut impl Models, joint: usize, index: u32) {
         let (to, weight) = self.given(index);
-        models
-            .set(joint, if weight >= 1.0 { to } else { part_of_the_way(&models.model(joint), &to, weight) });
+        models.set(
+            joint,
+            if weight >= 1.0 { to } else { part_of_the_way(&models.model(joint), &to, weight) },
+        );
     }
 
-    /// Brings a root to the joint that the member is attached to, where an earlier phase of this frame left that.
+    /// Brings a root to the joint that the member is attached to, where an earlier phase of this
+    /// frame left that.
     #[inline(never)]
     fn attach(&self, models: &mut impl Models, joint: usize, step: &Step) {
         let first = (step.index * WATCHED_ELEMENTS) as usize;
-        if let Some([a, b, c]) = self.keeping.now.watched.get(first..first + WATCHED_ELEMENTS as usize) {
+        if let Some([a, b, c]) =
+            self.keeping.now.watched.get(first..first + WATCHED_ELEMENTS as usize)
+        {
             let carrier = Affine { rows: [a.0, b.0, c.0] };
             models.set(joint, carrier.mul(&self.given(step.turn).0).mul(&models.model(joint)));
         }
@@ -277,8 +294,8 @@ impl<'a> Steering<'a> {
     }
 }
 
-/// An affine transform between two: the place in a straight line, the axes by the short turn from the one's to the other's,
-/// and their lengths in proportion.
+/// An affine transform between two: the place in a straight line, the axes by the short turn from
+/// the one's to the other's, and their lengths in proportion.
 fn part_of_the_way(from: &Affine, to: &Affine, k: f32) -> Affine {
     let (a, b) = (axes(from), axes(to));
     let turn = vec3::part_of(turn_from(&a, &b), k);
@@ -306,7 +323,8 @@ fn axes(m: &Affine) -> [[f32; 3]; 3] {
     [x, y, vec3::cross(x, y)]
 }
 
-/// The turn from one set of axes to another: first the one that brings x to x, then that about x which brings y to y.
+/// The turn from one set of axes to another: first the one that brings x to x, then that about x
+/// which brings y to y.
 fn turn_from(from: &[[f32; 3]; 3], to: &[[f32; 3]; 3]) -> [f32; 4] {
     let first = vec3::between(from[0], to[0], from[1]);
     let second = vec3::between(vec3::turned(first, from[1]), to[1], to[0]);

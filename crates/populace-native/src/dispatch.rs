@@ -1,7 +1,7 @@
 //! Features of the processor, chosen at run time.
 //!
-//! What is below is the same text compiled for different processors; results are the same bit for bit, since no
-//! product is ever fused with a sum.
+//! What is below is the same text compiled for different processors; results are the same bit for
+//! bit, since no product is ever fused with a sum.
 #![expect(
     unsafe_code,
     reason = "a function compiled for a feature of the processor may only be called where the processor has it"
@@ -25,7 +25,8 @@ pub(crate) enum Dispatch {
     Avx512,
 }
 
-/// Compiles a function for each kind of registers, and makes the method that calls the one for this machine.
+/// Compiles a function for each kind of registers, and makes the method that calls the one for this
+/// machine.
 macro_rules! for_each_processor {
     ($(#[$doc:meta])* $name:ident, $of_avx2:ident, $of_avx512:ident, $function:path, ($($arg:ident: $type:ty),*)) => {
         #[cfg(target_arch = "x86_64")]
@@ -48,7 +49,8 @@ macro_rules! for_each_processor {
                     // SAFETY: `detect` makes this value only where the processor has AVX2.
                     #[cfg(target_arch = "x86_64")]
                     Self::Avx2 => unsafe { $of_avx2($($arg),*) },
-                    // SAFETY: `detect` makes this value only where the processor has these parts of AVX-512.
+                    // SAFETY: `detect` makes this value only where the processor has these parts of
+                    // AVX-512.
                     #[cfg(target_arch = "x86_64")]
                     Self::Avx512 => unsafe { $of_avx512($($arg),*) },
                 }

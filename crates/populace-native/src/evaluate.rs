@@ -7,11 +7,9 @@ use rayon::prelude::*;
 use crate::machines::slot_now;
 
 pub(crate) fn run(tables: &Tables, running: &[Float4], tick: u64, samples: &mut [SlotSample]) {
-    samples
-        .par_iter_mut()
-        .zip(tables.slots().as_slice())
-        .with_min_len(4096)
-        .for_each(|(sample, slot)| *sample = evaluate(tables, &slot_now(tables, running, slot, tick), tick));
+    samples.par_iter_mut().zip(tables.slots().as_slice()).with_min_len(4096).for_each(
+        |(sample, slot)| *sample = evaluate(tables, &slot_now(tables, running, slot, tick), tick),
+    );
 }
 
 /// What a slot shows that is no machine's.
@@ -34,8 +32,9 @@ pub(crate) fn evaluate(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
     }
 }
 
-/// The rows of a live clip around the time that a slot shows, behind the one that additive layers measure from, and how far
-/// it is from the first to the second. All in whole ticks, back from the newest row.
+/// The rows of a live clip around the time that a slot shows, behind the one that additive layers
+/// measure from, and how far it is from the first to the second. All in whole ticks, back from the
+/// newest row.
 fn find_live_row(clip: &ClipRows, slot: &Slot, tick: u64) -> (u32, u32, f32) {
     let back = clip.newest_tick.saturating_sub(tick.saturating_sub(slot.phase_rate));
     let (newest, row_ticks) = (u64::from(clip.newest_ticks), u64::from(clip.row_ticks));

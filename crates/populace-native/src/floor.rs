@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use crate::pages::Pages;
 
-/// Writes every palette with a constant in three ways and returns the time of the fastest, in milliseconds.
+/// Writes every palette with a constant in three ways and returns the time of the fastest, in
+/// milliseconds.
 pub(crate) fn write(pages: &mut Pages) -> f64 {
     let value = Float4([1.0, 2.0, 3.0, 4.0]);
     let mut best = f64::INFINITY;

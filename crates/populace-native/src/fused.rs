@@ -1,6 +1,6 @@
-//! The fused schedule: a member's whole frame at once, sixteen joints at a time from rows to local transforms, then
-//! parents first down the hierarchy and out to the palette; the twin of `kernels/fused_wide.cl`. Nothing between clip and
-//! palette leaves the core's caches.
+//! The fused schedule: a member's whole frame at once, sixteen joints at a time from rows to local
+//! transforms, then parents first down the hierarchy and out to the palette; the twin of
+//! `kernels/fused_wide.cl`. Nothing between clip and palette leaves the core's caches.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -68,7 +68,13 @@ pub(crate) fn run(
         let blocks = &all[first..first + palettes.len() / BLOCK];
         split::for_each_member::<BLOCK, 1>(blocks, [palettes], &|place, _, [palette]| {
             if frame.evaluates(place) && frame.reaches(&members[place as usize]) {
-                let member = Evaluation { tables, place, clock: Clock::of(frame, stages), keeping, dispatch };
+                let member = Evaluation {
+                    tables,
+                    place,
+                    clock: Clock::of(frame, stages),
+                    keeping,
+                    dispatch,
+                };
                 dispatch.write_palette(member, &mut scratch_of(scratch), palette);
             }
         });
@@ -125,7 +131,8 @@ pub(crate) fn member_matrices(
     let settling = settling_slots(tables, place, clock.tick);
     for (block, matrices) in desk.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joint = block * LANES;
-        let posing = Posing { tables, playing, settling, layers, body, control, joint, clock, dispatch };
+        let posing =
+            Posing { tables, playing, settling, layers, body, control, joint, clock, dispatch };
         let local = posing.pose::<Lanes>();
         keep(joint, &local);
         let m = components(local.t, local.r, local.s);

@@ -1,4 +1,5 @@
-//! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin of `kernels/joint.cl`.
+//! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin
+//! of `kernels/joint.cl`.
 
 use populace_core::Tables;
 use populace_core::layout::{
@@ -139,7 +140,8 @@ impl Posing<'_> {
             if additive {
                 let first = tables.clips().as_slice()[bound.clip as usize].row_first;
                 let start = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
-                let start = sample_joint::<R>(tables, bound, body, joint, &start, rest).normalized();
+                let start =
+                    sample_joint::<R>(tables, bound, body, joint, &start, rest).normalized();
                 value.r = quat::scale(value.r, unit);
                 let turned = quotient(&value, &start, quat::identity());
                 (value, unit) = (change(&turned), R::splat(1.0));
@@ -165,7 +167,8 @@ impl Posing<'_> {
         let sum = self.sum_layer::<R>(0, false, &rest);
         // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
         let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
-        let mut pose = if self.settling.is_empty() { pose } else { self.settle(0, false, &rest, pose) };
+        let mut pose =
+            if self.settling.is_empty() { pose } else { self.settle(0, false, &rest, pose) };
         if self.layers.len() > 1 {
             R::lay_over(self, &rest, &mut pose);
         }
@@ -175,12 +178,14 @@ impl Posing<'_> {
         }
     }
 
-    /// What the member's proportions, its overrides in local space and users' stages make of a pose.
+    /// What the member's proportions, its overrides in local space and users' stages make of a
+    /// pose.
     #[inline(never)]
     fn adjust<R: Width>(&self, control: &Control, mut pose: Local<R>) -> Local<R> {
         let Self { tables, joint, .. } = *self;
         if control.scale_first != NONE {
-            let factor = R::load(&tables.joint_scales().as_slice()[control.scale_first as usize + joint..]);
+            let factor =
+                R::load(&tables.joint_scales().as_slice()[control.scale_first as usize + joint..]);
             pose.t = each3(|i| pose.t[i] * factor);
         }
         let first = control.local_first as usize;
@@ -189,16 +194,21 @@ impl Posing<'_> {
             if lane >= R::COUNT {
                 continue;
             }
-            let ([x, y, z, weight], [sx, sy, sz, _]) = (given.translation_and_weight.0, given.scale.0);
+            let ([x, y, z, weight], [sx, sy, sz, _]) =
+                (given.translation_and_weight.0, given.scale.0);
             let (t, s) = ([x, y, z].map(R::splat), [sx, sy, sz].map(R::splat));
             let r = given.rotation.0.map(R::splat);
             let (whole, k, only) = (weight >= 1.0, R::splat(weight), R::only(lane));
             let turned = quat::mix(pose.r, quat::hemisphere(r, pose.r), k);
             let r = if whole { r } else { quat::normalize_or(turned, r) };
             pose = Local {
-                t: each3(|i| R::choose(only, if whole { t[i] } else { pose.t[i].mix(t[i], k) }, pose.t[i])),
+                t: each3(|i| {
+                    R::choose(only, if whole { t[i] } else { pose.t[i].mix(t[i], k) }, pose.t[i])
+                }),
                 r: quat::choose::<R>(only, r, pose.r),
-                s: each3(|i| R::choose(only, if whole { s[i] } else { pose.s[i].mix(s[i], k) }, pose.s[i])),
+                s: each3(|i| {
+                    R::choose(only, if whole { s[i] } else { pose.s[i].mix(s[i], k) }, pose.s[i])
+                }),
             };
         }
         if control.pose_step_count > 0 {
@@ -213,7 +223,8 @@ impl Posing<'_> {
         for (index, layer) in (0..).zip(self.layers).skip(1) {
             let mut weight = R::splat(layer.weight);
             if let Some(mask) = layer.mask() {
-                weight = weight * R::load(&self.tables.masks().as_slice()[mask as usize + self.joint..]);
+                weight =
+                    weight * R::load(&self.tables.masks().as_slice()[mask as usize + self.joint..]);
             }
             let laid = R::splat(0.0).less(weight);
             if !R::any(laid) {

@@ -1,7 +1,7 @@
 //! Numbers side by side: one for each joint of a block, or for each leg of a member.
 //!
-//! Plain arrays in plain loops, which the compiler turns into the widest registers of the processor that a function is
-//! compiled for (see [`dispatch`](crate::dispatch)).
+//! Plain arrays in plain loops, which the compiler turns into the widest registers of the processor
+//! that a function is compiled for (see [`dispatch`](crate::dispatch)).
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

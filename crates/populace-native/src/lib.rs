@@ -1,9 +1,10 @@
 //! The stages of the crowd pipeline in Rust, on all cores: no driver needed.
 //!
-//! [`NativeBackend`] implements [`Backend`] with the *staged* schedule: evaluate, pose, transform and write-back, each
-//! for all members, through the same buffers as the OpenCL kernels of the same names; and with the *fused* one: a member's
-//! whole frame at once, in lanes, compiled for several processors of which the best is taken at run time. The arithmetic is
-//! the same everywhere, and results do not depend on the number of threads.
+//! [`NativeBackend`] implements [`Backend`] with the *staged* schedule: evaluate, pose, transform
+//! and write-back, each for all members, through the same buffers as the OpenCL kernels of the same
+//! names; and with the *fused* one: a member's whole frame at once, in lanes, compiled for several
+//! processors of which the best is taken at run time. The arithmetic is the same everywhere, and
+//! results do not depend on the number of threads.
 //!
 //! ```
 //! use populace_core::{Backend, Frame, PaletteSource, Schedule, Tables};
@@ -41,8 +42,8 @@ use std::time::Instant;
 
 use populace_core::layout::{Float4, PAGE_ENTRIES, SlotSample};
 use populace_core::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
-    Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay,
+    Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use crate::controls::{Clock, Keeping};
@@ -99,10 +100,14 @@ impl NativeBackend {
     ///
     /// # Errors
     ///
-    /// [`BackendError::Failed`] where the system gives no threads, and for [`Schedule::FusedGrouped`], which is for GPUs.
+    /// [`BackendError::Failed`] where the system gives no threads, and for
+    /// [`Schedule::FusedGrouped`], which is for GPUs.
     pub fn new(threads: usize, schedule: Schedule) -> Result<Self, BackendError> {
         if schedule == Schedule::FusedGrouped {
-            return Err(failed("take the schedule fused-grouped", "it has staged, fused and fused-wide"));
+            return Err(failed(
+                "take the schedule fused-grouped",
+                "it has staged, fused and fused-wide",
+            ));
         }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -140,7 +145,8 @@ impl NativeBackend {
         self.schedule == Schedule::Staged
     }
 
-    /// Runs what is done phase by phase: members that are attached to others find where those are in this frame.
+    /// Runs what is done phase by phase: members that are attached to others find where those are
+    /// in this frame.
     fn run_phases(&mut self, tables: &Tables, frame: Frame) {
         if frame.begins() {
             self.keeping.begin_frame();
@@ -164,7 +170,11 @@ impl NativeBackend {
 
     fn grow_stage_buffers(&mut self, tables: &Tables) -> Result<(), BackendError> {
         let joints = tables.joint_places();
-        grow(&mut self.samples, tables.member_places() * tables.slots_per_member(), "slot samples")?;
+        grow(
+            &mut self.samples,
+            tables.member_places() * tables.slots_per_member(),
+            "slot samples",
+        )?;
         grow(&mut self.joints.translations, joints, "joint translations")?;
         grow(&mut self.joints.rotations, joints, "joint rotations")?;
         grow(&mut self.joints.scales, joints, "joint scales")?;
@@ -195,16 +205,27 @@ impl NativeBackend {
 
 /// Whether every schedule keeps a buffer.
 fn is_kept(buffer: StageBuffer) -> bool {
-    matches!(buffer, StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running)
+    matches!(
+        buffer,
+        StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running
+    )
 }
 
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
 
 fn failed(operation: &str, cause: impl std::fmt::Display) -> BackendError {
-    BackendError::Failed { device: DEVICE.into(), operation: operation.into(), cause: cause.to_string() }
+    BackendError::Failed {
+        device: DEVICE.into(),
+        operation: operation.into(),
+        cause: cause.to_string(),
+    }
 }
 
-fn grow<T: Clone + Default>(buffer: &mut Vec<T>, count: usize, what: &str) -> Result<(), BackendError> {
+fn grow<T: Clone + Default>(
+    buffer: &mut Vec<T>,
+    count: usize,
+    what: &str,
+) -> Result<(), BackendError> {
     let more = count.saturating_sub(buffer.len());
     if buffer.try_reserve_exact(more).is_err() {
         let bytes = count.saturating_mul(size_of::<T>());
@@ -233,7 +254,11 @@ impl Backend for NativeBackend {
             self.grow_stage_buffers(tables)?;
         }
         grow(&mut self.keeping.now.states, tables.state_elements(), "what is kept of members")?;
-        grow(&mut self.keeping.now.watched, tables.watched_elements(), "what is watched of members")?;
+        grow(
+            &mut self.keeping.now.watched,
+            tables.watched_elements(),
+            "what is watched of members",
+        )?;
         grow(&mut self.keeping.running, tables.running_elements(), "where state machines are")?;
         for run in tables.new_watched_elements() {
             self.keeping.now.watched[run].fill(Float4::default());
@@ -246,7 +271,12 @@ impl Backend for NativeBackend {
         Ok(())
     }
 
-    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+    fn run_stage(
+        &mut self,
+        tables: &Tables,
+        frame: Frame,
+        stage: Stage,
+    ) -> Result<(), BackendError> {
         if !self.is_staged() {
             let operation = format!("run the stage {}", stage.name());
             return Err(failed(&operation, "a fused schedule has no stages; run the staged one"));
@@ -312,7 +342,10 @@ impl Backend for NativeBackend {
             let from = self.elements(buffer, first);
             let count = from.len().min(into.len());
             if count == 0 {
-                return Err(failed(&format!("read {buffer:?}"), format!("element {first} is past the end")));
+                return Err(failed(
+                    &format!("read {buffer:?}"),
+                    format!("element {first} is past the end"),
+                ));
             }
             into[..count].copy_from_slice(&from[..count]);
             into = &mut into[count..];
@@ -328,13 +361,19 @@ impl Backend for NativeBackend {
         mut from: &[Float4],
     ) -> Result<(), BackendError> {
         if !self.is_staged() && !is_kept(buffer) {
-            return Err(failed(&format!("write {buffer:?}"), "a fused schedule keeps palettes only"));
+            return Err(failed(
+                &format!("write {buffer:?}"),
+                "a fused schedule keeps palettes only",
+            ));
         }
         while !from.is_empty() {
             let to = self.elements(buffer, first);
             let count = to.len().min(from.len());
             if count == 0 {
-                return Err(failed(&format!("write {buffer:?}"), format!("element {first} is past the end")));
+                return Err(failed(
+                    &format!("write {buffer:?}"),
+                    format!("element {first} is past the end"),
+                ));
             }
             to[..count].copy_from_slice(&from[..count]);
             from = &from[count..];
@@ -351,7 +390,9 @@ impl Backend for NativeBackend {
         let (kept_at, watched) = &mut self.fetched;
         *kept_at = Some(tick);
         watched.clear();
-        watched.extend_from_slice(self.keeping.now.watched.get(..tables.watched_elements()).unwrap_or(&[]));
+        watched.extend_from_slice(
+            self.keeping.now.watched.get(..tables.watched_elements()).unwrap_or(&[]),
+        );
         Ok(())
     }
 
@@ -404,7 +445,11 @@ impl PaletteSource for NativeBackend {
         Ok(self.pages.hand_over())
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
         if self.last.is_none() {
             return Err(BackendError::NotEvaluated);
         }
@@ -452,7 +497,11 @@ mod tests {
     #[test]
     fn past_the_end_is_an_error() {
         let mut backend = NativeBackend::new(1, Schedule::Staged).unwrap();
-        assert!(backend.read(&Tables::new(1), StageBuffer::Palette, 0, &mut [Float4::default()]).is_err());
+        assert!(
+            backend
+                .read(&Tables::new(1), StageBuffer::Palette, 0, &mut [Float4::default()])
+                .is_err()
+        );
         assert!(backend.write(StageBuffer::Scales, 9, &[Float4::default()]).is_err());
     }
 }

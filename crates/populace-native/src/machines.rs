@@ -1,4 +1,5 @@
-//! State machines: where each goes in a frame, and what its two slots then play; the twin of `kernels/machines.cl`.
+//! State machines: where each goes in a frame, and what its two slots then play; the twin of
+//! `kernels/machines.cl`.
 
 use populace_core::Tables;
 use populace_core::layout::{
@@ -9,14 +10,17 @@ use rayon::prelude::*;
 
 /// Lets every machine take a transition that holds, one at most.
 pub(crate) fn advance(tables: &Tables, tick: u64, running: &mut [Float4]) {
-    let parameters = tables.machine_parameters().as_slice().as_chunks::<{ MACHINE_PARAMETERS as usize }>().0;
+    let parameters =
+        tables.machine_parameters().as_slice().as_chunks::<{ MACHINE_PARAMETERS as usize }>().0;
     bytemuck::cast_slice_mut::<_, Running>(running)
         .par_iter_mut()
         .zip(tables.runners().as_slice())
         .zip(parameters)
         .with_min_len(1024)
         .filter(|((_, runner), _)| runner.state != NONE)
-        .for_each(|((at, runner), parameters)| *at = next(tables, parameters, begun(runner, at), tick));
+        .for_each(|((at, runner), parameters)| {
+            *at = next(tables, parameters, begun(runner, at), tick)
+        });
 }
 
 /// Where a runner is; another one's place is its own start.
@@ -35,10 +39,12 @@ fn next(tables: &Tables, parameters: &[f32], at: Running, tick: u64) -> Running 
     }
     let state = &tables.machine_states().as_slice()[at.state as usize];
     let first = state.transition_first as usize;
-    let mut ways = tables.transitions().as_slice()[first..first + state.transition_count as usize].iter();
+    let mut ways =
+        tables.transitions().as_slice()[first..first + state.transition_count as usize].iter();
     let taken = ways.find(|way| {
         let first = way.condition_first as usize;
-        let conditions = &tables.conditions().as_slice()[first..first + way.condition_count as usize];
+        let conditions =
+            &tables.conditions().as_slice()[first..first + way.condition_count as usize];
         conditions.iter().all(|condition| holds(condition, parameters, elapsed))
     });
     taken.map_or(at, |way| Running {

@@ -1,7 +1,9 @@
 //! Where palettes live: in memory of our own, or in pages that OpenGL lends.
 
 use populace_core::layout::Float4;
-use populace_core::{BackendError, HandedOver, MappedPage, PAGE_SETS, PaletteTarget, Tables, TargetMark};
+use populace_core::{
+    BackendError, HandedOver, MappedPage, PAGE_SETS, PaletteTarget, Tables, TargetMark,
+};
 
 use crate::{failed, grow};
 
@@ -39,8 +41,8 @@ impl Pages {
         lent + self.own.iter().map(Vec::len).sum::<usize>()
     }
 
-    /// Makes room for so many entries on each page. Lent pages that are too small are given back; the next frame
-    /// writes anew what stood there.
+    /// Makes room for so many entries on each page. Lent pages that are too small are given back;
+    /// the next frame writes anew what stood there.
     pub(crate) fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
         // The usual frame allocates nothing.
         if self.lengths.iter().copied().eq(tables.page_lengths()) {
@@ -86,8 +88,9 @@ impl Pages {
     /// The pages to write the frame into, up to the last entry in use.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut [Float4]> {
         let Self { lengths, own, lent, .. } = self;
-        let lent =
-            lent.iter_mut().flat_map(|lent| lent.sets[lent.current].iter_mut().map(|page| page.elements()));
+        let lent = lent
+            .iter_mut()
+            .flat_map(|lent| lent.sets[lent.current].iter_mut().map(|page| page.elements()));
         let all = own.iter_mut().map(Vec::as_mut_slice).chain(lent);
         all.zip(lengths).filter_map(|(page, length)| page.get_mut(..*length * 3))
     }
@@ -100,7 +103,9 @@ impl Pages {
         let refused = |cause: &str| failed("write palettes into memory of OpenGL's", cause);
         let mut next = Self { mark: Some(mark.clone()), ..Self::default() };
         match target {
-            PaletteTarget::Shared(_) => return Err(refused("sharing buffers takes an OpenCL device")),
+            PaletteTarget::Shared(_) => {
+                return Err(refused("sharing buffers takes an OpenCL device"));
+            }
             PaletteTarget::Mapped(sets) => next.lent = Some(Lent::new(sets)),
             PaletteTarget::Copied => {}
         }

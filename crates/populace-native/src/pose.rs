@@ -1,4 +1,5 @@
-//! Pose: each member's slots, mixed layer by layer, as local transforms; the twin of `kernels/pose.cl`.
+//! Pose: each member's slots, mixed layer by layer, as local transforms; the twin of
+//! `kernels/pose.cl`.
 
 use populace_core::layout::{Float4, JOINT_BLOCK, SlotSample};
 use populace_core::{Frame, MAX_SLOTS, Tables};
@@ -38,14 +39,19 @@ pub(crate) fn run(
         let control = control_of(tables, place);
         for joint in 0..body.joint_count as usize {
             let dispatch = Dispatch::Baseline;
-            let posing = Posing { tables, playing, settling, layers, body, control, joint, clock, dispatch };
+            let posing =
+                Posing { tables, playing, settling, layers, body, control, joint, clock, dispatch };
             let local = posing.pose::<f32>();
             translations[joint] = Float4::from_xyz(local.t);
             rotations[joint] = Float4(local.r);
             scales[joint] = Float4::from_xyz(local.s);
         }
     };
-    split::for_each_member::<{ JOINT_BLOCK as usize }, 3>(tables.joint_blocks().as_slice(), arrays, &job);
+    split::for_each_member::<{ JOINT_BLOCK as usize }, 3>(
+        tables.joint_blocks().as_slice(),
+        arrays,
+        &job,
+    );
 }
 
 /// The layers that a member uses.

@@ -22,13 +22,15 @@ impl Reading {
     fn new(member: Evaluation) -> Self {
         let Evaluation { tables, place, clock, keeping, .. } = member;
         let slots = &tables.slots().as_slice()[tables.slot_range(place)];
-        let sample =
-            |slot| evaluate(tables, &slot_now(tables, &keeping.running, slot, clock.tick), clock.tick);
+        let sample = |slot| {
+            evaluate(tables, &slot_now(tables, &keeping.running, slot, clock.tick), clock.tick)
+        };
         let samples = slots.iter().map(sample).collect();
         let joint_count = fused::body_of(tables, place).joint_count as usize;
         let (mut desk, mut locals) = (Desk::default(), vec![[Float4::default(); 3]; joint_count]);
         fused::member_matrices(member, &mut desk, |first, local| {
-            for (lane, joint) in locals.iter_mut().skip(first).take(crate::lanes::LANES).enumerate() {
+            for (lane, joint) in locals.iter_mut().skip(first).take(crate::lanes::LANES).enumerate()
+            {
                 *joint = [
                     Float4::from_xyz(local.t.map(|v| v.0[lane])),
                     Float4(local.r.map(|v| v.0[lane])),
@@ -53,7 +55,10 @@ impl Reading {
             StageBuffer::ModelRow0 => row(0),
             StageBuffer::ModelRow1 => row(1),
             StageBuffer::ModelRow2 => row(2),
-            StageBuffer::Palette | StageBuffer::States | StageBuffer::Watched | StageBuffer::Running => None,
+            StageBuffer::Palette
+            | StageBuffer::States
+            | StageBuffer::Watched
+            | StageBuffer::Running => None,
         }
     }
 }
@@ -72,7 +77,9 @@ pub(crate) fn read(
     let (place, at) = tables.place_of(buffer, first).ok_or_else(past_the_end)?;
     let reading = match last.take() {
         Some(reading) if reading.place == place => reading,
-        _ => Reading::new(Evaluation { tables, place, clock, keeping, dispatch: Dispatch::Baseline }),
+        _ => {
+            Reading::new(Evaluation { tables, place, clock, keeping, dispatch: Dispatch::Baseline })
+        }
     };
     for (offset, element) in into.iter_mut().enumerate() {
         *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;

@@ -1,11 +1,13 @@
-//! Local transforms of one joint, or of sixteen neighbouring ones, from a clip's rows; the twin of `kernels/rows.cl`.
+//! Local transforms of one joint, or of sixteen neighbouring ones, from a clip's rows; the twin of
+//! `kernels/rows.cl`.
 //!
-//! A component is `offset + step * n`: a joint that the clip does not drive, or that stands still, has a step of 0, so the
-//! arithmetic is the same for all.
+//! A component is `offset + step * n`: a joint that the clip does not drive, or that stands still,
+//! has a step of 0, so the arithmetic is the same for all.
 
 use populace_core::layout::{
-    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION,
-    MAP_SCALE, MAP_TRANSLATION, NONE, REST_SCALE, REST_TRANSLATION, ROW_FLOATS, RowBlock, SlotSample,
+    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN,
+    MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, REST_SCALE, REST_TRANSLATION, ROW_FLOATS,
+    RowBlock, SlotSample,
 };
 use populace_core::math::{Real, quat};
 use populace_core::{Property, Tables};
@@ -44,7 +46,8 @@ pub(crate) trait Width: Real {
 
     fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> Self::Columns<'a>;
 
-    /// Lays a member's layers over a pose. Apart: it is seldom, and must not take the registers of what is not.
+    /// Lays a member's layers over a pose. Apart: it is seldom, and must not take the registers of
+    /// what is not.
     fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>);
 }
 
@@ -191,7 +194,8 @@ impl Columns<f32> for JointColumn<'_> {
     }
 }
 
-/// The columns of sixteen neighbouring joints: in one block, each in its own lane, or here and there in several.
+/// The columns of sixteen neighbouring joints: in one block, each in its own lane, or here and
+/// there in several.
 pub(crate) struct BlockColumns<'a> {
     tables: &'a Tables,
     bound: &'a BoundBlock,
@@ -305,7 +309,8 @@ pub(crate) fn load_quat<R: Width>(planes: &[f32], padded: usize) -> [R; 4] {
     ]
 }
 
-// Closures below would not be compiled for the processor that their caller is, so what is hot is functions.
+// Closures below would not be compiled for the processor that their caller is, so what is hot is
+// functions.
 
 /// A component between two rows: `offset + step * n`.
 #[inline(always)]
@@ -322,7 +327,8 @@ pub(crate) fn component<R: Width>(
     from.mix(to, R::splat(at.between)) * step + offset
 }
 
-/// Translations or scales between two rows; `range` starts with planes of offsets, and a plane of steps follows.
+/// Translations or scales between two rows; `range` starts with planes of offsets, and a plane of
+/// steps follows.
 #[inline(always)]
 pub(crate) fn sample_vector<R: Width>(
     columns: &R::Columns<'_>,
@@ -345,13 +351,17 @@ pub(crate) fn sample_vector<R: Width>(
 
 /// Where sixteen neighbouring joints, of which this is one, find their columns.
 #[inline(always)]
-pub(crate) fn bound_block<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> &'a BoundBlock {
+pub(crate) fn bound_block<'a>(
+    tables: &'a Tables,
+    bound: &BoundClip,
+    joint: usize,
+) -> &'a BoundBlock {
     &tables.bound_blocks().as_slice()[bound.block_first as usize + joint / LANES]
 }
 
-/// A sample of a clip: a rotation not yet of length 1, with the factor that brings it to that and to the hemisphere of
-/// the rest rotation, or to nothing where it has no length; and what stands at rest, of [`REST_TRANSLATION`] and
-/// [`REST_SCALE`].
+/// A sample of a clip: a rotation not yet of length 1, with the factor that brings it to that and
+/// to the hemisphere of the rest rotation, or to nothing where it has no length; and what stands at
+/// rest, of [`REST_TRANSLATION`] and [`REST_SCALE`].
 pub(crate) struct Sample<R> {
     pub(crate) local: Local<R>,
     pub(crate) unit: R,

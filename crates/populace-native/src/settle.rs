@@ -1,5 +1,5 @@
-//! What clips that were left leave behind for a while: the difference from what took their place, in pose and in speed; the
-//! twin of `kernels/settle.cl`.
+//! What clips that were left leave behind for a while: the difference from what took their place,
+//! in pose and in speed; the twin of `kernels/settle.cl`.
 
 use populace_core::layout::{ClipRows, Slot, SlotSample};
 use populace_core::math::quat;
@@ -25,8 +25,8 @@ struct Weights<R> {
     taking_way: R,
 }
 
-/// The part of a difference that is left of all that there was, and of its speed: quintics whose value, slope and curvature
-/// are 0 at the end, and whose curvature is 0 at the start.
+/// The part of a difference that is left of all that there was, and of its speed: quintics whose
+/// value, slope and curvature are 0 at the end, and whose curvature is 0 at the start.
 #[inline(always)]
 fn decay(settled: f32) -> [f32; 2] {
     let left = 1.0 - settled;
@@ -50,8 +50,8 @@ fn after<R: Width>(first: &Local<R>, then: &Local<R>) -> Local<R> {
 }
 
 impl Posing<'_> {
-    /// A layer's mean, or its sum of differences where it is additive, with all that settles in it. Over a mean the newest
-    /// start comes first: those before it lie over what was then left.
+    /// A layer's mean, or its sum of differences where it is additive, with all that settles in it.
+    /// Over a mean the newest start comes first: those before it lie over what was then left.
     #[inline(never)]
     pub(crate) fn settle<R: Width>(
         &self,
@@ -69,7 +69,9 @@ impl Posing<'_> {
                 return pose;
             };
             let mut sum = nothing();
-            for slot in self.settling.iter().filter(of_layer).filter(|slot| slot.start_tick == start) {
+            for slot in
+                self.settling.iter().filter(of_layer).filter(|slot| slot.start_tick == start)
+            {
                 self.add_settling(slot, additive, rest, &mut sum);
             }
             pose = if additive {
@@ -85,7 +87,13 @@ impl Posing<'_> {
         }
     }
 
-    fn add_settling<R: Width>(&self, slot: &Slot, additive: bool, rest: &Local<R>, sum: &mut Local<R>) {
+    fn add_settling<R: Width>(
+        &self,
+        slot: &Slot,
+        additive: bool,
+        rest: &Local<R>,
+        sum: &mut Local<R>,
+    ) {
         let ([still, moving], share) = (decay(slot.settled_at(self.clock.tick)), slot.start_weight);
         let (left, taking) = (slot.left(), slot.taking());
         let weights = Weights {
@@ -116,8 +124,8 @@ impl Posing<'_> {
         sum.s = each3(|i| sum.s[i] + of(|l, i| l.s[i], i));
     }
 
-    /// A clip where it stood, at its far row, and what differences are measured from: where it stood, in additive layers
-    /// its first row.
+    /// A clip where it stood, at its far row, and what differences are measured from: where it
+    /// stood, in additive layers its first row.
     fn stands<R: Width>(&self, stand: Stand, additive: bool, rest: &Local<R>) -> [Local<R>; 3] {
         let Self { tables, body, joint, .. } = *self;
         let bound = &tables.bound_clips().as_slice()[stand.bound_clip as usize];

@@ -2,11 +2,13 @@
 
 use populace_core::layout::{Float4, NONE};
 
-/// Elements that one thread takes at a time: enough to hide the cost of handing over, few enough to balance.
+/// Elements that one thread takes at a time: enough to hide the cost of handing over, few enough to
+/// balance.
 const GRAIN: usize = 4096;
 
-/// Calls `job(member, first, slices)` for each member that `blocks` names, a block being `BLOCK` elements of the arrays,
-/// on all threads, with the number of its first block and its own run of each of the `N` arrays.
+/// Calls `job(member, first, slices)` for each member that `blocks` names, a block being `BLOCK`
+/// elements of the arrays, on all threads, with the number of its first block and its own run of
+/// each of the `N` arrays.
 pub(crate) fn for_each_member<const BLOCK: usize, const N: usize>(
     blocks: &[u32],
     arrays: [&mut [Float4]; N],

@@ -1,16 +1,19 @@
-//! Users' stages: what they get of a joint, and what is taken of what they leave; the twin of `kernels/stage.cl`.
+//! Users' stages: what they get of a joint, and what is taken of what they leave; the twin of
+//! `kernels/stage.cl`.
 
 use populace_core::layout::{Control, STAGE_PARAMETERS, Step};
 use populace_core::math::quat;
 use populace_core::{
-    Affine, BackendError, FIRST_TICK, JointIndex, Place, StageFn, StageJoint, Tables, Trs, UserStage,
+    Affine, BackendError, FIRST_TICK, JointIndex, Place, StageFn, StageJoint, Tables, Trs,
+    UserStage,
 };
 
 use crate::DEVICE;
 use crate::controls::Clock;
 use crate::rows::{Local, Width};
 
-/// Past this a number is no place, turn or scale any longer, and what hangs on it would come to be not finite.
+/// Past this a number is no place, turn or scale any longer, and what hangs on it would come to be
+/// not finite.
 const BOUND: f32 = 1e9;
 
 /// Elements of a stage's parameters.

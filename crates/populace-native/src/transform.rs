@@ -1,5 +1,5 @@
-//! Transform: local transforms down the hierarchy, with constraints and overrides on the way; the twin of
-//! `kernels/transform.cl`.
+//! Transform: local transforms down the hierarchy, with constraints and overrides on the way; the
+//! twin of `kernels/transform.cl`.
 
 use populace_core::layout::{Float4, JOINT_BLOCK};
 use populace_core::{Affine, Frame, Tables, Trs};
@@ -59,7 +59,8 @@ pub(crate) fn run(
         }
         let body = &tables.bodies().as_slice()[member.body as usize];
         let first_parent = body.joint_first as usize;
-        let parents = &tables.parents().as_slice()[first_parent..first_parent + body.joint_count as usize];
+        let parents =
+            &tables.parents().as_slice()[first_parent..first_parent + body.joint_count as usize];
         let mut rows = Rows { joints, first: first * BLOCK, rows };
         if controls::control_of(tables, place).is_none() {
             return controls::descend(&mut rows, parents);

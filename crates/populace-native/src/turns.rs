@@ -7,8 +7,8 @@ use populace_core::{Property, Tables};
 
 use crate::rows::{Columns, Width, bound_block, component, load_quat, sample_vector};
 
-/// A translation and a rotation, not of length 1, through all turns of a clip. Apart: most clips have none, and it must not
-/// take the registers of what most do.
+/// A translation and a rotation, not of length 1, through all turns of a clip. Apart: most clips
+/// have none, and it must not take the registers of what most do.
 #[inline(never)]
 pub(crate) fn turn<R: Width>(
     tables: &Tables,
@@ -28,7 +28,13 @@ pub(crate) fn turn<R: Width>(
         let columns = R::columns(tables, clip, joint);
         let planes = &tables.poses().as_slice()[clip.range_first as usize + joint..];
         if bound_block(tables, clip, joint).flags & REST_TRANSLATION == 0 {
-            let arm = sample_vector::<R>(&columns, Property::Translation, &at, &planes[6 * padded..], padded);
+            let arm = sample_vector::<R>(
+                &columns,
+                Property::Translation,
+                &at,
+                &planes[6 * padded..],
+                padded,
+            );
             let [x, y, z] = vec3::turned(quat::scale(r, quat::dot(r, r).inverse_sqrt()), arm);
             t = [t[0] + x, t[1] + y, t[2] + z];
         }
@@ -50,6 +56,7 @@ pub(crate) fn turn<R: Width>(
 /// The rows that a turn has for two of its clip's.
 fn own_rows(tables: &Tables, turn: &BoundClip, at: &SlotSample) -> SlotSample {
     let clip = &tables.clips().as_slice()[turn.clip as usize];
-    let own = |row: u32| turn.row_first + (row - clip.row_first) / clip.row_stride * turn.row_stride;
+    let own =
+        |row: u32| turn.row_first + (row - clip.row_first) / clip.row_stride * turn.row_stride;
     SlotSample { row0: own(at.row0), row1: own(at.row1), ..*at }
 }

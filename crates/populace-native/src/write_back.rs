@@ -1,4 +1,5 @@
-//! Write-back: `model_from_bind = model_from_joint * joint_from_bind`; the twin of `kernels/write_back.cl`.
+//! Write-back: `model_from_bind = model_from_joint * joint_from_bind`; the twin of
+//! `kernels/write_back.cl`.
 
 use populace_core::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_core::{Affine, Frame, Tables};
@@ -21,8 +22,15 @@ pub(crate) fn run(tables: &Tables, frame: Frame, models: &ModelRows, pages: &mut
     }
 }
 
-fn write_entry(tables: &Tables, frame: Frame, models: &ModelRows, place: usize, matrix: &mut [Float4; 3]) {
-    let Some(&owner) = tables.palette_blocks().as_slice().get(place / PALETTE_BLOCK as usize) else {
+fn write_entry(
+    tables: &Tables,
+    frame: Frame,
+    models: &ModelRows,
+    place: usize,
+    matrix: &mut [Float4; 3],
+) {
+    let Some(&owner) = tables.palette_blocks().as_slice().get(place / PALETTE_BLOCK as usize)
+    else {
         return;
     };
     if owner == NONE || !frame.evaluates(owner) {

@@ -8,8 +8,8 @@ use opencl3::event::Event;
 use opencl3::kernel::Kernel;
 use populace_core::layout::Float4;
 use populace_core::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
-    Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay,
+    Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use crate::fused::Fused;
@@ -132,7 +132,11 @@ impl OpenClBackend {
     }
 
     fn refused(&self, operation: &str, cause: String) -> BackendError {
-        BackendError::Failed { device: self.device.info.name.clone(), operation: operation.into(), cause }
+        BackendError::Failed {
+            device: self.device.info.name.clone(),
+            operation: operation.into(),
+            cause,
+        }
     }
 
     /// Lets a schedule enqueue its work.
@@ -155,7 +159,8 @@ impl OpenClBackend {
         let (mut events, group) = (Vec::new(), self.floors.group);
         for page in self.pages.iter() {
             let items = page.len().div_ceil(per_item).next_multiple_of(group);
-            let launch = Launch::of(kernel).buffer("palette", page).uint("count", narrow(page.len()));
+            let launch =
+                Launch::of(kernel).buffer("palette", page).uint("count", narrow(page.len()));
             events.push(launch.run(&self.queue, [items, 1], [group, 1])?);
         }
         waits::for_queue(&self.queue)?;
@@ -169,7 +174,8 @@ impl Shape {
     }
 }
 
-/// Device time of runs, each from the start of its first event to the end of its last, in milliseconds.
+/// Device time of runs, each from the start of its first event to the end of its last, in
+/// milliseconds.
 fn time_ms(runs: &[Vec<Event>]) -> Option<f64> {
     runs.first()?;
     let time = |run: &Vec<Event>| {
@@ -226,7 +232,12 @@ impl Backend for OpenClBackend {
         self.user_stages.set(&self.device, kernels, stages)
     }
 
-    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+    fn run_stage(
+        &mut self,
+        tables: &Tables,
+        frame: Frame,
+        stage: Stage,
+    ) -> Result<(), BackendError> {
         let operation = match stage {
             Stage::Evaluate => "run the stage evaluate",
             Stage::Pose => "run the stage pose",
@@ -234,7 +245,8 @@ impl Backend for OpenClBackend {
             Stage::WriteBack => "run the stage write_back",
         };
         if matches!(self.plan, Plan::Fused(_)) {
-            return Err(self.refused(operation, "a fused schedule has no stages; run the staged one".into()));
+            return Err(self
+                .refused(operation, "a fused schedule has no stages; run the staged one".into()));
         }
         self.check_updated(tables, operation)?;
         if stage == Stage::WriteBack {
@@ -257,7 +269,8 @@ impl Backend for OpenClBackend {
         const OPERATION: &str = "run a frame";
         self.check_updated(tables, OPERATION)?;
         if frame.begins() {
-            let begun = self.pages.begin_frame().and_then(|()| self.keeping.begin_frame(&self.queue));
+            let begun =
+                self.pages.begin_frame().and_then(|()| self.keeping.begin_frame(&self.queue));
             begun.map_err(|e| self.device.failed(OPERATION, &e))?;
         }
         self.enqueue(tables, OPERATION, |plan, on| match plan {
@@ -280,8 +293,9 @@ impl Backend for OpenClBackend {
         let Self { queue, plan, pages, keeping, machines, device, .. } = self;
         if let Some(kept) = keeping.buffer(buffer) {
             let result = kept.read(queue, first, into);
-            return result
-                .map_err(|e| device.failed(&format!("read {buffer:?} from element {first} on"), &e));
+            return result.map_err(|e| {
+                device.failed(&format!("read {buffer:?} from element {first} on"), &e)
+            });
         }
         if !self.has_run && buffer != StageBuffer::Running {
             return Err(BackendError::NotEvaluated);
@@ -299,10 +313,17 @@ impl Backend for OpenClBackend {
         result.map_err(|e| device.failed(&format!("read {buffer:?} from element {first} on"), &e))
     }
 
-    fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
+    fn write(
+        &mut self,
+        buffer: StageBuffer,
+        first: usize,
+        from: &[Float4],
+    ) -> Result<(), BackendError> {
         let operation = format!("write {buffer:?} from element {first} on");
         if let Some(kept) = self.keeping.buffer(buffer) {
-            return kept.write(&self.queue, first, from).map_err(|e| self.device.failed(&operation, &e));
+            return kept
+                .write(&self.queue, first, from)
+                .map_err(|e| self.device.failed(&operation, &e));
         }
         let result = match &mut self.plan {
             _ if buffer == StageBuffer::Palette => self.pages.write(&self.queue, first, from),
@@ -325,7 +346,9 @@ impl Backend for OpenClBackend {
     }
 
     fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError> {
-        self.keeping.fetched().map_err(|e| self.device.failed("bring what is watched to the host", &e))
+        self.keeping
+            .fetched()
+            .map_err(|e| self.device.failed("bring what is watched to the host", &e))
     }
 
     fn waits(&self) -> u64 {
@@ -334,27 +357,32 @@ impl Backend for OpenClBackend {
 
     fn frame_time_ms(&mut self) -> Option<f64> {
         match &self.plan {
-            Plan::Staged(staged) => Stage::ALL.into_iter().map(|stage| time_ms(staged.events(stage))).sum(),
+            Plan::Staged(staged) => {
+                Stage::ALL.into_iter().map(|stage| time_ms(staged.events(stage))).sum()
+            }
             Plan::Fused(fused) => time_ms(fused.events()),
         }
     }
 
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
         let Plan::Staged(staged) = &self.plan else { return Vec::new() };
-        let times = Stage::ALL.into_iter().map(|stage| Some((stage, time_ms(staged.events(stage))?)));
+        let times =
+            Stage::ALL.into_iter().map(|stage| Some((stage, time_ms(staged.events(stage))?)));
         times.flatten().collect()
     }
 
     fn write_floor(&mut self, _tables: &Tables) -> Result<f64, BackendError> {
         if self.floors.kernels.is_empty() {
-            let kernel = |(name, float4s)| Ok((self.device.kernel(Form::Floor, "", name)?, float4s));
+            let kernel =
+                |(name, float4s)| Ok((self.device.kernel(Form::Floor, "", name)?, float4s));
             self.floors.kernels = FLOORS.into_iter().map(kernel).collect::<Result<_, _>>()?;
         }
         self.pages.begin_frame().map_err(|e| self.device.failed("write the floor", &e))?;
         let mut best = f64::INFINITY;
         for (kernel, per_item) in &self.floors.kernels {
-            let ms =
-                self.floor_ms(kernel, *per_item).map_err(|e| self.device.failed("write the floor", &e))?;
+            let ms = self
+                .floor_ms(kernel, *per_item)
+                .map_err(|e| self.device.failed("write the floor", &e))?;
             best = best.min(ms);
         }
         Ok(best)
@@ -389,7 +417,11 @@ impl PaletteSource for OpenClBackend {
         handed.map_err(|e| self.device.failed("hand its palettes to OpenGL", &e))
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
         if !self.has_run {
             return Err(BackendError::NotEvaluated);
         }
@@ -399,7 +431,8 @@ impl PaletteSource for OpenClBackend {
             return Err(self.refused("hand over palettes", cause));
         }
         let result = self.pages.with_page(&self.queue, page, reader);
-        result.map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
+        result
+            .map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
     }
 }
 

@@ -11,13 +11,15 @@ use std::ptr;
 use opencl3::command_queue::{CommandQueue, enqueue_read_buffer, enqueue_write_buffer};
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
-use opencl3::memory::{Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem};
+use opencl3::memory::{
+    Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem,
+};
 use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use populace_core::BackendError;
 use populace_core::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, DeviceStruct, Entry, Float4,
-    Ground, Layer, Link, MachineState, Member, Override, RowBlock, Runner, Running, Slot, SlotSample, Source,
-    Step, Target, Transition,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, DeviceStruct, Entry,
+    Float4, Ground, Layer, Link, MachineState, Member, Override, RowBlock, Runner, Running, Slot,
+    SlotSample, Source, Step, Target, Transition,
 };
 
 use crate::{OpenClDevice, waits};
@@ -136,12 +138,16 @@ impl<T: Element> Buffer<T> {
     pub(crate) fn new(device: &OpenClDevice, len: usize, what: &str) -> Result<Self, BackendError> {
         let count = len.max(1);
         let bytes = count.saturating_mul(size_of::<T>());
-        let no_room =
-            || BackendError::OutOfMemory { device: device.info.name.clone(), what: what.into(), bytes };
+        let no_room = || BackendError::OutOfMemory {
+            device: device.info.name.clone(),
+            what: what.into(),
+            bytes,
+        };
         if bytes as u64 > device.info.max_allocation_bytes {
             return Err(no_room());
         }
-        // Host-visible memory lets a page be handed over without a copy where host and device share it.
+        // Host-visible memory lets a page be handed over without a copy where host and device share
+        // it.
         let flags = CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR;
         // SAFETY: no host pointer is given, and the context is alive in `device`.
         let memory = unsafe { ClBuffer::create(&device.context, flags, count, ptr::null_mut()) };
@@ -156,7 +162,8 @@ impl<T: Element> Buffer<T> {
     ///
     /// # Safety
     ///
-    /// The memory has room for `len` elements, and is valid for as long as the queue uses the buffer.
+    /// The memory has room for `len` elements, and is valid for as long as the queue uses the
+    /// buffer.
     pub(crate) unsafe fn from_memory(memory: ClBuffer<T>, len: usize) -> Self {
         Self { memory, len, capacity: len }
     }
@@ -195,19 +202,31 @@ impl<T: Element> Buffer<T> {
     }
 
     /// Copies elements to the device and waits.
-    pub(crate) fn write(&mut self, queue: &CommandQueue, first: usize, from: &[T]) -> Result<(), ClError> {
+    pub(crate) fn write(
+        &mut self,
+        queue: &CommandQueue,
+        first: usize,
+        from: &[T],
+    ) -> Result<(), ClError> {
         self.check(first, from.len())?;
         if !from.is_empty() {
             waits::begin();
             // SAFETY: the range was checked, and the write blocks, so `from` outlives it.
             unsafe {
-                queue.enqueue_write_buffer(&mut self.memory, CL_BLOCKING, first * size_of::<T>(), from, &[])
+                queue.enqueue_write_buffer(
+                    &mut self.memory,
+                    CL_BLOCKING,
+                    first * size_of::<T>(),
+                    from,
+                    &[],
+                )
             }?;
         }
         Ok(())
     }
 
-    /// Copies elements to the device without waiting, from words of `from` on; these stay there until they are read.
+    /// Copies elements to the device without waiting, from words of `from` on; these stay there
+    /// until they are read.
     pub(crate) fn write_staged(
         &mut self,
         queue: &CommandQueue,
@@ -224,10 +243,19 @@ impl<T: Element> Buffer<T> {
         }
         let (offset, address) = (elements.start * size_of::<T>(), words.as_ptr().cast());
         let (queue, memory) = (queue.get(), self.memory.get_mut());
-        // SAFETY: both ranges were checked. `from` changes or frees its words only after the event kept here, and the
-        // driver counts references to the buffer.
+        // SAFETY: both ranges were checked. `from` changes or frees its words only after the event
+        // kept here, and the driver counts references to the buffer.
         let event = unsafe {
-            enqueue_write_buffer(queue, memory, CL_NON_BLOCKING, offset, bytes, address, 0, ptr::null())
+            enqueue_write_buffer(
+                queue,
+                memory,
+                CL_NON_BLOCKING,
+                offset,
+                bytes,
+                address,
+                0,
+                ptr::null(),
+            )
         }
         .map_err(ClError)?;
         from.reads.push(Event::new(event));
@@ -235,19 +263,32 @@ impl<T: Element> Buffer<T> {
     }
 
     /// Copies elements from the device and waits.
-    pub(crate) fn read(&self, queue: &CommandQueue, first: usize, into: &mut [T]) -> Result<(), ClError> {
+    pub(crate) fn read(
+        &self,
+        queue: &CommandQueue,
+        first: usize,
+        into: &mut [T],
+    ) -> Result<(), ClError> {
         self.check(first, into.len())?;
         if !into.is_empty() {
             waits::begin();
-            // SAFETY: the range was checked, the read blocks, so `into` outlives it, and any bytes are a `T`.
+            // SAFETY: the range was checked, the read blocks, so `into` outlives it, and any bytes
+            // are a `T`.
             unsafe {
-                queue.enqueue_read_buffer(&self.memory, CL_BLOCKING, first * size_of::<T>(), into, &[])
+                queue.enqueue_read_buffer(
+                    &self.memory,
+                    CL_BLOCKING,
+                    first * size_of::<T>(),
+                    into,
+                    &[],
+                )
             }?;
         }
         Ok(())
     }
 
-    /// Copies the first elements from the device without waiting, into a landing that has nothing on its way.
+    /// Copies the first elements from the device without waiting, into a landing that has nothing
+    /// on its way.
     pub(crate) fn read_later(
         &self,
         queue: &CommandQueue,
@@ -264,10 +305,20 @@ impl<T: Element> Buffer<T> {
         if count > 0 {
             let (bytes, address) = (count * size_of::<T>(), into.elements.as_mut_ptr().cast());
             let (queue, memory) = (queue.get(), self.memory.get());
-            // SAFETY: the range was checked. `into` neither shows, changes nor frees its elements before the event kept
-            // here is done, any bytes are a `T`, and the driver counts references to the buffer.
+            // SAFETY: the range was checked. `into` neither shows, changes nor frees its elements
+            // before the event kept here is done, any bytes are a `T`, and the driver counts
+            // references to the buffer.
             let event = unsafe {
-                enqueue_read_buffer(queue, memory, CL_NON_BLOCKING, 0, bytes, address, 0, ptr::null())
+                enqueue_read_buffer(
+                    queue,
+                    memory,
+                    CL_NON_BLOCKING,
+                    0,
+                    bytes,
+                    address,
+                    0,
+                    ptr::null(),
+                )
             };
             into.read = Some(Event::new(event.map_err(ClError)?));
         }
@@ -289,20 +340,30 @@ impl<T: Element> Buffer<T> {
         let mut larger = Self::new(device, room, what)?;
         let zeros = vec![T::zeroed(); room.min(ZEROS)];
         let mut firsts = (0..room).step_by(ZEROS);
-        let filled =
-            firsts.try_for_each(|first| larger.write(queue, first, &zeros[..ZEROS.min(room - first)]));
-        filled.and_then(|()| larger.copy_from(queue, self)).map_err(|e| device.failed("make room", &e))?;
+        let filled = firsts
+            .try_for_each(|first| larger.write(queue, first, &zeros[..ZEROS.min(room - first)]));
+        filled
+            .and_then(|()| larger.copy_from(queue, self))
+            .map_err(|e| device.failed("make room", &e))?;
         *self = larger;
         Ok(())
     }
 
     /// Enqueues zeros for a range of elements.
-    pub(crate) fn clear(&mut self, queue: &CommandQueue, elements: Range<usize>) -> Result<(), ClError> {
+    pub(crate) fn clear(
+        &mut self,
+        queue: &CommandQueue,
+        elements: Range<usize>,
+    ) -> Result<(), ClError> {
         self.check(elements.start, elements.len())?;
         if !elements.is_empty() {
-            let (offset, bytes) = (elements.start * size_of::<T>(), elements.len() * size_of::<T>());
-            // SAFETY: the range was checked, and the driver copies the pattern before the call returns.
-            unsafe { queue.enqueue_fill_buffer(&mut self.memory, &[T::zeroed()], offset, bytes, &[]) }?;
+            let (offset, bytes) =
+                (elements.start * size_of::<T>(), elements.len() * size_of::<T>());
+            // SAFETY: the range was checked, and the driver copies the pattern before the call
+            // returns.
+            unsafe {
+                queue.enqueue_fill_buffer(&mut self.memory, &[T::zeroed()], offset, bytes, &[])
+            }?;
         }
         Ok(())
     }
@@ -323,14 +384,19 @@ impl<T: Element> Buffer<T> {
         from.check(0, count)?;
         if count > 0 {
             let bytes = count * size_of::<T>();
-            // SAFETY: both hold that many bytes, and they are two buffers, since one of them is borrowed mutably.
+            // SAFETY: both hold that many bytes, and they are two buffers, since one of them is
+            // borrowed mutably.
             unsafe { queue.enqueue_copy_buffer(&from.memory, &mut self.memory, 0, 0, bytes, &[]) }?;
         }
         Ok(())
     }
 
     /// Shows the elements to `reader`, without a copy where host and device share memory.
-    pub(crate) fn map(&mut self, queue: &CommandQueue, reader: &mut dyn FnMut(&[T])) -> Result<(), ClError> {
+    pub(crate) fn map(
+        &mut self,
+        queue: &CommandQueue,
+        reader: &mut dyn FnMut(&[T]),
+    ) -> Result<(), ClError> {
         if self.len == 0 {
             reader(&[]);
             return Ok(());
@@ -349,8 +415,9 @@ impl<T: Element> Buffer<T> {
                 &[],
             )
         }?;
-        // SAFETY: the mapping holds `len` elements, aligned by the driver to its largest type (128 bytes), any bytes
-        // are a `T`, and `self` is borrowed mutably, so nothing is enqueued on the buffer until it is unmapped below.
+        // SAFETY: the mapping holds `len` elements, aligned by the driver to its largest type (128
+        // bytes), any bytes are a `T`, and `self` is borrowed mutably, so nothing is enqueued on
+        // the buffer until it is unmapped below.
         reader(unsafe { std::slice::from_raw_parts(address.cast::<T>(), self.len) });
         // SAFETY: the address is the one that mapping this buffer gave; the slice is gone.
         unsafe { queue.enqueue_unmap_mem_object(self.memory.get(), address, &[]) }?;

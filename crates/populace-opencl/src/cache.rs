@@ -25,8 +25,8 @@ pub(crate) struct Cache {
 }
 
 impl Cache {
-    /// The folder that `POPULACE_CACHE_DIR` names, else `populace` in the user's cache folder. `None` where the variable
-    /// is empty or the user has no home.
+    /// The folder that `POPULACE_CACHE_DIR` names, else `populace` in the user's cache folder.
+    /// `None` where the variable is empty or the user has no home.
     pub(crate) fn of_user() -> Option<Self> {
         let folder = match env::var_os(VARIABLE) {
             Some(named) => PathBuf::from(named),
@@ -67,13 +67,15 @@ impl Entry {
             return None;
         }
         // The time of the last use; it does not matter where it cannot be set.
-        let _not_set =
-            File::options().append(true).open(&self.path).and_then(|f| f.set_modified(SystemTime::now()));
+        let _not_set = File::options()
+            .append(true)
+            .open(&self.path)
+            .and_then(|f| f.set_modified(SystemTime::now()));
         Some(bytes.split_off(HASH_BYTES))
     }
 
-    /// Writes the binary in place of the one before. Does nothing where the folder cannot be written: the next process
-    /// then builds again.
+    /// Writes the binary in place of the one before. Does nothing where the folder cannot be
+    /// written: the next process then builds again.
     pub(crate) fn write(&self, binary: &[u8]) {
         if self.try_write(binary).is_ok() {
             self.delete_unused_beside();
@@ -96,7 +98,10 @@ impl Entry {
         for entry in folder.flatten().flatten() {
             let path = entry.path();
             let modified = entry.metadata().and_then(|about| about.modified());
-            let unused = modified.ok().and_then(|time| time.elapsed().ok()).is_some_and(|age| age > KEPT_FOR);
+            let unused = modified
+                .ok()
+                .and_then(|time| time.elapsed().ok())
+                .is_some_and(|age| age > KEPT_FOR);
             if unused && path.extension() == Some(OsStr::new(EXTENSION)) {
                 // Another process may have been faster.
                 let _gone = fs::remove_file(path);

@@ -11,7 +11,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
 use opencl3::context::Context;
 use opencl3::device::{
-    CL_DEVICE_PARTITION_EQUALLY, CL_DEVICE_TYPE_CPU, CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device, SubDevice,
+    CL_DEVICE_PARTITION_EQUALLY, CL_DEVICE_TYPE_CPU, CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device,
+    SubDevice,
 };
 use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel;
@@ -37,9 +38,9 @@ pub struct DevicePart {
     pub parts: usize,
 }
 
-/// A part of a device. A device is cut once into so many parts and stays so: the parts are then apart from each other,
-/// and PoCL 3.1 crashes where one is let go of while its threads still clear up. Compute units that are left over belong
-/// to no part.
+/// A part of a device. A device is cut once into so many parts and stays so: the parts are then
+/// apart from each other, and PoCL 3.1 crashes where one is let go of while its threads still clear
+/// up. Compute units that are left over belong to no part.
 fn part_of(whole: &Device, info: &DeviceInfo, part: DevicePart) -> Result<Device, BackendError> {
     type Cuts = HashMap<(usize, usize), Vec<SubDevice>>;
     static CUT: OnceLock<Mutex<Cuts>> = OnceLock::new();
@@ -65,7 +66,8 @@ fn cut(whole: &Device, info: &DeviceInfo, parts: usize) -> Result<Vec<SubDevice>
     }
     let each = (units as usize / parts).cast_signed();
     let found = whole.create_sub_devices(&[CL_DEVICE_PARTITION_EQUALLY, each, 0]);
-    let mut found = found.map_err(|e| failed(&info.name, &format!("cut itself into {parts} parts"), &e))?;
+    let mut found =
+        found.map_err(|e| failed(&info.name, &format!("cut itself into {parts} parts"), &e))?;
     found.truncate(parts); // units that are left over can make one more
     Ok(found)
 }
@@ -85,8 +87,8 @@ pub struct OpenClDevice {
 }
 
 impl OpenClDevice {
-    /// Makes the device of an index (see [`devices`](crate::devices)) ready. Kernels are built for it when they are first
-    /// asked for.
+    /// Makes the device of an index (see [`devices`](crate::devices)) ready. Kernels are built for
+    /// it when they are first asked for.
     ///
     /// # Errors
     ///
@@ -96,26 +98,29 @@ impl OpenClDevice {
         Self::open_with(index, None, None)
     }
 
-    /// The same for one of several equal parts of a device, as if it were a device of its own: parts work at the same
-    /// time, each on its own compute units. Units that are left over stay idle.
+    /// The same for one of several equal parts of a device, as if it were a device of its own:
+    /// parts work at the same time, each on its own compute units. Units that are left over stay
+    /// idle.
     ///
     /// # Errors
     ///
-    /// As [`open`](Self::open); [`BackendError::NoPart`] where the device cannot be cut so, or has no such part.
+    /// As [`open`](Self::open); [`BackendError::NoPart`] where the device cannot be cut so, or has
+    /// no such part.
     pub fn open_part(index: usize, part: DevicePart) -> Result<Arc<Self>, BackendError> {
         Self::open_with(index, Some(part), None)
     }
 
-    /// The same for a device or a part of one, with a context that shares buffers with one of OpenGL's, so that palettes are written where OpenGL
-    /// draws from ([`PaletteWay::Shared`](populace_core::PaletteWay::Shared)). Best called on the thread on which the
-    /// context of OpenGL's is current: some drivers want that.
+    /// The same for a device or a part of one, with a context that shares buffers with one of
+    /// OpenGL's, so that palettes are written where OpenGL draws from
+    /// ([`PaletteWay::Shared`](populace_core::PaletteWay::Shared)). Best called on the thread on
+    /// which the context of OpenGL's is current: some drivers want that.
     ///
     /// This has not been run on a graphics processor yet: no driver at hand offers it.
     ///
     /// # Errors
     ///
-    /// As [`open`](Self::open); [`BackendError::Failed`] too where the driver does not offer `cl_khr_gl_sharing`, or
-    /// refuses this context.
+    /// As [`open`](Self::open); [`BackendError::Failed`] too where the driver does not offer
+    /// `cl_khr_gl_sharing`, or refuses this context.
     pub fn open_for_gl(
         index: usize,
         part: Option<DevicePart>,
@@ -130,8 +135,10 @@ impl OpenClDevice {
         gl: Option<Arc<dyn GlContext>>,
     ) -> Result<Arc<Self>, BackendError> {
         let devices = all_devices()?;
-        let whole = *devices.get(index).ok_or(BackendError::NoDevice { index, count: devices.len() })?;
-        let describe = |device| info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e));
+        let whole =
+            *devices.get(index).ok_or(BackendError::NoDevice { index, count: devices.len() })?;
+        let describe =
+            |device| info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e));
         let device = part.map_or(Ok(whole), |part| part_of(&whole, &describe(&whole)?, part))?;
         let mut info = describe(&device)?;
         if let Some(cause) = info.fault {
@@ -141,7 +148,8 @@ impl OpenClDevice {
             info.name += &format!(", part {part} of {parts}");
         }
         let context = match &gl {
-            None => Context::from_device(&device).map_err(|e| failed(&info.name, "make a context", &e))?,
+            None => Context::from_device(&device)
+                .map_err(|e| failed(&info.name, "make a context", &e))?,
             Some(gl) => {
                 let operation = "make a context that shares with OpenGL";
                 if !info.shares_with_gl {
@@ -151,12 +159,14 @@ impl OpenClDevice {
                 context_for(&device, &**gl).map_err(|e| failed(&info.name, operation, &e))?
             }
         };
-        // PoCL keeps kernels in a folder of its own. To give a program's binary it compiles each kernel once more.
+        // PoCL keeps kernels in a folder of its own. To give a program's binary it compiles each
+        // kernel once more.
         let cache = if pocl::offers(&device) { None } else { Cache::of_user() };
         Ok(Arc::new(Self { info, context, device, programs: Mutex::default(), cache, gl }))
     }
 
-    /// Builds kernels from their source, or takes them from the cache; an error holds the compiler's log.
+    /// Builds kernels from their source, or takes them from the cache; an error holds the
+    /// compiler's log.
     pub(crate) fn build(&self, source: &str) -> Result<Program, BackendError> {
         let options = options(&self.device);
         let entry = self.cache_entry(source, &options);
@@ -174,15 +184,19 @@ impl OpenClDevice {
         Ok(program)
     }
 
-    /// The place in the cache of a program of this device. What its binary depends on names it: the native width of
-    /// vectors tells apart processors of one name.
+    /// The place in the cache of a program of this device. What its binary depends on names it: the
+    /// native width of vectors tells apart processors of one name.
     fn cache_entry(&self, source: &str, options: &str) -> Option<CacheEntry> {
         let (cache, device) = (self.cache.as_ref()?, &self.device);
         let platform = Platform::new(device.platform().ok()?);
         let width = device.native_vector_width_float().ok()?.to_string();
         let driver = [device.driver_version().ok()?, device.version().ok()?];
-        let names =
-            [device.name().ok()?, device.vendor().ok()?, platform.name().ok()?, platform.version().ok()?];
+        let names = [
+            device.name().ok()?,
+            device.vendor().ok()?,
+            platform.name().ok()?,
+            platform.version().ok()?,
+        ];
         let parts = names.iter().chain(&driver).chain([&width]).map(String::as_str);
         Some(cache.entry(parts.chain([options, source])))
     }
@@ -215,7 +229,8 @@ impl OpenClDevice {
         &self.info
     }
 
-    /// Why palettes cannot reach a context of OpenGL's in some way, as far as that shows without trying.
+    /// Why palettes cannot reach a context of OpenGL's in some way, as far as that shows without
+    /// trying.
     pub(crate) fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
         let reason = match (way, &self.gl) {
             (PaletteWay::Mapped, _) if self.info.kind != DeviceKind::Cpu => {
@@ -236,28 +251,39 @@ impl OpenClDevice {
         self.device.max_work_group_size().map_or(1, |most| most.clamp(1, wished))
     }
 
-    /// A kernel of a form's program with users' stages, or without where there are none; it is built the first time.
-    pub(crate) fn kernel(&self, form: Form, stages: &str, name: &str) -> Result<Kernel, BackendError> {
+    /// A kernel of a form's program with users' stages, or without where there are none; it is
+    /// built the first time.
+    pub(crate) fn kernel(
+        &self,
+        form: Form,
+        stages: &str,
+        name: &str,
+    ) -> Result<Kernel, BackendError> {
         let mut programs = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
         if !stages.is_empty() && programs.len() >= PROGRAMS_KEPT {
             // Kernels in use keep theirs.
             programs.retain(|(_, stages), _| stages.is_empty());
         }
-        let program = match programs.entry((form, stages.to_owned())) {
-            Entry::Occupied(built) => built.into_mut(),
-            Entry::Vacant(place) => {
-                let built = self.build(&form.source(stages));
-                place.insert(built.map_err(|error| if stages.is_empty() { error } else { in_stages(error) })?)
-            }
-        };
-        Kernel::create(program, name).map_err(|e| self.failed(&format!("find the kernel {name}"), &e))
+        let program =
+            match programs.entry((form, stages.to_owned())) {
+                Entry::Occupied(built) => built.into_mut(),
+                Entry::Vacant(place) => {
+                    let built = self.build(&form.source(stages));
+                    place.insert(built.map_err(|error| {
+                        if stages.is_empty() { error } else { in_stages(error) }
+                    })?)
+                }
+            };
+        Kernel::create(program, name)
+            .map_err(|e| self.failed(&format!("find the kernel {name}"), &e))
     }
 
     pub(crate) fn queue(&self) -> Result<CommandQueue, BackendError> {
-        // SAFETY: the device belongs to the context, as `open` made the one from the other; the properties are ones
-        // that every device has.
-        let queue =
-            unsafe { CommandQueue::create(&self.context, self.device.id(), CL_QUEUE_PROFILING_ENABLE) };
+        // SAFETY: the device belongs to the context, as `open` made the one from the other; the
+        // properties are ones that every device has.
+        let queue = unsafe {
+            CommandQueue::create(&self.context, self.device.id(), CL_QUEUE_PROFILING_ENABLE)
+        };
         queue.map_err(|e| self.failed("make a command queue", &e))
     }
 
@@ -269,19 +295,27 @@ impl OpenClDevice {
 /// What is wrong with a program that is right without users' stages.
 fn in_stages(error: BackendError) -> BackendError {
     match error {
-        BackendError::Failed { device, cause, .. } => BackendError::BadStages { device, log: cause },
+        BackendError::Failed { device, cause, .. } => {
+            BackendError::BadStages { device, log: cause }
+        }
         other => other,
     }
 }
 
 pub(crate) fn failed(device: &str, operation: &str, error: &ClError) -> BackendError {
-    BackendError::Failed { device: device.into(), operation: operation.into(), cause: error.to_string() }
+    BackendError::Failed {
+        device: device.into(),
+        operation: operation.into(),
+        cause: error.to_string(),
+    }
 }
 
-/// Correct rounding of `/` and `sqrt`, where the device has it, makes poses equal the native ones bit for bit too. On CPUs
-/// constraints are called, since copies of them would be most of what there is to compile.
+/// Correct rounding of `/` and `sqrt`, where the device has it, makes poses equal the native ones
+/// bit for bit too. On CPUs constraints are called, since copies of them would be most of what
+/// there is to compile.
 fn options(device: &Device) -> String {
-    let rounded = device.single_fp_config().is_ok_and(|c| c & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0);
+    let rounded =
+        device.single_fp_config().is_ok_and(|c| c & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0);
     let rounding = if rounded { " -cl-fp32-correctly-rounded-divide-sqrt" } else { "" };
     let is_cpu = device.dev_type().is_ok_and(|kind| kind & CL_DEVICE_TYPE_CPU != 0);
     let calls = if is_cpu { " -D CALLS" } else { "" };

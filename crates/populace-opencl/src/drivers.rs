@@ -24,13 +24,15 @@ pub(crate) fn faults() -> Vec<DriverFault> {
 }
 
 fn files() -> Vec<PathBuf> {
-    let named = VARIABLES.iter().find_map(|name| env::var_os(name).filter(|value| !value.is_empty()));
+    let named =
+        VARIABLES.iter().find_map(|name| env::var_os(name).filter(|value| !value.is_empty()));
     let place = named.map_or_else(|| FOLDER.into(), PathBuf::from);
     if place.is_file() {
         return vec![place];
     }
     let entries = fs::read_dir(place).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut files: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "icd")).collect();
+    let mut files: Vec<_> =
+        entries.filter(|path| path.extension().is_some_and(|e| e == "icd")).collect();
     files.sort();
     files
 }
@@ -47,13 +49,16 @@ fn fault(file: &Path) -> Option<DriverFault> {
     };
     match Library::open_with_flags(library, Some(LAZY)) {
         Ok(library) => {
-            // It stays loaded: drivers are not made to be unloaded, and those in use are loaded anyway.
+            // It stays loaded: drivers are not made to be unloaded, and those in use are loaded
+            // anyway.
             mem::forget(library);
             None
         }
         Err(Error::OpeningLibraryError(error)) => {
             at_fault(library.into(), format!("{name} names it, and it cannot be loaded: {error}"))
         }
-        Err(error) => at_fault(library.into(), format!("{name} names it, and it cannot be loaded: {error}")),
+        Err(error) => {
+            at_fault(library.into(), format!("{name} names it, and it cannot be loaded: {error}"))
+        }
     }
 }

@@ -20,7 +20,8 @@ const NO_PLATFORM: i32 = -1001;
 /// `CL_DEVICE_NOT_FOUND`: a driver without any device.
 const NO_DEVICE: i32 = -1;
 
-const NO_LOADER: &str = "this machine has no libOpenCL; install an OpenCL loader and a driver, such as PoCL";
+const NO_LOADER: &str =
+    "this machine has no libOpenCL; install an OpenCL loader and a driver, such as PoCL";
 const NO_DRIVER: &str = "no driver is installed; install that of the graphics processor, or PoCL";
 
 /// What a device is.
@@ -47,7 +48,8 @@ pub struct DeviceInfo {
     pub kind: DeviceKind,
     /// Compute units.
     pub compute_units: u32,
-    /// Into how many equal parts the device can be cut at most, for [`open_part`](crate::OpenClDevice::open_part); 1 where it cannot be cut.
+    /// Into how many equal parts the device can be cut at most, for
+    /// [`open_part`](crate::OpenClDevice::open_part); 1 where it cannot be cut.
     pub most_parts: u32,
     /// Memory in bytes.
     pub memory_bytes: u64,
@@ -55,9 +57,11 @@ pub struct DeviceInfo {
     pub max_allocation_bytes: u64,
     /// What the work-items of a group share, in bytes.
     pub local_memory_bytes: u64,
-    /// Whether the driver offers `cl_khr_gl_sharing`; see [`open_for_gl`](crate::OpenClDevice::open_for_gl).
+    /// Whether the driver offers `cl_khr_gl_sharing`; see
+    /// [`open_for_gl`](crate::OpenClDevice::open_for_gl).
     pub shares_with_gl: bool,
-    /// Why the device cannot be used on this machine, as far as that shows without building a kernel.
+    /// Why the device cannot be used on this machine, as far as that shows without building a
+    /// kernel.
     pub fault: Option<String>,
 }
 
@@ -74,18 +78,21 @@ pub struct DriverFault {
 ///
 /// # Errors
 ///
-/// [`BackendError::NoRuntime`] without libOpenCL or without any device; it says why each driver gives none.
+/// [`BackendError::NoRuntime`] without libOpenCL or without any device; it says why each driver
+/// gives none.
 pub fn devices() -> Result<Vec<DeviceInfo>, BackendError> {
     let found = all_devices()?;
     found
         .iter()
         .enumerate()
-        .map(|(index, device)| info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e)))
+        .map(|(index, device)| {
+            info(index, device).map_err(|e| failed("OpenCL", "describe a device", &e))
+        })
         .collect()
 }
 
-/// The drivers of this machine that give no device, each with its reason: those that the loader cannot load, then
-/// platforms without a device.
+/// The drivers of this machine that give no device, each with its reason: those that the loader
+/// cannot load, then platforms without a device.
 #[must_use]
 pub fn driver_faults() -> Vec<DriverFault> {
     let platforms = find().map(|found| found.faults).unwrap_or_default();
@@ -112,12 +119,14 @@ struct Found {
 }
 
 fn find() -> Result<Found, BackendError> {
-    // Two threads that ask for the first time at once can both be told that there is no platform: the loader's own
-    // set-up is not safe against that.
+    // Two threads that ask for the first time at once can both be told that there is no platform:
+    // the loader's own set-up is not safe against that.
     static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
     let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let platforms = match get_platforms() {
-        Err(ClError(NO_LIBRARY)) => return Err(BackendError::NoRuntime { cause: NO_LOADER.into() }),
+        Err(ClError(NO_LIBRARY)) => {
+            return Err(BackendError::NoRuntime { cause: NO_LOADER.into() });
+        }
         Err(ClError(NO_PLATFORM)) => Vec::new(),
         other => other.map_err(|e| failed("OpenCL", "list its platforms", &e))?,
     };

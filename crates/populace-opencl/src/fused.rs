@@ -1,4 +1,5 @@
-//! The fused schedules: one kernel for the whole frame, so that nothing but palettes goes through global memory.
+//! The fused schedules: one kernel for the whole frame, so that nothing but palettes goes through
+//! global memory.
 
 mod reading;
 mod spread;
@@ -58,7 +59,11 @@ impl Fused {
         Ok(Self::of((form, GROUPED), kernels, spread))
     }
 
-    fn of(stage_kernels: (Form, [&'static str; 2]), [whole, joints]: [Kernel; 2], spread: Spread) -> Self {
+    fn of(
+        stage_kernels: (Form, [&'static str; 2]),
+        [whole, joints]: [Kernel; 2],
+        spread: Spread,
+    ) -> Self {
         let (lists, events, last) = (DevicePages::new(), Vec::new(), Frame::of_all(0));
         Self { stage_kernels, whole, joints, spread, lists, events, last, reading: None }
     }
@@ -69,7 +74,11 @@ impl Fused {
     }
 
     /// Makes room for the matrices of the largest body.
-    pub(crate) fn update(&mut self, device: &OpenClDevice, tables: &Tables) -> Result<(), BackendError> {
+    pub(crate) fn update(
+        &mut self,
+        device: &OpenClDevice,
+        tables: &Tables,
+    ) -> Result<(), BackendError> {
         self.reading = None;
         self.spread.update(device, tables)
     }
@@ -104,7 +113,12 @@ impl Fused {
             for (page, palette) in on.pages.iter().enumerate() {
                 let count = on.host.page_members(page).as_slice().len();
                 if count > 0 {
-                    events.push(self.run_page(on, frame.of_phase(phase), (page, palette), count)?);
+                    events.push(self.run_page(
+                        on,
+                        frame.of_phase(phase),
+                        (page, palette),
+                        count,
+                    )?);
                 }
             }
         }
@@ -178,7 +192,8 @@ impl Fused {
         let (place, at) = on.host.place_of(buffer, first).ok_or_else(past_the_end)?;
         if self.reading.as_ref().is_none_or(|reading| reading.place != place) {
             let sheet = Sheet::new(device, on.host, place)?;
-            self.run_joints(on, place, &sheet).map_err(|e| device.failed("read a member's joints", &e))?;
+            self.run_joints(on, place, &sheet)
+                .map_err(|e| device.failed("read a member's joints", &e))?;
             self.reading = Some(sheet.read(on, device, place)?);
         }
         let reading = self.reading.as_ref().ok_or_else(past_the_end)?;

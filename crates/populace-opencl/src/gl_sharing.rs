@@ -25,7 +25,8 @@ use crate::buffer::Buffer;
 use crate::waits;
 
 const EXTENSION: &str = "cl_khr_gl_sharing";
-// Names of the properties of a context, from the specifications of OpenCL 1.0 and cl_khr_gl_sharing.
+// Names of the properties of a context, from the specifications of OpenCL 1.0 and
+// cl_khr_gl_sharing.
 const CONTEXT_PLATFORM: isize = 0x1084;
 const GL_CONTEXT: isize = 0x2008;
 const EGL_DISPLAY: isize = 0x2009;
@@ -37,7 +38,8 @@ pub(crate) fn is_offered(device: &Device) -> Result<bool, ClError> {
     Ok(device.extensions()?.split_whitespace().any(|name| name == EXTENSION))
 }
 
-/// A context that shares with one of OpenGL's, which is alive and must stay so for as long as this one.
+/// A context that shares with one of OpenGL's, which is alive and must stay so for as long as this
+/// one.
 pub(crate) fn context_for(device: &Device, gl: &dyn GlContext) -> Result<Context, ClError> {
     let gl = gl.handles();
     let platform = device.platform()? as isize;
@@ -66,8 +68,13 @@ struct LentPage {
 }
 
 enum Lender {
-    Mapped(#[expect(dead_code, reason = "held so that the memory stays valid")] Box<dyn MappedPage>),
-    Shared(#[expect(dead_code, reason = "held so that the buffer stays in OpenGL")] Box<dyn SharedPage>),
+    Mapped(
+        #[expect(dead_code, reason = "held so that the memory stays valid")] Box<dyn MappedPage>,
+    ),
+    Shared(
+        #[expect(dead_code, reason = "held so that the buffer stays in OpenGL")]
+        Box<dyn SharedPage>,
+    ),
 }
 
 impl LentPages {
@@ -89,14 +96,23 @@ impl LentPages {
         };
         let [first, second]: [Result<Vec<_>, _>; PAGE_SETS] = sets;
         let sets = [first.map_err(fail)?, second.map_err(fail)?];
-        Ok(Some(Self { sets, current: 0, handed_over: false, acquired: false, queue: Arc::clone(queue) }))
+        Ok(Some(Self {
+            sets,
+            current: 0,
+            handed_over: false,
+            acquired: false,
+            queue: Arc::clone(queue),
+        }))
     }
 
     /// Makes each page of both sets as long as that many entries, or says that there is no room.
     pub(crate) fn resize(&mut self, entries: &[usize]) -> bool {
         self.sets.iter_mut().all(|set| {
             entries.len() <= set.len()
-                && set.iter_mut().zip(entries).all(|(page, entries)| page.buffer.resize(entries * 3))
+                && set
+                    .iter_mut()
+                    .zip(entries)
+                    .all(|(page, entries)| page.buffer.resize(entries * 3))
         })
     }
 
@@ -126,7 +142,8 @@ impl LentPages {
         if !self.handed_over {
             self.release()?;
             for page in &mut self.sets[self.current] {
-                // What a device wrote into memory of the host's counts as being there once it was mapped.
+                // What a device wrote into memory of the host's counts as being there once it was
+                // mapped.
                 if matches!(page.lender, Lender::Mapped(_)) {
                     page.buffer.map(&self.queue, &mut |_| ())?;
                 }
@@ -136,8 +153,8 @@ impl LentPages {
         Ok(self.current)
     }
 
-    /// Calls `job` with the set that was written last, whoever has it just now. OpenGL may be drawing from it; a job
-    /// that only reads takes nothing away from it.
+    /// Calls `job` with the set that was written last, whoever has it just now. OpenGL may be
+    /// drawing from it; a job that only reads takes nothing away from it.
     pub(crate) fn look_at<R>(
         &mut self,
         job: impl FnOnce(&mut Self) -> Result<R, ClError>,
@@ -152,13 +169,13 @@ impl LentPages {
         result
     }
 
-    /// Takes shared pages from OpenGL. Their lender promised that OpenGL is done with new ones, and a renderer waits
-    /// until it is done with a set before a frame goes there.
+    /// Takes shared pages from OpenGL. Their lender promised that OpenGL is done with new ones, and
+    /// a renderer waits until it is done with a set before a frame goes there.
     fn acquire(&mut self) -> Result<(), ClError> {
         let objects = self.shared_objects();
         if !(self.acquired || objects.is_empty()) {
-            // SAFETY: all are buffers that `LentPage::shared` made from OpenGL's, in the queue's context, which was
-            // made for OpenGL; their lenders keep them there.
+            // SAFETY: all are buffers that `LentPage::shared` made from OpenGL's, in the queue's
+            // context, which was made for OpenGL; their lenders keep them there.
             unsafe { self.queue.enqueue_acquire_gl_objects(&objects, &[]) }?;
             self.acquired = true;
         }
@@ -177,16 +194,19 @@ impl LentPages {
     }
 
     fn shared_objects(&self) -> Vec<*const c_void> {
-        let shared = self.sets[self.current].iter().filter(|page| matches!(page.lender, Lender::Shared(_)));
+        let shared =
+            self.sets[self.current].iter().filter(|page| matches!(page.lender, Lender::Shared(_)));
         shared.map(|page| page.buffer.handle().cast_const()).collect()
     }
 }
 
 impl Drop for LentPages {
     fn drop(&mut self) {
-        // The driver counts references to its own memory, but lent memory goes when its lender does.
+        // The driver counts references to its own memory, but lent memory goes when its lender
+        // does.
         if self.release().and_then(|()| waits::for_queue(&self.queue)).is_err() {
-            // A device that cannot say that it is done may still write: nobody gets this memory back.
+            // A device that cannot say that it is done may still write: nobody gets this memory
+            // back.
             self.sets.iter_mut().flat_map(std::mem::take).for_each(std::mem::forget);
         }
     }
@@ -197,8 +217,8 @@ impl LentPage {
         let elements = page.elements();
         let (len, address) = (elements.len(), elements.as_mut_ptr());
         let flags = CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR;
-        // SAFETY: `MappedPage` promises that the memory is valid until the page is dropped, and `LentPages` drops it
-        // only once the queue is done with the buffer.
+        // SAFETY: `MappedPage` promises that the memory is valid until the page is dropped, and
+        // `LentPages` drops it only once the queue is done with the buffer.
         let memory = unsafe { ClBuffer::create(&device.context, flags, len, address.cast()) }?;
         // SAFETY: the memory was made for `len` elements just now.
         let buffer = unsafe { Buffer::from_memory(memory, len) };
@@ -211,8 +231,9 @@ impl LentPage {
         if device.gl.as_ref().map(|gl| gl.handles()) != Some(page.handles()) {
             return Err(ClError(INVALID_CONTEXT));
         }
-        // SAFETY: the context was made for the one that the page is of, as checked above; `SharedPage` promises that
-        // the buffer is there until the page is dropped, and `LentPages` drops it only once the queue is done with it.
+        // SAFETY: the context was made for the one that the page is of, as checked above;
+        // `SharedPage` promises that the buffer is there until the page is dropped, and `LentPages`
+        // drops it only once the queue is done with it.
         let memory = unsafe {
             ClBuffer::create_from_gl_buffer(&device.context, CL_MEM_READ_WRITE, page.buffer().get())
         }?;

@@ -1,4 +1,5 @@
-//! What is kept from frame to frame: states of members with controls, and what is watched of joints.
+//! What is kept from frame to frame: states of members with controls, and what is watched of
+//! joints.
 
 use std::collections::VecDeque;
 
@@ -16,7 +17,8 @@ use crate::tables::DeviceTables;
 pub(crate) struct Keeping {
     states: [Buffer<Float4>; 2],
     watched: [Buffer<Float4>; 2],
-    /// States and watched joints that a member writes while it is evaluated once more to be read: no frame sees them.
+    /// States and watched joints that a member writes while it is evaluated once more to be read:
+    /// no frame sees them.
     aside: [Buffer<Float4>; 2],
     /// Which of the two the last frame left.
     now: usize,
@@ -79,16 +81,22 @@ impl Keeping {
         self.states.iter().chain(&self.watched).chain(&self.aside).map(Buffer::bytes).sum()
     }
 
-    /// Begins a frame: what the last one left is what this one is evaluated from, and stays where this one writes nothing.
+    /// Begins a frame: what the last one left is what this one is evaluated from, and stays where
+    /// this one writes nothing.
     pub(crate) fn begin_frame(&mut self, queue: &CommandQueue) -> Result<(), ClError> {
         for [first, second] in [&mut self.states, &mut self.watched] {
-            if self.now == 0 { second.copy_from(queue, first) } else { first.copy_from(queue, second) }?;
+            if self.now == 0 {
+                second.copy_from(queue, first)
+            } else {
+                first.copy_from(queue, second)
+            }?;
         }
         self.now = 1 - self.now;
         Ok(())
     }
 
-    /// Makes room aside for a member that is evaluated once more, with the watched joints of the last frame for it to read.
+    /// Makes room aside for a member that is evaluated once more, with the watched joints of the
+    /// last frame for it to read.
     pub(crate) fn prepare_aside(
         &mut self,
         device: &OpenClDevice,
@@ -96,7 +104,12 @@ impl Keeping {
     ) -> Result<(), BackendError> {
         let Self { aside: [states, watched], now, .. } = self;
         states.grow(device, queue, self.states[*now].len(), "states of a member that is read")?;
-        watched.grow(device, queue, self.watched[*now].len(), "watched joints of a member that is read")?;
+        watched.grow(
+            device,
+            queue,
+            self.watched[*now].len(),
+            "watched joints of a member that is read",
+        )?;
         let copied = watched.copy_from(queue, &self.watched[*now]);
         copied.map_err(|e| device.failed("read a member's joints", &e))
     }
@@ -132,8 +145,14 @@ impl Keeping {
             .uint("elapsed_ticks", frame.elapsed_ticks)
     }
 
-    /// Lets what is watched come to the host, as of the last frame; leaves it out where the device is too far behind.
-    pub(crate) fn fetch(&mut self, queue: &CommandQueue, tick: u64, count: usize) -> Result<(), ClError> {
+    /// Lets what is watched come to the host, as of the last frame; leaves it out where the device
+    /// is too far behind.
+    pub(crate) fn fetch(
+        &mut self,
+        queue: &CommandQueue,
+        tick: u64,
+        count: usize,
+    ) -> Result<(), ClError> {
         self.land()?;
         if self.landings.len() < LANDINGS {
             let mut landing = Landing::default();

@@ -18,8 +18,8 @@ const NO_ARGUMENT_INFO: i32 = -19;
 
 /// A launch in the making: arguments in the kernel's order, then [`run`](Self::run).
 ///
-/// Names and types are compared with what the compiled kernel says of itself wherever debug assertions are on, which
-/// is in every test; a wrong one is a bug of this crate.
+/// Names and types are compared with what the compiled kernel says of itself wherever debug
+/// assertions are on, which is in every test; a wrong one is a bug of this crate.
 pub(crate) struct Launch<'a> {
     kernel: &'a Kernel,
     next: u32,
@@ -55,16 +55,18 @@ impl<'a> Launch<'a> {
     /// Local memory for so many elements, at least one, in each work-group.
     pub(crate) fn local<T: Element>(self, name: &str, len: usize) -> Self {
         self.check(name, &format!("{}*", T::TYPE_NAME));
-        // SAFETY: no address is given, only a size: the driver takes the memory from each group's own, and refuses a
-        // place that is no local argument, and launches that ask for more than the device has.
+        // SAFETY: no address is given, only a size: the driver takes the memory from each group's
+        // own, and refuses a place that is no local argument, and launches that ask for more than
+        // the device has.
         let result = unsafe { self.kernel.set_arg_local_buffer(self.next, len * size_of::<T>()) };
         self.took(result)
     }
 
     fn check(&self, name: &str, kind: &str) {
         if cfg!(debug_assertions) && self.tells_of_arguments() {
-            let has =
-                |what: Result<String, ClError>| what.unwrap_or_default().trim_end_matches('\0').to_owned();
+            let has = |what: Result<String, ClError>| {
+                what.unwrap_or_default().trim_end_matches('\0').to_owned()
+            };
             let (real, place) = (has(self.kernel.get_arg_name(self.next)), self.next);
             assert_eq!(real, name, "argument {place} of {:?}", self.kernel.function_name());
             let real = has(self.kernel.get_arg_type_name(self.next));
@@ -78,8 +80,8 @@ impl<'a> Launch<'a> {
     }
 
     fn set<A>(self, value: &A) -> Self {
-        // SAFETY: `value` is a memory object, a `u32` or a `u64`, as the callers above have it; the driver copies
-        // it and refuses a size or a place that does not fit the kernel.
+        // SAFETY: `value` is a memory object, a `u32` or a `u64`, as the callers above have it; the
+        // driver copies it and refuses a size or a place that does not fit the kernel.
         let result = unsafe { self.kernel.set_arg(self.next, value) };
         self.took(result)
     }
@@ -100,14 +102,23 @@ impl<'a> Launch<'a> {
         if let Some(error) = self.error {
             return Err(error);
         }
-        debug_assert_eq!(self.kernel.num_args(), Ok(self.next), "{:?}", self.kernel.function_name());
+        debug_assert_eq!(
+            self.kernel.num_args(),
+            Ok(self.next),
+            "{:?}",
+            self.kernel.function_name()
+        );
         let (global, local) = (global.as_ptr(), local.as_ptr());
-        // SAFETY: both sizes have the two dimensions named; every argument was set just now, and buffers are freed
-        // only after the queue is done with them, since the driver counts references, and `LentPages` waits before it
-        // gives back memory that is not the driver's. Kernels stay inside their buffers: each compares its index with a
-        // count given as an argument, the backend refuses to run before its buffers hold what the tables do, and `Tables`
-        // takes only indices that point into itself. Users' stages are given a struct of their own and no buffer; that
-        // they stay within it is for those who write them, as `UserStage` says.
-        unsafe { queue.enqueue_nd_range_kernel(self.kernel.get(), 2, ptr::null(), global, local, &[]) }
+        // SAFETY: both sizes have the two dimensions named; every argument was set just now, and
+        // buffers are freed only after the queue is done with them, since the driver counts
+        // references, and `LentPages` waits before it gives back memory that is not the driver's.
+        // Kernels stay inside their buffers: each compares its index with a count given as an
+        // argument, the backend refuses to run before its buffers hold what the tables do, and
+        // `Tables` takes only indices that point into itself. Users' stages are given a struct of
+        // their own and no buffer; that they stay within it is for those who write them, as
+        // `UserStage` says.
+        unsafe {
+            queue.enqueue_nd_range_kernel(self.kernel.get(), 2, ptr::null(), global, local, &[])
+        }
     }
 }

@@ -24,7 +24,11 @@ pub(crate) struct Machines {
 
 impl Machines {
     /// `form` is that of a program that is built anyway.
-    pub(crate) fn new(device: &OpenClDevice, form: Form, group: usize) -> Result<Self, BackendError> {
+    pub(crate) fn new(
+        device: &OpenClDevice,
+        form: Form,
+        group: usize,
+    ) -> Result<Self, BackendError> {
         let running = Buffer::new(device, 0, "an empty buffer")?;
         Ok(Self { advance: device.kernel(form, "", "advance")?, running, group })
     }

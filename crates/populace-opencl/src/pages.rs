@@ -33,9 +33,13 @@ impl Pages {
         &self.lengths
     }
 
-    /// Makes room for so many entries on each page. Lent pages that are too small are given back; the next frame
-    /// writes anew what stood there.
-    pub(crate) fn update(&mut self, device: &OpenClDevice, tables: &Tables) -> Result<(), BackendError> {
+    /// Makes room for so many entries on each page. Lent pages that are too small are given back;
+    /// the next frame writes anew what stood there.
+    pub(crate) fn update(
+        &mut self,
+        device: &OpenClDevice,
+        tables: &Tables,
+    ) -> Result<(), BackendError> {
         // The usual frame allocates nothing.
         if self.lengths.iter().copied().eq(tables.page_lengths()) {
             return Ok(());
@@ -70,8 +74,8 @@ impl Pages {
         self.lent.iter().map(LentPages::bytes).chain(self.own.iter().map(Buffer::bytes)).sum()
     }
 
-    /// Makes the pages ready to be written: never those that OpenGL draws from. To be called before kernels that write
-    /// palettes are enqueued.
+    /// Makes the pages ready to be written: never those that OpenGL draws from. To be called before
+    /// kernels that write palettes are enqueued.
     pub(crate) fn begin_frame(&mut self) -> Result<(), ClError> {
         self.lent.as_mut().map_or(Ok(()), LentPages::begin_frame)
     }
@@ -134,12 +138,18 @@ impl Pages {
         if next.lent.as_mut().is_some_and(|lent| !lent.resize(&self.lengths)) {
             let cause = "the pages are too few or too small".into();
             let operation = "write palettes into memory of OpenGL's".into();
-            return Err(BackendError::Failed { device: device.info.name.clone(), operation, cause });
+            return Err(BackendError::Failed {
+                device: device.info.name.clone(),
+                operation,
+                cause,
+            });
         }
         next.resize(device, self.lengths.clone())?;
         // Pages that were longer keep their room; past their length is nothing to move.
         let copied = self.lengths.clone().into_iter().enumerate().try_for_each(|(page, length)| {
-            next.look_at(page, |to| self.look_at(page, |from| to.copy_first(queue, from, length * 3)))
+            next.look_at(page, |to| {
+                self.look_at(page, |from| to.copy_first(queue, from, length * 3))
+            })
         });
         copied.map_err(|e| device.failed("move its palettes", &e))?;
         *self = next;

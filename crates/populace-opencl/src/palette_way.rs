@@ -11,8 +11,8 @@ use populace_core::{
 use crate::OpenClDevice;
 use crate::pages::Pages;
 
-/// The palettes of no member on a device: linked to a renderer, it tells how palettes would reach OpenGL. No kernel is
-/// built for it.
+/// The palettes of no member on a device: linked to a renderer, it tells how palettes would reach
+/// OpenGL. No kernel is built for it.
 pub struct EmptyPalettes {
     queue: Arc<CommandQueue>,
     pages: Pages,
@@ -22,12 +22,16 @@ pub struct EmptyPalettes {
 }
 
 impl EmptyPalettes {
-    /// For a device that is open; `not_for_gl` tells why it could not be opened for the context of OpenGL's.
+    /// For a device that is open; `not_for_gl` tells why it could not be opened for the context of
+    /// OpenGL's.
     ///
     /// # Errors
     ///
     /// [`BackendError::Failed`] where the driver gives no queue.
-    pub fn new(device: &Arc<OpenClDevice>, not_for_gl: Option<String>) -> Result<Self, BackendError> {
+    pub fn new(
+        device: &Arc<OpenClDevice>,
+        not_for_gl: Option<String>,
+    ) -> Result<Self, BackendError> {
         let (queue, pages) = (Arc::new(device.queue()?), Pages::default());
         Ok(Self { queue, pages, not_for_gl, device: Arc::clone(device) })
     }
@@ -51,8 +55,13 @@ impl PaletteSource for EmptyPalettes {
         self.pages.hand_over().map_err(|e| self.device.failed("hand its palettes to OpenGL", &e))
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
         let result = self.pages.with_page(&self.queue, page, reader);
-        result.map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
+        result
+            .map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
     }
 }

@@ -1,5 +1,6 @@
-//! What PoCL needs beside itself: a folder for its kernels, and a linker. Without the folder it offers no device or
-//! fails to build; without the linker it ends the process at the first kernel that it has to link.
+//! What PoCL needs beside itself: a folder for its kernels, and a linker. Without the folder it
+//! offers no device or fails to build; without the linker it ends the process at the first kernel
+//! that it has to link.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};

@@ -56,8 +56,8 @@ impl Form {
         }
     }
 
-    /// OpenCL C as one string: the driver binding crashes when given a list. `stages` is what users' stages add to it, if
-    /// there are any.
+    /// OpenCL C as one string: the driver binding crashes when given a list. `stages` is what
+    /// users' stages add to it, if there are any.
     pub(crate) fn source(self, stages: &str) -> String {
         // A fused product would differ from the native stages in the last bit.
         let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
@@ -86,7 +86,8 @@ impl Form {
             include_str!("../kernels/motion.cl"),
             include_str!("../kernels/steps.cl"),
         ];
-        let arithmetic = if matches!(self, Self::Common | Self::Floor) { &[][..] } else { &arithmetic };
+        let arithmetic =
+            if matches!(self, Self::Common | Self::Floor) { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();
         let (declared, tools) = if stages.is_empty() {
             ("", "")

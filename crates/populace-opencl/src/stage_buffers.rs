@@ -33,10 +33,20 @@ impl StageBuffers {
         })
     }
 
-    /// Makes room for what the tables hold. What stood in a buffer that grows is lost: the next frame writes it anew.
-    pub(crate) fn update(&mut self, device: &OpenClDevice, tables: &Tables) -> Result<(), BackendError> {
+    /// Makes room for what the tables hold. What stood in a buffer that grows is lost: the next
+    /// frame writes it anew.
+    pub(crate) fn update(
+        &mut self,
+        device: &OpenClDevice,
+        tables: &Tables,
+    ) -> Result<(), BackendError> {
         let joints = tables.joint_places();
-        grow(device, &mut self.samples, tables.member_places() * tables.slots_per_member(), "slot samples")?;
+        grow(
+            device,
+            &mut self.samples,
+            tables.member_places() * tables.slots_per_member(),
+            "slot samples",
+        )?;
         grow(device, &mut self.translations, joints, "joint translations")?;
         grow(device, &mut self.rotations, joints, "joint rotations")?;
         grow(device, &mut self.scales, joints, "joint scales")?;
@@ -49,7 +59,8 @@ impl StageBuffers {
 
     /// Whether there is room for what the tables hold, as there is after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
-        let joints = [&self.translations, &self.rotations, &self.scales].into_iter().chain(&self.models);
+        let joints =
+            [&self.translations, &self.rotations, &self.scales].into_iter().chain(&self.models);
         tables.member_places() * tables.slots_per_member() <= self.samples.len()
             && turn_count(tables) <= self.turns.len()
             && joints.into_iter().all(|buffer| tables.joint_places() <= buffer.len())

@@ -30,8 +30,8 @@ pub(crate) struct Shape {
 
 /// Groups are whole blocks of 16 joints, and a multiple of the 32 or 64 lanes that run together.
 pub(crate) const GPU_SHAPE: Shape = Shape { group: 64, members: usize::MAX };
-/// On a CPU a group is a loop on one core, and handing it over costs more than a joint does: larger groups win. The
-/// joints of a run of members stay in its caches from one level to the next.
+/// On a CPU a group is a loop on one core, and handing it over costs more than a joint does: larger
+/// groups win. The joints of a run of members stay in its caches from one level to the next.
 pub(crate) const CPU_SHAPE: Shape = Shape { group: 1024, members: 512 };
 
 /// The kernels and what stands between them.
@@ -183,7 +183,12 @@ impl Staged {
             )
     }
 
-    fn transform(&self, on: &On, frame: Frame, mut events: Vec<Event>) -> Result<Vec<Event>, ClError> {
+    fn transform(
+        &self,
+        on: &On,
+        frame: Frame,
+        mut events: Vec<Event>,
+    ) -> Result<Vec<Event>, ClError> {
         let end = on.host.member_places().min(frame.place_end as usize);
         for first in (frame.place_first as usize..end).step_by(self.shape.members) {
             let members = first..first.saturating_add(self.shape.members).min(end);
@@ -215,7 +220,11 @@ impl Staged {
             .uint("member_first", frame.place_first)
             .uint("member_end", frame.place_end)
             .buffer("palette", palette)
-            .run(on.queue, [entry_count.next_multiple_of(self.shape.group), 1], [self.shape.group, 1])
+            .run(
+                on.queue,
+                [entry_count.next_multiple_of(self.shape.group), 1],
+                [self.shape.group, 1],
+            )
     }
 
     fn enqueue(&self, on: &On, frame: Frame, stage: Stage) -> Result<Vec<Event>, ClError> {
@@ -230,11 +239,15 @@ impl Staged {
             Stage::Pose => Ok(vec![self.pose(on, frame)?]),
             Stage::Transform => {
                 let mut phases = frame.phases(on.host);
-                phases.try_fold(Vec::new(), |events, phase| self.transform(on, frame.of_phase(phase), events))
+                phases.try_fold(Vec::new(), |events, phase| {
+                    self.transform(on, frame.of_phase(phase), events)
+                })
             }
             Stage::WriteBack => {
                 let pages = on.host.page_lengths().zip(on.pages.iter()).enumerate();
-                let write = |(page, (count, palette))| self.write_back_page(on, frame, page, count, palette);
+                let write = |(page, (count, palette))| {
+                    self.write_back_page(on, frame, page, count, palette)
+                };
                 pages.map(write).collect()
             }
         }

@@ -1,8 +1,9 @@
 //! The device's copies of the host's tables.
 
 use populace_core::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground, Layer,
-    Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target, Transition,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
+    Layer, Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target,
+    Transition,
 };
 use populace_core::{BackendError, Tables};
 
@@ -56,7 +57,8 @@ populace_core::with_tables!(device_tables, DeviceTables);
 // What the staged schedule alone reads.
 populace_core::with_block_tables!(device_tables, DeviceBlockTables);
 
-/// The members of each page, for the fused schedules, which walk them. Lists shorten: launches take the host's count.
+/// The members of each page, for the fused schedules, which walk them. Lists shorten: launches take
+/// the host's count.
 pub(crate) struct DevicePages {
     pub(crate) lists: Vec<DeviceTable<u32>>,
 }

@@ -1,4 +1,5 @@
-//! Bringing a device's copies of the host's tables up to date, without waiting for what the device is still doing.
+//! Bringing a device's copies of the host's tables up to date, without waiting for what the device
+//! is still doing.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -13,16 +14,17 @@ use crate::buffer::{Buffer, Element, Staging};
 use crate::launch::Launch;
 use crate::program::Form;
 
-/// Updates whose memory on the host is kept until the device has read it; a host that is as many ahead waits for the
-/// oldest.
+/// Updates whose memory on the host is kept until the device has read it; a host that is as many
+/// ahead waits for the oldest.
 const RING: usize = 64;
-/// Longer runs of elements are written from the table itself while the host waits: they come with loading, and a second
-/// copy of them would take memory that loading is short of.
+/// Longer runs of elements are written from the table itself while the host waits: they come with
+/// loading, and a second copy of them would take memory that loading is short of.
 const STAGED_BYTES: usize = 32 << 20;
 
 /// Copies of some of the host's tables.
 pub(crate) trait Copies {
-    /// Finds out what each copy lacks, makes room for it, and lays it into `parcel`. Copies stay as they are.
+    /// Finds out what each copy lacks, makes room for it, and lays it into `parcel`. Copies stay as
+    /// they are.
     fn pack(
         &mut self,
         device: &OpenClDevice,
@@ -53,7 +55,8 @@ struct Scatter {
     end: usize,
 }
 
-/// A run of elements, and where in [`Parcel::runs`] it stands; nowhere where it is to be written from the table.
+/// A run of elements, and where in [`Parcel::runs`] it stands; nowhere where it is to be written
+/// from the table.
 #[derive(Default)]
 struct Run {
     elements: Range<usize>,
@@ -93,7 +96,11 @@ impl Parcel {
         Ok(Scatter { index_first, value_first, end: words.len() })
     }
 
-    fn add_run<T: Element>(&mut self, table: &Table<T>, elements: Range<usize>) -> Result<Run, ClError> {
+    fn add_run<T: Element>(
+        &mut self,
+        table: &Table<T>,
+        elements: Range<usize>,
+    ) -> Result<Run, ClError> {
         let words = bytemuck::cast_slice(&table.as_slice()[elements.clone()]);
         if size_of_val::<[u32]>(words) > STAGED_BYTES {
             return Ok(Run { elements, word_first: None });
@@ -141,8 +148,9 @@ impl<T: Element> DeviceTable<T> {
         Ok(())
     }
 
-    /// A buffer with room for as many elements as a table is expected to have, else for half as many again as now, so
-    /// that a growing crowd is not copied at every step; where that is too much, for those that there are.
+    /// A buffer with room for as many elements as a table is expected to have, else for half as
+    /// many again as now, so that a growing crowd is not copied at every step; where that is too
+    /// much, for those that there are.
     fn larger(&self, device: &OpenClDevice, table: &Table<T>) -> Result<Buffer<T>, BackendError> {
         let (count, expected) = (table.as_slice().len(), table.expected());
         let room = if expected < count { count.max(self.buffer.len() * 3 / 2) } else { expected };
@@ -162,7 +170,12 @@ impl<T: Element> DeviceTable<T> {
         self.plan = Plan::default();
     }
 
-    fn carry_out(&mut self, plan: Plan<T>, table: &Table<T>, route: &mut Route) -> Result<(), ClError> {
+    fn carry_out(
+        &mut self,
+        plan: Plan<T>,
+        table: &Table<T>,
+        route: &mut Route,
+    ) -> Result<(), ClError> {
         if let Some(mut grown) = plan.grown {
             route.write(&mut grown, table, &plan.runs[0])?;
             // Only now: a buffer that could not be filled must not be taken for a full one.
@@ -187,7 +200,12 @@ pub(crate) struct Route<'a> {
 }
 
 impl Route<'_> {
-    fn write<T: Element>(&mut self, to: &mut Buffer<T>, table: &Table<T>, run: &Run) -> Result<(), ClError> {
+    fn write<T: Element>(
+        &mut self,
+        to: &mut Buffer<T>,
+        table: &Table<T>,
+        run: &Run,
+    ) -> Result<(), ClError> {
         let elements = run.elements.clone();
         match run.word_first {
             Some(word) => to.write_staged(self.queue, elements, &mut self.parcel.runs, word),
@@ -236,7 +254,8 @@ impl Uploader {
         })
     }
 
-    /// Enqueues what brings all copies up to date, or leaves them as they were where there is no room.
+    /// Enqueues what brings all copies up to date, or leaves them as they were where there is no
+    /// room.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,

@@ -37,7 +37,8 @@ impl UserStages {
     /// Whether each of these stages is among those built, under the same number.
     fn knows(&self, stages: &[Option<UserStage>]) -> bool {
         let same = |a: &UserStage, b: &UserStage| {
-            a.name() == b.name() && a.opencl_c_text().map(str::as_ptr) == b.opencl_c_text().map(str::as_ptr)
+            a.name() == b.name()
+                && a.opencl_c_text().map(str::as_ptr) == b.opencl_c_text().map(str::as_ptr)
         };
         (0..).zip(stages).all(|(number, stage)| {
             let built = self.stages.get::<usize>(number).and_then(Option::as_ref);
@@ -67,6 +68,7 @@ fn text_of(device: &OpenClDevice, stages: &[Option<UserStage>]) -> Result<String
         return Ok(all);
     }
     let rule = "each stage's text defines the function of its name";
-    let head = format!("#line 1 \"{rule}\"\nstatic void run_user_stage(uint stage, StageJoint *joint)");
+    let head =
+        format!("#line 1 \"{rule}\"\nstatic void run_user_stage(uint stage, StageJoint *joint)");
     Ok(format!("{all}{head}\n{{\n    switch (stage) {{\n{cases}    }}\n}}\n"))
 }

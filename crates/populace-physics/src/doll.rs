@@ -31,11 +31,13 @@ struct Carried {
     body_from_joint: Rotation,
     /// Its parent, where a body carries that.
     parent: Option<usize>,
-    /// As it was at the start, relative to its parent, or to the model where no body carries the parent.
+    /// As it was at the start, relative to its parent, or to the model where no body carries the
+    /// parent.
     start: Trs,
     /// Its place in the body, in the world's metres; only used without such a parent.
     place_in_body: Vector,
-    /// From the joint's turn to the rotation of its model transform; they differ where scales shear.
+    /// From the joint's turn to the rotation of its model transform; they differ where scales
+    /// shear.
     turn_to_model: Rotation,
 }
 
@@ -104,13 +106,14 @@ impl Doll {
         world.remove(self.id, &self.bodies);
     }
 
-    /// Where the bodies that follow clips go in the coming frame: as far again as in the last one, since the clips have
-    /// not been evaluated for it yet.
+    /// Where the bodies that follow clips go in the coming frame: as far again as in the last one,
+    /// since the clips have not been evaluated for it yet.
     pub(crate) fn drive(&mut self, world: &World, now: Snapshot, dt_secs: f32) -> Vec<Driven> {
         let mut driven = Vec::new();
         let times = dt_secs / self.last_dt_secs;
         for (index, body) in self.plan.bodies().iter().enumerate().filter(|(i, _)| !self.limp[*i]) {
-            let Some(from) = world.physics.bodies.get(self.bodies[index]).map(|b| *b.position()) else {
+            let Some(from) = world.physics.bodies.get(self.bodies[index]).map(|b| *b.position())
+            else {
                 continue;
             };
             let to = ahead(&self.last.pose(body.head), &now.pose(body.head), times, dt_secs);
@@ -131,7 +134,8 @@ impl Doll {
         self.limp_bodies(world).all(RigidBody::is_sleeping)
     }
 
-    /// Kinetic and potential energy of the limp bodies, in joules; height 0 is where the latter is 0.
+    /// Kinetic and potential energy of the limp bodies, in joules; height 0 is where the latter is
+    /// 0.
     pub(crate) fn energy_j(&self, world: &World) -> f32 {
         let gravity = world.physics.gravity;
         let one = |b: &RigidBody| b.kinetic_energy() - b.mass() * gravity.dot(b.center_of_mass());
@@ -147,7 +151,11 @@ impl Doll {
         self.pose(world, 0)
     }
 
-    pub(crate) fn body_mut<'a>(&self, world: &'a mut World, body: usize) -> Option<&'a mut RigidBody> {
+    pub(crate) fn body_mut<'a>(
+        &self,
+        world: &'a mut World,
+        body: usize,
+    ) -> Option<&'a mut RigidBody> {
         world.physics.bodies.get_mut(self.bodies[body]).filter(|_| self.limp[body])
     }
 
@@ -172,18 +180,25 @@ pub struct Bend {
     pub body: usize,
     /// About the hinge's axis or the body's own length, in radians.
     pub twist_rad: f32,
-    /// From the cone's middle, in radians; for a hinge, how far its axis is bent, which should be 0.
+    /// From the cone's middle, in radians; for a hinge, how far its axis is bent, which should be
+    /// 0.
     pub swing_rad: f32,
-    /// What holds it: the plan's limits, widened where the body was already beyond them when it went limp.
+    /// What holds it: the plan's limits, widened where the body was already beyond them when it
+    /// went limp.
     pub limits: Limits,
 }
 
-/// So many times as far again as from `before` to `now`, or no further where that would be faster than anything goes.
+/// So many times as far again as from `before` to `now`, or no further where that would be faster
+/// than anything goes.
 fn ahead(before: &Pose, now: &Pose, times: f32, dt_secs: f32) -> Pose {
     let step = (now.translation - before.translation) * times;
     let turn = turn_between(before.rotation, now.rotation) * times;
-    if step.length() > FASTEST_M_PER_SEC * dt_secs || turn.length() > FASTEST_RAD_PER_SEC * dt_secs {
+    if step.length() > FASTEST_M_PER_SEC * dt_secs || turn.length() > FASTEST_RAD_PER_SEC * dt_secs
+    {
         return *now;
     }
-    Pose::from_parts(now.translation + step, (Rotation::from_scaled_axis(turn) * now.rotation).normalize())
+    Pose::from_parts(
+        now.translation + step,
+        (Rotation::from_scaled_axis(turn) * now.rotation).normalize(),
+    )
 }

@@ -1,8 +1,8 @@
-//! Ragdolls for crowds: any member goes limp from the pose and the speed that it has, is moved by `rapier3d`, and gets up
-//! again by blending back to its clips. An arm alone, too.
+//! Ragdolls for crowds: any member goes limp from the pose and the speed that it has, is moved by
+//! `rapier3d`, and gets up again by blending back to its clips. An arm alone, too.
 //!
-//! Spaces and units are those of [`populace`]: right-handed, Y up, metres, seconds, radians; masses in kg, impulses in
-//! newton-seconds. Bodies live in the world, so placements must be in it too.
+//! Spaces and units are those of [`populace`]: right-handed, Y up, metres, seconds, radians; masses
+//! in kg, impulses in newton-seconds. Bodies live in the world, so placements must be in it too.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -40,9 +40,10 @@
 //! # }
 //! ```
 //!
-//! The main decision: being limp is a set of overrides and nothing else. Joints turn against their parents as the bodies
-//! do, keeping their own lengths and scales, and only the first one is told where in model space it is; so a member never
-//! changes buffer, handle or drawing path, never comes apart, and blends back joint by joint.
+//! The main decision: being limp is a set of overrides and nothing else. Joints turn against their
+//! parents as the bodies do, keeping their own lengths and scales, and only the first one is told
+//! where in model space it is; so a member never changes buffer, handle or drawing path, never
+//! comes apart, and blends back joint by joint.
 
 mod doll;
 mod error;

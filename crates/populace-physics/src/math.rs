@@ -24,10 +24,15 @@ pub(crate) fn point(affine: &Affine, p: Vector) -> Vector {
 /// The point whose image is `p`; the origin where the transform flattens space.
 pub(crate) fn point_before(affine: &Affine, p: Vector) -> Vector {
     let m = linear(affine);
-    if m.determinant().abs() < f32::MIN_POSITIVE { Vector::ZERO } else { m.inverse() * (p - origin(affine)) }
+    if m.determinant().abs() < f32::MIN_POSITIVE {
+        Vector::ZERO
+    } else {
+        m.inverse() * (p - origin(affine))
+    }
 }
 
-/// `inverse(parent) * joint` as translation, rotation and scale; shear, which those cannot hold, is left out.
+/// `inverse(parent) * joint` as translation, rotation and scale; shear, which those cannot hold, is
+/// left out.
 pub(crate) fn local(parent: Option<&Affine>, joint: &Affine) -> Trs {
     let Some(parent) = parent else { return split(linear(joint), origin(joint)) };
     let m = linear(parent);
@@ -51,7 +56,11 @@ fn split(m: Mat3, translation: Vector) -> Trs {
     let x = (m.x_axis * scale.x.signum()).normalize_or(Vector::X);
     let y = (m.y_axis - x * x.dot(m.y_axis)).normalize_or(x.any_orthonormal_vector());
     let rotation = Rotation::from_mat3(&Mat3::from_cols(x, y, x.cross(y))).normalize();
-    Trs { translation: translation.to_array(), rotation: rotation.to_array(), scale: scale.to_array() }
+    Trs {
+        translation: translation.to_array(),
+        rotation: rotation.to_array(),
+        scale: scale.to_array(),
+    }
 }
 
 /// A rotation as the crowd writes it.
@@ -70,7 +79,8 @@ pub(crate) fn joint_index(joint: usize) -> JointIndex {
     JointIndex(joint as u32)
 }
 
-/// What of a rotation turns about an axis, in radians from -pi to pi, and what swings the axis itself.
+/// What of a rotation turns about an axis, in radians from -pi to pi, and what swings the axis
+/// itself.
 pub(crate) fn twist_and_swing(q: Rotation, axis: Vector) -> (f32, f32) {
     let along = Vector::new(q.x, q.y, q.z).dot(axis);
     let twist = 2.0 * (along * q.w.signum()).atan2(q.w.abs());

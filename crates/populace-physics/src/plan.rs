@@ -16,7 +16,8 @@ use rest::Rest;
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limits {
-    /// About one axis, as knees and elbows do; 0 is the rest pose, and positive angles bend further.
+    /// About one axis, as knees and elbows do; 0 is the rest pose, and positive angles bend
+    /// further.
     Hinge {
         /// The least angle.
         min_rad: f32,
@@ -53,8 +54,8 @@ pub struct PlannedBody {
     pub(crate) length_m: f32,
     pub(crate) radius_m: f32,
     pub(crate) mass_kg: f32,
-    /// The least radius of gyration: no body is as easily turned as a thin capsule would be, since limits could not hold
-    /// what turns that lightly.
+    /// The least radius of gyration: no body is as easily turned as a thin capsule would be, since
+    /// limits could not hold what turns that lightly.
     pub(crate) gyration_m: f32,
     /// `None` for the first body, which nothing holds.
     pub(crate) hold: Option<Hold>,
@@ -98,9 +99,9 @@ impl PlannedBody {
     }
 }
 
-/// Bodies, masses and limits of a ragdoll, found from a skeleton alone: from where its joints lie at rest, how far they
-/// move vertices, and what their names tell where they tell something. Any skeleton has one; one of a single joint is a
-/// single body.
+/// Bodies, masses and limits of a ragdoll, found from a skeleton alone: from where its joints lie
+/// at rest, how far they move vertices, and what their names tell where they tell something. Any
+/// skeleton has one; one of a single joint is a single body.
 #[derive(Clone, Debug)]
 pub struct RagdollPlan {
     bodies: Vec<PlannedBody>,
@@ -110,8 +111,9 @@ pub struct RagdollPlan {
 }
 
 impl RagdollPlan {
-    /// Plans a ragdoll: a capsule for each bone that matters, with fingers, twists and props as part of the body that
-    /// they hang on. A person of 1.8 m weighs 75 kg; others go by the cube of their size.
+    /// Plans a ragdoll: a capsule for each bone that matters, with fingers, twists and props as
+    /// part of the body that they hang on. A person of 1.8 m weighs 75 kg; others go by the cube of
+    /// their size.
     #[must_use]
     pub fn from_skeleton(skeleton: &Skeleton) -> Self {
         let rest = Rest::new(skeleton);
@@ -150,8 +152,8 @@ impl RagdollPlan {
         &self.bodies
     }
 
-    /// The body that carries a joint, by its place in [`bodies`](Self::bodies); `None` where none does, as above the
-    /// first body's joint.
+    /// The body that carries a joint, by its place in [`bodies`](Self::bodies); `None` where none
+    /// does, as above the first body's joint.
     #[must_use]
     pub fn body_of(&self, joint: JointIndex) -> Option<usize> {
         self.body_of.get(joint.index()).copied().flatten()

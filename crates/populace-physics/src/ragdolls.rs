@@ -53,10 +53,10 @@ struct Waiting {
 
 /// The ragdolls of a crowd, in a world of their own with a floor and boxes to fall on.
 ///
-/// A frame is [`step`](Self::step), then placing those members that move by themselves, then [`Crowd::update`]. The
-/// placement of one that is limp as a whole is best left alone: its body lies in the world, and follows a placement only a
-/// frame later. A member keeps its handle, its place in the buffers and its clips throughout: being limp is a set of
-/// overrides.
+/// A frame is [`step`](Self::step), then placing those members that move by themselves, then
+/// [`Crowd::update`]. The placement of one that is limp as a whole is best left alone: its body
+/// lies in the world, and follows a placement only a frame later. A member keeps its handle, its
+/// place in the buffers and its clips throughout: being limp is a set of overrides.
 pub struct Ragdolls {
     world: World,
     waiting: Vec<Waiting>,
@@ -92,30 +92,45 @@ impl Ragdolls {
     /// # Errors
     ///
     /// [`Error::BadValue`] for numbers that are not finite, or sides that are not above zero.
-    pub fn add_box(&mut self, centre: [f32; 3], half_sides_m: [f32; 3], yaw_rad: f32) -> Result<(), Error> {
+    pub fn add_box(
+        &mut self,
+        centre: [f32; 3],
+        half_sides_m: [f32; 3],
+        yaw_rad: f32,
+    ) -> Result<(), Error> {
         finite("the centre of a box", &centre)?;
         finite("the heading of a box", &[yaw_rad])?;
         finite("the half side of a box", &half_sides_m)?;
         if let Some(&value) = half_sides_m.iter().find(|side| **side <= 0.0) {
-            return Err(Error::BadValue { what: "the half side of a box", value, rule: "above zero" });
+            return Err(Error::BadValue {
+                what: "the half side of a box",
+                value,
+                rule: "above zero",
+            });
         }
         self.world.add_box(Vector::from_array(centre), Vector::from_array(half_sides_m), yaw_rad);
         Ok(())
     }
 
-    /// Lets a member go limp as a whole, with the pose and the speed that it has. The speed is measured from this frame
-    /// to the next: the second [`step`](Self::step) from now moves it first. A member that is limp already stays so, and
-    /// one that is getting up falls again.
+    /// Lets a member go limp as a whole, with the pose and the speed that it has. The speed is
+    /// measured from this frame to the next: the second [`step`](Self::step) from now moves it
+    /// first. A member that is limp already stays so, and one that is getting up falls again.
     ///
     /// # Errors
     ///
     /// A stale member, or [`Error::WrongPlan`].
-    pub fn go_limp(&mut self, crowd: &Crowd, member: Member, plan: &Arc<RagdollPlan>) -> Result<(), Error> {
+    pub fn go_limp(
+        &mut self,
+        crowd: &Crowd,
+        member: Member,
+        plan: &Arc<RagdollPlan>,
+    ) -> Result<(), Error> {
         self.wait(crowd, member, plan, vec![true; plan.bodies().len()])
     }
 
-    /// Lets a part of a member go limp: the body that carries a joint, and all that hang on it, such as an arm by its upper
-    /// joint. The rest follows its clips, bit for bit as before, and carries the limp part along. Parts add up.
+    /// Lets a part of a member go limp: the body that carries a joint, and all that hang on it,
+    /// such as an arm by its upper joint. The rest follows its clips, bit for bit as before, and
+    /// carries the limp part along. Parts add up.
     ///
     /// # Errors
     ///
@@ -140,28 +155,39 @@ impl Ragdolls {
     ) -> Result<(), Error> {
         let skeleton = &crowd.character(crowd.character_of(member)?)?.skeleton;
         if plan.joint_count() != skeleton.joint_count() {
-            return Err(Error::WrongPlan { plan: plan.joint_count(), member: skeleton.joint_count() });
+            return Err(Error::WrongPlan {
+                plan: plan.joint_count(),
+                member: skeleton.joint_count(),
+            });
         }
         let same = |other: &Arc<RagdollPlan>| Arc::ptr_eq(other, plan);
-        let standing = self.dolls.iter().find(|d| d.member == member && d.fade.is_none() && same(&d.plan));
+        let standing =
+            self.dolls.iter().find(|d| d.member == member && d.fade.is_none() && same(&d.plan));
         if let Some(doll) = standing {
             if limp.iter().zip(&doll.limp).all(|(new, old)| *old || !new) {
                 return Ok(());
             }
             limp.iter_mut().zip(&doll.limp).for_each(|(new, old)| *new |= old);
         }
-        if let Some(waiting) = self.waiting.iter_mut().find(|w| w.member == member && same(&w.plan)) {
+        if let Some(waiting) = self.waiting.iter_mut().find(|w| w.member == member && same(&w.plan))
+        {
             waiting.limp.iter_mut().zip(&limp).for_each(|(old, new)| *old |= new);
             return Ok(());
         }
         self.waiting.retain(|w| w.member != member);
-        self.waiting.push(Waiting { member, plan: Arc::clone(plan), limp, before: None, pushes: Vec::new() });
+        self.waiting.push(Waiting {
+            member,
+            plan: Arc::clone(plan),
+            limp,
+            before: None,
+            pushes: Vec::new(),
+        });
         Ok(())
     }
 
-    /// Pushes a limp member, or one that was asked to go limp, at the body that carries a joint: an impulse in
-    /// newton-seconds in the world, at a point of the world in metres or else at the body's centre of mass. A person of
-    /// 75 kg who is pushed with 75 Ns is 1 m/s faster.
+    /// Pushes a limp member, or one that was asked to go limp, at the body that carries a joint: an
+    /// impulse in newton-seconds in the world, at a point of the world in metres or else at the
+    /// body's centre of mass. A person of 75 kg who is pushed with 75 Ns is 1 m/s faster.
     ///
     /// # Errors
     ///
@@ -190,14 +216,20 @@ impl Ragdolls {
         push(doll, &mut self.world, &Push { body, impulse, at })
     }
 
-    /// Lets a limp member get up: over this time its joints go back to what its clips say, and at its end are exactly that.
-    /// One that is limp as a whole is placed where it lies, facing the way that takes the least turning, on what is under
-    /// its hips. Until then it can still be pushed. A member that was only asked to go limp stays as it is.
+    /// Lets a limp member get up: over this time its joints go back to what its clips say, and at
+    /// its end are exactly that. One that is limp as a whole is placed where it lies, facing the
+    /// way that takes the least turning, on what is under its hips. Until then it can still be
+    /// pushed. A member that was only asked to go limp stays as it is.
     ///
     /// # Errors
     ///
     /// A stale member, [`Error::NotLimp`], or a time that is negative or not finite.
-    pub fn get_up(&mut self, crowd: &mut Crowd, member: Member, over_secs: f32) -> Result<(), Error> {
+    pub fn get_up(
+        &mut self,
+        crowd: &mut Crowd,
+        member: Member,
+        over_secs: f32,
+    ) -> Result<(), Error> {
         seconds("the time to get up", over_secs)?;
         crowd.placement(member)?;
         let was_waiting = self.waiting.iter().any(|w| w.member == member);
@@ -215,8 +247,9 @@ impl Ragdolls {
         doll.write(crowd, &self.world)
     }
 
-    /// Moves all limp members on and tells the crowd where their joints are, for the update that follows. Frames are
-    /// simulated in even steps of 1/120 s at most, and half a second at most. Members that were despawned are forgotten.
+    /// Moves all limp members on and tells the crowd where their joints are, for the update that
+    /// follows. Frames are simulated in even steps of 1/120 s at most, and half a second at most.
+    /// Members that were despawned are forgotten.
     ///
     /// # Errors
     ///
@@ -264,8 +297,8 @@ impl Ragdolls {
         self.dolls.retain(|d| crowd.placement(d.member).is_ok());
     }
 
-    /// Reads those who wait for their speed, and puts into the world those who have it. Those whom no update has evaluated
-    /// go on waiting.
+    /// Reads those who wait for their speed, and puts into the world those who have it. Those whom
+    /// no update has evaluated go on waiting.
     fn start(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
         let snapshots = self.waiting.iter().map(|waiting| Snapshot::of(crowd, waiting.member));
         let snapshots: Vec<_> = snapshots.collect::<Result<_, _>>()?;
@@ -319,15 +352,16 @@ impl Ragdolls {
         }
     }
 
-    /// How each limp body of a member is bent against the one that it hangs on, and what limits that.
+    /// How each limp body of a member is bent against the one that it hangs on, and what limits
+    /// that.
     #[must_use]
     pub fn bends(&self, member: Member) -> Vec<Bend> {
         let doll = self.dolls.iter().find(|d| d.member == member);
         doll.map_or_else(Vec::new, |d| d.bends(&self.world).collect())
     }
 
-    /// Kinetic and potential energy of a member's limp bodies in joules, the latter counted from height 0; `None` for a
-    /// member that is not limp.
+    /// Kinetic and potential energy of a member's limp bodies in joules, the latter counted from
+    /// height 0; `None` for a member that is not limp.
     #[must_use]
     pub fn energy_j(&self, member: Member) -> Option<f32> {
         Some(self.dolls.iter().find(|d| d.member == member)?.energy_j(&self.world))

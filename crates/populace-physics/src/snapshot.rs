@@ -18,8 +18,8 @@ pub(crate) struct Snapshot {
 }
 
 impl Snapshot {
-    /// Reads a member's joints back, as the last update left them. `None` where no update has evaluated the member on the
-    /// crowd's device.
+    /// Reads a member's joints back, as the last update left them. `None` where no update has
+    /// evaluated the member on the crowd's device.
     pub(crate) fn of(crowd: &mut Crowd, member: Member) -> Result<Option<Self>, Error> {
         let place = crowd.placement(member)?;
         let model_from_joints = match crowd.model_from_joints(member) {
@@ -27,22 +27,29 @@ impl Snapshot {
             Err(populace::Error::Backend(BackendError::NotEvaluated)) => return Ok(None),
             Err(error) => return Err(error.into()),
         };
-        if let Some(bad) = model_from_joints.iter().flat_map(|m| m.rows).flatten().find(|v| !v.is_finite()) {
-            return Err(Error::BadValue { what: "a joint of the member", value: bad, rule: "finite" });
+        if let Some(bad) =
+            model_from_joints.iter().flat_map(|m| m.rows).flatten().find(|v| !v.is_finite())
+        {
+            return Err(Error::BadValue {
+                what: "a joint of the member",
+                value: bad,
+                rule: "finite",
+            });
         }
         let skeleton = &crowd.character(crowd.character_of(member)?)?.skeleton;
         let mut turns: Vec<Rotation> = Vec::with_capacity(model_from_joints.len());
         for joint in skeleton.joints() {
             let parent = skeleton.parent(joint).map(JointIndex::index);
-            let own = local(parent.map(|p| &model_from_joints[p]), &model_from_joints[joint.index()]);
+            let own =
+                local(parent.map(|p| &model_from_joints[p]), &model_from_joints[joint.index()]);
             let turn = parent.map_or(Rotation::IDENTITY, |p| turns[p]) * rotation_of(&own);
             turns.push(turn.normalize());
         }
         Ok(Some(Self { model_from_joints, turns, place }))
     }
 
-    /// This one as if it had stood where the next one does, if from the one to the other the member was moved faster than
-    /// anything goes: that was a jump, and gives no speed.
+    /// This one as if it had stood where the next one does, if from the one to the other the member
+    /// was moved faster than anything goes: that was a jump, and gives no speed.
     pub(crate) fn without_jump(mut self, next: &Self, dt_secs: f32) -> Self {
         let [from, to] = [&self, next].map(|s| Vector::from_array(s.place.position()));
         if from.distance(to) > FASTEST_M_PER_SEC * dt_secs {

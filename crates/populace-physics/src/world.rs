@@ -4,16 +4,17 @@ use std::collections::HashMap;
 
 use rapier3d::na::Unit;
 use rapier3d::prelude::{
-    ActiveHooks, Collider, ColliderBuilder, ColliderHandle, Group, InteractionGroups, InteractionTestMode,
-    PairFilterContext, PhysicsHooks, PhysicsWorld, QueryFilter, Ray, RigidBodyBuilder, RigidBodyHandle,
-    SolverFlags,
+    ActiveHooks, Collider, ColliderBuilder, ColliderHandle, Group, InteractionGroups,
+    InteractionTestMode, PairFilterContext, PhysicsHooks, PhysicsWorld, QueryFilter, Ray,
+    RigidBodyBuilder, RigidBodyHandle, SolverFlags,
 };
 
 use crate::math::{Pose, Rotation, Vector};
 
 /// The longest step of the simulation, in seconds; longer frames are divided evenly.
 const LONGEST_STEP_SECS: f32 = 1.0 / 120.0;
-/// A frame longer than this is simulated for this long only, so that one hitch does not bring on the next.
+/// A frame longer than this is simulated for this long only, so that one hitch does not bring on
+/// the next.
 const LONGEST_FRAME_SECS: f32 = 0.5;
 /// Cloth and skin on floor.
 const FRICTION: f32 = 0.8;
@@ -25,7 +26,8 @@ pub(crate) struct Driven {
     pub(crate) to: Pose,
 }
 
-/// Which bodies of one ragdoll pass through each other: those that overlap from the start, as skin does at joints.
+/// Which bodies of one ragdoll pass through each other: those that overlap from the start, as skin
+/// does at joints.
 #[derive(Default)]
 struct Overlaps {
     of: HashMap<u64, Vec<(u16, u16)>>,
@@ -33,9 +35,13 @@ struct Overlaps {
 
 impl PhysicsHooks for Overlaps {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
-        let [a, b] = [context.collider1, context.collider2].map(|c| context.colliders.get(c).map(owner));
-        let (Some((doll, a)), Some((other, b))) = (a?, b?) else { return Some(SolverFlags::default()) };
-        let overlap = doll == other && self.of.get(&doll).is_some_and(|o| o.contains(&(a.min(b), a.max(b))));
+        let [a, b] =
+            [context.collider1, context.collider2].map(|c| context.colliders.get(c).map(owner));
+        let (Some((doll, a)), Some((other, b))) = (a?, b?) else {
+            return Some(SolverFlags::default());
+        };
+        let overlap =
+            doll == other && self.of.get(&doll).is_some_and(|o| o.contains(&(a.min(b), a.max(b))));
         (!overlap).then(SolverFlags::default)
     }
 }
@@ -65,7 +71,8 @@ impl World {
         let parameters = &mut physics.integration_parameters;
         parameters.num_solver_iterations = 12; // limbs are chains of light bodies on heavy ones
         parameters.normalized_max_corrective_velocity = 10.0; // what starts inside the ground leaves it gently
-        let ground = ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)).friction(FRICTION).build();
+        let ground =
+            ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)).friction(FRICTION).build();
         let ground = physics.insert_collider(ground, None);
         Self { physics, overlaps: Overlaps::default(), ground }
     }
@@ -79,11 +86,17 @@ impl World {
     pub(crate) fn add_box(&mut self, centre: Vector, half_sides: Vector, yaw_rad: f32) {
         let pose = Pose::from_parts(centre, Rotation::from_rotation_y(yaw_rad));
         let [x, y, z] = half_sides.to_array();
-        self.physics
-            .insert_collider(ColliderBuilder::cuboid(x, y, z).position(pose).friction(FRICTION), None);
+        self.physics.insert_collider(
+            ColliderBuilder::cuboid(x, y, z).position(pose).friction(FRICTION),
+            None,
+        );
     }
 
-    pub(crate) fn add_body(&mut self, body: RigidBodyBuilder, shape: ColliderBuilder) -> RigidBodyHandle {
+    pub(crate) fn add_body(
+        &mut self,
+        body: RigidBodyBuilder,
+        shape: ColliderBuilder,
+    ) -> RigidBodyHandle {
         let body = self.physics.insert_body(body.build());
         let everything = InteractionGroups::new(Group::ALL, Group::ALL, InteractionTestMode::And);
         let hooks = ActiveHooks::FILTER_CONTACT_PAIRS;
@@ -120,7 +133,8 @@ impl World {
         }
     }
 
-    /// How high the topmost thing that stands still lies under a point, if there is one within `reach` metres.
+    /// How high the topmost thing that stands still lies under a point, if there is one within
+    /// `reach` metres.
     pub(crate) fn floor_under(&self, point: Vector, reach: f32) -> Option<f32> {
         let ray = Ray::new(point, -Vector::Y);
         let filter = QueryFilter::only_fixed();

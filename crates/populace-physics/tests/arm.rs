@@ -56,7 +56,10 @@ fn the_arm_of_one_who_walks_along_goes_along() {
     let mut before: Option<([f32; 3], [f32; 3])> = None;
     for frame in 1..150 {
         stage.ragdolls.step(&mut stage.crowd, DT).unwrap();
-        stage.crowd.place(stage.member, Placement::at([0.0, 0.0, 1.4 * DT * frame as f32])).unwrap();
+        stage
+            .crowd
+            .place(stage.member, Placement::at([0.0, 0.0, 1.4 * DT * frame as f32]))
+            .unwrap();
         stage.crowd.update(DT).unwrap();
         let (shoulder, hand) = (stage.place(arm), stage.place(hand));
         let hang = minus(hand, shoulder);

@@ -1,4 +1,5 @@
-//! Real people and animals fall: one test for each character below the folder that `POPULACE_TEST_DATA` names.
+//! Real people and animals fall: one test for each character below the folder that
+//! `POPULACE_TEST_DATA` names.
 
 #![expect(
     clippy::print_stdout,
@@ -17,7 +18,8 @@ use populace_assets::load;
 use populace_physics::{Limits, RagdollPlan};
 
 const VARIABLE: &str = "POPULACE_TEST_DATA";
-/// Files, the scale at which they are about as large as in life, and how many bodies they are known to want.
+/// Files, the scale at which they are about as large as in life, and how many bodies they are known
+/// to want.
 const FILES: [(&str, f32, Option<usize>); 9] = [
     ("characters/kaykit_knight.glb", 1.0, Some(16)),
     ("characters/kaykit_mage.glb", 1.0, Some(16)),
@@ -34,7 +36,9 @@ fn main() {
     let arguments = Arguments::from_args();
     let trials = match std::env::var_os(VARIABLE) {
         Some(root) => trials(Path::new(&root)),
-        None => vec![Trial::test(format!("characters (set {VARIABLE})"), || Ok(())).with_ignored_flag(true)],
+        None => vec![
+            Trial::test(format!("characters (set {VARIABLE})"), || Ok(())).with_ignored_flag(true),
+        ],
     };
     libtest_mimic::run(&arguments, trials).exit();
 }
@@ -48,13 +52,19 @@ fn trials(root: &Path) -> Vec<Trial> {
 }
 
 fn fall(path: &PathBuf, scale: f32, bodies: Option<usize>) -> Result<(), Failed> {
-    let mut stage = Stage::new(load(path)?.character, None, Placement::at([1.0, 0.0, 2.0]).scaled(scale));
+    let mut stage =
+        Stage::new(load(path)?.character, None, Placement::at([1.0, 0.0, 2.0]).scaled(scale));
     let plan = stage.plan.clone();
     let size = stage.skeleton().size_m() * scale;
     check_plan(&plan, bodies)?;
     let hips = plan.bodies()[0].joint();
     stage.go_limp();
-    stage.ragdolls.push(stage.member, hips, [0.0, 0.0, -0.5 * plan.mass_kg() * scale.powi(3)], None)?;
+    stage.ragdolls.push(
+        stage.member,
+        hips,
+        [0.0, 0.0, -0.5 * plan.mass_kg() * scale.powi(3)],
+        None,
+    )?;
     stage.frames(2);
     let mut beyond: f32 = 0.0;
     let mut worst = None;
@@ -72,7 +82,8 @@ fn fall(path: &PathBuf, scale: f32, bodies: Option<usize>) -> Result<(), Failed>
     let lying = stage.places();
     let heads: Vec<usize> = plan.bodies().iter().map(|b| b.joint().index()).collect();
     let lowest = heads.iter().map(|j| lying[*j][1]).fold(f32::MAX, f32::min) / size;
-    let moved = heads.iter().map(|j| length(minus(lying[*j], before[*j]))).fold(0.0, f32::max) / size;
+    let moved =
+        heads.iter().map(|j| length(minus(lying[*j], before[*j]))).fold(0.0, f32::max) / size;
     let told = format!(
         "{} bodies; limits passed by {:.1} degrees; lowest joint at {lowest:.3} of its size, moves by {moved:.4}; {worst:?}",
         plan.bodies().len(),
@@ -84,9 +95,12 @@ fn fall(path: &PathBuf, scale: f32, bodies: Option<usize>) -> Result<(), Failed>
 }
 
 fn check_plan(plan: &RagdollPlan, bodies: Option<usize>) -> Result<(), Failed> {
-    let hinges = plan.bodies().iter().filter(|b| matches!(b.limits(), Some(Limits::Hinge { .. }))).count();
-    let sane =
-        plan.bodies().iter().all(|b| b.radius_m() > 0.0 && b.mass_kg() > 0.0 && b.length_m().is_finite());
+    let hinges =
+        plan.bodies().iter().filter(|b| matches!(b.limits(), Some(Limits::Hinge { .. }))).count();
+    let sane = plan
+        .bodies()
+        .iter()
+        .all(|b| b.radius_m() > 0.0 && b.mass_kg() > 0.0 && b.length_m().is_finite());
     if !sane || hinges < 2 || bodies.is_some_and(|count| count != plan.bodies().len()) {
         return Err(format!("{hinges} hinges, {:#?}", plan.bodies()).into());
     }

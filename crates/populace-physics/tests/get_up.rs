@@ -15,8 +15,9 @@ use populace_physics::{Error, State};
 fn getting_up_ends_at_the_clip_to_the_bit_and_keeps_handle_and_buffers() {
     let mut stage = Stage::walking_man();
     let mut twin = Stage::walking_man();
-    let place =
-        |stage: &Stage| stage.crowd.instances().map(|i| (i.member, i.palette_first)).collect::<Vec<_>>();
+    let place = |stage: &Stage| {
+        stage.crowd.instances().map(|i| (i.member, i.palette_first)).collect::<Vec<_>>()
+    };
     let at_first = place(&stage);
     stage.go_limp();
     for _ in 0..180 {
@@ -37,7 +38,10 @@ fn getting_up_ends_at_the_clip_to_the_bit_and_keeps_handle_and_buffers() {
     }
     assert_eq!(stage.ragdolls.state(stage.member), State::Animated);
     assert_eq!(stage.joints(), twin.joints());
-    assert_eq!(stage.crowd.palette(stage.member).unwrap(), twin.crowd.palette(twin.member).unwrap());
+    assert_eq!(
+        stage.crowd.palette(stage.member).unwrap(),
+        twin.crowd.palette(twin.member).unwrap()
+    );
 }
 
 #[test]
@@ -57,7 +61,11 @@ fn getting_up_starts_where_the_body_lies_without_a_jump() {
         for _ in 0..95 {
             stage.frame();
             let now = stage.places();
-            let moved = now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b)) / DT).fold(0.0, f32::max);
+            let moved = now
+                .iter()
+                .zip(&before)
+                .map(|(a, b)| length(minus(*a, *b)) / DT)
+                .fold(0.0, f32::max);
             first.get_or_insert(moved);
             fastest = fastest.max(moved);
             before = now;
@@ -81,15 +89,18 @@ fn who_falls_again_while_getting_up_falls_without_a_jump() {
     stage.frames(120);
     stage.ragdolls.get_up(&mut stage.crowd, stage.member, 1.0).unwrap();
     stage.frames(45);
-    assert!(matches!(stage.ragdolls.state(stage.member), State::GettingUp { weight } if weight < 0.3));
+    assert!(
+        matches!(stage.ragdolls.state(stage.member), State::GettingUp { weight } if weight < 0.3)
+    );
     stage.go_limp();
     let mut before = stage.places();
     let mut fastest: f32 = 0.0;
     for _ in 0..180 {
         stage.frame();
         let now = stage.places();
-        fastest =
-            fastest.max(now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b)) / DT).fold(0.0, f32::max));
+        fastest = fastest.max(
+            now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b)) / DT).fold(0.0, f32::max),
+        );
         before = now;
     }
     println!("fastest joint at {fastest} m/s");

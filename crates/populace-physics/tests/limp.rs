@@ -25,8 +25,8 @@ fn pace(stage: &mut Stage, z: &mut f32) {
     stage.crowd.update(DT).unwrap();
 }
 
-/// The largest change of joints' speeds in the world over four frames, in m/s, around one in which a member may have gone
-/// limp: of feet, which the ground may stop, and of all other joints.
+/// The largest change of joints' speeds in the world over four frames, in m/s, around one in which
+/// a member may have gone limp: of feet, which the ground may stop, and of all other joints.
 fn largest_jumps(frames_before: usize, limp: bool) -> [f32; 2] {
     let mut stage = Stage::walking_man();
     let mut z = 0.0;
@@ -59,7 +59,10 @@ fn the_first_steps_have_no_speed_jump() {
             "after {frames_before} frames: feet, rest change by {limp:.2?} m/s a frame, {walking:.2?} while walking"
         );
         let falling = 9.81 * DT;
-        assert!(limp[1] < walking[1].max(falling) + 0.1 && limp[0] < walking[0] + 1.0, "{limp:?} m/s");
+        assert!(
+            limp[1] < walking[1].max(falling) + 0.1 && limp[0] < walking[0] + 1.0,
+            "{limp:?} m/s"
+        );
     }
 }
 
@@ -75,7 +78,10 @@ fn what_spins_goes_on_spinning() {
         stage.ragdolls.step(&mut stage.crowd, DT).unwrap();
         if stage.ragdolls.state(stage.member) == State::GoingLimp {
             heading += turn;
-            stage.crowd.place(stage.member, Placement::at([0.0, 5.0, 0.0]).facing(heading)).unwrap();
+            stage
+                .crowd
+                .place(stage.member, Placement::at([0.0, 5.0, 0.0]).facing(heading))
+                .unwrap();
         }
         stage.crowd.update(DT).unwrap();
         let world_from_model = stage.crowd.placement(stage.member).unwrap().world_from_model();
@@ -106,7 +112,9 @@ fn opposite_pushes_land_on_opposite_sides() {
 #[test]
 fn joint_limits_hold_in_a_violent_fall() {
     let mut worst: f32 = 0.0;
-    for (push, up) in [([400.0, 150.0, 0.0], 0.5), ([-200.0, 0.0, 300.0], 2.0), ([0.0, 300.0, -300.0], 0.0)] {
+    for (push, up) in
+        [([400.0, 150.0, 0.0], 0.5), ([-200.0, 0.0, 300.0], 2.0), ([0.0, 300.0, -300.0], 0.0)]
+    {
         let mut stage = Stage::walking_man();
         let chest = stage.joint("Spine4");
         stage.go_limp();
@@ -226,7 +234,8 @@ fn constraints_do_not_move_who_is_limp() {
         stage.frames(40);
         stage.places()
     };
-    let apart = fall(true).iter().zip(&fall(false)).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
+    let apart =
+        fall(true).iter().zip(&fall(false)).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
     println!("joints are {apart} m apart at most");
     assert!(apart < 1e-4);
 }

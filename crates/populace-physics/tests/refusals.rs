@@ -18,9 +18,13 @@ use populace_physics::{Error, RagdollPlan, Ragdolls, State};
 fn odd_skeletons_fall_and_stay_finite() {
     let still = [0.0; 3];
     let bone = [0.0, 0.4, 0.0];
-    for steps in
-        [vec![still], vec![bone], vec![still; 5], vec![bone, still, bone, still, bone], vec![[1e-6; 3]; 3]]
-    {
+    for steps in [
+        vec![still],
+        vec![bone],
+        vec![still; 5],
+        vec![bone, still, bone, still, bone],
+        vec![[1e-6; 3]; 3],
+    ] {
         let mut stage = Stage::new(chain(&steps), None, Placement::at([0.0, 1.0, 0.0]));
         stage.go_limp();
         let first = stage.plan.bodies()[0].joint();
@@ -38,8 +42,9 @@ fn odd_skeletons_fall_and_stay_finite() {
 
 #[test]
 fn numbers_that_would_poison_are_refused() {
-    let bad =
-        |result: Result<(), Error>| assert!(matches!(result, Err(Error::BadValue { .. })), "{result:?}");
+    let bad = |result: Result<(), Error>| {
+        assert!(matches!(result, Err(Error::BadValue { .. })), "{result:?}")
+    };
     assert!(matches!(Ragdolls::new([0.0, f32::NAN, 0.0]).err(), Some(Error::BadValue { .. })));
     let mut stage = Stage::walking_man();
     let hips = stage.joint("Pelvis");
@@ -54,7 +59,10 @@ fn numbers_that_would_poison_are_refused() {
     stage.frames(30);
     stage.ragdolls.push(stage.member, hips, [1e30, 0.0, 0.0], None).unwrap();
     stage.frames(30);
-    assert!(stage.places().iter().flatten().all(|v| v.is_finite()), "an absurd push moves it, and no more");
+    assert!(
+        stage.places().iter().flatten().all(|v| v.is_finite()),
+        "an absurd push moves it, and no more"
+    );
 }
 
 #[test]
@@ -66,7 +74,8 @@ fn members_and_plans_that_do_not_fit_are_refused() {
     let other = Arc::new(RagdollPlan::from_skeleton(&chain(&[[0.0; 3]; 3]).skeleton));
     let refused = stage.ragdolls.go_limp(&stage.crowd, stage.member, &other);
     assert_eq!(refused, Err(Error::WrongPlan { plan: 3, member: 54 }));
-    let refused = stage.ragdolls.go_limp_from(&stage.crowd, stage.member, &stage.plan, JointIndex(99));
+    let refused =
+        stage.ragdolls.go_limp_from(&stage.crowd, stage.member, &stage.plan, JointIndex(99));
     assert_eq!(refused, Err(Error::NoBody { joint: 99 }));
     let mut elsewhere = Crowd::builder().device(Device::native()).capacity(1).build().unwrap();
     let character = elsewhere.add_character(chain(&[[0.0; 3]])).unwrap();

@@ -44,8 +44,8 @@ struct Place {
 }
 
 impl Batches {
-    /// Checks the instances and sorts them, as seen from `eye`. Those whose transform or tint is not finite are left
-    /// out. `page_len` tells how many palette entries a page holds.
+    /// Checks the instances and sorts them, as seen from `eye`. Those whose transform or tint is
+    /// not finite are left out. `page_len` tells how many palette entries a page holds.
     pub(crate) fn new(
         instances: &[Instance],
         characters: &[CharacterFacts],
@@ -63,7 +63,8 @@ impl Batches {
             if first + count > available {
                 return Err(Error::NoPalette { instance: index, page, first, count, available });
             }
-            let finite = instance.world_from_model.is_finite() && instance.tint.iter().all(|t| t.is_finite());
+            let finite = instance.world_from_model.is_finite()
+                && instance.tint.iter().all(|t| t.is_finite());
             if finite {
                 let position = Vec3::from(instance.world_from_model.rows.map(|row| row[3]));
                 places.push(Place {
@@ -83,7 +84,8 @@ impl Batches {
         });
         batches.opaque = batches.append(instances, &places);
         places.retain(|place| characters[place.character].blended);
-        places.sort_unstable_by(|a, b| b.distance.total_cmp(&a.distance).then(a.index.cmp(&b.index)));
+        places
+            .sort_unstable_by(|a, b| b.distance.total_cmp(&a.distance).then(a.index.cmp(&b.index)));
         batches.blended = batches.append(instances, &places);
         Ok(batches)
     }
@@ -93,7 +95,8 @@ impl Batches {
         for place in places {
             let Place { page, character, mirrored, index, .. } = *place;
             let last = runs.last_mut();
-            match last.filter(|r| (r.page, r.character, r.mirrored) == (page, character, mirrored)) {
+            match last.filter(|r| (r.page, r.character, r.mirrored) == (page, character, mirrored))
+            {
                 Some(run) => run.count += 1,
                 None => {
                     // A crowd of 2^32 would take 256 GiB of instances.
@@ -133,11 +136,22 @@ mod tests {
         let mut world_from_model = Affine::IDENTITY;
         world_from_model.rows[2][3] = z;
         let (moved, tint) = ([0.0; 3], [1.0; 3]);
-        Instance { character: CharacterHandle(character), world_from_model, moved, palette_first, tint }
+        Instance {
+            character: CharacterHandle(character),
+            world_from_model,
+            moved,
+            palette_first,
+            tint,
+        }
     }
 
     fn batches(instances: &[Instance], characters: &[CharacterFacts]) -> Result<Batches, Error> {
-        Batches::new(instances, characters, &|page| if page < 2 { 100 } else { 0 }, Vec3::new(0.0, 0.0, 10.0))
+        Batches::new(
+            instances,
+            characters,
+            &|page| if page < 2 { 100 } else { 0 },
+            Vec3::new(0.0, 0.0, 10.0),
+        )
     }
 
     #[test]
@@ -149,7 +163,8 @@ mod tests {
             instance(0, 16, 5.0),
         ];
         let sorted = batches(&list, &[PLAIN, PLAIN]).unwrap();
-        let run = |page, character, first, count| Run { page, character, mirrored: false, first, count };
+        let run =
+            |page, character, first, count| Run { page, character, mirrored: false, first, count };
         assert_eq!(sorted.opaque, [run(0, 0, 0, 2), run(0, 1, 2, 1), run(1, 0, 3, 1)]);
         let firsts: Vec<_> = sorted.instances.iter().map(|i| i.palette_first).collect();
         assert_eq!(firsts, [16, 0, 8, 4], "near ones first; places within the page");
@@ -158,7 +173,8 @@ mod tests {
 
     #[test]
     fn blended_runs_go_from_far_to_near() {
-        let list = [instance(0, 0, 0.0), instance(1, 0, -5.0), instance(0, 0, -9.0), instance(2, 0, -7.0)];
+        let list =
+            [instance(0, 0, 0.0), instance(1, 0, -5.0), instance(0, 0, -9.0), instance(2, 0, -7.0)];
         let sorted = batches(&list, &[GLASSY, GLASSY, PLAIN]).unwrap();
         let order: Vec<_> = sorted
             .blended
@@ -181,7 +197,10 @@ mod tests {
         assert!(batches(&[instance(0, 97, 0.0)], &[PLAIN]).is_ok());
         let error = batches(&[instance(0, 0, 0.0), instance(0, 98, 0.0)], &[PLAIN]).unwrap_err();
         assert!(
-            matches!(error, Error::NoPalette { instance: 1, page: 0, first: 98, count: 3, available: 100 }),
+            matches!(
+                error,
+                Error::NoPalette { instance: 1, page: 0, first: 98, count: 3, available: 100 }
+            ),
             "{error}"
         );
         assert!(batches(&[instance(0, 2 * PAGE_ENTRIES, 0.0)], &[PLAIN]).is_err());

@@ -33,15 +33,17 @@ impl Default for Camera {
 const FILL: f32 = 0.94;
 
 impl Camera {
-    /// Frames points (feet and heads of a crowd, corners of a box), seen from the front (+Z) and a little above, with
-    /// the horizon in the picture. `aspect` is the picture's width over its height.
+    /// Frames points (feet and heads of a crowd, corners of a box), seen from the front (+Z) and a
+    /// little above, with the horizon in the picture. `aspect` is the picture's width over its
+    /// height.
     ///
-    /// A single character is seen almost level; the deeper the crowd, the more from above, so that the rows behind
-    /// show. Points that are not finite are passed over; without any, a box of one metre is framed. An aspect that is
-    /// not finite is taken as 1.
+    /// A single character is seen almost level; the deeper the crowd, the more from above, so that
+    /// the rows behind show. Points that are not finite are passed over; without any, a box of one
+    /// metre is framed. An aspect that is not finite is taken as 1.
     #[must_use]
     pub fn framing(points: impl IntoIterator<Item = [f32; 3]>, aspect: f32) -> Self {
-        let mut points: Vec<Vec3> = points.into_iter().map(Vec3::from).filter(|p| p.is_finite()).collect();
+        let mut points: Vec<Vec3> =
+            points.into_iter().map(Vec3::from).filter(|p| p.is_finite()).collect();
         if points.is_empty() {
             points = vec![Vec3::ZERO, Vec3::ONE];
         }
@@ -54,7 +56,13 @@ impl Camera {
         let fov_y_rad = 0.6 + 0.2 * crowd;
         let back = Vec3::new(0.0, 0.06 + 0.24 * crowd, 1.0).normalize();
         let up = back.cross(Vec3::X);
-        let eye = eye(&points, [Vec3::X, up, back], (0.5 * fov_y_rad).tan() * FILL, aspect, size.length());
+        let eye = eye(
+            &points,
+            [Vec3::X, up, back],
+            (0.5 * fov_y_rad).tan() * FILL,
+            aspect,
+            size.length(),
+        );
         let distance = (eye - 0.5 * (low + high)).dot(back);
         Self {
             eye: eye.to_array(),
@@ -81,10 +89,13 @@ impl Camera {
         }
         let forward = (target - eye).try_normalize();
         if forward.is_none_or(|f| f.cross(up).try_normalize().is_none()) {
-            return bad("needs a target apart from its eye, and an up that does not point along its view");
+            return bad(
+                "needs a target apart from its eye, and an up that does not point along its view",
+            );
         }
         let view = rh::view::look_at_mat4(eye, target, up);
-        let matrix = rh::proj::opengl::perspective(self.fov_y_rad, aspect, self.near, self.far) * view;
+        let matrix =
+            rh::proj::opengl::perspective(self.fov_y_rad, aspect, self.near, self.far) * view;
         if !matrix.is_finite() || matrix.determinant() == 0.0 {
             return bad("is too far off for single precision");
         }
@@ -92,11 +103,14 @@ impl Camera {
     }
 }
 
-/// The nearest place along `back` from which all points lie within the edges, with as much room left of them as right,
-/// and most of the room there is above them: sky says more than bare ground before the first row. `slope` is how far the part of the picture that may be filled reaches up per metre of distance.
+/// The nearest place along `back` from which all points lie within the edges, with as much room
+/// left of them as right, and most of the room there is above them: sky says more than bare ground
+/// before the first row. `slope` is how far the part of the picture that may be filled reaches up
+/// per metre of distance.
 ///
-/// For a point at `(x, z)` across and along the axes, the right edge asks that `x + slope z <= eye.x + slope eye.z`, the
-/// left one that `-x + slope z <= -eye.x + slope eye.z`; the largest left-hand sides give both coordinates.
+/// For a point at `(x, z)` across and along the axes, the right edge asks that
+/// `x + slope z <= eye.x + slope eye.z`, the left one that `-x + slope z <= -eye.x + slope eye.z`;
+/// the largest left-hand sides give both coordinates.
 fn eye(points: &[Vec3], [right, up, back]: [Vec3; 3], slope: f32, aspect: f32, room: f32) -> Vec3 {
     let edges = |axis: Vec3, slope: f32| {
         let most = |sign: f32| {
@@ -137,7 +151,8 @@ mod tests {
             for aspect in [0.3, 1.0, 16.0 / 9.0, 4.0] {
                 let camera = Camera::framing(corners.clone(), aspect);
                 let clip = camera.clip_from_world(aspect).unwrap();
-                let seen: Vec<Vec3> = corners.clone().map(|c| clip.project_point3(Vec3::from(c))).collect();
+                let seen: Vec<Vec3> =
+                    corners.clone().map(|c| clip.project_point3(Vec3::from(c))).collect();
                 let least = seen.iter().copied().reduce(Vec3::min).unwrap();
                 let most = seen.iter().copied().reduce(Vec3::max).unwrap();
                 assert!(
@@ -146,9 +161,13 @@ mod tests {
                 );
                 if low != high {
                     let fill = (most.x - least.x).max(most.y - least.y) / 2.0;
-                    assert!((0.85..0.95).contains(&fill), "{low} {high} take {fill} at aspect {aspect}");
+                    assert!(
+                        (0.85..0.95).contains(&fill),
+                        "{low} {high} take {fill} at aspect {aspect}"
+                    );
                 }
-                let horizon = clip.project_point3(Vec3::from(camera.eye) + Vec3::new(0.0, 0.0, -1e5)).y;
+                let horizon =
+                    clip.project_point3(Vec3::from(camera.eye) + Vec3::new(0.0, 0.0, -1e5)).y;
                 assert!((0.0..0.95).contains(&horizon), "the horizon is at {horizon}");
             }
         }
@@ -157,7 +176,9 @@ mod tests {
     #[test]
     fn framing_takes_nonsense() {
         for aspect in [f32::NAN, 0.0, -1.0, f32::INFINITY] {
-            assert!(Camera::framing([[f32::NAN; 3], [1.0; 3]], aspect).clip_from_world(1.0).is_ok());
+            assert!(
+                Camera::framing([[f32::NAN; 3], [1.0; 3]], aspect).clip_from_world(1.0).is_ok()
+            );
             assert!(Camera::framing([], aspect).clip_from_world(1.0).is_ok());
         }
     }

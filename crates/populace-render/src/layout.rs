@@ -1,9 +1,10 @@
 //! The structs that Rust and GLSL share, each declared once.
 //!
-//! [`glsl_block!`] emits a `#[repr(C)]` [`bytemuck::Pod`] type and the text of a `std140` uniform block;
-//! [`vertex_struct!`] emits such a type and the table of its vertex attributes, from which the `in` declarations of
-//! vertex shaders are written. Only types that both languages lay out alike have a name here: there is no
-//! three-component vector for blocks, which takes 16 bytes there.
+//! [`glsl_block!`] emits a `#[repr(C)]` [`bytemuck::Pod`] type and the text of a `std140` uniform
+//! block; [`vertex_struct!`] emits such a type and the table of its vertex attributes, from which
+//! the `in` declarations of vertex shaders are written. Only types that both languages lay out
+//! alike have a name here: there is no three-component vector for blocks, which takes 16 bytes
+//! there.
 
 use populace_core::layout::Float4;
 
@@ -206,7 +207,9 @@ vertex_struct! {
 pub(crate) fn glsl_inputs(structs: &[&[Attribute]]) -> String {
     let attributes = structs.iter().copied().flatten().enumerate();
     attributes
-        .map(|(location, a)| format!("layout(location = {location}) in {} {};\n", a.glsl_type, a.name))
+        .map(|(location, a)| {
+            format!("layout(location = {location}) in {} {};\n", a.glsl_type, a.name)
+        })
         .collect()
 }
 

@@ -1,8 +1,8 @@
-//! Draws crowds with OpenGL: instanced meshes, skinned in the vertex shader straight from the matrix palettes that a
-//! device wrote, without a window.
+//! Draws crowds with OpenGL: instanced meshes, skinned in the vertex shader straight from the
+//! matrix palettes that a device wrote, without a window.
 //!
-//! Spaces and units are those of [`populace_core`]; pictures are sRGB with rows from the top; colours in [`Scene`] and
-//! [`Instance`] are linear.
+//! Spaces and units are those of [`populace_core`]; pictures are sRGB with rows from the top;
+//! colours in [`Scene`] and [`Instance`] are linear.
 //!
 //! ```no_run
 //! use populace_core::layout::Float4;
@@ -26,10 +26,11 @@
 //! # }
 //! ```
 //!
-//! A crowd's palettes need no copy: [`Renderer::take_palettes`] lends its device memory of OpenGL's where it can.
+//! A crowd's palettes need no copy: [`Renderer::take_palettes`] lends its device memory of OpenGL's
+//! where it can.
 //!
-//! The main decision: nothing is computed per vertex on the host. A page of palettes is one storage buffer, and all
-//! members of one page that share a character are one draw for each of its parts.
+//! The main decision: nothing is computed per vertex on the host. A page of palettes is one storage
+//! buffer, and all members of one page that share a character are one draw for each of its parts.
 
 mod batch;
 mod camera;

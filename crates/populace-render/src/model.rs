@@ -72,16 +72,27 @@ impl Model {
             if part.mesh.indices.is_empty() || hide(part) {
                 continue;
             }
-            let material = part.material.map_or_else(Material::default, |m| character.materials[m].clone());
+            let material =
+                part.material.map_or_else(Material::default, |m| character.materials[m].clone());
             let texture = textures.get(&material, &character.images)?;
-            parts.push(upload_part(gl, &part.mesh, &material, texture, is_mirrored(&part.mesh, &mirrored))?);
+            parts.push(upload_part(
+                gl,
+                &part.mesh,
+                &material,
+                texture,
+                is_mirrored(&part.mesh, &mirrored),
+            )?);
         }
         let blended = parts.iter().any(|part| part.alpha == Alpha::Blended);
         let ball = character.rest_bounds().map_or((Vec3::ZERO, 0.0), |bounds| {
             let (low, high) = (Vec3::from(bounds.low), Vec3::from(bounds.high));
             (0.5 * (low + high), 0.5 * low.distance(high))
         });
-        Ok(Self { parts, facts: CharacterFacts { entry_count: character.palette.len(), blended }, ball })
+        Ok(Self {
+            parts,
+            facts: CharacterFacts { entry_count: character.palette.len(), blended },
+            ball,
+        })
     }
 }
 
@@ -95,14 +106,19 @@ fn upload_part(
     let limit = i32::MAX.unsigned_abs();
     if mesh.indices.len() as u64 > u64::from(limit) {
         let size = mesh.indices.len() as u64;
-        return Err(Error::TooLarge { what: "a mesh's number of indices", size, limit: u64::from(limit) });
+        return Err(Error::TooLarge {
+            what: "a mesh's number of indices",
+            size,
+            limit: u64::from(limit),
+        });
     }
     let (alpha, alpha_cutoff) = match material.alpha {
         AlphaMode::Opaque => (Alpha::Opaque, 0.0),
         AlphaMode::Mask { cutoff } => (Alpha::Masked, cutoff),
         AlphaMode::Blend => (Alpha::Blended, 0.0),
     };
-    let surface = Surface { base_color: Float4(material.base_color), alpha_cutoff, ..Surface::default() };
+    let surface =
+        Surface { base_color: Float4(material.base_color), alpha_cutoff, ..Surface::default() };
     let vertices: Vec<Vertex> = (0..mesh.positions.len())
         .map(|vertex| Vertex {
             position: mesh.positions[vertex],
@@ -128,7 +144,10 @@ fn upload_skin(gl: &Rc<Gl>, influences: &Influences) -> Result<Skin, Error> {
     let (entries, _) = influences.entries.as_chunks::<4>();
     let weights = normalised(influences);
     let (weights, _) = weights.as_chunks::<4>();
-    let fours = entries.iter().zip(weights).map(|(&entries0, &weights0)| Influences4 { weights0, entries0 });
+    let fours = entries
+        .iter()
+        .zip(weights)
+        .map(|(&entries0, &weights0)| Influences4 { weights0, entries0 });
     if influences.per_vertex == 4 {
         let data: Vec<_> = fours.collect();
         return Ok(Skin::Four(Buffer::with(gl, BufferUse::Static, &data, what)?));
@@ -146,8 +165,8 @@ fn upload_skin(gl: &Rc<Gl>, influences: &Influences) -> Result<Skin, Error> {
     Ok(Skin::Eight(Buffer::with(gl, BufferUse::Static, &data, what)?))
 }
 
-/// The weights, those of each vertex divided by their sum: some files' do not sum to 1, and a vertex would be drawn
-/// towards the member's feet.
+/// The weights, those of each vertex divided by their sum: some files' do not sum to 1, and a
+/// vertex would be drawn towards the member's feet.
 fn normalised(influences: &Influences) -> Vec<f32> {
     let mut weights = influences.weights.clone();
     for vertex in weights.chunks_mut(influences.per_vertex) {
@@ -193,18 +212,25 @@ fn mirrored_entries(character: &Character) -> Vec<bool> {
     let mut models: Vec<Affine> = Vec::with_capacity(skeleton.joint_count());
     for joint in skeleton.joints() {
         let local = Affine::from_trs(skeleton.rest(joint));
-        let model = skeleton.parent(joint).map_or(local, |parent| models[parent.index()].mul(&local));
+        let model =
+            skeleton.parent(joint).map_or(local, |parent| models[parent.index()].mul(&local));
         models.push(model);
     }
     let mirrors = |m: &Affine| determinant(m) < 0.0;
-    character.palette.iter().map(|e| mirrors(&models[e.joint.index()].mul(&e.joint_from_bind))).collect()
+    character
+        .palette
+        .iter()
+        .map(|e| mirrors(&models[e.joint.index()].mul(&e.joint_from_bind)))
+        .collect()
 }
 
 /// Whether most of a mesh hangs on entries that mirror.
 fn is_mirrored(mesh: &Mesh, mirrored_entries: &[bool]) -> bool {
     let influences = mesh.influences.entries.iter().zip(&mesh.influences.weights);
     let balance: f32 = influences
-        .map(|(&entry, &weight)| if mirrored_entries[usize::from(entry)] { weight } else { -weight })
+        .map(
+            |(&entry, &weight)| if mirrored_entries[usize::from(entry)] { weight } else { -weight },
+        )
         .sum();
     balance > 0.0
 }

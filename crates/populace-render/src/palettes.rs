@@ -1,4 +1,5 @@
-//! The pages of palettes that are drawn from: uploaded, or taken from devices that write OpenGL's own memory.
+//! The pages of palettes that are drawn from: uploaded, or taken from devices that write OpenGL's
+//! own memory.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -6,7 +7,8 @@ use std::rc::Rc;
 
 use populace_core::layout::{Float4, PAGE_ENTRIES};
 use populace_core::{
-    BackendError, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteWay, SharedPage, TargetMark,
+    BackendError, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteWay, SharedPage,
+    TargetMark,
 };
 
 use crate::Error;
@@ -96,13 +98,19 @@ impl Palettes {
         Ok(())
     }
 
-    pub(crate) fn upload(&mut self, gl: &Rc<Gl>, page: usize, palette: &[Float4]) -> Result<(), Error> {
+    pub(crate) fn upload(
+        &mut self,
+        gl: &Rc<Gl>,
+        page: usize,
+        palette: &[Float4],
+    ) -> Result<(), Error> {
         if page >= PAGE_LIMIT {
             let (size, limit) = (page as u64, PAGE_LIMIT as u64 - 1);
             return Err(Error::TooLarge { what: "a page number", size, limit });
         }
         let page_bytes = u64::from(PAGE_ENTRIES) * (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
-        let (size, limit) = (size_of_val(palette) as u64, page_bytes.min(gl.limits().storage_bytes));
+        let (size, limit) =
+            (size_of_val(palette) as u64, page_bytes.min(gl.limits().storage_bytes));
         if size > limit {
             return Err(Error::TooLarge { what: "the size in bytes of a page", size, limit });
         }
@@ -122,7 +130,11 @@ impl Palettes {
     }
 
     /// Lends pages in the best way that works.
-    pub(crate) fn link(&mut self, gl: &Rc<Gl>, source: &mut dyn PaletteSource) -> Result<HandOver, Error> {
+    pub(crate) fn link(
+        &mut self,
+        gl: &Rc<Gl>,
+        source: &mut dyn PaletteSource,
+    ) -> Result<HandOver, Error> {
         let mut refused = Vec::new();
         for way in PaletteWay::ALL {
             let reason = match source.refuses(way, &*gl.context()) {
@@ -135,11 +147,17 @@ impl Palettes {
             };
             refused.push((way, reason));
         }
-        let reasons: Vec<_> = refused.iter().map(|(way, reason)| format!("not {way}: {reason}")).collect();
+        let reasons: Vec<_> =
+            refused.iter().map(|(way, reason)| format!("not {way}: {reason}")).collect();
         Err(Error::NoWay { reasons: reasons.join("; ") })
     }
 
-    fn link_by(&mut self, gl: &Rc<Gl>, source: &mut dyn PaletteSource, way: PaletteWay) -> Result<(), Error> {
+    fn link_by(
+        &mut self,
+        gl: &Rc<Gl>,
+        source: &mut dyn PaletteSource,
+        way: PaletteWay,
+    ) -> Result<(), Error> {
         let mut needed = source.page_room();
         needed.resize(needed.len().max(1), 0);
         let (sets, target) = match way {
@@ -154,8 +172,13 @@ impl Palettes {
         Ok(())
     }
 
-    /// Takes a source's palettes for the draws to come; returns once the source can write the next frame.
-    pub(crate) fn take(&mut self, gl: &Rc<Gl>, source: &mut dyn PaletteSource) -> Result<(), Error> {
+    /// Takes a source's palettes for the draws to come; returns once the source can write the next
+    /// frame.
+    pub(crate) fn take(
+        &mut self,
+        gl: &Rc<Gl>,
+        source: &mut dyn PaletteSource,
+    ) -> Result<(), Error> {
         self.links.retain(|link| link.mark.is_held_elsewhere());
         let (link, set) = match self.handed_over(source)? {
             Some(found) => found,
@@ -183,7 +206,9 @@ impl Palettes {
                 self.pages.truncate(lengths.len());
                 for page in 0..lengths.len() {
                     let mut result = Ok(());
-                    source.with_page(page, &mut |palettes| result = self.upload(gl, page, palettes))?;
+                    source.with_page(page, &mut |palettes| {
+                        result = self.upload(gl, page, palettes)
+                    })?;
                     result?;
                 }
             }

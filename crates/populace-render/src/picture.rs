@@ -12,8 +12,8 @@ use crate::Error;
 ///
 /// # Errors
 ///
-/// [`Error::EmptyPicture`] if there are no pixels, or their number is not that of its size; [`Error::Output`] with the
-/// path if the file cannot be written; those of [`encode_png`].
+/// [`Error::EmptyPicture`] if there are no pixels, or their number is not that of its size;
+/// [`Error::Output`] with the path if the file cannot be written; those of [`encode_png`].
 pub fn write_png(path: impl AsRef<Path>, picture: &Image) -> Result<(), Error> {
     let path = path.as_ref();
     let output = |source| Error::Output { path: path.to_owned(), source };
@@ -24,14 +24,15 @@ pub fn write_png(path: impl AsRef<Path>, picture: &Image) -> Result<(), Error> {
 ///
 /// # Errors
 ///
-/// [`Error::EmptyPicture`] if there are no pixels, or their number is not that of its size; [`Error::Encoding`] if it has more
-/// than a PNG can hold.
+/// [`Error::EmptyPicture`] if there are no pixels, or their number is not that of its size;
+/// [`Error::Encoding`] if it has more than a PNG can hold.
 pub fn encode_png(picture: &Image) -> Result<Vec<u8>, Error> {
     let Image { width, height, ref rgba } = *picture;
     if rgba.is_empty() || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
         return Err(Error::EmptyPicture { width, height });
     }
-    let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    let rgb: Vec<u8> =
+        rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
         .write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)

@@ -55,8 +55,8 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::NoGl`] says what was tried and what to install; [`Error::EmptyPicture`] and [`Error::TooLarge`] name a
-    /// size that cannot be had.
+    /// [`Error::NoGl`] says what was tried and what to install; [`Error::EmptyPicture`] and
+    /// [`Error::TooLarge`] name a size that cannot be had.
     pub fn headless(size: [u32; 2]) -> Result<Self, Error> {
         let gl = Gl::headless()?;
         Ok(Self {
@@ -109,12 +109,13 @@ impl Renderer {
         self.gl.context()
     }
 
-    /// Lends a crowd memory of OpenGL's for its palettes, in the best way that works, and says which and why not a
-    /// better one. [`take_palettes`](Self::take_palettes) does this by itself where it was not done before; a crowd
-    /// that is lent memory before its first frame saves one copy.
+    /// Lends a crowd memory of OpenGL's for its palettes, in the best way that works, and says
+    /// which and why not a better one. [`take_palettes`](Self::take_palettes) does this by itself
+    /// where it was not done before; a crowd that is lent memory before its first frame saves one
+    /// copy.
     ///
-    /// The crowd can outlive the renderer, and the other way round. A crowd writes for one renderer at a time: the one
-    /// that lent last.
+    /// The crowd can outlive the renderer, and the other way round. A crowd writes for one renderer
+    /// at a time: the one that lent last.
     ///
     /// # Errors
     ///
@@ -124,9 +125,10 @@ impl Renderer {
         self.palettes.link(&self.gl, source)
     }
 
-    /// Takes the palettes of a crowd's last frame for the draws to come, in place of all others. Waits until the
-    /// device has written them, and until the draws before the last call are done, since the crowd's next frame goes
-    /// where those read. Without memory of OpenGL's, palettes are copied.
+    /// Takes the palettes of a crowd's last frame for the draws to come, in place of all others.
+    /// Waits until the device has written them, and until the draws before the last call are done,
+    /// since the crowd's next frame goes where those read. Without memory of OpenGL's, palettes are
+    /// copied.
     ///
     /// # Errors
     ///
@@ -136,8 +138,8 @@ impl Renderer {
         self.palettes.take(&self.gl, source)
     }
 
-    /// Replaces a page of palettes: three elements for each palette entry, from the page's first, as
-    /// [`PaletteSource::with_page`] hands them out.
+    /// Replaces a page of palettes: three elements for each palette entry, from the page's first,
+    /// as [`PaletteSource::with_page`] hands them out.
     ///
     /// # Errors
     ///
@@ -154,8 +156,8 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// A camera or scene that is no such thing, an instance of an unknown character or of a palette that was not
-    /// uploaded, a shader that the driver refuses, or a failing driver.
+    /// A camera or scene that is no such thing, an instance of an unknown character or of a palette
+    /// that was not uploaded, a shader that the driver refuses, or a failing driver.
     pub fn draw(&mut self, scene: &Scene, instances: &[Instance]) -> Result<(), Error> {
         scene.check()?;
         #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
@@ -232,7 +234,9 @@ impl Renderer {
                 part.surface.bind_uniform();
                 part.texture.bind(TEXTURE_UNIT);
                 match &part.skin {
-                    Skin::Four(influences) => self.skin4.draw(&range(part, influences, &self.instances, run)),
+                    Skin::Four(influences) => {
+                        self.skin4.draw(&range(part, influences, &self.instances, run))
+                    }
                     Skin::Eight(influences) => {
                         self.skin8.draw(&range(part, influences, &self.instances, run))
                     }
@@ -242,8 +246,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// The ground goes behind members by a hair, so that soles at y = 0 show; both come after them, which saves
-    /// shading what they hide.
+    /// The ground goes behind members by a hair, so that soles at y = 0 show; both come after them,
+    /// which saves shading what they hide.
     fn draw_surroundings(&mut self, ground: Option<Ground>) -> Result<(), Error> {
         let surroundings = DrawState { cull: Cull::Nothing, ..DrawState::OPAQUE };
         if ground.is_some() {
@@ -280,7 +284,9 @@ fn range<'a, I>(
 
 fn state(pass: Pass, cull: Cull) -> DrawState {
     match pass {
-        Pass::Shadow => DrawState { cull, depth_offset: [1.5, 2.0], depth_clamp: true, ..DrawState::OPAQUE },
+        Pass::Shadow => {
+            DrawState { cull, depth_offset: [1.5, 2.0], depth_clamp: true, ..DrawState::OPAQUE }
+        }
         Pass::Opaque => DrawState { cull, ..DrawState::OPAQUE },
         Pass::Blended => DrawState { cull, blend: true, depth_write: false, ..DrawState::OPAQUE },
     }

@@ -17,8 +17,8 @@ pub struct Instance {
     pub world_from_model: Affine,
     /// How far from there its palette has it, in metres of the world: shadows reach as far.
     pub moved: [f32; 3],
-    /// Its first palette entry: page times [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES) plus the place within
-    /// the page, as in [`Member`](populace_core::layout::Member).
+    /// Its first palette entry: page times [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES)
+    /// plus the place within the page, as in [`Member`](populace_core::layout::Member).
     pub palette_first: u32,
     /// Linear colour that multiplies its surfaces.
     pub tint: [f32; 3],
@@ -65,7 +65,8 @@ pub struct Sky {
 /// What becomes of light that is brighter than a picture can show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Highlights {
-    /// Tone mapping: linear up to three quarters of white, then a shoulder that nears white without reaching it.
+    /// Tone mapping: linear up to three quarters of white, then a shoulder that nears white without
+    /// reaching it.
     #[default]
     Shoulder,
     /// Cut off at white, linear below: for pictures that are measured.
@@ -126,7 +127,9 @@ impl Scene {
             ("ground colour", ground.color),
             ("line colour", ground.line_color),
         ];
-        if let Some((what, _)) = finite.iter().find(|(_, color)| color.iter().any(|c| !c.is_finite())) {
+        if let Some((what, _)) =
+            finite.iter().find(|(_, color)| color.iter().any(|c| !c.is_finite()))
+        {
             return Err(Error::BadScene { what });
         }
         match glam::Vec3::from(self.sun.to_sun).try_normalize() {

@@ -20,15 +20,18 @@ pub(crate) struct SunView {
 const MOTION: f32 = 1.3;
 /// A member may stand out of the picture by this many radii and still throw its shadow into it.
 const SHADOW_REACH: f32 = 4.0;
-/// Shadows end this many times as far away as the nearest member, where one is too small to be missed.
+/// Shadows end this many times as far away as the nearest member, where one is too small to be
+/// missed.
 const DISTANCE_RATIO: f32 = 8.0;
 /// And never nearer than this many radii.
 const DISTANCE_RADII: f32 = 60.0;
 
 impl SunView {
-    /// Covers the members in or near the picture that `clip_from_world` shows; `None` where there are none.
+    /// Covers the members in or near the picture that `clip_from_world` shows; `None` where there
+    /// are none.
     ///
-    /// The size is rounded up and the place to whole texels, so that edges do not crawl while a crowd moves.
+    /// The size is rounded up and the place to whole texels, so that edges do not crawl while a
+    /// crowd moves.
     pub(crate) fn over(
         balls: &[Ball],
         eye: Vec3,
@@ -69,7 +72,8 @@ impl SunView {
         );
         // Depth grows away from the sun.
         let scale = Mat4::from_scale(Vec3::new(1.0 / half.x, 1.0 / half.y, -1.0 / half.z));
-        let shadow_from_world = scale * Mat4::from_translation(-middle) * Mat4::from_mat3(sun_from_world);
+        let shadow_from_world =
+            scale * Mat4::from_translation(-middle) * Mat4::from_mat3(sun_from_world);
         Some(Self { shadow_from_world, texel_m: texel.x.max(texel.y) })
             .filter(|view| view.shadow_from_world.is_finite())
     }
@@ -116,7 +120,9 @@ mod tests {
     #[test]
     fn what_is_shown_lies_in_the_map() {
         let seen = view(&[ball(0.0, 0.0), ball(2.0, -3.0)]).unwrap();
-        for middle in [Vec3::new(0.0, 1.0, 0.0), Vec3::new(2.0, 2.0, -3.0), Vec3::new(2.0, 1.0, -4.0)] {
+        for middle in
+            [Vec3::new(0.0, 1.0, 0.0), Vec3::new(2.0, 2.0, -3.0), Vec3::new(2.0, 1.0, -4.0)]
+        {
             let at = seen.shadow_from_world.project_point3(middle);
             assert!(at.abs().max_element() <= 1.0, "{middle} is at {at}");
         }

@@ -2,8 +2,8 @@
 
 use populace_core::layout::{Float4, NONE};
 use populace_core::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
-    Stage, StageBuffer, Tables, TargetMark,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay,
+    Schedule, Stage, StageBuffer, Tables, TargetMark,
 };
 
 use crate::single;
@@ -24,7 +24,8 @@ enum Amount {
 }
 
 impl Corruption {
-    /// What is off already may be off the other way by as much as allowed, hence more than twice the cap.
+    /// What is off already may be off the other way by as much as allowed, hence more than twice
+    /// the cap.
     fn by(buffer: StageBuffer, component: usize, cap: f64) -> Self {
         Self { buffer, component, amount: Amount::By(single(2.5 * cap)) }
     }
@@ -71,7 +72,8 @@ impl Corruption {
         Self::by(StageBuffer::Palette, 1, MODEL_CAP)
     }
 
-    /// One element of one joint's `model_from_joint`, by far less: for the check of Transform alone.
+    /// One element of one joint's `model_from_joint`, by far less: for the check of Transform
+    /// alone.
     #[must_use]
     pub fn model_rounding() -> Self {
         Self::by(StageBuffer::ModelRow1, 1, ROUNDING_CAP)
@@ -83,7 +85,8 @@ impl Corruption {
         Self::by(StageBuffer::Palette, 1, ROUNDING_CAP)
     }
 
-    /// One element of one palette entry by one unit in the last place, where there is more than one member.
+    /// One element of one palette entry by one unit in the last place, where there is more than one
+    /// member.
     #[must_use]
     pub fn palette_bit() -> Self {
         Self { amount: Amount::OneUnitInACrowd, ..Self::palette() }
@@ -116,13 +119,18 @@ impl<B: Backend> Broken<B> {
         let body = |m: &populace_core::layout::Member| tables.bodies().as_slice()[m.body as usize];
         let alone = taken().count() < 2;
         let target = match self.corruption.buffer {
-            StageBuffer::Samples => taken().next_back().map(|(place, _)| place * tables.slots_per_member()),
+            StageBuffer::Samples => {
+                taken().next_back().map(|(place, _)| place * tables.slots_per_member())
+            }
             StageBuffer::Palette => taken()
                 .rfind(|(_, m)| body(m).entry_count > 0)
                 .map(|(_, m)| 3 * (m.palette_first + body(m).entry_count / 2) as usize + 1),
-            _ => taken().next_back().map(|(_, m)| (m.joint_first + body(m).joint_count / 2) as usize),
+            _ => {
+                taken().next_back().map(|(_, m)| (m.joint_first + body(m).joint_count / 2) as usize)
+            }
         };
-        self.target = target.filter(|_| !(alone && self.corruption.amount == Amount::OneUnitInACrowd));
+        self.target =
+            target.filter(|_| !(alone && self.corruption.amount == Amount::OneUnitInACrowd));
     }
 }
 
@@ -139,7 +147,12 @@ impl<B: Backend> Backend for Broken<B> {
         self.inner.update(tables)
     }
 
-    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+    fn run_stage(
+        &mut self,
+        tables: &Tables,
+        frame: Frame,
+        stage: Stage,
+    ) -> Result<(), BackendError> {
         self.aim(tables);
         self.inner.run_stage(tables, frame, stage)
     }
@@ -174,7 +187,12 @@ impl<B: Backend> Backend for Broken<B> {
         Ok(())
     }
 
-    fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
+    fn write(
+        &mut self,
+        buffer: StageBuffer,
+        first: usize,
+        from: &[Float4],
+    ) -> Result<(), BackendError> {
         self.inner.write(buffer, first, from)
     }
 
@@ -224,7 +242,11 @@ impl<B: Backend> PaletteSource for Broken<B> {
         self.inner.hand_over()
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
         self.inner.with_page(page, reader)
     }
 }

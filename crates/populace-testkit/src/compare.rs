@@ -20,7 +20,14 @@ pub(crate) struct Judge {
 impl Judge {
     /// For whole frames.
     pub(crate) fn new(check: &'static str) -> Self {
-        Self { check, local_cap: LOCAL_CAP, model_cap: MODEL_CAP, compared: 0, left_out: 0, worst: 0.0 }
+        Self {
+            check,
+            local_cap: LOCAL_CAP,
+            model_cap: MODEL_CAP,
+            compared: 0,
+            left_out: 0,
+            worst: 0.0,
+        }
     }
 
     /// For sensitive scenes.
@@ -33,7 +40,8 @@ impl Judge {
         Self { model_cap: ROUNDING_CAP, ..Self::new(check) }
     }
 
-    /// Fails where `got` is further from `wanted` than `bound`; leaves it out where the bound is above `cap`.
+    /// Fails where `got` is further from `wanted` than `bound`; leaves it out where the bound is
+    /// above `cap`.
     pub(crate) fn number(
         &mut self,
         got: f32,
@@ -102,7 +110,9 @@ impl Judge {
     ) {
         let cap = self.local_cap;
         for (joint, (local, bound)) in wanted.pose.locals.iter().zip(&wanted.locals).enumerate() {
-            let place = |what, c: usize| move || format!("{} {what} {c}", joint_place(crowd, member, joint));
+            let place = |what, c: usize| {
+                move || format!("{} {what} {c}", joint_place(crowd, member, joint))
+            };
             for c in 0..3 {
                 let (value, want) = (got.translations[joint][c], local.translation[c]);
                 self.number(value, want, bound.translation, cap, place("translation", c));
@@ -111,7 +121,8 @@ impl Judge {
             }
             // A quaternion and its negative are one rotation.
             let want = local.rotation.to_array();
-            let side: f64 = got.rotations[joint].iter().zip(want).map(|(g, w)| f64::from(*g) * w).sum();
+            let side: f64 =
+                got.rotations[joint].iter().zip(want).map(|(g, w)| f64::from(*g) * w).sum();
             for c in 0..4 {
                 let want = if side < 0.0 { -want[c] } else { want[c] };
                 let value = got.rotations[joint][c];
@@ -129,12 +140,17 @@ impl Judge {
         wanted: &Expected,
     ) {
         let cap = self.model_cap;
-        for (joint, (model, bound)) in wanted.pose.model_from_joint.iter().zip(&wanted.models).enumerate() {
+        for (joint, (model, bound)) in
+            wanted.pose.model_from_joint.iter().zip(&wanted.models).enumerate()
+        {
             let want = row_major(model);
             for (element, want) in want.into_iter().enumerate() {
                 let bound = if element % 4 == 3 { bound.translation } else { bound.linear };
                 self.number(got.models[joint][element], want, bound, cap, || {
-                    format!("{} model_from_joint element {element}", joint_place(crowd, member, joint))
+                    format!(
+                        "{} model_from_joint element {element}",
+                        joint_place(crowd, member, joint)
+                    )
                 });
             }
         }
@@ -159,13 +175,21 @@ impl Judge {
         assert_eq!(got.len(), wanted.len(), "{}: {what} length", self.check);
         for (at, (got, wanted)) in got.iter().zip(wanted).enumerate() {
             for element in 0..12 {
-                self.bits(got[element], wanted[element], || format!("{what} {at} element {element}"));
+                self.bits(got[element], wanted[element], || {
+                    format!("{what} {at} element {element}")
+                });
             }
         }
     }
 
-    /// A frame of all members: once stage by stage, where everything is compared, and once as a whole.
-    pub(crate) fn frame(&mut self, backend: &mut dyn Backend, crowd: &mut TestCrowd<'_>, tick: u64) {
+    /// A frame of all members: once stage by stage, where everything is compared, and once as a
+    /// whole.
+    pub(crate) fn frame(
+        &mut self,
+        backend: &mut dyn Backend,
+        crowd: &mut TestCrowd<'_>,
+        tick: u64,
+    ) {
         crowd.run_stages(backend, tick);
         let members: Vec<usize> = crowd.members().map(|(member, ..)| member).collect();
         let mut all = Vec::new();

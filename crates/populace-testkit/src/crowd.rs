@@ -1,4 +1,5 @@
-//! A crowd under test: members planned in plain words, given to a backend as tables and to the oracle as it is.
+//! A crowd under test: members planned in plain words, given to a backend as tables and to the
+//! oracle as it is.
 
 use std::collections::HashMap;
 
@@ -71,7 +72,8 @@ impl<'a> TestCrowd<'a> {
         let taken = plan.plays.len() + plan.settling.len();
         assert!(taken <= slots.len(), "{} slots are too few", slots.len());
         for index in 0..slots.len() {
-            let settling = index.checked_sub(plan.plays.len()).and_then(|nth| plan.settling.get(nth));
+            let settling =
+                index.checked_sub(plan.plays.len()).and_then(|nth| plan.settling.get(nth));
             let value = match (plan.plays.get(index), settling) {
                 (Some(play), _) => self.slot(play, plan.body),
                 (None, Some(settling)) => self.settling_slot(settling, plan.body),
@@ -82,7 +84,9 @@ impl<'a> TestCrowd<'a> {
         for (index, layer) in plan.layers.iter().enumerate() {
             let mask = layer.mask.as_ref().map(|mask| self.mask(plan.body, mask));
             let value = Layer::new(LayerSettings { mode: layer.mode, weight: layer.weight }, mask);
-            self.tables.set_layer(place, index, value).expect("a layer that points at what is there");
+            self.tables
+                .set_layer(place, index, value)
+                .expect("a layer that points at what is there");
         }
         self.members[member] = Some((place, plan));
     }
@@ -99,8 +103,9 @@ impl<'a> TestCrowd<'a> {
 
     /// The members that are there.
     pub fn members(&self) -> impl Iterator<Item = (usize, u32, &MemberPlan)> {
-        let there =
-            |(number, member): (usize, &'_ Option<(u32, MemberPlan)>)| member.as_ref().map(|_| number);
+        let there = |(number, member): (usize, &'_ Option<(u32, MemberPlan)>)| {
+            member.as_ref().map(|_| number)
+        };
         let numbers: Vec<usize> = self.members.iter().enumerate().filter_map(there).collect();
         numbers.into_iter().filter_map(|number| {
             let (place, plan) = self.members[number].as_ref()?;
@@ -156,7 +161,8 @@ impl<'a> TestCrowd<'a> {
             f64::from(self.tables.row_times().as_slice()[(clip.time_first + far) as usize])
         };
         let secs = play.timing.time_secs(tick, &self.scene.clips[play.clip].clip);
-        // Where a clip steps, two rows share a time, and the one that is near to what comes before is meant.
+        // Where a clip steps, two rows share a time, and the one that is near to what comes before
+        // is meant.
         [secs, if far_secs > secs { far_secs - 1e-9 } else { far_secs }]
     }
 
@@ -167,7 +173,9 @@ impl<'a> TestCrowd<'a> {
             Timing::Loop { start_tick, phase, speed } => {
                 Slot::looping(bound_clip, start_tick, duration, phase, speed)
             }
-            Timing::Once { start_tick, speed } => Slot::once(bound_clip, start_tick, duration, speed),
+            Timing::Once { start_tick, speed } => {
+                Slot::once(bound_clip, start_tick, duration, speed)
+            }
             Timing::Held { secs } => Slot::held(bound_clip, 0, secs),
         };
         let mut slot = slot.on_layer(play.layer);
@@ -181,14 +189,18 @@ impl<'a> TestCrowd<'a> {
     fn bound_clip(&mut self, clip: usize, body: usize) -> u32 {
         let (scene, tables, body_index) = (self.scene, &mut self.tables, self.bodies[body]);
         let source = &scene.clips[clip].clip;
-        let index = *self.clips.entry(clip).or_insert_with(|| tables.add_clip(source).expect("a clip fits"));
+        let index = *self
+            .clips
+            .entry(clip)
+            .or_insert_with(|| tables.add_clip(source).expect("a clip fits"));
         *self.bound_clips.entry((clip, body)).or_insert_with(|| {
             let skeleton = &scene.bodies[body].skeleton;
             let binding = match scene.retargets.contains_key(&(clip, body)) {
                 false => Binding::new(source, skeleton),
                 true => {
                     let (from, onto) = (&scene.bodies[scene.clips[clip].body], &scene.bodies[body]);
-                    let binding = Binding::retarget(source, &from.role_map(), skeleton, &onto.role_map());
+                    let binding =
+                        Binding::retarget(source, &from.role_map(), skeleton, &onto.role_map());
                     binding.expect("both are humanoid")
                 }
             };
@@ -244,6 +256,8 @@ impl<'a> TestCrowd<'a> {
     ///
     /// If the backend fails.
     pub fn run_stage(&self, backend: &mut dyn Backend, tick: u64, stage: Stage) {
-        backend.run_stage(&self.tables, Frame::of_all(tick), stage).expect("the backend runs a stage");
+        backend
+            .run_stage(&self.tables, Frame::of_all(tick), stage)
+            .expect("the backend runs a stage");
     }
 }

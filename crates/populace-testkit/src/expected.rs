@@ -3,7 +3,8 @@
 use populace_core::TICKS_PER_SEC;
 
 use crate::oracle::{
-    OracleLayer, OraclePose, OracleSettling, OracleSlot, OracleStand, Timing, Weighting, evaluate_settling,
+    OracleLayer, OraclePose, OracleSettling, OracleSlot, OracleStand, Timing, Weighting,
+    evaluate_settling,
 };
 use crate::tolerance::{
     AffineBound, LocalBound, SampleBound, UNIT, WEIGHT_ERROR, model_bounds, palette_bounds,
@@ -66,8 +67,8 @@ impl<'a> TestCrowd<'a> {
         }
     }
 
-    /// What a member must look like; `None` where one of its clips jumps so near that either side is right, or where
-    /// only a clip's own bound holds.
+    /// What a member must look like; `None` where one of its clips jumps so near that either side
+    /// is right, or where only a clip's own bound holds.
     pub(crate) fn expected(&self, member: usize, tick: u64) -> Option<Expected> {
         let plan = self.plan(member);
         let clip = |play: &Play| &self.scene.clips[play.clip];
@@ -78,7 +79,9 @@ impl<'a> TestCrowd<'a> {
         let mut bound = SampleBound::default();
         for (play, _) in plan.shown(tick) {
             let of_clip = match play.timing {
-                Timing::Held { secs } if is_exact(&clip(play).exact_times, secs) => clip(play).at_keys,
+                Timing::Held { secs } if is_exact(&clip(play).exact_times, secs) => {
+                    clip(play).at_keys
+                }
                 _ => clip(play).between_keys?,
             };
             bound = bound.or(of_clip);
@@ -86,8 +89,9 @@ impl<'a> TestCrowd<'a> {
         Some(self.expected_within(member, tick, bound))
     }
 
-    /// Widened by what retargeted clips add up for a joint: what each rotation of the source on the way is off by, and a
-    /// product's rounding, 8 units for each of up to four products; places are off by that as far as they hang on it.
+    /// Widened by what retargeted clips add up for a joint: what each rotation of the source on the
+    /// way is off by, and a product's rounding, 8 units for each of up to four products; places are
+    /// off by that as far as they hang on it.
     fn with_retargets(
         &self,
         own: SampleBound,
@@ -121,7 +125,8 @@ impl<'a> TestCrowd<'a> {
         widest
     }
 
-    /// Translations count in units of what is above; the smallest scale of any joint bounds how long they are.
+    /// Translations count in units of what is above; the smallest scale of any joint bounds how
+    /// long they are.
     fn least_scale(&self, body: usize) -> f64 {
         let scales = self.scene.bodies[body].joints.iter().flat_map(|joint| joint.rest.scale);
         scales.map(f64::from).fold(1.0, f64::min)
@@ -144,8 +149,14 @@ impl<'a> TestCrowd<'a> {
         let joints = &self.scene.bodies[plan.body].joints;
         let local = |j: usize| {
             let clips = plan.shown(tick).map(|(play, _)| &self.scene.clips[play.clip].clip);
-            let bound = self.with_retargets(bound.with_storage(&joints[j].name, clips), plan, bound, j);
-            LocalBound::after_pose(&bound, &body.rest(j), &pose.gains[j], slots.len() + settling.len())
+            let bound =
+                self.with_retargets(bound.with_storage(&joints[j].name, clips), plan, bound, j);
+            LocalBound::after_pose(
+                &bound,
+                &body.rest(j),
+                &pose.gains[j],
+                slots.len() + settling.len(),
+            )
         };
         let locals: Vec<_> = (0..joints.len()).map(local).collect();
         let models = model_bounds(body, &pose.locals, &pose.model_from_joint, &locals);
@@ -156,7 +167,8 @@ impl<'a> TestCrowd<'a> {
 
 /// Whether rows hold the value at a time exactly, as they do outside of all keys.
 fn is_exact(times: &[f32], secs: f32) -> bool {
-    let outside = times.first().is_none_or(|t| secs <= *t) || times.last().is_none_or(|t| secs >= *t);
+    let outside =
+        times.first().is_none_or(|t| secs <= *t) || times.last().is_none_or(|t| secs >= *t);
     outside || times.contains(&secs)
 }
 

@@ -1,8 +1,8 @@
 //! Comparison of pictures with references that are kept as PNG files.
 //!
-//! A missing reference, or one of another size, is a failure. `POPULACE_UPDATE=name` (or several names with commas
-//! between) writes the reference anew. On failure the picture and its difference from the reference are written beside
-//! each other to a folder.
+//! A missing reference, or one of another size, is a failure. `POPULACE_UPDATE=name` (or several
+//! names with commas between) writes the reference anew. On failure the picture and its difference
+//! from the reference are written beside each other to a folder.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,8 @@ const REFERENCE_BYTES: u64 = 64 * 1024;
 /// The environment variable that names the references to write anew.
 const UPDATE: &str = "POPULACE_UPDATE";
 
-/// How far a picture may stray from its reference: a class of pictures, each made by a function of its own.
+/// How far a picture may stray from its reference: a class of pictures, each made by a function of
+/// its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// A pixel is bad where a channel differs by more than this.
@@ -30,15 +31,16 @@ impl Limits {
         Self { channel_difference: 0, bad_share: 0.0 }
     }
 
-    /// Flat surfaces under plain light, by any version of one rasteriser: shading rounds to one step of a channel up or
-    /// down, and its gamma curve may double that; a few pixels on edges go to the other side.
+    /// Flat surfaces under plain light, by any version of one rasteriser: shading rounds to one
+    /// step of a channel up or down, and its gamma curve may double that; a few pixels on edges go
+    /// to the other side.
     #[must_use]
     pub const fn surfaces() -> Self {
         Self { channel_difference: 2, bad_share: 0.001 }
     }
 
-    /// Textured and far away, or by another rasteriser: filtering weights have as few as 8 bits, and every silhouette
-    /// may move by a fraction of a pixel.
+    /// Textured and far away, or by another rasteriser: filtering weights have as few as 8 bits,
+    /// and every silhouette may move by a fraction of a pixel.
     #[must_use]
     pub const fn textures() -> Self {
         Self { channel_difference: 8, bad_share: 0.01 }
@@ -101,7 +103,10 @@ impl fmt::Display for Mismatch {
                 difference.display()
             ),
             Self::TooLarge { bytes } => {
-                write!(f, "a reference of {bytes} bytes is too large to keep; the limit is {REFERENCE_BYTES}")
+                write!(
+                    f,
+                    "a reference of {bytes} bytes is too large to keep; the limit is {REFERENCE_BYTES}"
+                )
             }
             Self::File(what) => f.write_str(what),
         }
@@ -119,7 +124,8 @@ pub struct Folders<'a> {
     pub failures: &'a Path,
 }
 
-/// Compares a picture (`width x height x 4` bytes, rows from the top) with the reference of its name.
+/// Compares a picture (`width x height x 4` bytes, rows from the top) with the reference of its
+/// name.
 ///
 /// # Panics
 ///
@@ -155,7 +161,9 @@ pub fn compare_picture(
     let bytes = rgba.len();
     let picture = RgbaImage::from_raw(width, height, rgba.to_vec())
         .filter(|picture| picture.len() == bytes)
-        .ok_or_else(|| Mismatch::File(format!("{bytes} bytes are no {width} x {height} picture")))?;
+        .ok_or_else(|| {
+            Mismatch::File(format!("{bytes} bytes are no {width} x {height} picture"))
+        })?;
     compare(name, &picture, limits, folders, &update)
 }
 
@@ -180,7 +188,10 @@ fn compare(
         .to_rgba8();
     if reference.dimensions() != actual.dimensions() {
         save(actual, &actual_path)?;
-        return Err(Mismatch::Size { actual: actual.dimensions(), reference: reference.dimensions() });
+        return Err(Mismatch::Size {
+            actual: actual.dimensions(),
+            reference: reference.dimensions(),
+        });
     }
     let difference = Difference::of(actual, &reference, limits);
     if difference.bad <= difference.allowed {
@@ -333,7 +344,9 @@ mod tests {
         let scratch = Scratch::new("large");
         let mut rng = crate::Rng::new(5);
         let mut noise = gray(200, 200);
-        noise.pixels_mut().for_each(|p| p.0 = u32::try_from(rng.bits() >> 32).unwrap().to_le_bytes());
+        noise
+            .pixels_mut()
+            .for_each(|p| p.0 = u32::try_from(rng.bits() >> 32).unwrap().to_le_bytes());
         let error = scratch.check(&noise, Limits::exact(), "gray").unwrap_err();
         assert!(matches!(error, Mismatch::TooLarge { .. }), "{error}");
     }

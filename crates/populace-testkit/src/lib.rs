@@ -1,9 +1,10 @@
-//! The judges of Populace: a double-precision [`oracle`], the [`conformance`] suite that every device and schedule
-//! runs against it, and the comparison of [`image`]s.
+//! The judges of Populace: a double-precision [`oracle`], the [`conformance`] suite that every
+//! device and schedule runs against it, and the comparison of [`image`]s.
 //!
-//! The oracle is written from the glTF 2.0 equations and the rules of blending, one character at a time and
-//! recursively. It shares no sampling, blending or hierarchy code with what it judges. How far a device may stray from
-//! it is stated in [`tolerance`], each bound with its derivation. [`scenes`] makes the skeletons and clips.
+//! The oracle is written from the glTF 2.0 equations and the rules of blending, one character at a
+//! time and recursively. It shares no sampling, blending or hierarchy code with what it judges. How
+//! far a device may stray from it is stated in [`tolerance`], each bound with its derivation.
+//! [`scenes`] makes the skeletons and clips.
 //!
 //! A crate that implements a backend runs the whole suite by one line:
 //!
@@ -13,7 +14,10 @@
 //! }
 //! ```
 
-#![expect(clippy::print_stdout, reason = "the numbers compared are for those who run tests with --nocapture")]
+#![expect(
+    clippy::print_stdout,
+    reason = "the numbers compared are for those who run tests with --nocapture"
+)]
 
 mod broken;
 mod compare;
@@ -35,7 +39,10 @@ pub use reading::MemberReading;
 pub use rng::Rng;
 
 /// The nearest single-precision number.
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
 pub(crate) fn single(x: f64) -> f32 {
     x as f32
 }

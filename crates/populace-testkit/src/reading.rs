@@ -28,10 +28,13 @@ impl TestCrowd<'_> {
     /// If the backend fails, or there is no such member.
     pub fn read_palette(&self, backend: &mut dyn Backend, member: usize) -> Vec<[f32; 12]> {
         let plan = self.plan(member);
-        let first = 3 * self.tables.members().as_slice()[self.place(member) as usize].palette_first as usize;
+        let first = 3 * self.tables.members().as_slice()[self.place(member) as usize].palette_first
+            as usize;
         let mut rows = vec![Float4::default(); 3 * self.scene.bodies[plan.body].palette.len()];
         if !rows.is_empty() {
-            backend.read(&self.tables, StageBuffer::Palette, first, &mut rows).expect("palettes can be read");
+            backend
+                .read(&self.tables, StageBuffer::Palette, first, &mut rows)
+                .expect("palettes can be read");
         }
         rows.chunks(3).map(|r| flat([r[0], r[1], r[2]])).collect()
     }
@@ -46,7 +49,8 @@ impl TestCrowd<'_> {
         let translations = joints(StageBuffer::Translations);
         let rotations = joints(StageBuffer::Rotations);
         let scales = joints(StageBuffer::Scales);
-        let model_rows = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2].map(joints);
+        let model_rows =
+            [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2].map(joints);
         MemberReading {
             translations: translations.into_iter().map(Float4::xyz).collect(),
             rotations: rotations.into_iter().map(|q| q.0).collect(),
@@ -59,9 +63,15 @@ impl TestCrowd<'_> {
     }
 
     /// A member's elements of a joint-wise buffer, in the order of the source.
-    fn read_joints(&self, backend: &mut dyn Backend, member: usize, buffer: StageBuffer) -> Vec<Float4> {
+    fn read_joints(
+        &self,
+        backend: &mut dyn Backend,
+        member: usize,
+        buffer: StageBuffer,
+    ) -> Vec<Float4> {
         let skeleton = &self.scene.bodies[self.plan(member).body].skeleton;
-        let first = self.tables.members().as_slice()[self.place(member) as usize].joint_first as usize;
+        let first =
+            self.tables.members().as_slice()[self.place(member) as usize].joint_first as usize;
         let mut by_level = vec![Float4::default(); skeleton.joint_count()];
         backend.read(&self.tables, buffer, first, &mut by_level).expect("joints can be read");
         (0..skeleton.joint_count())
@@ -82,7 +92,8 @@ impl TestCrowd<'_> {
         by_source: &[[f32; 4]],
     ) {
         let skeleton = &self.scene.bodies[self.plan(member).body].skeleton;
-        let first = self.tables.members().as_slice()[self.place(member) as usize].joint_first as usize;
+        let first =
+            self.tables.members().as_slice()[self.place(member) as usize].joint_first as usize;
         let by_level: Vec<_> =
             skeleton.joints().map(|j| Float4(by_source[skeleton.source_from_joint(j)])).collect();
         backend.write(buffer, first, &by_level).expect("joints can be written");

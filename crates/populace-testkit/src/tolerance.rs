@@ -16,54 +16,58 @@ pub use matrices::{AffineBound, model_bounds, palette_bounds};
 /// Half a unit in the last place of 1, in single precision.
 pub const UNIT: f64 = 1.0 / 16_777_216.0;
 
-/// No local transform is compared with a bound above this (quaternion components, factors, metres): where a bound is
-/// wider, for instance since two rotations nearly cancel, the joint is left out, and a check fails if it leaves out many.
+/// No local transform is compared with a bound above this (quaternion components, factors, metres):
+/// where a bound is wider, for instance since two rotations nearly cancel, the joint is left out,
+/// and a check fails if it leaves out many.
 pub const LOCAL_CAP: f64 = 4e-5;
 
-/// No model matrix or palette is compared with a bound above this (metres and columns alike), other than where a clip's
-/// own bound decides.
+/// No model matrix or palette is compared with a bound above this (metres and columns alike), other
+/// than where a clip's own bound decides.
 pub const MODEL_CAP: f64 = 2e-3;
 
 /// The cap of matrices where Transform or Write-back runs alone, so that only rounding is left.
 pub const ROUNDING_CAP: f64 = 1e-4;
 
-/// How much wider both caps are where clips turn far between keys and the layers above magnify that.
+/// How much wider both caps are where clips turn far between keys and the layers above magnify
+/// that.
 pub const COARSE: f64 = 25.0;
 
-/// Rounding of rotations in Pose, as four-component vectors: stored rows and rest (1 `u` each, 2), interpolation
-/// between two rows (3), normalising (dot 4, halved by the root; root 6; quotient 5; product 1: 14), weight and share
-/// (3), one product and one sum for each slot (2), normalising the mix (14), with 4 to spare.
+/// Rounding of rotations in Pose, as four-component vectors: stored rows and rest (1 `u` each, 2),
+/// interpolation between two rows (3), normalising (dot 4, halved by the root; root 6; quotient 5;
+/// product 1: 14), weight and share (3), one product and one sum for each slot (2), normalising the
+/// mix (14), with 4 to spare.
 #[must_use]
 pub fn rotation_rounding(slots: usize) -> f64 {
     (2 * slots + 40) as f64 * UNIT
 }
 
-/// Rounding of translations and scales in Pose, in proportion to the largest value: stored (2), interpolated (3), a
-/// product and a sum for each slot (2), divided by the total, whose own sum rounds for each slot (1), or a ratio (5),
-/// laid over (4), with 4 to spare.
+/// Rounding of translations and scales in Pose, in proportion to the largest value: stored (2),
+/// interpolated (3), a product and a sum for each slot (2), divided by the total, whose own sum
+/// rounds for each slot (1), or a ratio (5), laid over (4), with 4 to spare.
 #[must_use]
 pub fn value_rounding(slots: usize) -> f64 {
     (3 * slots + 18) as f64 * UNIT
 }
 
-/// How far a slot's time may be off. The phase keeps 24 bits, cut off, not rounded: one part in 2^24 of the duration,
-/// 2 `u`; three roundings of times up to the clip's end (3); finding how far between two rows a time lies subtracts two
-/// rounded times (2). The duration itself is taken as the clip states it.
+/// How far a slot's time may be off. The phase keeps 24 bits, cut off, not rounded: one part in
+/// 2^24 of the duration, 2 `u`; three roundings of times up to the clip's end (3); finding how far
+/// between two rows a time lies subtracts two rounded times (2). The duration itself is taken as
+/// the clip states it.
 #[must_use]
 pub fn time_error_secs(clip: &Clip) -> f64 {
     8.0 * UNIT * (f64::from(clip.start_secs()).abs() + f64::from(clip.duration_secs()))
 }
 
-/// How far a held time may be off: it is exact itself, and so are the times of rows; the time passed since the first row,
-/// the rate of evenly spaced rows and their product round once each (3), and such rows may be a rounding away from an
-/// even grid (1).
+/// How far a held time may be off: it is exact itself, and so are the times of rows; the time
+/// passed since the first row, the rate of evenly spaced rows and their product round once each
+/// (3), and such rows may be a rounding away from an even grid (1).
 #[must_use]
 pub fn held_time_error_secs(clip: &Clip) -> f64 {
     0.5 * time_error_secs(clip)
 }
 
-/// How far a weight that ramps may be off: the elapsed time rounds three times (3), the rate once (1), product and
-/// sum (2), with ramps between 0 and 1, in `u`; 2 to spare.
+/// How far a weight that ramps may be off: the elapsed time rounds three times (3), the rate once
+/// (1), product and sum (2), with ramps between 0 and 1, in `u`; 2 to spare.
 pub const WEIGHT_ERROR: f64 = 8.0 * UNIT;
 
 /// How far one slot's sampled value may be from the source curves, apart from the rounding in Pose.
@@ -110,12 +114,13 @@ impl SampleBound {
         bound
     }
 
-    /// Of a clip at any time; `None` where only the clip's bound in model space holds, since some track is a spline or
-    /// turns far between two keys.
+    /// Of a clip at any time; `None` where only the clip's bound in model space holds, since some
+    /// track is a spline or turns far between two keys.
     ///
-    /// Rows stand at the union of key times, so what is left is a chord in place of an arc: normalised linear
-    /// interpolation over an arc `a` (between the quaternions) lags behind slerp by at most
-    /// `a^3 t (1 - t) (1 - 2 t) / 6 <= 0.0161 a^3` (series of the tangent formula); 0.017 covers the next terms.
+    /// Rows stand at the union of key times, so what is left is a chord in place of an arc:
+    /// normalised linear interpolation over an arc `a` (between the quaternions) lags behind slerp
+    /// by at most `a^3 t (1 - t) (1 - 2 t) / 6 <= 0.0161 a^3` (series of the tangent formula);
+    /// 0.017 covers the next terms.
     #[must_use]
     pub fn between_keys(clip: &Clip) -> Option<Self> {
         const FAR: f64 = 0.15;
@@ -128,8 +133,8 @@ impl SampleBound {
         Some(bound)
     }
 
-    /// Widened for a joint by the steps that clips store its values in: at most half a step of the joint's own range, as
-    /// the clips' own tests hold them to.
+    /// Widened for a joint by the steps that clips store its values in: at most half a step of the
+    /// joint's own range, as the clips' own tests hold them to.
     #[must_use]
     pub fn with_storage<'a>(mut self, joint: &str, clips: impl Iterator<Item = &'a Clip>) -> Self {
         let mut worst = [0.0; 3];
@@ -156,9 +161,10 @@ impl SampleBound {
         }
     }
 
-    /// Widened by weights that are off by `error` each, where `slots` of them sum to `total`: shares move by at most
-    /// `slots * error / total`, and with them the mix by that times the distance of two values, at most 2 between unit
-    /// quaternions and twice the largest value elsewhere.
+    /// Widened by weights that are off by `error` each, where `slots` of them sum to `total`:
+    /// shares move by at most `slots * error / total`, and with them the mix by that times the
+    /// distance of two values, at most 2 between unit quaternions and twice the largest value
+    /// elsewhere.
     #[must_use]
     pub fn with_weight_error(mut self, error: f64, slots: usize, total: f64) -> Self {
         let share = slots as f64 * error / total;
@@ -169,8 +175,8 @@ impl SampleBound {
     }
 }
 
-/// The widest arc between two neighbouring rotation keys that are slerped, as angle between the quaternions; `None` if
-/// there are splines.
+/// The widest arc between two neighbouring rotation keys that are slerped, as angle between the
+/// quaternions; `None` if there are splines.
 fn widest_arc(source: &ClipSource) -> Option<f64> {
     let mut widest: f64 = 0.0;
     for track in &source.tracks {
@@ -189,13 +195,15 @@ fn widest_arc(source: &ClipSource) -> Option<f64> {
 
 /// The arc between a rotation key and the one before it.
 fn arc(track: &Track, key: usize) -> f64 {
-    let quat =
-        |key| glam::DVec4::from_array(std::array::from_fn(|c| f64::from(track.value(key)[c]))).normalize();
+    let quat = |key| {
+        glam::DVec4::from_array(std::array::from_fn(|c| f64::from(track.value(key)[c]))).normalize()
+    };
     quat(key - 1).dot(quat(key)).abs().min(1.0).acos()
 }
 
-/// The steepest slope of a track, per second. For splines: the slopes of the four Hermite polynomials are at most 1.5,
-/// 1.5, 1 and 1, per value and tangent; a rotation's slope grows again where its length is below 1, by at most 2 here.
+/// The steepest slope of a track, per second. For splines: the slopes of the four Hermite
+/// polynomials are at most 1.5, 1.5, 1 and 1, per value and tangent; a rotation's slope grows again
+/// where its length is below 1, by at most 2 here.
 fn steepest_per_sec(track: &Track) -> f64 {
     let width = track.property.width();
     let mut steepest: f64 = 0.0;
@@ -240,7 +248,8 @@ pub struct LocalBound {
 impl LocalBound {
     /// A joint's bound after Pose has mixed `slots` slots that are each within `sample`.
     ///
-    /// What is off in a sample, and the rounding on the way, grows by the oracle's gain for that joint.
+    /// What is off in a sample, and the rounding on the way, grows by the oracle's gain for that
+    /// joint.
     #[must_use]
     pub fn after_pose(sample: &SampleBound, rest: &Local, gain: &Gain, slots: usize) -> Self {
         let translation_size = sample.translation_size.max(rest.translation.abs().max_element());

@@ -1,4 +1,5 @@
-//! Blend spaces: clips at points of speed, or of speed and turn, and how much each weighs at a point between them.
+//! Blend spaces: clips at points of speed, or of speed and turn, and how much each weighs at a
+//! point between them.
 
 mod plane;
 
@@ -46,15 +47,17 @@ enum Shape {
     Plane(Plane),
 }
 
-/// Clips at points of a line or a plane, mixed by where a member is between them: an idle, a walk and a run by speed, or
-/// turns to either side too.
+/// Clips at points of a line or a plane, mixed by where a member is between them: an idle, a walk
+/// and a run by speed, or turns to either side too.
 ///
-/// At a sample its clip alone plays; between samples the two or three around the point do, and their weights run evenly
-/// from one to the other. Outside of all samples the nearest point among them counts.
+/// At a sample its clip alone plays; between samples the two or three around the point do, and
+/// their weights run evenly from one to the other. Outside of all samples the nearest point among
+/// them counts.
 ///
-/// All clips of a space share one phase, so that feet that touch the ground together stay together. It runs at the mean
-/// of the clips' own cycles per second, by their weights; clips of no length have none and follow. Where a clip begins
-/// with another foot than the others, [`with_offset`](Self::with_offset) says how far into the cycle.
+/// All clips of a space share one phase, so that feet that touch the ground together stay together.
+/// It runs at the mean of the clips' own cycles per second, by their weights; clips of no length
+/// have none and follow. Where a clip begins with another foot than the others,
+/// [`with_offset`](Self::with_offset) says how far into the cycle.
 ///
 /// ```
 /// # use populace::{BlendSpace, Crowd, Device, Placement, Play};
@@ -96,11 +99,15 @@ impl BlendSpace {
     ///
     /// # Errors
     ///
-    /// [`Error::BadBlendSpace`] without samples, with more than 1,000, or where two are at one value; a value that is not
-    /// finite.
+    /// [`Error::BadBlendSpace`] without samples, with more than 1,000, or where two are at one
+    /// value; a value that is not finite.
     pub fn line(samples: &[(ClipId, f32)]) -> Result<Self, Error> {
-        let mut values: Vec<_> = samples.iter().enumerate().map(|(index, (_, at))| (*at, index)).collect();
-        bounded("a sample of a blend space", &values.iter().map(|(at, _)| *at).collect::<Vec<_>>())?;
+        let mut values: Vec<_> =
+            samples.iter().enumerate().map(|(index, (_, at))| (*at, index)).collect();
+        bounded(
+            "a sample of a blend space",
+            &values.iter().map(|(at, _)| *at).collect::<Vec<_>>(),
+        )?;
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
         if values.windows(2).any(|pair| pair[0].0 == pair[1].0) {
             return Err(bad("has two samples at one value; put each at its own"));
@@ -108,10 +115,11 @@ impl BlendSpace {
         Self::new(samples.iter().map(|(clip, _)| *clip), Shape::Line(values))
     }
 
-    /// Clips at points of two axes, such as speed in metres per second and turn in radians per second, in any order.
+    /// Clips at points of two axes, such as speed in metres per second and turn in radians per
+    /// second, in any order.
     ///
-    /// Points are joined to triangles (Delaunay's, with each axis measured by how far the samples spread along it). Where
-    /// all stand on one line, the plane is that line.
+    /// Points are joined to triangles (Delaunay's, with each axis measured by how far the samples
+    /// spread along it). Where all stand on one line, the plane is that line.
     ///
     /// # Errors
     ///
@@ -132,8 +140,8 @@ impl BlendSpace {
         Ok(Self { offsets: vec![0.0; clips.len()], clips, shape })
     }
 
-    /// Says how far into its own cycle a clip is when the space's phase begins, from 0 to 1, so that its feet fall with
-    /// those of the others.
+    /// Says how far into its own cycle a clip is when the space's phase begins, from 0 to 1, so
+    /// that its feet fall with those of the others.
     ///
     /// # Errors
     ///
@@ -154,7 +162,8 @@ impl BlendSpace {
         &self.clips
     }
 
-    /// The clips that play at a point with their weights, which sum to 1; at most two in a line and three in a plane.
+    /// The clips that play at a point with their weights, which sum to 1; at most two in a line and
+    /// three in a plane.
     ///
     /// # Errors
     ///
@@ -209,7 +218,10 @@ pub(crate) fn bad(reason: &str) -> Error {
     Error::BadBlendSpace { reason: reason.to_owned() }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
 pub(crate) fn single(number: f64) -> f32 {
     number as f32
 }

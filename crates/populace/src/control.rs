@@ -34,7 +34,11 @@ impl Target {
                 if v.iter().any(|v| *v != 0.0) {
                     return Ok(());
                 }
-                Err(Error::BadValue { what: "the direction of a target", value: 0.0, rule: "of some length" })
+                Err(Error::BadValue {
+                    what: "the direction of a target",
+                    value: 0.0,
+                    rule: "of some length",
+                })
             }
             Self::Joint { .. } => Ok(()),
         }
@@ -133,9 +137,9 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// With the limb that ends in a joint. Unless others are named, what bends and turns above a hand or a foot is elbow and
-    /// shoulder, or knee and hip, by the character's humanoid roles; above any other joint, its parent and that one's
-    /// parent.
+    /// With the limb that ends in a joint. Unless others are named, what bends and turns above a
+    /// hand or a foot is elbow and shoulder, or knee and hip, by the character's humanoid roles;
+    /// above any other joint, its parent and that one's parent.
     #[must_use]
     pub const fn with(end: JointIndex) -> Self {
         Self { end, limb: None, pole: None, bend: None, keeps_end: false }
@@ -148,16 +152,17 @@ impl Reach {
         self
     }
 
-    /// Draws the joint that bends towards a direction in model space. Without this it stays on the side where the clips
-    /// have it.
+    /// Draws the joint that bends towards a direction in model space. Without this it stays on the
+    /// side where the clips have it.
     #[must_use]
     pub const fn pole(mut self, direction: [f32; 3]) -> Self {
         self.pole = Some(direction);
         self
     }
 
-    /// Where the middle joint bends to when the limb is straight, as a direction at rest in model space. Unless named, it
-    /// is where the rest pose bends, else what is usual: knees to the front, elbows of outstretched arms to the back.
+    /// Where the middle joint bends to when the limb is straight, as a direction at rest in model
+    /// space. Unless named, it is where the rest pose bends, else what is usual: knees to the
+    /// front, elbows of outstretched arms to the back.
     #[must_use]
     pub const fn bending(mut self, direction: [f32; 3]) -> Self {
         self.bend = Some(direction);

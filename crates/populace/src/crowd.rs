@@ -28,8 +28,8 @@ use std::sync::Arc;
 
 use populace_core::layout::{PAGE_ENTRIES, Slot};
 use populace_core::{
-    AnimationSet, BackendError, BodyIndex, Character, ClipIndex, FIRST_TICK, Frame, GlContext, RoleMap,
-    TICKS_PER_SEC, Tables,
+    AnimationSet, BackendError, BodyIndex, Character, ClipIndex, FIRST_TICK, Frame, GlContext,
+    RoleMap, TICKS_PER_SEC, Tables,
 };
 
 use crate::device::Opened;
@@ -68,8 +68,8 @@ impl CharacterId {
     }
 }
 
-/// A clip of a crowd. Any member can play it: it drives the joints whose names it knows, and moves other bodies by their
-/// humanoid roles.
+/// A clip of a crowd. Any member can play it: it drives the joints whose names it knows, and moves
+/// other bodies by their humanoid roles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClipId {
     crowd: u32,
@@ -92,15 +92,17 @@ pub struct Member {
 }
 
 impl Member {
-    /// A number below the crowd's capacity: that of no other member while this one is there. Users' stages get it.
+    /// A number below the crowd's capacity: that of no other member while this one is there. Users'
+    /// stages get it.
     #[must_use]
     pub const fn number(self) -> u32 {
         self.place
     }
 }
 
-/// A handle to a clip or a state machine that was started on a member. It goes stale once another clip has taken its slot, which happens
-/// after it has faded out, and when it was to start later and something else was started in its place.
+/// A handle to a clip or a state machine that was started on a member. It goes stale once another
+/// clip has taken its slot, which happens after it has faded out, and when it was to start later
+/// and something else was started in its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PlayId {
     member: Member,
@@ -212,8 +214,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A time that is negative or not finite, or a failing device; the crowd's state survives that, see
-    /// [`move_to`](Self::move_to).
+    /// A time that is negative or not finite, or a failing device; the crowd's state survives that,
+    /// see [`move_to`](Self::move_to).
     pub fn update(&mut self, dt_secs: f32) -> Result<(), Error> {
         if !(0.0..=MAX_STEP_SECS).contains(&dt_secs) {
             let rule = "from 0 to 1,000,000 seconds";
@@ -226,7 +228,8 @@ impl Crowd {
             reason = "not negative; `as` saturates"
         )]
         let whole = ticks.round().max(0.0) as u64;
-        let clock = Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
+        let clock =
+            Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
         self.begin_what_is_due(clock.tick)?;
         self.tables.check_ranges()?;
         self.is_readable = false;
@@ -282,7 +285,10 @@ impl Crowd {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "counts of characters and layers, far below 2^32")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "counts of characters and layers, far below 2^32"
+)]
 fn u32_from(index: usize) -> u32 {
     index as u32
 }

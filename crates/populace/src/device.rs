@@ -29,7 +29,8 @@ pub enum Device {
         /// The number.
         index: usize,
     },
-    /// One of several equal parts of an OpenCL device: so many of its compute units, that no other part uses.
+    /// One of several equal parts of an OpenCL device: so many of its compute units, that no other
+    /// part uses.
     OpenClPart {
         /// The device's number.
         index: usize,
@@ -53,15 +54,17 @@ impl Device {
         Self::OpenCl { index }
     }
 
-    /// Part `part`, from 1 to `parts`, of an OpenCL device that is cut into so many equal ones. CPUs can be cut, down to
-    /// single compute units, while drivers for graphics processors do not offer it.
+    /// Part `part`, from 1 to `parts`, of an OpenCL device that is cut into so many equal ones.
+    /// CPUs can be cut, down to single compute units, while drivers for graphics processors do not
+    /// offer it.
     #[must_use]
     pub const fn opencl_part(index: usize, part: usize, parts: usize) -> Self {
         Self::OpenClPart { index, part, parts }
     }
 
-    /// The best device of this machine: an OpenCL GPU, else an OpenCL CPU, else the native one. OpenCL devices whose
-    /// driver lacks something on this machine are passed over; [`devices`] names what each lacks.
+    /// The best device of this machine: an OpenCL GPU, else an OpenCL CPU, else the native one.
+    /// OpenCL devices whose driver lacks something on this machine are passed over; [`devices`]
+    /// names what each lacks.
     #[must_use]
     pub fn best() -> Self {
         Self::best_opencl().unwrap_or(Self::native())
@@ -72,15 +75,17 @@ impl Device {
         opencl::best()
     }
 
-    /// The palettes of no member on this device, for `Renderer::link_palettes`, which tells how palettes reach a
-    /// context of OpenGL's from here. No kernel is built for it.
+    /// The palettes of no member on this device, for `Renderer::link_palettes`, which tells how
+    /// palettes reach a context of OpenGL's from here. No kernel is built for it.
     ///
     /// # Errors
     ///
     /// A device that is not there or cannot be opened.
     pub fn empty_palettes(self, gl: &Arc<dyn GlContext>) -> Result<Box<dyn PaletteSource>, Error> {
         match self {
-            Self::Native { threads } => Ok(Box::new(NativeBackend::new(threads, Schedule::default())?)),
+            Self::Native { threads } => {
+                Ok(Box::new(NativeBackend::new(threads, Schedule::default())?))
+            }
             Self::OpenCl { index } => opencl::empty_palettes((index, None), gl),
             Self::OpenClPart { index, part, parts } => {
                 opencl::empty_palettes((index, Some((part, parts))), gl)
@@ -88,12 +93,18 @@ impl Device {
         }
     }
 
-    /// Opens the device; for a context of OpenGL's where one is given and the device's driver takes it.
-    pub(crate) fn open(self, schedule: Schedule, gl: Option<&Arc<dyn GlContext>>) -> Result<Opened, Error> {
+    /// Opens the device; for a context of OpenGL's where one is given and the device's driver takes
+    /// it.
+    pub(crate) fn open(
+        self,
+        schedule: Schedule,
+        gl: Option<&Arc<dyn GlContext>>,
+    ) -> Result<Opened, Error> {
         match self {
-            Self::Native { threads } => {
-                Ok(Opened { engine: Engine::alone(NativeBackend::new(threads, schedule)?), not_for_gl: None })
-            }
+            Self::Native { threads } => Ok(Opened {
+                engine: Engine::alone(NativeBackend::new(threads, schedule)?),
+                not_for_gl: None,
+            }),
             Self::OpenCl { index } => opencl::open((index, None), schedule, gl),
             Self::OpenClPart { index, part, parts } => {
                 opencl::open((index, Some((part, parts))), schedule, gl)
@@ -158,19 +169,25 @@ impl fmt::Display for Device {
 impl FromStr for Device {
     type Err = Error;
 
-    /// Reads `native`, `native:N` (on N threads), `opencl` (the first OpenCL device), `opencl:N`, or `opencl:N:K/P` (part
-    /// K of the device cut into P equal ones).
+    /// Reads `native`, `native:N` (on N threads), `opencl` (the first OpenCL device), `opencl:N`,
+    /// or `opencl:N:K/P` (part K of the device cut into P equal ones).
     fn from_str(name: &str) -> Result<Self, Error> {
         let words: Vec<&str> = name.split(':').collect();
         let number = |word: &str| word.parse::<usize>().ok();
         let device = match words[..] {
             ["native"] => Some(Self::native()),
-            ["native", threads] => number(threads).filter(|n| *n > 0).map(|threads| Self::Native { threads }),
+            ["native", threads] => {
+                number(threads).filter(|n| *n > 0).map(|threads| Self::Native { threads })
+            }
             ["opencl"] => Some(Self::opencl(0)),
             ["opencl", index] => number(index).map(Self::opencl),
             ["opencl", index, part] => part.split_once('/').and_then(|(part, parts)| {
                 let (part, parts) = (number(part)?, number(parts)?);
-                (1..=parts).contains(&part).then_some(Self::opencl_part(number(index)?, part, parts))
+                (1..=parts).contains(&part).then_some(Self::opencl_part(
+                    number(index)?,
+                    part,
+                    parts,
+                ))
             }),
             _ => None,
         };
@@ -224,8 +241,9 @@ mod opencl {
         if let Some(device) = first(DeviceKind::Gpu).or(first(DeviceKind::Cpu)) {
             return Ok(Device::opencl(device.index));
         }
-        let faults =
-            found.iter().filter_map(|d| Some(format!("{} cannot be used: {}", d.name, d.fault.as_ref()?)));
+        let faults = found
+            .iter()
+            .filter_map(|d| Some(format!("{} cannot be used: {}", d.name, d.fault.as_ref()?)));
         let faults: Vec<_> = faults.collect();
         Err(if faults.is_empty() {
             "OpenCL offers neither a GPU nor a CPU".into()
@@ -251,8 +269,9 @@ mod opencl {
         Ok(Box::new(EmptyPalettes::new(&device, not_for_gl)?))
     }
 
-    /// A device, and why it was not opened for the context of OpenGL's that was given. Its context and kernels are for
-    /// this caller alone if made for OpenGL, else all crowds of this process share them.
+    /// A device, and why it was not opened for the context of OpenGL's that was given. Its context
+    /// and kernels are for this caller alone if made for OpenGL, else all crowds of this process
+    /// share them.
     fn ready(
         device: Name,
         gl: Option<&Arc<dyn GlContext>>,
@@ -275,7 +294,8 @@ mod opencl {
 
     fn shared(name: Name) -> Result<Arc<OpenClDevice>, Error> {
         static OPEN: OnceLock<Mutex<HashMap<Name, Arc<OpenClDevice>>>> = OnceLock::new();
-        let mut open = OPEN.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
+        let mut open =
+            OPEN.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(device) = open.get(&name) {
             return Ok(Arc::clone(device));
         }
@@ -346,7 +366,11 @@ mod opencl {
     }
 
     pub(super) fn reports() -> Vec<DeviceReport> {
-        vec![DeviceReport { device: None, name: "opencl".into(), detail: Error::WithoutOpenCl.to_string() }]
+        vec![DeviceReport {
+            device: None,
+            name: "opencl".into(),
+            detail: Error::WithoutOpenCl.to_string(),
+        }]
     }
 }
 
@@ -362,8 +386,14 @@ mod tests {
         }
         assert_eq!("opencl".parse(), Ok(Device::opencl(0)));
         assert_eq!("opencl:1:2/2".parse(), Ok(half));
-        let no_parts =
-            ["opencl:0:", "opencl:0:2", "opencl:0:0/2", "opencl:0:3/2", "opencl:0:1/0", "opencl:0:1/2/3"];
+        let no_parts = [
+            "opencl:0:",
+            "opencl:0:2",
+            "opencl:0:0/2",
+            "opencl:0:3/2",
+            "opencl:0:1/0",
+            "opencl:0:1/2/3",
+        ];
         let others = [
             "",
             "cuda",

@@ -46,7 +46,9 @@ pub enum Error {
         reason: String,
     },
     /// OpenCL asked for in a build without it.
-    #[error("this build has no OpenCL; build with the feature \"opencl\", or choose the native device")]
+    #[error(
+        "this build has no OpenCL; build with the feature \"opencl\", or choose the native device"
+    )]
     WithoutOpenCl,
     /// More members than the crowd was built for.
     #[error("the crowd is full: it was built for {capacity} members")]
@@ -101,7 +103,9 @@ pub enum Error {
 /// Refuses values that are not finite, or so large that products of them are not.
 pub(crate) fn bounded(what: &'static str, values: &[f32]) -> Result<(), Error> {
     match values.iter().find(|v| v.is_nan() || v.abs() > LARGEST) {
-        Some(&value) => Err(Error::BadValue { what, value, rule: "a finite number of at most 1e9 in size" }),
+        Some(&value) => {
+            Err(Error::BadValue { what, value, rule: "a finite number of at most 1e9 in size" })
+        }
         None => Ok(()),
     }
 }

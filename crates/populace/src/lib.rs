@@ -1,8 +1,9 @@
-//! Crowds in which every member has the full character pipeline: its own clips, blends and layers, evaluated afresh
-//! each frame on the CPU or on an OpenCL device, with palettes ready to be drawn from.
+//! Crowds in which every member has the full character pipeline: its own clips, blends and layers,
+//! evaluated afresh each frame on the CPU or on an OpenCL device, with palettes ready to be drawn
+//! from.
 //!
-//! Spaces and units: right-handed, Y up, +Z front, metres, seconds, radians. A member's *model* space is placed in the
-//! *world* by its [`Placement`].
+//! Spaces and units: right-handed, Y up, +Z front, metres, seconds, radians. A member's *model*
+//! space is placed in the *world* by its [`Placement`].
 //!
 //! ```
 //! use populace::{Crowd, Device, Placement, Play};
@@ -30,8 +31,9 @@
 //! # Ok::<(), populace::Error>(())
 //! ```
 //!
-//! The main decision: the host keeps the truth in plain tables and devices take over what changed, so a crowd can
-//! move to another device, and everything a device computes can be computed by every other.
+//! The main decision: the host keeps the truth in plain tables and devices take over what changed,
+//! so a crowd can move to another device, and everything a device computes can be computed by every
+//! other.
 
 mod blend_space;
 mod control;
@@ -45,16 +47,17 @@ mod stage;
 
 pub use populace_core as core;
 pub use populace_core::{
-    Affine, After, BackendError, BindingReport, BindingWay, Feet, Foot, Gaze, GazeLimits, Ground, JointIndex,
-    JointOverride, LayerMode, LayerSettings, LiveSettings, Mask, MotionOrigin, MotionSettings, MotionSource,
-    Schedule, Space, StageJoint, Streamed, Trs, UserStage, nearest_names,
+    Affine, After, BackendError, BindingReport, BindingWay, Feet, Foot, Gaze, GazeLimits, Ground,
+    JointIndex, JointOverride, LayerMode, LayerSettings, LiveSettings, Mask, MotionOrigin,
+    MotionSettings, MotionSource, Schedule, Space, StageJoint, Streamed, Trs, UserStage,
+    nearest_names,
 };
 
 pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Reach, Target, Weight};
 pub use crowd::{
-    CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance, MachineId, MaskId, Member, PlayId,
-    Sighting, SpaceId, StageId, Watch,
+    CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance, MachineId, MaskId,
+    Member, PlayId, Sighting, SpaceId, StageId, Watch,
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;

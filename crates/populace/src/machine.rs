@@ -52,13 +52,15 @@ struct Way {
     conditions: Vec<Condition>,
 }
 
-/// States that each play a clip, transitions between them, and parameters by which every member that runs the machine goes
-/// its own way. Devices run it: a frame costs the host what parameters it sets, and nothing else.
+/// States that each play a clip, transitions between them, and parameters by which every member
+/// that runs the machine goes its own way. Devices run it: a frame costs the host what parameters
+/// it sets, and nothing else.
 ///
-/// A member begins in the first state. Once a frame the transitions out of its state are looked at, in the order in which
-/// they were added, and the first of which all conditions hold is taken, as of that frame's tick: the new state's clip starts
-/// and fades in while the old one fades out. The next is looked at once that fade is over, so two clips at most mix and no
-/// pose jumps, however parameters change; one at most is taken a frame.
+/// A member begins in the first state. Once a frame the transitions out of its state are looked at,
+/// in the order in which they were added, and the first of which all conditions hold is taken, as
+/// of that frame's tick: the new state's clip starts and fades in while the old one fades out. The
+/// next is looked at once that fade is over, so two clips at most mix and no pose jumps, however
+/// parameters change; one at most is taken a frame.
 ///
 /// ```
 /// # use populace::{Condition, Crowd, Device, Placement, Play, StateMachine};
@@ -101,7 +103,8 @@ pub struct StateMachine {
 }
 
 impl StateMachine {
-    /// Nothing yet. What is wrong with a machine [`Crowd::add_machine`](crate::Crowd::add_machine) tells.
+    /// Nothing yet. What is wrong with a machine [`Crowd::add_machine`](crate::Crowd::add_machine)
+    /// tells.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -114,18 +117,25 @@ impl StateMachine {
         self
     }
 
-    /// Adds a state that plays a clip: again and again, once, held or live, at a speed and from a phase on. The first state is
-    /// the one that members begin in.
+    /// Adds a state that plays a clip: again and again, once, held or live, at a speed and from a
+    /// phase on. The first state is the one that members begin in.
     #[must_use]
     pub fn state(mut self, name: &str, clip: ClipId, play: Play) -> Self {
         self.states.push(State { name: name.to_owned(), clip, play });
         self
     }
 
-    /// Adds a transition, with a crossfade of so many seconds, for when all conditions hold; without any it is taken as soon
-    /// as it can be. One that leads back to its own state starts the clip anew.
+    /// Adds a transition, with a crossfade of so many seconds, for when all conditions hold;
+    /// without any it is taken as soon as it can be. One that leads back to its own state starts
+    /// the clip anew.
     #[must_use]
-    pub fn transition(self, from: &str, to: &str, fade_secs: f32, conditions: &[Condition]) -> Self {
+    pub fn transition(
+        self,
+        from: &str,
+        to: &str,
+        fade_secs: f32,
+        conditions: &[Condition],
+    ) -> Self {
         self.way(Some(from), to, fade_secs, conditions)
     }
 
@@ -135,13 +145,20 @@ impl StateMachine {
         self.way(None, to, fade_secs, conditions)
     }
 
-    fn way(mut self, from: Option<&str>, to: &str, fade_secs: f32, conditions: &[Condition]) -> Self {
+    fn way(
+        mut self,
+        from: Option<&str>,
+        to: &str,
+        fade_secs: f32,
+        conditions: &[Condition],
+    ) -> Self {
         let from = from.map(str::to_owned);
         self.ways.push(Way { from, to: to.to_owned(), fade_secs, conditions: conditions.to_vec() });
         self
     }
 
-    /// Checks all, and brings names to numbers. `duration_of` tells a clip's seconds, where it can be played so.
+    /// Checks all, and brings names to numbers. `duration_of` tells a clip's seconds, where it can
+    /// be played so.
     pub(crate) fn compile(
         &self,
         duration_of: impl Fn(ClipId, Mode) -> Result<f32, Error>,
@@ -170,7 +187,10 @@ impl StateMachine {
         if count > MACHINE_PARAMETERS as usize {
             return Err(bad(&format!("has {count} parameters; {MACHINE_PARAMETERS} are the most")));
         }
-        bounded("a parameter of a state machine", &self.parameters.iter().map(|p| p.1).collect::<Vec<_>>())?;
+        bounded(
+            "a parameter of a state machine",
+            &self.parameters.iter().map(|p| p.1).collect::<Vec<_>>(),
+        )?;
         check_unique("states", self.states.iter().map(|state| state.name.as_str()))?;
         check_unique("parameters", self.parameters.iter().map(|(name, _)| name.as_str()))?;
         for way in &self.ways {
@@ -186,7 +206,8 @@ impl StateMachine {
             find("state", name, names())?;
         }
         let from = way.from.as_deref();
-        let mut left = self.states.iter().filter(|state| from.is_none_or(|from| state.name == from));
+        let mut left =
+            self.states.iter().filter(|state| from.is_none_or(|from| state.name == from));
         let ends = left.any(|state| state.play.mode == Mode::Once);
         for condition in &way.conditions {
             match condition {
@@ -218,10 +239,15 @@ impl StateMachine {
             None => way.to != state.name,
         };
         let number = |condition: &Condition| {
-            let parameter = |name: &str| Ok::<_, Error>(u32::try_from(self.parameter_of(name)?).unwrap_or(0));
+            let parameter =
+                |name: &str| Ok::<_, Error>(u32::try_from(self.parameter_of(name)?).unwrap_or(0));
             Ok(match condition {
-                Condition::Above(name, value) => populace_core::Condition::Above(parameter(name)?, *value),
-                Condition::Below(name, value) => populace_core::Condition::Below(parameter(name)?, *value),
+                Condition::Above(name, value) => {
+                    populace_core::Condition::Above(parameter(name)?, *value)
+                }
+                Condition::Below(name, value) => {
+                    populace_core::Condition::Below(parameter(name)?, *value)
+                }
                 Condition::AfterSecs(secs) => {
                     populace_core::Condition::After(ticks_from_secs((*secs).into()))
                 }

@@ -57,15 +57,17 @@ impl Play {
         Self::new(Mode::Once)
     }
 
-    /// Standing at one time of the clip's own axis, in seconds; the first key holds before it, the last after it.
+    /// Standing at one time of the clip's own axis, in seconds; the first key holds before it, the
+    /// last after it.
     #[must_use]
     pub const fn held_at_secs(secs: f32) -> Self {
         Self::new(Mode::Held { secs })
     }
 
-    /// A live clip as it was so many seconds ago, following what comes in; where nothing more comes its newest pose holds,
-    /// before its oldest that one. A delay of somewhat more than the time between poses, and what they are late by, shows
-    /// smooth motion. Speed and phase are not looked at.
+    /// A live clip as it was so many seconds ago, following what comes in; where nothing more comes
+    /// its newest pose holds, before its oldest that one. A delay of somewhat more than the time
+    /// between poses, and what they are late by, shows smooth motion. Speed and phase are not
+    /// looked at.
     #[must_use]
     pub const fn live(delay_secs: f32) -> Self {
         Self::new(Mode::Live { delay_secs })
@@ -92,8 +94,8 @@ impl Play {
         self
     }
 
-    /// Takes this long to reach its weight. A member's first clip starts at full weight all the same: nobody sees the
-    /// rest pose by accident.
+    /// Takes this long to reach its weight. A member's first clip starts at full weight all the
+    /// same: nobody sees the rest pose by accident.
     #[must_use]
     pub const fn fade_in_secs(mut self, secs: f32) -> Self {
         self.fade_in_secs = secs;
@@ -101,15 +103,17 @@ impl Play {
         self
     }
 
-    /// In place of a fade, an inertialised transition: has its full weight at once, and the difference between what the
-    /// layer showed and this clip, in pose and in speed, decays to nothing within so many seconds. A tenth to half a second
-    /// is usual; over longer times what moved fast overshoots. The speed at which clips move a member (that of the update
-    /// before) goes over into the new one's in the same time, without overshooting.
+    /// In place of a fade, an inertialised transition: has its full weight at once, and the
+    /// difference between what the layer showed and this clip, in pose and in speed, decays to
+    /// nothing within so many seconds. A tenth to half a second is usual; over longer times what
+    /// moved fast overshoots. The speed at which clips move a member (that of the update before)
+    /// goes over into the new one's in the same time, without overshooting.
     ///
-    /// It is for [`Crowd::play`](crate::Crowd::play) and [`Crowd::queue`](crate::Crowd::queue). Where nothing is left, in
-    /// [`Crowd::blend`](crate::Crowd::blend), where a blend space begins, and where a live clip or a state machine begins or is
-    /// among those left, this is a fade of the same time. Where a layer above 0 weighed more or less than this clip does, its weight runs to
-    /// this clip's in that time.
+    /// It is for [`Crowd::play`](crate::Crowd::play) and [`Crowd::queue`](crate::Crowd::queue).
+    /// Where nothing is left, in [`Crowd::blend`](crate::Crowd::blend), where a blend space begins,
+    /// and where a live clip or a state machine begins or is among those left, this is a fade of
+    /// the same time. Where a layer above 0 weighed more or less than this clip does, its weight
+    /// runs to this clip's in that time.
     #[must_use]
     pub const fn settle_in_secs(mut self, secs: f32) -> Self {
         self.fade_in_secs = secs;
@@ -144,10 +148,14 @@ impl Play {
     /// A slot in layer 0 that plays a bound clip of that length so from a tick on, at full weight.
     pub(crate) fn slot(&self, bound: u32, tick: u64, duration_secs: f32) -> Slot {
         match self.mode {
-            Mode::Looping => Slot::looping(bound, tick, duration_secs, f64::from(self.phase), self.speed),
+            Mode::Looping => {
+                Slot::looping(bound, tick, duration_secs, f64::from(self.phase), self.speed)
+            }
             Mode::Once => Slot::once(bound, tick, duration_secs, self.speed),
             Mode::Held { secs } => Slot::held(bound, tick, secs),
-            Mode::Live { delay_secs } => Slot::live(bound, tick, ticks_from_secs(f64::from(delay_secs))),
+            Mode::Live { delay_secs } => {
+                Slot::live(bound, tick, ticks_from_secs(f64::from(delay_secs)))
+            }
         }
     }
 
@@ -177,14 +185,15 @@ pub struct Playing {
     pub clip: ClipId,
     /// The layer that it is mixed in.
     pub layer: usize,
-    /// Where it stands, in seconds on the clip's own axis; of a live clip the stream's own time, as far as single precision
-    /// tells it.
+    /// Where it stands, in seconds on the clip's own axis; of a live clip the stream's own time, as
+    /// far as single precision tells it.
     pub time_secs: f32,
     /// Its weight among the clips of its layer.
     pub weight: f32,
     /// Times the clip's own pace; negative runs backwards, 0 stands; 1 for a live clip.
     pub speed: f32,
-    /// Seconds until a clip that plays once has ended, 0 from then on; `None` for others and for one that stands.
+    /// Seconds until a clip that plays once has ended, 0 from then on; `None` for others and for
+    /// one that stands.
     pub ends_in_secs: Option<f64>,
 }
 
@@ -274,7 +283,10 @@ impl Placement {
     #[must_use]
     pub fn world_from_model(&self) -> Affine {
         let (sin, cos) = f64::from(self.yaw_rad).sin_cos();
-        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rounding to the nearest f32 is what is wanted"
+        )]
         let (sin, cos) = (sin as f32 * self.scale, cos as f32 * self.scale);
         let [x, y, z] = self.position;
         Affine { rows: [[cos, 0.0, sin, x], [0.0, self.scale, 0.0, y], [-sin, 0.0, cos, z]] }

@@ -1,4 +1,5 @@
-//! Several devices that evaluate one crowd: each takes the members of one range of places, all at the same time.
+//! Several devices that evaluate one crowd: each takes the members of one range of places, all at
+//! the same time.
 
 mod balance;
 mod kept;
@@ -10,8 +11,8 @@ use std::thread::{self, ScopedJoinHandle};
 
 use populace_core::layout::{Float4, JOINT_BLOCK, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_core::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, Schedule,
-    Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay,
+    Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use balance::Balance;
@@ -22,12 +23,14 @@ pub(crate) use kept::Kept;
 /// Elements of a page of palettes.
 const PAGE: usize = PAGE_ENTRIES as usize * 3;
 
-/// Runs of palettes that a driver is given one by one. Each call takes as long as copying some hundred kilobytes: where
-/// there are more, as come with members that come and go, the page is written as a whole.
+/// Runs of palettes that a driver is given one by one. Each call takes as long as copying some
+/// hundred kilobytes: where there are more, as come with members that come and go, the page is
+/// written as a whole.
 const CALLS: usize = 64;
 
-/// A crowd on several devices. Each keeps copies of all tables and has room for all palettes, so that members change
-/// over from one to another at no cost. Palettes are gathered on the first device, once somebody looks at pages.
+/// A crowd on several devices. Each keeps copies of all tables and has room for all palettes, so
+/// that members change over from one to another at no cost. Palettes are gathered on the first
+/// device, once somebody looks at pages.
 pub(crate) struct SplitBackend {
     /// Two or more.
     parts: Vec<Part>,
@@ -48,8 +51,8 @@ struct Part {
     backend: Box<dyn Backend>,
     places: Range<u32>,
     members: usize,
-    /// Whether it has a part in frames. The first has even without a member: others' palettes are written into its
-    /// pages, and only a frame turns it to pages that OpenGL does not draw from.
+    /// Whether it has a part in frames. The first has even without a member: others' palettes are
+    /// written into its pages, and only a frame turns it to pages that OpenGL does not draw from.
     is_at_work: bool,
 }
 
@@ -100,8 +103,11 @@ impl SplitBackend {
     /// Learns from the last frame and divides the places anew.
     fn divide(&mut self, tables: &Tables) {
         if std::mem::take(&mut self.is_measurable) && !self.balance.is_fixed() {
-            let work: Vec<_> =
-                self.parts.iter_mut().map(|part| (part.members, part.backend.frame_time_ms())).collect();
+            let work: Vec<_> = self
+                .parts
+                .iter_mut()
+                .map(|part| (part.members, part.backend.frame_time_ms()))
+                .collect();
             self.balance.measured(work.into_iter());
         }
         let all = self.places.members();
@@ -112,7 +118,8 @@ impl SplitBackend {
             // Whoever has the last member has the places after it too.
             let place_end = self.places.place_after(end);
             (part.places, part.members) = (place..place_end, end - first);
-            // Each device moves all state machines on, so that it knows where they are once it gets members.
+            // Each device moves all state machines on, so that it knows where they are once it gets
+            // members.
             part.is_at_work = part.members > 0 || !tables.runners().as_slice().is_empty();
             (first, place) = (end, place_end);
         }
@@ -137,16 +144,19 @@ impl SplitBackend {
             _ => JOINT_BLOCK as usize,
         };
         let place = match buffer {
-            StageBuffer::Palette => tables.palette_blocks().as_slice().get(element / block).copied(),
+            StageBuffer::Palette => {
+                tables.palette_blocks().as_slice().get(element / block).copied()
+            }
             _ => tables.place_of(buffer, element).map(|(place, _)| place),
         };
         let of_place = |place: u32| self.parts.iter().position(|part| part.places.contains(&place));
         (place.and_then(of_place).unwrap_or(0), (element / block + 1) * block)
     }
 
-    /// Lets every device have what each keeps of its members, and what of them is watched: a member's next frame may be
-    /// another device's, and so may those that look at it, or that are attached to it in the next phase. This waits for all devices, and nothing is done where there is
-    /// nothing to share.
+    /// Lets every device have what each keeps of its members, and what of them is watched: a
+    /// member's next frame may be another device's, and so may those that look at it, or that are
+    /// attached to it in the next phase. This waits for all devices, and nothing is done where
+    /// there is nothing to share.
     fn share_kept(&mut self, tables: &Tables) -> Result<(), BackendError> {
         let mut all = Kept::default();
         if !all.make_room(tables) {
@@ -179,7 +189,8 @@ impl SplitBackend {
     }
 }
 
-/// Runs a frame on devices whose `run` waits until it is done: one on this thread, others on threads of their own.
+/// Runs a frame on devices whose `run` waits until it is done: one on this thread, others on
+/// threads of their own.
 fn run_together<'a>(
     parts: impl Iterator<Item = &'a mut Part>,
     tables: &Tables,
@@ -191,9 +202,12 @@ fn run_together<'a>(
         return here.run(tables, frame);
     }
     thread::scope(|scope| {
-        let others: Vec<_> = parts.map(|part| scope.spawn(move || part.run(tables, frame))).collect();
+        let others: Vec<_> =
+            parts.map(|part| scope.spawn(move || part.run(tables, frame))).collect();
         let result = here.run(tables, frame);
-        let join = |other: ScopedJoinHandle<'_, _>| other.join().unwrap_or_else(|panic| resume_unwind(panic));
+        let join = |other: ScopedJoinHandle<'_, _>| {
+            other.join().unwrap_or_else(|panic| resume_unwind(panic))
+        };
         others.into_iter().map(join).fold(result, Result::and)
     })
 }
@@ -268,13 +282,20 @@ impl Backend for SplitBackend {
         Ok(())
     }
 
-    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+    fn run_stage(
+        &mut self,
+        tables: &Tables,
+        frame: Frame,
+        stage: Stage,
+    ) -> Result<(), BackendError> {
         if stage == Stage::Evaluate {
             self.divide(tables);
         }
         self.is_gathered = false;
         let run = |parts: &mut [Part], frame| {
-            parts.iter_mut().try_for_each(|part| part.backend.run_stage(tables, part.own(frame), stage))
+            parts
+                .iter_mut()
+                .try_for_each(|part| part.backend.run_stage(tables, part.own(frame), stage))
         };
         if stage != Stage::Transform {
             return run(&mut self.parts, frame);
@@ -326,7 +347,12 @@ impl Backend for SplitBackend {
     }
 
     /// Every device gets them: which one the next stage needs them on is then no matter.
-    fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
+    fn write(
+        &mut self,
+        buffer: StageBuffer,
+        first: usize,
+        from: &[Float4],
+    ) -> Result<(), BackendError> {
         self.parts.iter_mut().try_for_each(|part| part.backend.write(buffer, first, from))
     }
 
@@ -349,12 +375,14 @@ impl Backend for SplitBackend {
 
     /// The longest of all: they work at the same time.
     fn frame_time_ms(&mut self) -> Option<f64> {
-        let times: Option<Vec<f64>> = self.with_members().map(|part| part.backend.frame_time_ms()).collect();
+        let times: Option<Vec<f64>> =
+            self.with_members().map(|part| part.backend.frame_time_ms()).collect();
         times?.into_iter().reduce(f64::max)
     }
 
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
-        let times: Vec<_> = self.with_members().flat_map(|part| part.backend.stage_times_ms()).collect();
+        let times: Vec<_> =
+            self.with_members().flat_map(|part| part.backend.stage_times_ms()).collect();
         let longest = |stage: Stage| {
             let of_stage = times.iter().filter(|(known, _)| *known == stage).map(|(_, ms)| *ms);
             Some((stage, of_stage.reduce(f64::max)?))
@@ -392,7 +420,11 @@ impl PaletteSource for SplitBackend {
         self.parts[0].backend.hand_over()
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
         self.gather()?;
         self.parts[0].backend.with_page(page, reader)
     }

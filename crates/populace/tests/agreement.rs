@@ -8,7 +8,8 @@ use populace_testkit::conformance::{check_agreement, check_same_frames};
 use populace_testkit::{Broken, Corruption};
 
 fn opencl(schedule: Schedule) -> OpenClBackend {
-    let device = OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without");
+    let device =
+        OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without");
     OpenClBackend::new(&device, schedule).expect("a backend")
 }
 
@@ -27,7 +28,10 @@ fn native_and_opencl_agree() {
 #[test]
 #[should_panic(expected = "off by")]
 fn a_bit_of_difference_is_found() {
-    check_agreement(&mut Broken::new(native(Staged), Corruption::palette_bit()), &mut opencl(Staged));
+    check_agreement(
+        &mut Broken::new(native(Staged), Corruption::palette_bit()),
+        &mut opencl(Staged),
+    );
 }
 
 /// What is tested on is PoCL, which rounds quotients correctly.

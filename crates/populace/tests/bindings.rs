@@ -1,13 +1,16 @@
 //! How well clips fit characters: what is told, refused, and played on request.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
-#![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
+#![expect(
+    clippy::disallowed_methods,
+    reason = "tests have no need of the same bits on every machine"
+)]
 
 use std::sync::Arc;
 
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
-    Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
+    Property, Skeleton, Track,
 };
 use populace::{
     Affine, BindingWay, BlendSpace, Crowd, Device, JointIndex, Placement, Play, StateMachine, Trs,
@@ -43,7 +46,8 @@ const BODY: [&str; 4] = ["root", "middle", "top", "tip"];
 const OTHER: [&str; 7] = ["root", "a", "b", "c", "d", "e", "f"];
 
 fn post() -> Character {
-    let entry = |joint| PaletteEntry { joint: JointIndex(joint), joint_from_bind: Affine::IDENTITY };
+    let entry =
+        |joint| PaletteEntry { joint: JointIndex(joint), joint_from_bind: Affine::IDENTITY };
     let skeleton = skeleton(&BODY, 0.0);
     Character::new(CharacterSource {
         name: "post".into(),
@@ -66,9 +70,18 @@ fn bindings_tell_their_share_and_how_far_rests_are_apart() {
     let mut told = |clip: &Arc<Clip>| {
         let clip = crowd.add_clip(id, clip).unwrap();
         let report = crowd.binding(id, clip).unwrap();
-        (report.way, report.bound_joints, report.moving_joints, report.rest_turn_rad, report.rest_shift)
+        (
+            report.way,
+            report.bound_joints,
+            report.moving_joints,
+            report.rest_turn_rad,
+            report.rest_shift,
+        )
     };
-    assert_eq!(told(&clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)), (BindingWay::Names, 1, 7, 0.0, 0.0));
+    assert_eq!(
+        told(&clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)),
+        (BindingWay::Names, 1, 7, 0.0, 0.0)
+    );
     // One that moves the tip alone of a skeleton that rests alike fits wholly.
     let tip = clip("Tip", &skeleton(&BODY, 0.0), &["tip"]);
     assert_eq!(told(&tip), (BindingWay::SameRest, 1, 1, 0.0, 0.0));
@@ -89,7 +102,8 @@ fn a_clip_that_shares_an_accidental_name_plays_on_request_alone() {
     let machine = |play: Play| StateMachine::new().state("stray", stray, play);
     for requested in [false, true, false] {
         let play = if requested { Play::looping().partial() } else { Play::looping() };
-        let space = crowd.add_space(BlendSpace::line(&[(own, 0.0), (stray, 1.0)]).unwrap()).unwrap();
+        let space =
+            crowd.add_space(BlendSpace::line(&[(own, 0.0), (stray, 1.0)]).unwrap()).unwrap();
         let machine = crowd.add_machine(&machine(play)).unwrap();
         let results = [
             crowd.run_machine(member, machine, Play::looping()).map(|_| ()),
@@ -101,7 +115,10 @@ fn a_clip_that_shares_an_accidental_name_plays_on_request_alone() {
                 Ok(()) => assert!(requested, "played without a request"),
                 Err(error) => {
                     let text = error.to_string();
-                    assert!(!requested && text.contains("the names of 1 of the 7 joints"), "{text}");
+                    assert!(
+                        !requested && text.contains("the names of 1 of the 7 joints"),
+                        "{text}"
+                    );
                 }
             }
         }

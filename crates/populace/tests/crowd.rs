@@ -5,11 +5,13 @@
 use std::sync::Arc;
 
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource, PaletteEntry,
-    Property, Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource,
+    PaletteEntry, Property, Skeleton, Track,
 };
 use populace::core::{Role, RoleMap, Side};
-use populace::{Affine, Crowd, Device, Error, LayerMode, LayerSettings, Mask, Member, Placement, Play, Trs};
+use populace::{
+    Affine, Crowd, Device, Error, LayerMode, LayerSettings, Mask, Member, Placement, Play, Trs,
+};
 
 fn track(joint: &str, height: f32) -> Track {
     Track {
@@ -21,7 +23,8 @@ fn track(joint: &str, height: f32) -> Track {
     }
 }
 
-/// A body of two joints whose clips lift them: "low" from 0 to 1 m, "high" from 10 to 11 m, "tip" the tip alone.
+/// A body of two joints whose clips lift them: "low" from 0 to 1 m, "high" from 10 to 11 m, "tip"
+/// the tip alone.
 fn lift() -> Character {
     let joint = |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint("base", None), joint("tip", Some(0))]).unwrap();
@@ -33,14 +36,25 @@ fn lift() -> Character {
     let palette = vec![PaletteEntry { joint: JointIndex(1), joint_from_bind: Affine::IDENTITY }];
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
     let name = "lift".into();
-    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
-        .unwrap()
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .unwrap()
 }
 
-/// A body of hips and legs whose joints are called as nowhere else, with a clip that lifts the hips by its height.
+/// A body of hips and legs whose joints are called as nowhere else, with a clip that lifts the hips
+/// by its height.
 fn legs(word: &str, height: f32) -> (Character, RoleMap) {
     let at = |y: f32| Trs { translation: [0.0, y * height, 0.0], ..Trs::IDENTITY };
-    let joint = |name: &str, parent, rest| JointSource { name: format!("{word} {name}"), parent, rest };
+    let joint =
+        |name: &str, parent, rest| JointSource { name: format!("{word} {name}"), parent, rest };
     let mut joints = vec![joint("middle", None, at(1.0))];
     for (side, hip) in [("one", 1), ("other", 4)] {
         joints.push(joint(&format!("{side} a"), Some(0), at(0.0)));
@@ -58,16 +72,19 @@ fn legs(word: &str, height: f32) -> (Character, RoleMap) {
         (Role::LowerLeg(right), "other b"),
         (Role::Foot(right), "other c"),
     ];
-    let names: Vec<_> = roles.iter().map(|(role, name)| (*role, format!("{word} {name}"))).collect();
+    let names: Vec<_> =
+        roles.iter().map(|(role, name)| (*role, format!("{word} {name}"))).collect();
     let names: Vec<_> = names.iter().map(|(role, name)| (*role, name.as_str())).collect();
     let map = RoleMap::from_names(&skeleton, &names).unwrap();
     let mut lift = track(&joints[0].name, 0.0);
     lift.values = vec![0.0, height, 0.0, 0.0, 2.0 * height, 0.0];
-    let clip =
-        Arc::new(Clip::new(ClipSource { name: "jump".into(), tracks: vec![lift] }, &skeleton).unwrap());
+    let clip = Arc::new(
+        Clip::new(ClipSource { name: "jump".into(), tracks: vec![lift] }, &skeleton).unwrap(),
+    );
     let (parts, materials, images, skins, palette) = (vec![], vec![], vec![], vec![], vec![]);
     let (name, clips) = (word.into(), vec![clip]);
-    let source = CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
+    let source =
+        CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
     (Character::new(source).unwrap(), map)
 }
 
@@ -78,9 +95,15 @@ fn clips_play_by_roles_that_a_user_gives(device: Device) {
     let jump = crowd.clip(tall, "jump").unwrap();
     let member = crowd.spawn(short, Placement::at([0.0; 3])).unwrap();
     let refused = crowd.play(member, jump, Play::held_at_secs(0.5)).unwrap_err().to_string();
-    assert!(refused.contains("\"tall middle\"") && refused.contains("RoleMap::from_names"), "{refused}");
+    assert!(
+        refused.contains("\"tall middle\"") && refused.contains("RoleMap::from_names"),
+        "{refused}"
+    );
     crowd.set_roles(short, short_roles).unwrap();
-    assert!(crowd.play(member, jump, Play::held_at_secs(0.5)).is_err(), "the clip's skeleton has none yet");
+    assert!(
+        crowd.play(member, jump, Play::held_at_secs(0.5)).is_err(),
+        "the clip's skeleton has none yet"
+    );
     crowd.set_clip_roles(jump, tall_roles).unwrap();
     crowd.play(member, jump, Play::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
@@ -147,7 +170,9 @@ fn blends_and_layers(device: Device) {
 
     // "tip" rises by 0.4 m from its first row to 0.4 s.
     crowd.play(member, tip, Play::held_at_secs(0.4).on_layer(2)).unwrap();
-    crowd.set_layer(member, 2, LayerSettings { mode: LayerMode::Additive, weight: 1.0 }, None).unwrap();
+    crowd
+        .set_layer(member, 2, LayerSettings { mode: LayerMode::Additive, weight: 1.0 }, None)
+        .unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 1), 7.5 + 2.5 + 0.4);
 }
@@ -221,14 +246,16 @@ fn bad_values_are_refused_and_harm_nobody(device: Device) {
     assert_eq!(crowd.member_count(), 1);
 }
 
-/// 400,000 palette entries each, so that two members fill most of a page and the third has the next one.
+/// 400,000 palette entries each, so that two members fill most of a page and the third has the next
+/// one.
 fn palettes_on_the_second_page_are_right_too(device: Device) {
     let mut source = (*lift()).clone();
     source.palette = vec![source.palette[0]; 400_000];
     let mut crowd = Crowd::builder().device(device).build().unwrap();
     let id = crowd.add_character(Character::new(source).unwrap()).unwrap();
     let high = crowd.clip(id, "high").unwrap();
-    let members: Vec<_> = (0..3).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
+    let members: Vec<_> =
+        (0..3).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
     crowd.play(members[2], high, Play::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
     assert_eq!(crowd.page_count(), 2);
@@ -303,7 +330,10 @@ fn numbers_of_slots_out_of_their_range_are_refused() {
             None => assert!(good, "{slots}"),
             Some(error) => {
                 let text = error.to_string();
-                assert!(!good && text.contains(&format!("is {slots}; it must be from 1 to 8")), "{text}");
+                assert!(
+                    !good && text.contains(&format!("is {slots}; it must be from 1 to 8")),
+                    "{text}"
+                );
             }
         }
     }
@@ -321,7 +351,10 @@ fn ids_of_another_crowd_are_refused() {
     let played = other.play(stranger, other_clip, Play::looping()).unwrap();
     let watch = other.watch(stranger, JointIndex(0)).unwrap();
     let unknown = |what, result: Result<(), Error>| {
-        assert!(matches!(&result, Err(Error::UnknownId { what: w, .. }) if *w == what), "{what}: {result:?}");
+        assert!(
+            matches!(&result, Err(Error::UnknownId { what: w, .. }) if *w == what),
+            "{what}: {result:?}"
+        );
     };
     unknown("member", ours.despawn(stranger));
     unknown("member", ours.playing(stranger).map(drop));

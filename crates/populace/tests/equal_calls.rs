@@ -1,7 +1,9 @@
 //! Equal calls on two crowds give equal palettes, whatever order hash maps iterate in.
 
 use populace::core::{Character, CharacterSource, JointSource, PaletteEntry, Skeleton};
-use populace::{Affine, Crowd, Device, Gaze, GazeLimits, JointIndex, Member, Placement, Target, Trs, Weight};
+use populace::{
+    Affine, Crowd, Device, Gaze, GazeLimits, JointIndex, Member, Placement, Target, Trs, Weight,
+};
 
 const JOINTS: u32 = 8;
 
@@ -13,12 +15,22 @@ fn chain() -> Character {
         rest: Trs { translation: [0.1 * index as f32, 0.2, 0.0], ..Trs::IDENTITY },
     };
     let skeleton = Skeleton::new(&(0..JOINTS).map(joint).collect::<Vec<_>>()).expect("a good call");
-    let palette = skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY });
+    let palette =
+        skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY });
     let (palette, parts, materials, images, skins, clips) =
         (palette.collect(), vec![], vec![], vec![], vec![], vec![]);
     let name = "chain".into();
-    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
-        .expect("a good call")
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .expect("a good call")
 }
 
 fn watch_all(crowd: &mut Crowd, member: Member) {
@@ -27,13 +39,15 @@ fn watch_all(crowd: &mut Crowd, member: Member) {
     }
 }
 
-/// The palette of a member that looks at a joint of another, in the frame in which it begins to, after a member with
-/// watches on all joints has left.
+/// The palette of a member that looks at a joint of another, in the frame in which it begins to,
+/// after a member with watches on all joints has left.
 fn palette_after_a_watched_member_left() -> Vec<Affine> {
-    let mut crowd = Crowd::builder().device(Device::Native { threads: 1 }).build().expect("a good call");
+    let mut crowd =
+        Crowd::builder().device(Device::Native { threads: 1 }).build().expect("a good call");
     let chain = crowd.add_character(chain()).expect("a good call");
     let at = |x: f32| Placement::at([x, 0.0, 2.0 - x]);
-    let [leaving, looking, other] = [0.0, 1.0, 2.0].map(|x| crowd.spawn(chain, at(x)).expect("a good call"));
+    let [leaving, looking, other] =
+        [0.0, 1.0, 2.0].map(|x| crowd.spawn(chain, at(x)).expect("a good call"));
     watch_all(&mut crowd, leaving);
     crowd.watch(other, JointIndex(0)).expect("a good call");
     crowd.update(0.1).expect("a good call");

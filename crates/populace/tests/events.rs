@@ -1,6 +1,9 @@
 //! What is told of members while clips play.
 
-#![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
+#![expect(
+    clippy::disallowed_methods,
+    reason = "tests have no need of the same bits on every machine"
+)]
 #![expect(
     clippy::expect_used,
     dead_code,
@@ -51,7 +54,8 @@ fn feet_that_come_down_are_told_of_once_each_however_long_the_steps_of_the_clock
         assert!(events.iter().all(|event| event.member == member && event.clip == clip));
         events
     });
-    // Seven and a half cycles of one second; a leg that swings from the hip lifts its foot before and behind.
+    // Seven and a half cycles of one second; a leg that swings from the hip lifts its foot before
+    // and behind.
     for foot in ["leftFoot", "rightFoot"] {
         let count = found[0].iter().filter(|event| is_footstep(event, foot)).count();
         assert!((14..=16).contains(&count), "{foot} came down {count} times");
@@ -66,7 +70,8 @@ fn feet_that_come_down_are_told_of_once_each_however_long_the_steps_of_the_clock
     // A foot comes down where the clip says so.
     let mut stage = native();
     let clip = stage.clip("walk");
-    let known = stage.crowd.clips(stage.body).expect("a character").into_iter().find(|(id, _)| *id == clip);
+    let known =
+        stage.crowd.clips(stage.body).expect("a character").into_iter().find(|(id, _)| *id == clip);
     let secs = known.expect("it is there").1.footsteps()[0].secs;
     let (before, after) = (f64::from(secs) - 0.01, f64::from(secs) + 0.01);
     let height = |stage: &mut Stage, at: f64| {
@@ -109,7 +114,8 @@ fn what_is_not_within_a_clip_is_refused_and_those_who_leave_are_told_of_no_more(
     let mut stage = native();
     let clip = stage.clip("sway");
     for secs in [-0.1, 2.1, f32::NAN] {
-        let error = stage.crowd.name_moment(clip, "never", secs).expect_err("it is not within two seconds");
+        let error =
+            stage.crowd.name_moment(clip, "never", secs).expect_err("it is not within two seconds");
         assert!(matches!(error, Error::BadValue { .. }), "{error}");
     }
     let member = stage.member(Placement::at([0.0; 3]));
@@ -120,7 +126,8 @@ fn what_is_not_within_a_clip_is_refused_and_those_who_leave_are_told_of_no_more(
     assert!(stage.crowd.listen(member).is_err());
 }
 
-/// The end of the first of several clips is told of once, and all else alike, whatever the steps are.
+/// The end of the first of several clips is told of once, and all else alike, whatever the steps
+/// are.
 fn ends_once(next: impl Fn(&mut Stage, populace::Member)) {
     let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
         let mut stage = native();
@@ -131,7 +138,8 @@ fn ends_once(next: impl Fn(&mut Stage, populace::Member)) {
         stage.crowd.listen(member).expect("a member");
         events(&mut stage, step, 3.0)
     });
-    let ends = |events: &[Event]| events.iter().filter(|event| event.kind == EventKind::ClipEnd).count();
+    let ends =
+        |events: &[Event]| events.iter().filter(|event| event.kind == EventKind::ClipEnd).count();
     for events in &found {
         assert_eq!((ends(events), events.len()), (1, found[0].len()));
     }
@@ -142,7 +150,10 @@ fn ends_once(next: impl Fn(&mut Stage, populace::Member)) {
 fn what_is_left_is_told_of_up_to_then() {
     ends_once(|stage, member| {
         let clip = stage.clip("walk");
-        stage.crowd.queue(member, clip, Play::looping().settle_in_secs(0.3)).expect("a clip to follow");
+        stage
+            .crowd
+            .queue(member, clip, Play::looping().settle_in_secs(0.3))
+            .expect("a clip to follow");
     });
 }
 
@@ -157,7 +168,8 @@ fn what_is_cut_is_told_of_up_to_then() {
     });
 }
 
-/// A blend space that found one slot goes on to its point once there is another, in the midst of a step.
+/// A blend space that found one slot goes on to its point once there is another, in the midst of a
+/// step.
 #[test]
 fn what_is_steered_within_a_step_is_told_of_before_and_after() {
     let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
@@ -170,7 +182,10 @@ fn what_is_steered_within_a_step_is_told_of_before_and_after() {
         let space = stage.crowd.add_space(space).expect("a space");
         let member = stage.member(Placement::at([0.0; 3]));
         stage.crowd.play(member, sway, Play::held_at_secs(0.0)).expect("a clip that plays");
-        stage.crowd.play_space(member, space, 0.4, Play::looping().fade_in_secs(0.9)).expect("a space");
+        stage
+            .crowd
+            .play_space(member, space, 0.4, Play::looping().fade_in_secs(0.9))
+            .expect("a space");
         stage.crowd.listen(member).expect("a member");
         events(&mut stage, step, 3.0)
     });

@@ -16,12 +16,12 @@ use std::cell::RefCell;
 use body::{Stage, everywhere, skeleton, stage};
 use glam::{DAffine3, DQuat, DVec3};
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side,
-    Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, Property, Role,
+    RoleMap, Side, Skeleton, Track,
 };
 use populace::{
-    Affine, ClipId, Device, LayerMode, LayerSettings, LiveSettings, Member, Placement, Play, Schedule,
-    Streamed, Trs,
+    Affine, ClipId, Device, LayerMode, LayerSettings, LiveSettings, Member, Placement, Play,
+    Schedule, Streamed, Trs,
 };
 
 const HZ: f64 = 30.0;
@@ -34,8 +34,11 @@ fn pose(secs: f64) -> Vec<Trs> {
         let axis = DVec3::new((nth * 1.1).sin(), (nth * 0.7).cos(), 0.3).normalize();
         let turn = DQuat::from_axis_angle(axis, 0.6 * (1.3 * secs + nth).sin());
         let rotation = (DQuat::from_array(rest.rotation.map(f64::from)) * turn).normalize();
-        let moved =
-            if skeleton.name(joint) == "hips" { [0.1 * secs.sin(), 0.0, 0.2 * secs.cos()] } else { [0.0; 3] };
+        let moved = if skeleton.name(joint) == "hips" {
+            [0.1 * secs.sin(), 0.0, 0.2 * secs.cos()]
+        } else {
+            [0.0; 3]
+        };
         let [x, y, z] = moved.map(|m| m as f32);
         let [rx, ry, rz] = rest.translation;
         // Sensors give either of the two quaternions of a rotation.
@@ -69,7 +72,8 @@ fn between(a: &[Trs], b: &[Trs], u: f64) -> Vec<DAffine3> {
     models
 }
 
-/// What an even stream of [`HZ`] shows at a time: the rows around it, within those from `first` to `last`.
+/// What an even stream of [`HZ`] shows at a time: the rows around it, within those from `first` to
+/// `last`.
 fn even(secs: f64, first: u32, last: u32) -> Vec<DAffine3> {
     let at = (secs * HZ).clamp(f64::from(first), f64::from(last));
     let row = at.floor();
@@ -99,7 +103,8 @@ fn settings(secs: f32) -> LiveSettings {
 
 /// A live clip and members that follow it with these delays.
 fn followers(stage: &mut Stage, secs: f32, delays: &[f32]) -> (ClipId, Vec<Member>) {
-    let live = stage.crowd.add_live_clip(stage.body, "actor", &settings(secs)).expect("a live clip");
+    let live =
+        stage.crowd.add_live_clip(stage.body, "actor", &settings(secs)).expect("a live clip");
     let follow = |delay: &f32| {
         let member = stage.member(Placement::at([0.0; 3]));
         stage.crowd.play(member, live, Play::live(*delay)).expect("a live clip");
@@ -108,7 +113,8 @@ fn followers(stage: &mut Stage, secs: f32, delays: &[f32]) -> (ClipId, Vec<Membe
     (live, delays.iter().map(follow).collect())
 }
 
-/// Poses come in evenly while frames of another length pass, for so many poses. The seconds that have passed.
+/// Poses come in evenly while frames of another length pass, for so many poses. The seconds that
+/// have passed.
 fn run_evenly(
     stage: &mut Stage,
     live: ClipId,
@@ -137,7 +143,13 @@ fn members_show_the_stream_each_with_its_delay_and_hold_its_end() {
         let (live, members) = followers(stage, 2.0, &delays);
         stage.update(0.5);
         let rest: Vec<_> = skeleton().joints().map(|joint| *skeleton().rest(joint)).collect();
-        assert_shows(stage, members[1], &between(&rest, &rest, 0.0), 1e-6, "at rest before the first pose");
+        assert_shows(
+            stage,
+            members[1],
+            &between(&rest, &rest, 0.0),
+            1e-6,
+            "at rest before the first pose",
+        );
         let now = run_evenly(stage, live, 45, |stage, now, last| {
             for (&member, delay) in members.iter().zip(delays) {
                 let wanted = even(now - f64::from(delay), 0, last);
@@ -163,7 +175,13 @@ fn the_oldest_rows_are_written_over_again_and_again() {
         run_evenly(stage, live, 17 * 40 + 5, |stage, now, last| {
             if last % 17 < 2 && last > 600 || last == 17 * 40 + 4 {
                 assert_shows(stage, members[0], &even(now - 0.4, 0, last), 2e-5, "in the ring");
-                assert_shows(stage, members[1], &even(now - 0.5, 0, last), 2e-5, "as long as was asked for");
+                assert_shows(
+                    stage,
+                    members[1],
+                    &even(now - 0.5, 0, last),
+                    2e-5,
+                    "as long as was asked for",
+                );
                 let oldest = even(0.0, last - 16, last - 16);
                 assert_shows(stage, members[2], &oldest, 2e-6, "the oldest holds");
             }
@@ -223,11 +241,16 @@ fn recording(name: &str, poses: u32) -> ClipSource {
             .iter()
             .flat_map(|pose| {
                 let trs = pose[joint.index()];
-                if property == Property::Rotation { trs.rotation.to_vec() } else { trs.translation.to_vec() }
+                if property == Property::Rotation {
+                    trs.rotation.to_vec()
+                } else {
+                    trs.translation.to_vec()
+                }
             })
             .collect(),
     };
-    let both = |joint| [Property::Rotation, Property::Translation].map(|property| track(joint, property));
+    let both =
+        |joint| [Property::Rotation, Property::Translation].map(|property| track(joint, property));
     ClipSource { name: name.into(), tracks: skeleton.joints().flat_map(both).collect() }
 }
 
@@ -251,7 +274,13 @@ fn poses_that_come_unevenly_are_shown_at_their_own_times() {
         stage.update(1.0);
         let newest = pose(last);
         for member in members {
-            assert_shows(stage, member, &between(&newest, &newest, 0.0), 2e-6, "the newest pose, as it came");
+            assert_shows(
+                stage,
+                member,
+                &between(&newest, &newest, 0.0),
+                2e-6,
+                "the newest pose, as it came",
+            );
         }
     });
 }
@@ -305,7 +334,8 @@ fn a_stream_is_tied_anew_to_the_crowds_clock() {
 #[test]
 fn joints_come_by_name_and_what_is_not_streamed_stays() {
     everywhere(|stage| {
-        let settings = LiveSettings { translations: Streamed::Joints(vec!["hips".into()]), ..settings(1.0) };
+        let settings =
+            LiveSettings { translations: Streamed::Joints(vec!["hips".into()]), ..settings(1.0) };
         let live = stage.crowd.add_live_clip(stage.body, "hips", &settings).expect("a live clip");
         let member = stage.member(Placement::at([0.0; 3]));
         stage.crowd.play(member, live, Play::live(0.0)).expect("a live clip");
@@ -330,14 +360,28 @@ fn other_body() -> Character {
     let joint = |joint: populace::JointIndex| {
         let mut rest = *own.rest(joint);
         rest.translation = rest.translation.map(|c| 1.3 * c);
-        JointSource { name: own.name(joint).into(), parent: own.parent(joint).map(|p| p.index()), rest }
+        JointSource {
+            name: own.name(joint).into(),
+            parent: own.parent(joint).map(|p| p.index()),
+            rest,
+        }
     };
     let joints: Vec<_> = own.joints().map(joint).collect();
     let skeleton = Skeleton::new(&joints).expect("a skeleton");
-    let (parts, materials, images, skins, clips, palette) = (vec![], vec![], vec![], vec![], vec![], vec![]);
+    let (parts, materials, images, skins, clips, palette) =
+        (vec![], vec![], vec![], vec![], vec![], vec![]);
     let name = "other".into();
-    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
-        .expect("a character")
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .expect("a character")
 }
 
 /// Roles of hips and legs, the only ones that the body has in full.
@@ -366,7 +410,8 @@ fn a_live_clip_moves_other_bodies_by_their_roles() {
         let (live, _) = followers(stage, 2.0, &[]);
         let clip = Clip::new(recording("recorded", 40), &skeleton()).expect("a clip");
         let clip = stage.crowd.add_clip(stage.body, &clip.into()).expect("room");
-        let members = [0, 1].map(|_| stage.crowd.spawn(other, Placement::at([0.0; 3])).expect("room"));
+        let members =
+            [0, 1].map(|_| stage.crowd.spawn(other, Placement::at([0.0; 3])).expect("room"));
         stage.crowd.play(members[0], live, Play::live(0.3)).expect("a live clip");
         let now = run_evenly(stage, live, 40, |_, _, _| {});
         let held = Play::held_at_secs((now - f64::from(0.3_f32)) as f32);
@@ -432,7 +477,9 @@ fn what_cannot_be_is_refused_and_harms_nothing() {
     refused(crowd.play(members[0], live, Play::live(-0.1)).map(drop), "the delay of a live clip");
     let space = populace::BlendSpace::line(&[(live, 0.0), (sway, 1.0)]).expect("points");
     refused(crowd.add_space(space).map(drop), "has the live clip \"actor\"");
-    for (rows_per_sec, secs) in [(0.5, 1.0), (f32::NAN, 1.0), (30.0, 0.0), (30.0, f32::NAN), (1000.0, 1e9)] {
+    for (rows_per_sec, secs) in
+        [(0.5, 1.0), (f32::NAN, 1.0), (30.0, 0.0), (30.0, f32::NAN), (1000.0, 1e9)]
+    {
         let bad = LiveSettings { rows_per_sec, secs, ..LiveSettings::default() };
         refused(crowd.add_live_clip(stage.body, "bad", &bad).map(drop), "the clip \"bad\" is to");
     }

@@ -1,5 +1,5 @@
-//! Poses that come in while they play never make the host wait for the device. Alone in its process: waits are counted over
-//! all devices of one.
+//! Poses that come in while they play never make the host wait for the device. Alone in its
+//! process: waits are counted over all devices of one.
 #![cfg(feature = "opencl")]
 #![expect(
     clippy::expect_used,

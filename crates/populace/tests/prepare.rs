@@ -1,5 +1,8 @@
 //! Devices made ready ahead: a crowd that moves there finds every kernel built.
-#![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
+#![expect(
+    clippy::disallowed_methods,
+    reason = "tests have no need of the same bits on every machine"
+)]
 #![cfg(feature = "opencl")]
 #![expect(
     clippy::expect_used,
@@ -17,7 +20,8 @@ use std::process::Command;
 use body::stage;
 use populace::{Device, Placement, Play, Schedule};
 
-/// Names PoCL's folder of kernels; the test runs once more in a process that begins with an empty one.
+/// Names PoCL's folder of kernels; the test runs once more in a process that begins with an empty
+/// one.
 const KERNELS: &str = "POCL_CACHE_DIR";
 const INNER: &str = "POPULACE_TEST_PREPARE";
 
@@ -40,7 +44,8 @@ fn moves_to_what_is_built(kernels: &Path) {
     Device::opencl(0).prepare(Schedule::Fused).expect("a device");
     let before = compiled(kernels);
     let mut stage = stage(Device::native(), Schedule::Fused);
-    let members: Vec<_> = (0..40).map(|n| stage.member(Placement::at([n as f32, 0.0, 0.0]))).collect();
+    let members: Vec<_> =
+        (0..40).map(|n| stage.member(Placement::at([n as f32, 0.0, 0.0]))).collect();
     let walk = stage.clip("walk");
     stage.update(0.0);
     stage.crowd.move_to(Device::opencl(0)).expect("a device");

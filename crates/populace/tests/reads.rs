@@ -3,20 +3,24 @@
 use std::sync::Arc;
 
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, PaletteSource,
-    Property, Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
+    PaletteSource, Property, Skeleton, Track,
 };
 use populace::{
-    Affine, BackendError, ClipId, Crowd, Device, Devices, Error, Gaze, GazeLimits, JointIndex, Member,
-    Placement, Play, Schedule, Target, Trs, Weight,
+    Affine, BackendError, ClipId, Crowd, Device, Devices, Error, Gaze, GazeLimits, JointIndex,
+    Member, Placement, Play, Schedule, Target, Trs, Weight,
 };
 
 /// All devices and schedules, and two devices that share a crowd.
 fn everywhere() -> Vec<(Devices, Schedule)> {
     let native = || Devices::from(Device::Native { threads: 1 });
     let pair = || Devices::from([Device::Native { threads: 1 }, Device::Native { threads: 2 }]);
-    #[cfg_attr(any(not(feature = "opencl"), skip_opencl), expect(unused_mut, reason = "nothing is added"))]
-    let mut all = vec![(native(), Schedule::Staged), (native(), Schedule::Fused), (pair(), Schedule::Fused)];
+    #[cfg_attr(
+        any(not(feature = "opencl"), skip_opencl),
+        expect(unused_mut, reason = "nothing is added")
+    )]
+    let mut all =
+        vec![(native(), Schedule::Staged), (native(), Schedule::Fused), (pair(), Schedule::Fused)];
     #[cfg(all(feature = "opencl", not(skip_opencl)))]
     {
         for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
@@ -28,7 +32,8 @@ fn everywhere() -> Vec<(Devices, Schedule)> {
     all
 }
 
-/// A joint at height 0 that "Stand" leaves there and "Rise" lifts to `1.0`, with `entries` palette entries.
+/// A joint at height 0 that "Stand" leaves there and "Rise" lifts to `1.0`, with `entries` palette
+/// entries.
 fn post(entries: usize) -> Character {
     let joint = JointSource { name: "post".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint]).expect("a good call");
@@ -41,20 +46,32 @@ fn post(entries: usize) -> Character {
             values: vec![0.0, height, 0.0],
         };
         Arc::new(
-            Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, &skeleton).expect("a good call"),
+            Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, &skeleton)
+                .expect("a good call"),
         )
     };
     let clips = vec![clip("Stand", 0.0), clip("Rise", 1.0)];
-    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }; entries];
+    let palette =
+        vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }; entries];
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
     let name = "post".into();
-    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
-        .expect("a good call")
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .expect("a good call")
 }
 
 /// A crowd of one member that stands, before its first update.
 fn standing(devices: Devices, schedule: Schedule) -> (Crowd, Member, ClipId) {
-    let mut crowd = Crowd::builder().devices(devices).schedule(schedule).build().expect("a good call");
+    let mut crowd =
+        Crowd::builder().devices(devices).schedule(schedule).build().expect("a good call");
     let post = crowd.add_character(post(1)).expect("a good call");
     let [stand, rise] = ["Stand", "Rise"].map(|name| crowd.clip(post, name).expect("a good call"));
     let member = crowd.spawn(post, Placement::at([0.0; 3])).expect("a good call");
@@ -109,7 +126,8 @@ fn every_read_has_one_answer_in_every_state() {
         assert_height(&mut crowd, member, 0.0, &at("updated"));
         crowd.play(member, rise, Play::looping()).unwrap();
         assert_height(&mut crowd, member, 0.0, &at("changed"));
-        let late = crowd.spawn(crowd.character_of(member).unwrap(), Placement::at([1.0; 3])).unwrap();
+        let late =
+            crowd.spawn(crowd.character_of(member).unwrap(), Placement::at([1.0; 3])).unwrap();
         assert_not_evaluated(&mut crowd, late, &at("spawned"));
         assert_height(&mut crowd, member, 0.0, &at("beside one that was spawned"));
         assert!(crowd.with_page(1, &mut |_| {}).unwrap_err().to_string().contains("no page 1"));
@@ -142,7 +160,8 @@ fn a_watch_never_shows_the_joint_that_had_its_place_before() {
         }
         assert!(crowd.sighting(first).unwrap().is_some(), "{devices}, {schedule}");
         crowd.unwatch(first);
-        let other = crowd.spawn(crowd.character_of(member).unwrap(), Placement::at([5.0; 3])).unwrap();
+        let other =
+            crowd.spawn(crowd.character_of(member).unwrap(), Placement::at([5.0; 3])).unwrap();
         let second = crowd.watch(other, JointIndex(0)).unwrap();
         assert_eq!(crowd.sighting(second), Ok(None), "{devices}, {schedule}");
         crowd.update(0.1).unwrap();

@@ -9,13 +9,16 @@ use populace::core::{
     Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource,
     PaletteEntry, Property, Skeleton, Track,
 };
-use populace::{CharacterId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split, Trs};
+use populace::{
+    CharacterId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split, Trs,
+};
 
 struct Random(u64);
 
 impl Random {
     fn below(&mut self, below: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         usize::try_from(self.0 >> 33).unwrap() % below
     }
 }
@@ -38,12 +41,15 @@ fn chain(joint_count: u16) -> Arc<Character> {
     };
     let source = ClipSource { name: "Lift".into(), tracks: (0..joint_count).map(track).collect() };
     let clips = vec![Arc::new(Clip::new(source, &skeleton).unwrap())];
-    let entry =
-        |joint: u16| PaletteEntry { joint: JointIndex(joint.into()), joint_from_bind: Affine::IDENTITY };
+    let entry = |joint: u16| PaletteEntry {
+        joint: JointIndex(joint.into()),
+        joint_from_bind: Affine::IDENTITY,
+    };
     let palette = (0..joint_count).map(entry).collect();
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
     let name = format!("a chain of {joint_count}");
-    let source = CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
+    let source =
+        CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
     Arc::new(Character::new(source).unwrap())
 }
 
@@ -107,7 +113,10 @@ impl Troupe {
                     "{when}: member {nth}"
                 );
                 let pose = self.crowd.local_pose(ours.member).unwrap();
-                assert!(pose == twin.crowd.local_pose(theirs.member).unwrap(), "{when}: member {nth}");
+                assert!(
+                    pose == twin.crowd.local_pose(theirs.member).unwrap(),
+                    "{when}: member {nth}"
+                );
             }
         }
     }
@@ -161,7 +170,8 @@ fn nobody_can_tell_from_parts_of_one_device() {
 #[test]
 fn devices_and_shares_can_be_changed_at_any_time() {
     let [one, two] = [1, 2].map(|threads| Device::Native { threads });
-    let mut troupe = Troupe::new(&[one, two].into(), Schedule::Fused, Split::Fixed(vec![30.0, 10.0]));
+    let mut troupe =
+        Troupe::new(&[one, two].into(), Schedule::Fused, Split::Fixed(vec![30.0, 10.0]));
     assert_eq!(
         (troupe.crowd.devices().to_string(), troupe.crowd.shares()),
         ("native:1+native:2".into(), vec![0.75, 0.25])
@@ -190,7 +200,8 @@ fn devices_and_shares_can_be_changed_at_any_time() {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn a_device_that_cannot_be_cut_so_is_refused() {
-    let error = Crowd::builder().device(Device::opencl_part(0, 1, 1000)).build().map(|_| ()).unwrap_err();
+    let error =
+        Crowd::builder().device(Device::opencl_part(0, 1, 1000)).build().map(|_| ()).unwrap_err();
     assert!(error.to_string().contains("cannot be cut into 1000 equal parts"), "{error}");
     assert!(error.to_string().contains("name the whole device"), "{error}");
 }

@@ -1,6 +1,9 @@
-//! Frames in which everything changes never make the host wait for the device. Alone in its process: waits are counted
-//! over all devices of one.
-#![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
+//! Frames in which everything changes never make the host wait for the device. Alone in its
+//! process: waits are counted over all devices of one.
+#![expect(
+    clippy::disallowed_methods,
+    reason = "tests have no need of the same bits on every machine"
+)]
 #![cfg(feature = "opencl")]
 #![expect(
     clippy::expect_used,
@@ -14,8 +17,8 @@ mod body;
 use body::{joint, stage};
 use populace::core::math::quat;
 use populace::{
-    ClipId, Condition, Crowd, Device, Feet, Foot, JointOverride, LayerSettings, Member, Placement, Play,
-    Reach, Schedule, Space, StateMachine, Target, Trs, Weight,
+    ClipId, Condition, Crowd, Device, Feet, Foot, JointOverride, LayerSettings, Member, Placement,
+    Play, Reach, Schedule, Space, StateMachine, Target, Trs, Weight,
 };
 
 fn feet() -> Feet {
@@ -59,7 +62,8 @@ fn change_all(crowd: &mut Crowd, member: Member, clip: ClipId, nth: usize) {
 
 fn frames(stage: &mut body::Stage) {
     let clips = ["sway", "walk"].map(|name| stage.clip(name));
-    let members: Vec<_> = (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
+    let members: Vec<_> =
+        (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
     let hats: Vec<_> = members.iter().map(|_| stage.member(Placement::at([0.0; 3]))).collect();
     run_machines(stage, clips, &members);
     let mut watch = None;

@@ -46,7 +46,10 @@ const TABLE: &[(&str, Expected)] = &[
         "gltf_bad/magnum/scene-invalid-child-not-root.gltf",
         Refused(&["scenes[0].nodes[1]: names node 1, which is a child of node 0"]),
     ),
-    ("gltf_bad/magnum/scene-invalid-child-oob.gltf", Refused(&["nodes[4].children[0]: names node 7"])),
+    (
+        "gltf_bad/magnum/scene-invalid-child-oob.gltf",
+        Refused(&["nodes[4].children[0]: names node 7"]),
+    ),
     (
         "gltf_bad/magnum/scene-invalid-children-property.gltf",
         Refused(&["nodes[1].children: must be an array"]),
@@ -60,7 +63,10 @@ const TABLE: &[(&str, Expected)] = &[
     ),
     ("gltf_bad/magnum/scene-invalid-nested-extras-property.gltf", Refused(&["is no valid JSON"])),
     ("gltf_bad/magnum/scene-invalid-node-oob.gltf", Refused(&["scenes[0].nodes[0]: names node 7"])),
-    ("gltf_bad/magnum/scene-invalid-nodes-property.gltf", Refused(&["scenes[1].nodes: must be an array"])),
+    (
+        "gltf_bad/magnum/scene-invalid-nodes-property.gltf",
+        Refused(&["scenes[1].nodes: must be an array"]),
+    ),
     (
         "gltf_bad/magnum/scene-invalid.gltf",
         Refused(&[
@@ -95,7 +101,10 @@ const TABLE: &[(&str, Expected)] = &[
     ),
     (
         "gltf_bad/tinygltf/BoundsChecking/invalid-buffer-view-index.gltf",
-        Refused(&["bufferViews[0].buffer: names buffer 0", "accessors[0].bufferView: names buffer view 1"]),
+        Refused(&[
+            "bufferViews[0].buffer: names buffer 0",
+            "accessors[0].bufferView: names buffer view 1",
+        ]),
     ),
     (
         "gltf_bad/tinygltf/BoundsChecking/invalid-primitive-indices.gltf",
@@ -128,7 +137,10 @@ const TABLE: &[(&str, Expected)] = &[
             "accessors[0].type: is missing",
         ]),
     ),
-    ("gltf_bad/validator/accessor/float_normalized.gltf", Refused(&["accessors[0]: is normalised"])),
+    (
+        "gltf_bad/validator/accessor/float_normalized.gltf",
+        Refused(&["accessors[0]: is normalised"]),
+    ),
     (
         "gltf_bad/validator/accessor/invalid_sparse_count_and_stride.gltf",
         Refused(&["accessors[0].sparse.count: is 2"]),
@@ -186,7 +198,10 @@ const TABLE: &[(&str, Expected)] = &[
             "animations[2].channels[1].target.path: is missing",
         ]),
     ),
-    ("gltf_bad/validator/animation/sampler_bufferview_bytestride.gltf", Refused(&["buffers[0]: has no uri"])),
+    (
+        "gltf_bad/validator/animation/sampler_bufferview_bytestride.gltf",
+        Refused(&["buffers[0]: has no uri"]),
+    ),
     (
         "gltf_bad/validator/animation/sampler_input_format_invalid.gltf",
         Refused(&["accessors[0]: is SCALAR of 32-bit unsigned; key times must be SCALAR of float"]),
@@ -227,7 +242,10 @@ const TABLE: &[(&str, Expected)] = &[
     ("gltf_bad/validator/buffer/custom_property.gltf", Loads),
     ("gltf_bad/validator/buffer/data_uri.glb", Loads),
     ("gltf_bad/validator/buffer/empty_array.gltf", LoadsWithNote("buffers: is empty")),
-    ("gltf_bad/validator/buffer/empty_object.gltf", Refused(&["buffers[0].byteLength: is missing"])),
+    (
+        "gltf_bad/validator/buffer/empty_object.gltf",
+        Refused(&["buffers[0].byteLength: is missing"]),
+    ),
     (
         "gltf_bad/validator/buffer/extra_padding.glb",
         LoadsWithNote("buffers[0]: is shorter than the BIN chunk"),
@@ -246,18 +264,27 @@ const TABLE: &[(&str, Expected)] = &[
     ),
     (
         "gltf_bad/validator/buffer/invalid_uri_data_bytelength.gltf",
-        Refused(&["buffers[0]: has 1 bytes, but 2 are declared", "buffers[1].byteLength: is missing"]),
+        Refused(&[
+            "buffers[0]: has 1 bytes, but 2 are declared",
+            "buffers[1].byteLength: is missing",
+        ]),
     ),
     (
         "gltf_bad/validator/buffer/invalid_uri_data_mime.gltf",
         LoadsWithNote("buffers[0].uri: is of media type \"application/octet-stream2\""),
     ),
-    ("gltf_bad/validator/buffer/invalid_uri_scheme.gltf", Refused(&["buffers[0].uri: is a \":\" address"])),
+    (
+        "gltf_bad/validator/buffer/invalid_uri_scheme.gltf",
+        Refused(&["buffers[0].uri: is a \":\" address"]),
+    ),
     (
         "gltf_bad/validator/buffer/no_bin_chunk.glb",
         LoadsWithNote("buffers[0]: has no uri; nothing that is drawn or played needs it"),
     ),
-    ("gltf_bad/validator/buffer/non_relative_uri.gltf", Refused(&["buffers[0].uri: is a \"http:\" address"])),
+    (
+        "gltf_bad/validator/buffer/non_relative_uri.gltf",
+        Refused(&["buffers[0].uri: is a \"http:\" address"]),
+    ),
     ("gltf_bad/validator/buffer/not_found.gltf", LoadsWithNote("buffers[0]: is not opened")),
     ("gltf_bad/validator/buffer/valid.glb", Loads),
     ("gltf_bad/validator/buffer/valid.gltf", Loads),
@@ -272,11 +299,17 @@ const TABLE: &[(&str, Expected)] = &[
     ("gltf_bad/validator/glb/empty_file.glb", Refused(&["file: is empty"])),
     ("gltf_bad/validator/glb/empty_json_chunk.glb", Refused(&["chunk 0: is empty"])),
     ("gltf_bad/validator/glb/empty_json_object.glb", Refused(&["asset: is missing"])),
-    ("gltf_bad/validator/glb/extra_data.glb", LoadsWithNote("header: the 1 bytes after the end are ignored")),
+    (
+        "gltf_bad/validator/glb/extra_data.glb",
+        LoadsWithNote("header: the 1 bytes after the end are ignored"),
+    ),
     ("gltf_bad/validator/glb/invalid_json_chunk.glb", Refused(&["is no valid JSON"])),
     ("gltf_bad/validator/glb/invalid_magic.glb", Refused(&["file: is no glTF file"])),
     ("gltf_bad/validator/glb/invalid_version.glb", Refused(&["header: says container version 0"])),
-    ("gltf_bad/validator/glb/json_and_two_buffers.glb", Refused(&["chunk 2: is a second BIN chunk"])),
+    (
+        "gltf_bad/validator/glb/json_and_two_buffers.glb",
+        Refused(&["chunk 2: is a second BIN chunk"]),
+    ),
     (
         "gltf_bad/validator/glb/length_mismatch.glb",
         Refused(&["header: says the file has 49 bytes, but it ends after 48"]),
@@ -290,21 +323,36 @@ const TABLE: &[(&str, Expected)] = &[
         "gltf_bad/validator/glb/only_bin_chunk.glb",
         Refused(&["chunk 0: is of kind 0x004e4942; the first must be JSON"]),
     ),
-    ("gltf_bad/validator/glb/only_header.glb", Refused(&["header: says the file has 12 bytes, too few"])),
+    (
+        "gltf_bad/validator/glb/only_header.glb",
+        Refused(&["header: says the file has 12 bytes, too few"]),
+    ),
     (
         "gltf_bad/validator/glb/truncated_chunk_data.glb",
         Refused(&["header: says the file has 48 bytes, but it ends after 47"]),
     ),
-    ("gltf_bad/validator/glb/truncated_chunk_header.glb", Refused(&["header: says the file has 13 bytes"])),
+    (
+        "gltf_bad/validator/glb/truncated_chunk_header.glb",
+        Refused(&["header: says the file has 13 bytes"]),
+    ),
     ("gltf_bad/validator/glb/two_bin_chunks.glb", Refused(&["chunk 0: is of kind 0x004e4942"])),
-    ("gltf_bad/validator/glb/two_empty_bin_chunks.glb", Refused(&["chunk 0: is of kind 0x004e4942"])),
+    (
+        "gltf_bad/validator/glb/two_empty_bin_chunks.glb",
+        Refused(&["chunk 0: is of kind 0x004e4942"]),
+    ),
     (
         "gltf_bad/validator/glb/two_empty_json_chunks.glb",
         Refused(&["chunk 0: is empty", "chunk 1: is a second JSON chunk"]),
     ),
     ("gltf_bad/validator/glb/two_images.glb", Loads),
-    ("gltf_bad/validator/glb/two_valid_json_chunks.glb", Refused(&["chunk 1: is a second JSON chunk"])),
-    ("gltf_bad/validator/glb/unaligned_chunk.glb", Refused(&["chunk 0: has 27 bytes; chunks are padded"])),
+    (
+        "gltf_bad/validator/glb/two_valid_json_chunks.glb",
+        Refused(&["chunk 1: is a second JSON chunk"]),
+    ),
+    (
+        "gltf_bad/validator/glb/unaligned_chunk.glb",
+        Refused(&["chunk 0: has 27 bytes; chunks are padded"]),
+    ),
     ("gltf_bad/validator/glb/unknown_chunk.glb", Refused(&["chunk 0: is of kind 0x4e4b4e55"])),
     ("gltf_bad/validator/glb/valid.glb", Loads),
     ("gltf_bad/validator/glb/valid_buffer.glb", Loads),
@@ -345,8 +393,14 @@ const TABLE: &[(&str, Expected)] = &[
         "gltf_bad/validator/skin/unresolved_ibm.gltf",
         Refused(&["skins[0].inverseBindMatrices: names accessor 0"]),
     ),
-    ("gltf_bad/validator/skin/unresolved_joint.gltf", Refused(&["skins[0].joints[0]: names node 0"])),
-    ("gltf_bad/validator/skin/unresolved_skeleton.gltf", Refused(&["skins[0].skeleton: names node 1"])),
+    (
+        "gltf_bad/validator/skin/unresolved_joint.gltf",
+        Refused(&["skins[0].joints[0]: names node 0"]),
+    ),
+    (
+        "gltf_bad/validator/skin/unresolved_skeleton.gltf",
+        Refused(&["skins[0].skeleton: names node 1"]),
+    ),
     ("gltf_bad/validator/skin/valid.gltf", Loads),
     (
         "gltf_edge/asset_generator/Compatibility/Compatibility_04.gltf",
@@ -360,7 +414,10 @@ const TABLE: &[(&str, Expected)] = &[
         "gltf_edge/khronos/interpolation_test_missing_image.gltf",
         LoadsWithNote("images[0]: names \"l.jpg\", which cannot be read"),
     ),
-    ("gltf_edge/magnum/animation.gltf", LoadsWithNote("animations[1].channels[0]: has no key times")),
+    (
+        "gltf_edge/magnum/animation.gltf",
+        LoadsWithNote("animations[1].channels[0]: has no key times"),
+    ),
     (
         "gltf_edge/magnum/scene-transformation.gltf",
         LoadsWithNote("nodes[0]: has a matrix beside translation"),
@@ -380,7 +437,8 @@ const TABLE: &[(&str, Expected)] = &[
     ),
 ];
 
-/// What must become of the file of a path below the data folder; `None` for a bad file that nobody has looked at yet.
+/// What must become of the file of a path below the data folder; `None` for a bad file that nobody
+/// has looked at yet.
 pub(crate) fn of(name: &str) -> Option<Expected> {
     let listed = TABLE.iter().find(|(listed, _)| *listed == name);
     match listed {

@@ -22,11 +22,15 @@ fn interleaved_vertices_are_read_by_their_stride() {
     file.json["accessors"][0]["bufferView"] = view.into();
     assert_eq!(positions(&file).concat(), TRIANGLE);
     file.json["bufferViews"][view]["byteStride"] = 8.into();
-    assert_problem(&file.glb(), "accessors[0]: has elements of 12 bytes, but bufferViews[4] says 8");
+    assert_problem(
+        &file.glb(),
+        "accessors[0]: has elements of 12 bytes, but bufferViews[4] says 8",
+    );
     for stride in [2, 6, 256] {
         file.json["bufferViews"][view]["byteStride"] = stride.into();
-        let problem =
-            format!("bufferViews[{view}]: has a byteStride of {stride}; it must be a multiple of 4");
+        let problem = format!(
+            "bufferViews[{view}]: has a byteStride of {stride}; it must be a multiple of 4"
+        );
         assert_problem(&file.glb(), &problem);
     }
 }
@@ -35,7 +39,8 @@ fn interleaved_vertices_are_read_by_their_stride() {
 fn sparse_elements_stand_in_for_others() {
     let mut file = rigid();
     let indices = file.view(&[1, 2]);
-    let values: Vec<u8> = [5.0f32, 6.0, 7.0, 8.0, 9.0, 10.0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let values: Vec<u8> =
+        [5.0f32, 6.0, 7.0, 8.0, 9.0, 10.0].iter().flat_map(|v| v.to_le_bytes()).collect();
     let values = file.view(&values);
     file.json["accessors"][0]["sparse"] = json!({
         "count": 2,
@@ -46,7 +51,8 @@ fn sparse_elements_stand_in_for_others() {
     // Without a buffer view the others are zero.
     file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     assert_eq!(positions(&file)[1], [5.0, 6.0, 7.0]);
-    let at = usize::try_from(file.json["bufferViews"][indices]["byteOffset"].as_u64().unwrap()).unwrap();
+    let at =
+        usize::try_from(file.json["bufferViews"][indices]["byteOffset"].as_u64().unwrap()).unwrap();
     for wrong in [[1, 1], [2, 1], [1, 3]] {
         file.bin[at..at + 2].copy_from_slice(&wrong);
         assert_problem(&file.glb(), "accessors[0].sparse.indices: holds");
@@ -73,10 +79,15 @@ fn nothing_reaches_past_its_end() {
     file.json["accessors"][0]["byteOffset"] = 4.into();
     assert_problem(&file.glb(), "accessors[0]: has 3 elements of 12 bytes from byte 4 on");
     file.json["accessors"][0]["byteOffset"] = u64::MAX.into();
-    assert!(problems(&file.glb())[0].starts_with("accessors[0]: starts at byte 18446744073709551615"));
+    assert!(
+        problems(&file.glb())[0].starts_with("accessors[0]: starts at byte 18446744073709551615")
+    );
     let mut file = rigid();
     file.json["bufferViews"][0]["byteOffset"] = 100_000.into();
-    assert_problem(&file.glb(), "bufferViews[0]: reaches from byte 100000 for 36 bytes, but buffer 0 has");
+    assert_problem(
+        &file.glb(),
+        "bufferViews[0]: reaches from byte 100000 for 36 bytes, but buffer 0 has",
+    );
     file.json["bufferViews"][0]["byteOffset"] = u64::MAX.into();
     assert_problem(&file.glb(), "bufferViews[0]: reaches from byte 18446744073709551615");
     let mut file = rigid();
@@ -115,14 +126,16 @@ fn elements_of_one_and_two_bytes_need_no_multiple_of_four() {
                 bytes.extend_from_slice(&[index, 0][..size]);
             }
             let view = file.view(&bytes);
-            let (starts, length) = (file.json["bufferViews"][view]["byteOffset"].clone(), bytes.len());
+            let (starts, length) =
+                (file.json["bufferViews"][view]["byteOffset"].clone(), bytes.len());
             let indices = &mut file.json["accessors"][3];
             *indices = json!({"bufferView": view, "componentType": component, "count": 3, "type": "SCALAR"});
             indices["byteOffset"] = offset.into();
             assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [2, 0, 1]);
             // The same of the view's own offset.
             file.json["accessors"][3]["byteOffset"] = 0.into();
-            file.json["bufferViews"][view]["byteOffset"] = (starts.as_u64().unwrap() + offset as u64).into();
+            file.json["bufferViews"][view]["byteOffset"] =
+                (starts.as_u64().unwrap() + offset as u64).into();
             file.json["bufferViews"][view]["byteLength"] = (length - offset).into();
             assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [2, 0, 1]);
         }
@@ -162,8 +175,10 @@ fn a_small_file_cannot_ask_for_much_memory() {
 fn integers_become_the_numbers_they_stand_for() {
     let mut file = rigid();
     file.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-    let shorts: Vec<u8> =
-        [0i16, 0, 0, 0, 32767, 0, 0, 0, -32768, 16384, 0, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let shorts: Vec<u8> = [0i16, 0, 0, 0, 32767, 0, 0, 0, -32768, 16384, 0, 0]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
     let view = file.view(&shorts);
     file.json["bufferViews"][view]["byteStride"] = 8.into();
     let accessor = &mut file.json["accessors"][0];

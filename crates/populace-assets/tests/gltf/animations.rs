@@ -10,7 +10,8 @@ fn with_keys(times: &[f32], kind: &str, values: &[f32], path: &str, interpolatio
     let input = file.floats("SCALAR", times);
     let output = file.floats(kind, values);
     let animation = &mut file.json["animations"][0];
-    animation["samplers"][0] = json!({"input": input, "output": output, "interpolation": interpolation});
+    animation["samplers"][0] =
+        json!({"input": input, "output": output, "interpolation": interpolation});
     animation["channels"][0]["target"]["path"] = path.into();
     file
 }
@@ -30,21 +31,26 @@ fn channels_become_tracks_of_named_joints() {
 
 #[test]
 fn steps_splines_translations_and_scales_are_read() {
-    let steps = with_keys(&[0.0, 1.0], "VEC3", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "translation", "STEP");
+    let steps =
+        with_keys(&[0.0, 1.0], "VEC3", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "translation", "STEP");
     let track = loaded(&steps.glb()).character.clips[0].source().tracks[0].clone();
     assert_eq!((track.property, track.interpolation), (Property::Translation, Interpolation::Step));
     assert_eq!(track.value(1), [4.0, 5.0, 6.0]);
     let values: Vec<f32> = (0..18).map(|v| v as f32).collect();
     let spline = with_keys(&[0.0, 1.0], "VEC3", &values, "scale", "CUBICSPLINE");
     let track = loaded(&spline.glb()).character.clips[0].source().tracks[0].clone();
-    assert_eq!((track.property, track.interpolation), (Property::Scale, Interpolation::CubicSpline));
+    assert_eq!(
+        (track.property, track.interpolation),
+        (Property::Scale, Interpolation::CubicSpline)
+    );
     assert_eq!((track.value(0), track.value(1)), (&[3.0, 4.0, 5.0][..], &[12.0, 13.0, 14.0][..]));
 }
 
 #[test]
 fn rotations_may_be_normalised_integers() {
     let mut file = skinned();
-    let turns: Vec<u8> = [0i8, 0, 0, 127, 0, 90, 0, -128].iter().map(|v| v.cast_unsigned()).collect();
+    let turns: Vec<u8> =
+        [0i8, 0, 0, 127, 0, 90, 0, -128].iter().map(|v| v.cast_unsigned()).collect();
     let output = file.accessor(&turns, 5120, 2, "VEC4");
     file.json["animations"][0]["samplers"][0]["output"] = output.into();
     assert_problem(
@@ -63,12 +69,25 @@ fn times_increase_and_values_fit_them() {
     let few = with_keys(&[0.0, 1.0], "VEC3", &[0.0; 9], "scale", "LINEAR");
     assert_problem(&few.glb(), "animations[0].channels[0]: has 2 keys and 3 values");
     let single = with_keys(&[0.0], "VEC3", &[0.0; 9], "scale", "CUBICSPLINE");
-    assert_problem(&single.glb(), "animations[0].samplers[0]: has 1 keys; a cubic spline needs two");
-    let zero =
-        with_keys(&[0.0, 1.0], "VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0], "rotation", "LINEAR");
-    assert_problem(&zero.glb(), "animations[0].samplers[0]: has a rotation of length zero in element 1");
+    assert_problem(
+        &single.glb(),
+        "animations[0].samplers[0]: has 1 keys; a cubic spline needs two",
+    );
+    let zero = with_keys(
+        &[0.0, 1.0],
+        "VEC4",
+        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        "rotation",
+        "LINEAR",
+    );
+    assert_problem(
+        &zero.glb(),
+        "animations[0].samplers[0]: has a rotation of length zero in element 1",
+    );
     let kind = with_keys(&[0.0], "VEC4", &[0.0; 4], "scale", "LINEAR");
-    assert!(super::problems(&kind.glb())[0].contains("is VEC4 of float; values of scale must be VEC3"));
+    assert!(
+        super::problems(&kind.glb())[0].contains("is VEC4 of float; values of scale must be VEC3")
+    );
     let word = with_keys(&[0.0], "VEC3", &[1.0; 3], "scale", "BEZIER");
     assert_problem(&word.glb(), "animations[0].samplers[0].interpolation: is \"BEZIER\"");
 }
@@ -83,7 +102,8 @@ fn tangents_of_length_zero_are_no_rotations() {
 #[test]
 fn what_drives_nothing_is_noted_and_stays_a_clip() {
     let mut file = skinned();
-    let target = |file: &mut File, target| file.json["animations"][0]["channels"][0]["target"] = target;
+    let target =
+        |file: &mut File, target| file.json["animations"][0]["channels"][0]["target"] = target;
     let place = "animations[0].channels[0].target: ";
     for (value, note) in [
         (json!({"path": "rotation"}), "names no node"),
@@ -110,7 +130,10 @@ fn one_channel_drives_a_property_and_never_that_of_a_matrix() {
     let mut file = skinned();
     file.json["nodes"][2].as_object_mut().unwrap().remove("translation");
     file.json["nodes"][2]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 1]);
-    assert_problem(&file.glb(), "animations[0].channels[0].target: drives node 2, which has a matrix");
+    assert_problem(
+        &file.glb(),
+        "animations[0].channels[0].target: drives node 2, which has a matrix",
+    );
 }
 
 #[test]
@@ -156,5 +179,8 @@ fn many_keys_times_many_joints_are_refused() {
         file.add("nodes", json!({}));
     }
     file.json["nodes"][2]["children"] = (first..first + 5_000).collect::<Vec<_>>().into();
-    assert_problem(&file.glb(), "animations[0]: needs rows of 5002 joints at 20000 key times; that, with");
+    assert_problem(
+        &file.glb(),
+        "animations[0]: needs rows of 5002 joints at 20000 key times; that, with",
+    );
 }

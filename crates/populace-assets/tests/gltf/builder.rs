@@ -35,11 +35,20 @@ impl File {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let offset = self.bin.len();
         self.bin.extend_from_slice(bytes);
-        self.add("bufferViews", json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()}))
+        self.add(
+            "bufferViews",
+            json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()}),
+        )
     }
 
     /// Adds an accessor of everything in a new buffer view.
-    pub(crate) fn accessor(&mut self, bytes: &[u8], component: u32, count: usize, kind: &str) -> usize {
+    pub(crate) fn accessor(
+        &mut self,
+        bytes: &[u8],
+        component: u32,
+        count: usize,
+        kind: &str,
+    ) -> usize {
         let view = self.view(bytes);
         let bounds = [0.0];
         self.add(

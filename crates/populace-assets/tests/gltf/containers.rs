@@ -28,7 +28,10 @@ fn content_not_name_tells_the_kind_and_buffers_are_found_beside_the_file() {
     assert_eq!(load(&path).unwrap().character.parts.len(), 1);
     std::fs::write(folder.path().join("data/a b.bin"), &file.bin[..8]).unwrap();
     let error = load(&path).unwrap_err().to_string();
-    assert!(error.contains("buffers[0].uri: names \"data/a b.bin\", which has 8 bytes where"), "{error}");
+    assert!(
+        error.contains("buffers[0].uri: names \"data/a b.bin\", which has 8 bytes where"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -39,7 +42,9 @@ fn missing_files_and_folders_are_told_apart_from_bad_ones() {
     let file = rigid().gltf_beside("folder");
     let error = load_from_slice(&file, Some(folder.path())).unwrap_err().to_string();
     assert!(
-        error.contains("buffers[0].uri: names \"folder\", which cannot be read: it is not a regular file"),
+        error.contains(
+            "buffers[0].uri: names \"folder\", which cannot be read: it is not a regular file"
+        ),
         "{error}"
     );
     assert_problem(&file, "buffers[0].uri: names the file \"folder\", but files beside this one");
@@ -47,9 +52,13 @@ fn missing_files_and_folders_are_told_apart_from_bad_ones() {
 
 #[test]
 fn addresses_and_absolute_paths_are_refused() {
-    for uri in
-        ["http://example.com/a.bin", "/etc/passwd", "file:///etc/passwd", "%2Fetc/passwd", "C:%5Ca.bin"]
-    {
+    for uri in [
+        "http://example.com/a.bin",
+        "/etc/passwd",
+        "file:///etc/passwd",
+        "%2Fetc/passwd",
+        "C:%5Ca.bin",
+    ] {
         assert_problem(&rigid().gltf_beside(uri), "buffers[0].uri: ");
     }
 }
@@ -57,7 +66,8 @@ fn addresses_and_absolute_paths_are_refused() {
 #[test]
 fn an_unused_buffer_need_not_exist() {
     let mut file = rigid();
-    file.json["buffers"] = json!([{"byteLength": file.bin.len()}, {"byteLength": 9, "uri": "gone.bin"}]);
+    file.json["buffers"] =
+        json!([{"byteLength": file.bin.len()}, {"byteLength": 9, "uri": "gone.bin"}]);
     assert_note(&file.glb(), "buffers[1]: is not opened");
 }
 
@@ -66,14 +76,20 @@ fn a_buffer_that_is_nowhere_may_be_there_until_it_is_read() {
     let mut file = File::new();
     file.json["buffers"] = json!([{"byteLength": 48}]);
     file.add("bufferViews", json!({"buffer": 0, "byteLength": 48}));
-    file.add("accessors", json!({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}));
+    file.add(
+        "accessors",
+        json!({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}),
+    );
     for bytes in [file.glb(), file.json.to_string().into_bytes()] {
         assert_note(&bytes, "buffers[0]: has no uri; nothing that is drawn or played needs it");
     }
     file.add("meshes", json!({"primitives": [{"attributes": {"POSITION": 0}}]}));
     file.add("nodes", json!({"mesh": 0}));
     assert_problem(&file.glb(), "buffers[0]: has no uri, and the file has no BIN chunk for it");
-    assert_problem(file.json.to_string().as_bytes(), "buffers[0]: has no uri; only the first buffer");
+    assert_problem(
+        file.json.to_string().as_bytes(),
+        "buffers[0]: has no uri; only the first buffer",
+    );
 }
 
 #[test]
@@ -84,10 +100,16 @@ fn chunks_must_be_whole_aligned_and_in_order() {
     let other = (*b"WHAT", vec![1, 2, 3, 4]);
     loaded(&container(std::slice::from_ref(&json)));
     assert_note(&container(&[json.clone(), bin.clone()]), "chunk 1: holds data");
-    assert_note(&container(&[json.clone(), bin.clone(), other.clone()]), "chunk 2: is of the unknown kind");
+    assert_note(
+        &container(&[json.clone(), bin.clone(), other.clone()]),
+        "chunk 2: is of the unknown kind",
+    );
     assert_problem(&container(std::slice::from_ref(&bin)), "chunk 0: is of kind");
     assert_problem(&container(&[json.clone(), json.clone()]), "chunk 1: is a second JSON");
-    assert_problem(&container(&[json.clone(), bin.clone(), bin.clone()]), "chunk 2: is a second BIN");
+    assert_problem(
+        &container(&[json.clone(), bin.clone(), bin.clone()]),
+        "chunk 2: is a second BIN",
+    );
     assert_problem(&container(&[json.clone(), other, bin]), "chunk 2: is BIN");
     assert_problem(&container(&[(*b"JSON", b"{}   ".to_vec())]), "chunk 0: has 5 bytes");
     assert_problem(&container(&[(*b"JSON", vec![])]), "chunk 0: is empty");

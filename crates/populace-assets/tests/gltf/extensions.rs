@@ -22,7 +22,9 @@ fn required_extensions_that_are_not_supported_are_refused_by_name() {
 
 #[test]
 fn required_extensions_that_change_looks_alone_are_ignored_and_noted() {
-    for name in ["KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness", "KHR_lights_punctual"] {
+    for name in
+        ["KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness", "KHR_lights_punctual"]
+    {
         let mut file = rigid();
         file.json["extensionsUsed"] = json!([name]);
         file.json["extensionsRequired"] = json!([name]);

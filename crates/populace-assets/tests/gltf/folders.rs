@@ -30,7 +30,10 @@ fn files_outside_are_read_only_where_that_is_allowed() {
         std::fs::create_dir_all(root.path().join("model/a")).unwrap();
         std::fs::write(root.path().join("secret"), &file.bin).unwrap();
         let there = load(&path).unwrap_err().to_string();
-        assert!(there.contains("buffers[0].uri: names") && there.contains("--allow-outside"), "{there}");
+        assert!(
+            there.contains("buffers[0].uri: names") && there.contains("--allow-outside"),
+            "{there}"
+        );
         assert_eq!(load_with(&path, &OUTSIDE).unwrap().character.parts.len(), 1, "{uri}");
         // What is said does not tell whether the file is there.
         std::fs::remove_file(root.path().join("secret")).unwrap();
@@ -47,7 +50,10 @@ fn notes_of_images_do_not_tell_what_is_outside() {
     std::fs::write(&path, file.glb()).unwrap();
     let notes = || load(&path).unwrap().notes;
     let gone = notes();
-    assert!(gone.iter().any(|n| n.place == "images[0]" && n.what.contains("leads outside")), "{gone:?}");
+    assert!(
+        gone.iter().any(|n| n.place == "images[0]" && n.what.contains("leads outside")),
+        "{gone:?}"
+    );
     std::fs::write(root.path().join("secret"), "no image").unwrap();
     assert_eq!(notes(), gone);
     let allowed = load_with(&path, &OUTSIDE).unwrap().notes;
@@ -93,7 +99,10 @@ fn pipes_devices_sockets_and_folders_are_not_read() {
         assert_eq!(source.to_string(), "it is not a regular file", "{other:?}");
     }
     let error = load(&path).unwrap_err().to_string();
-    assert!(error.contains("names \"pipe\", which cannot be read: it is not a regular file"), "{error}");
+    assert!(
+        error.contains("names \"pipe\", which cannot be read: it is not a regular file"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -104,7 +113,8 @@ fn a_stream_is_loaded_alone() {
     assert_eq!((imported.character.name.as_str(), imported.character.parts.len()), ("a stream", 1));
     let error = load_from_reader(&bytes[..99], "a stream", &options).unwrap_err().to_string();
     assert!(error.starts_with("a stream is refused:\nheader: says the file has"), "{error}");
-    let error = load_from_reader(&rigid().gltf_beside("Cargo.toml")[..], "a stream", &OUTSIDE).unwrap_err();
+    let error =
+        load_from_reader(&rigid().gltf_beside("Cargo.toml")[..], "a stream", &OUTSIDE).unwrap_err();
     assert!(error.to_string().contains("files beside this one are not looked at here"), "{error}");
     let error = load_from_reader(std::io::repeat(0), "a stream", &options).unwrap_err().to_string();
     assert!(error.contains("file: is no glTF file"), "{error}");

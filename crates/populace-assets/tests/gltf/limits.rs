@@ -27,7 +27,8 @@ fn chain(count: usize, more: &str) -> Vec<u8> {
     for child in 1..count {
         write!(text, r#"{{"children":[{child}]}},"#).expect("a text takes all");
     }
-    write!(text, r#"{{}}],"skins":[{{"joints":[{}]}}]{more}}}"#, count - 1).expect("a text takes all");
+    write!(text, r#"{{}}],"skins":[{{"joints":[{}]}}]{more}}}"#, count - 1)
+        .expect("a text takes all");
     text.into_bytes()
 }
 
@@ -37,7 +38,8 @@ fn everything_that_takes_memory_counts_and_is_named() {
     assert!(problems_within(&file.gltf(), 1 << 20).is_empty());
     let refused = |file: &[u8], limit: u64, place: &str, what: &str| {
         let found = problems_within(file, limit);
-        let named = |p: &String| p.starts_with(place) && p.contains(what) && p.contains("--memory-limit");
+        let named =
+            |p: &String| p.starts_with(place) && p.contains(what) && p.contains("--memory-limit");
         assert!(found.iter().any(named), "not `{place}` `{what}`: {found:#?}");
     };
     refused(&file.gltf(), 100, "file: needs", "for its JSON");
@@ -57,8 +59,16 @@ fn everything_that_takes_memory_counts_and_is_named() {
     }
     keys.add("skins", json!({"joints": (0..100).collect::<Vec<_>>()}));
     let channel = json!({"sampler": 0, "target": {"node": 0, "path": "translation"}});
-    keys.add("animations", json!({"samplers": [{"input": input, "output": output}], "channels": [channel]}));
-    refused(&keys.glb(), 8 << 20, "animations[0]: needs", "for rows of 100 joints at 2000 key times");
+    keys.add(
+        "animations",
+        json!({"samplers": [{"input": input, "output": output}], "channels": [channel]}),
+    );
+    refused(
+        &keys.glb(),
+        8 << 20,
+        "animations[0]: needs",
+        "for rows of 100 joints at 2000 key times",
+    );
 }
 
 #[test]
@@ -72,13 +82,19 @@ fn a_large_image_in_a_small_file_is_refused_by_its_header() {
     for image in 0..2 {
         file.add("images", json!({"bufferView": view, "mimeType": "image/png"}));
         file.add("textures", json!({"source": image}));
-        file.add("materials", json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": image}}}));
+        file.add(
+            "materials",
+            json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": image}}}),
+        );
     }
     let found = problems(&file.glb());
     assert_eq!(found.len(), 2, "{found:?}");
     for (image, problem) in found.iter().enumerate() {
         let words = format!("images[{image}]: needs 1281 MiB for an image of 16384 x 16384 pixels");
-        assert!(problem.starts_with(&words) && problem.contains("the memory limit is 1024 MiB"), "{problem}");
+        assert!(
+            problem.starts_with(&words) && problem.contains("the memory limit is 1024 MiB"),
+            "{problem}"
+        );
     }
 }
 
@@ -92,7 +108,8 @@ fn long_chains_load_and_endless_ones_are_refused() {
 /// Each of these would take minutes and gigabytes if what is small were multiplied.
 #[test]
 fn many_of_one_thing_times_many_of_another_are_refused() {
-    let animations = format!(r#","animations":[{}{{}}]"#, r#"{"channels":[],"samplers":[]},"#.repeat(20_000));
+    let animations =
+        format!(r#","animations":[{}{{}}]"#, r#"{"channels":[],"samplers":[]},"#.repeat(20_000));
     let found = problems(&chain(20_000, &animations));
     assert!(found.len() == 1 && found[0].contains("out of proportion to its size"), "{found:?}");
 
@@ -111,7 +128,8 @@ fn curves_that_no_rows_hold_get_rows_in_proportion() {
     let times: Vec<f32> = (0..keys).map(|t| t as f32).collect();
     let wild = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0].repeat(keys);
     let (input, output) = (file.floats("SCALAR", &times), file.floats("VEC3", &wild));
-    let channel = |node: usize| json!({"sampler": 0, "target": {"node": node, "path": "translation"}});
+    let channel =
+        |node: usize| json!({"sampler": 0, "target": {"node": node, "path": "translation"}});
     for _ in 0..joints {
         file.add("nodes", json!({}));
     }
@@ -170,11 +188,14 @@ fn chains_do_not_come_to_more_than_palettes_can_hold() {
     // What keys make of it counts too, and what tangents add between them.
     let mut keyed = chain(2, "scale", [1e9; 3]);
     let input = keyed.floats("SCALAR", &[0.0, 1000.0]);
-    let output =
-        keyed.floats("VEC3", &[[0.0; 3], [1.0; 3], [1.0; 3], [-1.0; 3], [1.0; 3], [0.0; 3]].concat());
+    let output = keyed
+        .floats("VEC3", &[[0.0; 3], [1.0; 3], [1.0; 3], [-1.0; 3], [1.0; 3], [0.0; 3]].concat());
     let sampler = json!({"input": input, "output": output, "interpolation": "CUBICSPLINE"});
     let target = json!({"node": 5, "path": "scale"});
-    keyed.add("animations", json!({"samplers": [sampler], "channels": [{"sampler": 0, "target": target}]}));
+    keyed.add(
+        "animations",
+        json!({"samplers": [sampler], "channels": [{"sampler": 0, "target": target}]}),
+    );
     assert_problem(&keyed.glb(), "nodes[5]: can be scaled by 3.0e20");
     // Each chain is told once.
     let long = chain(7, "scale", [1e9; 3]);

@@ -33,7 +33,10 @@ fn problems(file: &[u8]) -> Vec<String> {
 #[track_caller]
 fn assert_problem(file: &[u8], begins: &str) {
     let problems = problems(file);
-    assert!(problems.len() == 1 && problems[0].starts_with(begins), "not `{begins}`: {problems:#?}");
+    assert!(
+        problems.len() == 1 && problems[0].starts_with(begins),
+        "not `{begins}`: {problems:#?}"
+    );
 }
 
 /// Asserts that a file loads and some note begins so.

@@ -8,8 +8,9 @@ use super::{assert_note, assert_problem, loaded};
 
 fn encoded(format: image::ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    let pixels =
-        image::RgbImage::from_fn(2, 1, |x, _| image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] }));
+    let pixels = image::RgbImage::from_fn(2, 1, |x, _| {
+        image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })
+    });
     pixels.write_to(&mut bytes, format).expect("memory takes it all");
     bytes.into_inner()
 }
@@ -45,7 +46,10 @@ fn factors_alpha_and_sides_are_read() {
     assert_eq!((glass.name.as_str(), glass.double_sided), ("glass", true));
     assert_eq!(glass.base_color, [0.5, 0.25, 1.0, 1.0]);
     assert_eq!(glass.alpha, AlphaMode::Mask { cutoff: 0.25 });
-    assert_note(&file.glb(), "materials[0].pbrMetallicRoughness: has a baseColorFactor outside 0 to 1");
+    assert_note(
+        &file.glb(),
+        "materials[0].pbrMetallicRoughness: has a baseColorFactor outside 0 to 1",
+    );
     file.json["materials"][0]["alphaMode"] = "BLEND".into();
     assert_eq!(material(&file).alpha, AlphaMode::Blend);
     file.json["materials"][0]["alphaMode"] = "ADD".into();
@@ -61,7 +65,10 @@ fn png_jpeg_and_webp_are_decoded_by_content() {
         let image = &character.images[0];
         assert_eq!((image.width, image.height, image.rgba.len()), (2, 1, 8));
         let texture = character.materials[0].base_color_texture.unwrap();
-        assert_eq!((texture.image, texture.wrap_u, texture.filter), (0, Wrap::Repeat, TextureFilter::Linear));
+        assert_eq!(
+            (texture.image, texture.wrap_u, texture.filter),
+            (0, Wrap::Repeat, TextureFilter::Linear)
+        );
         if format != image::ImageFormat::Jpeg {
             assert_eq!(image.rgba, [255, 0, 0, 255, 0, 0, 255, 255]);
         }

@@ -10,7 +10,8 @@ fn mesh(file: &File) -> populace_core::Mesh {
 /// A square of two triangles, folded or flat, without normals.
 fn square(fold: f32) -> File {
     let mut file = File::new();
-    let positions = file.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, fold]);
+    let positions =
+        file.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, fold]);
     file.add("meshes", json!({"primitives": [{"attributes": {"POSITION": positions}}]}));
     file.add("nodes", json!({"name": "square", "mesh": 0}));
     file
@@ -27,7 +28,8 @@ fn lists_strips_and_fans_become_triangles_and_points_and_lines_nothing() {
     };
     assert_eq!(triangles(4), [0, 1, 2]);
     assert_eq!(triangles(5), [0, 1, 2, 1, 3, 2]);
-    // Fanned out in this order the square folds over, and its second triangle gets vertices of its own.
+    // Fanned out in this order the square folds over, and its second triangle gets vertices of its
+    // own.
     assert_eq!(triangles(6), [1, 2, 0, 4, 3, 5]);
     for mode in 0..4 {
         file.primitive()["mode"] = mode.into();
@@ -68,11 +70,16 @@ fn indices_stay_below_the_vertex_count() {
     file.primitive()["indices"] = indices.into();
     assert_problem(
         &file.glb(),
-        &format!("accessors[{indices}]: holds index 3 in element 2, but meshes[0].primitives[0] has 3"),
+        &format!(
+            "accessors[{indices}]: holds index 3 in element 2, but meshes[0].primitives[0] has 3"
+        ),
     );
     let floats = file.floats("SCALAR", &[0.0, 1.0, 2.0]);
     file.primitive()["indices"] = floats.into();
-    assert_problem(&file.glb(), &format!("accessors[{floats}]: is SCALAR of float; indices must be"));
+    assert_problem(
+        &file.glb(),
+        &format!("accessors[{floats}]: is SCALAR of float; indices must be"),
+    );
 }
 
 #[test]
@@ -135,7 +142,10 @@ fn colours_have_three_or_four_components_of_several_kinds() {
     file.primitive()["attributes"]["COLOR_0"] = colors.into();
     assert_eq!(mesh(&file).colors, [[0.0, 0.2, 1.0, 0.4]; 3]);
     file.json["accessors"][colors]["normalized"] = false.into();
-    assert_problem(&file.glb(), &format!("accessors[{colors}]: is VEC4 of 8-bit unsigned; COLOR_0 must be"));
+    assert_problem(
+        &file.glb(),
+        &format!("accessors[{colors}]: is VEC4 of 8-bit unsigned; COLOR_0 must be"),
+    );
 }
 
 #[test]

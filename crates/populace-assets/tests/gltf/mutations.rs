@@ -1,4 +1,5 @@
-//! The seeds of the fuzz target, broken in every small way: whatever comes of them, nothing may panic or hang.
+//! The seeds of the fuzz target, broken in every small way: whatever comes of them, nothing may
+//! panic or hang.
 
 use populace_assets::load_from_slice;
 
@@ -26,7 +27,8 @@ fn seeds_load_and_can_be_written() {
             assert!(!loaded(&bytes).character.parts.is_empty());
             if let Some(folder) = &folder {
                 // Tests run in the crate's folder; the variable counts from the workspace's.
-                let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
+                let folder =
+                    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
                 std::fs::create_dir_all(&folder).unwrap();
                 std::fs::write(folder.join(format!("seed-{index}.{kind}")), bytes).unwrap();
             }
@@ -75,11 +77,20 @@ fn every_changed_byte_is_survived() {
 fn every_number_in_the_json_replaced_is_survived() {
     for file in seeds() {
         let text = file.json.to_string();
-        let digits: Vec<_> = text.match_indices(|c: char| c.is_ascii_digit()).map(|(at, _)| at).collect();
+        let digits: Vec<_> =
+            text.match_indices(|c: char| c.is_ascii_digit()).map(|(at, _)| at).collect();
         for at in digits {
-            for new in
-                ["-1", "1e300", "18446744073709551615", "4294967296", "0.5", "\"x\"", "null", "[]", "{}"]
-            {
+            for new in [
+                "-1",
+                "1e300",
+                "18446744073709551615",
+                "4294967296",
+                "0.5",
+                "\"x\"",
+                "null",
+                "[]",
+                "{}",
+            ] {
                 let changed = format!("{}{new}{}", &text[..at], &text[at + 1..]);
                 let Ok(json) = serde_json::from_str(&changed) else {
                     continue;
@@ -99,13 +110,15 @@ fn every_property_left_out_is_survived() {
         for path in paths {
             let mut changed = file.clone();
             let (last, parents) = path.split_last().unwrap();
-            let parent = parents.iter().fold(&mut changed.json, |value, key| match key.parse::<usize>() {
-                Ok(index) if value.is_array() => &mut value[index],
-                _ => &mut value[key],
-            });
+            let parent =
+                parents.iter().fold(&mut changed.json, |value, key| match key.parse::<usize>() {
+                    Ok(index) if value.is_array() => &mut value[index],
+                    _ => &mut value[key],
+                });
             if let Some(object) = parent.as_object_mut() {
                 object.remove(last);
-            } else if let (Some(array), Ok(index)) = (parent.as_array_mut(), last.parse::<usize>()) {
+            } else if let (Some(array), Ok(index)) = (parent.as_array_mut(), last.parse::<usize>())
+            {
                 array.remove(index);
             }
             survives(&changed.glb());

@@ -47,7 +47,8 @@ fn a_skinned_meshs_own_transform_is_ignored() {
 #[test]
 fn a_matrix_moves_as_the_same_translation_rotation_and_scale_do() {
     let mut with_matrix = rigid();
-    with_matrix.json["nodes"][0]["matrix"] = json!([0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1]);
+    with_matrix.json["nodes"][0]["matrix"] =
+        json!([0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1]);
     let bounds = loaded(&with_matrix.glb()).character.rest_bounds().unwrap();
     assert_eq!((bounds.low, bounds.high), ([2.0, 6.0, 7.0], [5.0, 8.0, 7.0]));
     with_matrix.json["nodes"][0]["matrix"][4] = 9.into();
@@ -83,8 +84,9 @@ fn nodes_must_form_a_forest() {
 fn the_default_scene_is_shown_else_the_first_else_everything() {
     let mut file = rigid();
     file.add("nodes", json!({"name": "other", "mesh": 0}));
-    let shown =
-        |file: &File| -> Vec<usize> { loaded(&file.glb()).character.parts.iter().map(|p| p.node).collect() };
+    let shown = |file: &File| -> Vec<usize> {
+        loaded(&file.glb()).character.parts.iter().map(|p| p.node).collect()
+    };
     assert_eq!(shown(&file), [0, 1]);
     file.json["scenes"] = json!([{"nodes": [1]}, {"nodes": [0]}]);
     assert_eq!(shown(&file), [1]);

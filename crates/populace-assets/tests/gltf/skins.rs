@@ -55,7 +55,8 @@ fn weights_and_joints_come_in_all_sizes() {
     replace_attribute(&mut file, "WEIGHTS_0", weights);
     let bytes = loaded(&file.glb()).character;
     assert_eq!(bytes.parts[0].mesh.influences.entries, floats.parts[0].mesh.influences.entries);
-    for (a, b) in bytes.parts[0].mesh.influences.weights.iter().zip(&floats.parts[0].mesh.influences.weights)
+    for (a, b) in
+        bytes.parts[0].mesh.influences.weights.iter().zip(&floats.parts[0].mesh.influences.weights)
     {
         assert!((a - b).abs() < 0.5 / 255.0, "{a} {b}");
     }
@@ -86,7 +87,8 @@ fn a_second_set_gives_eight_influences_and_needs_both_halves() {
 #[test]
 fn strange_weights_are_kept_or_repaired_and_said() {
     let mut file = skinned();
-    let weights = file.floats("VEC4", &[0.0, 0.0, 0.0, 0.0, 2.0, 6.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0]);
+    let weights =
+        file.floats("VEC4", &[0.0, 0.0, 0.0, 0.0, 2.0, 6.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0]);
     replace_attribute(&mut file, "WEIGHTS_0", weights);
     let influences = loaded(&file.glb()).character.parts[0].mesh.influences.clone();
     assert_eq!(influences.weights, [1.0, 0.0, 0.0, 0.0, 2.0, 6.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
@@ -100,7 +102,10 @@ fn a_vertex_must_not_follow_a_joint_that_the_skin_lacks() {
     let mut file = skinned();
     let joints = file.bytes("VEC4", &[0, 9, 9, 9, 2, 0, 0, 0, 0, 1, 0, 0]);
     replace_attribute(&mut file, "JOINTS_0", joints);
-    assert_problem(&file.glb(), "meshes[0].primitives[0]: binds vertex 1 to joint 2, but the skin has 2");
+    assert_problem(
+        &file.glb(),
+        "meshes[0].primitives[0]: binds vertex 1 to joint 2, but the skin has 2",
+    );
 }
 
 #[test]
@@ -168,7 +173,10 @@ fn joints_are_vectors_of_unsigned_integers() {
     let mut file = skinned();
     let joints = file.floats("VEC4", &[0.0; 12]);
     replace_attribute(&mut file, "JOINTS_0", joints);
-    assert_problem(&file.glb(), &format!("accessors[{joints}]: is VEC4 of float; JOINTS_0 must be"));
+    assert_problem(
+        &file.glb(),
+        &format!("accessors[{joints}]: is VEC4 of float; JOINTS_0 must be"),
+    );
     let joints = file.accessor(&[0; 24], U16, 4, "VEC3");
     replace_attribute(&mut file, "JOINTS_0", joints);
     assert_problem(&file.glb(), &format!("accessors[{joints}]: is VEC3 of 16-bit unsigned"));

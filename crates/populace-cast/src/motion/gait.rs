@@ -204,7 +204,8 @@ pub(super) fn run(body: &Body) -> Motion {
 }
 
 fn motion(body: &Body, style: &Style) -> Motion {
-    // Gaits are alike at equal Froude numbers: speeds and cycles grow with the root of the leg's length.
+    // Gaits are alike at equal Froude numbers: speeds and cycles grow with the root of the leg's
+    // length.
     let root = (body.hip_y / (0.525 * 1.75)).sqrt();
     let pace = body.look.pace;
     let cycle_secs = style.cycle_secs * root / pace.sqrt();
@@ -228,14 +229,15 @@ impl Bob {
         self.mean + self.cos * cos + self.sin * sin
     }
 
-    /// Follows what the planted leg's published knee angle asks for as well as such a wave can (least squares), and
-    /// stays low enough for the leg to reach the ground.
+    /// Follows what the planted leg's published knee angle asks for as well as such a wave can
+    /// (least squares), and stays low enough for the leg to reach the ground.
     fn fit(stride: &Stride) -> Self {
         let off = stride.legs.off;
         let phases = || (0..=60).map(|i| off * f64::from(i) / 60.0);
         let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
         for phase in phases() {
-            // Legs that leave carry less; from a walker's heel strike on, the other leg yields to the new one.
+            // Legs that leave carry less; from a walker's heel strike on, the other leg yields to
+            // the new one.
             let strike = stride.legs.strike * (-(phase / 0.03).powi(2)).exp();
             let weight = (std::f64::consts::PI * phase / off).sin() + 0.02 + strike;
             let (sin, cos) = (2.0 * TAU * phase).sin_cos();
@@ -245,7 +247,8 @@ impl Bob {
         }
         let wave = normal.inverse() * right;
         let mut bob = Self { mean: wave.x, cos: wave.y, sin: wave.z };
-        let over = phases().map(|phase| bob.at(phase) - stride.hip_limit(phase)).fold(0.0, f64::max);
+        let over =
+            phases().map(|phase| bob.at(phase) - stride.hip_limit(phase)).fold(0.0, f64::max);
         bob.mean -= over;
         bob
     }
@@ -275,9 +278,13 @@ impl Gait<'_> {
             * DQuat::from_rotation_x(0.4 * lean);
         let chest = yaw(style.chest_yaw * wave(0.02))
             * DQuat::from_rotation_z(-0.35 * drop)
-            * DQuat::from_rotation_x(lean + body.look.stoop_rad + 0.012 * (2.0 * TAU * (phase - 0.1)).cos());
+            * DQuat::from_rotation_x(
+                lean + body.look.stoop_rad + 0.012 * (2.0 * TAU * (phase - 0.1)).cos(),
+            );
         let head = yaw(0.12 * style.chest_yaw * wave(0.02))
-            * DQuat::from_rotation_x(0.35 * body.look.stoop_rad - 0.01 * (2.0 * TAU * (phase - 0.1)).cos());
+            * DQuat::from_rotation_x(
+                0.35 * body.look.stoop_rad - 0.01 * (2.0 * TAU * (phase - 0.1)).cos(),
+            );
         let hip_rest = body.joint(Limb::Thigh, Side::Left).y;
         let offset = DVec3::new(sway, self.bob.at(phase) - hip_rest, -body.joints[PELVIS].z);
         Stance {
@@ -300,7 +307,8 @@ impl Gait<'_> {
         let swing = (style.arm_forward + style.arm_swing * self.effort * forward).to_radians();
         Arm {
             swing_rad: swing,
-            spread_rad: (style.arm_spread + 9.0 * (self.body.look.waist - 1.0).max(0.0) * 2.0).to_radians(),
+            spread_rad: (style.arm_spread + 9.0 * (self.body.look.waist - 1.0).max(0.0) * 2.0)
+                .to_radians(),
             elbow_rad: (style.elbow + style.elbow_swing * self.effort * late).to_radians(),
             twist_rad: style.arm_twist.to_radians(),
             curl_rad: (style.curl + 4.0 * late).to_radians(),

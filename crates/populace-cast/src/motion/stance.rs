@@ -1,4 +1,5 @@
-//! A stance: what the parts of a body do at one instant, in a walker's terms; solved to turns of all segments.
+//! A stance: what the parts of a body do at one instant, in a walker's terms; solved to turns of
+//! all segments.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -65,7 +66,8 @@ impl Stance {
     fn solve_arm(&self, body: &Body, side: Side, turns: &mut [DQuat; SEGMENTS]) {
         let arm = &self.arms[side.index()];
         let left = |q: DQuat| side.turn(q);
-        let clavicle = self.chest * left(DQuat::from_rotation_z(self.shrug_rad + 0.1 * arm.spread_rad));
+        let clavicle =
+            self.chest * left(DQuat::from_rotation_z(self.shrug_rad + 0.1 * arm.spread_rad));
         turns[Limb::Clavicle.of(side)] = clavicle;
         // Bent backs leave arms hanging: the shoulder takes up most of the chest's lean.
         let lean = self.chest.slerp(DQuat::IDENTITY, 0.7);
@@ -106,7 +108,8 @@ impl Stance {
         let yaw = DQuat::from_rotation_y(side.sign() * leg.yaw_rad);
         turns[Limb::Foot.of(side)] = yaw * DQuat::from_rotation_x(-leg.pitch_rad);
         turns[Limb::Toes.of(side)] = yaw * DQuat::from_rotation_x(-leg.toe_pitch_rad);
-        let [hip, knee, ankle] = [Limb::Thigh, Limb::Shin, Limb::Foot].map(|limb| body.joint(limb, side));
+        let [hip, knee, ankle] =
+            [Limb::Thigh, Limb::Shin, Limb::Foot].map(|limb| body.joint(limb, side));
         let from = self.hip(body, side);
         // The knee points where the foot and the pelvis do on the average.
         let front = (yaw * DVec3::Z).lerp(self.pelvis * DVec3::Z, 0.5);
@@ -115,8 +118,9 @@ impl Stance {
         let reach = to.length().clamp((upper - lower).abs() + 1e-6, upper + lower - 1e-6);
         let down = to.normalize();
         let hinge = front.cross(down).normalize();
-        let corner =
-            |a: f64, b: f64, c: f64| ((a * a + b * b - c * c) / (2.0 * a * b)).clamp(-1.0, 1.0).acos();
+        let corner = |a: f64, b: f64, c: f64| {
+            ((a * a + b * b - c * c) / (2.0 * a * b)).clamp(-1.0, 1.0).acos()
+        };
         let thigh = DQuat::from_axis_angle(hinge, -corner(upper, reach, lower)) * down;
         let shin = DQuat::from_axis_angle(hinge, corner(lower, reach, upper)) * down;
         turns[Limb::Thigh.of(side)] = turn_between(knee - hip, thigh, hinge);

@@ -1,11 +1,12 @@
-//! A foot's way through one cycle in place: rolling from heel to toe over ground that passes at an even speed, then
-//! swinging as published thigh and knee angles would have it.
+//! A foot's way through one cycle in place: rolling from heel to toe over ground that passes at an
+//! even speed, then swinging as published thigh and knee angles would have it.
 
 use super::curve::{self, Knots};
 use crate::anatomy::{Body, HEEL_BACK, Limb, Side, TOE_JOINT, TOE_TIP};
 use crate::surface::smooth;
 
-/// What a gait's legs do; phases are parts of the cycle since the foot's own strike, angles are degrees.
+/// What a gait's legs do; phases are parts of the cycle since the foot's own strike, angles are
+/// degrees.
 pub(super) struct Legs {
     /// When the toes leave the ground.
     pub(super) off: f64,
@@ -23,11 +24,13 @@ pub(super) struct Legs {
     pub(super) clearance: f64,
     /// How much of the ground's speed the foot has taken on before it strikes.
     pub(super) settle: f64,
-    /// Metres that early swing lifts an adult's ankle by, which the pull to the ground at both ends took away.
+    /// Metres that early swing lifts an adult's ankle by, which the pull to the ground at both ends
+    /// took away.
     pub(super) lift: f64,
 }
 
-/// Where an ankle is: height and place before the hip joint at rest, with the pitch of foot and toes.
+/// Where an ankle is: height and place before the hip joint at rest, with the pitch of foot and
+/// toes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub(super) y: f64,
@@ -68,8 +71,8 @@ impl<'a> Stride<'a> {
         curve::at(self.legs.foot_pitch, phase).to_radians()
     }
 
-    /// On the ground: height and place of the ankle. The foot turns about its heel while its toes are up, about the
-    /// joint of its toes while its heel is.
+    /// On the ground: height and place of the ankle. The foot turns about its heel while its toes
+    /// are up, about the joint of its toes while its heel is.
     pub(super) fn planted(&self, phase: f64) -> [f64; 2] {
         let (sin, cos) = self.pitch(phase).sin_cos();
         let flat = self.length * (self.legs.under - phase);
@@ -124,7 +127,8 @@ impl<'a> Stride<'a> {
         y + (reach * reach - z * z).max(0.0).sqrt()
     }
 
-    /// The foot at a phase of its own cycle, from 0 to 1; `hip_y` tells the hip's height at any phase of it.
+    /// The foot at a phase of its own cycle, from 0 to 1; `hip_y` tells the hip's height at any
+    /// phase of it.
     pub(super) fn step(&self, phase: f64, hip_y: &dyn Fn(f64) -> f64) -> Step {
         let off = self.legs.off;
         let pitch = self.pitch(phase);
@@ -145,7 +149,8 @@ impl<'a> Stride<'a> {
         Step { y, z, pitch, toe_pitch, roll: self.roll_back(t) }
     }
 
-    /// The swing of published angles, pulled at both ends to where the planted foot is, in place and in speed.
+    /// The swing of published angles, pulled at both ends to where the planted foot is, in place
+    /// and in speed.
     fn swing(&self, phase: f64, t: f64, hip_y: &dyn Fn(f64) -> f64) -> [f64; 2] {
         let off = self.legs.off;
         let step = 1e-4;

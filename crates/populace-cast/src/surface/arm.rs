@@ -11,8 +11,8 @@ use crate::anatomy::{Body, ELBOW, Limb, Side, WRIST};
 /// Points around an arm; point 2 is on the outside, 5 behind, 8 inside, 11 in front.
 pub(super) const AROUND: usize = 12;
 
-/// Where along the arm a ring is, its half breadth from front to back and its half depth, as parts of the body's
-/// height.
+/// Where along the arm a ring is, its half breadth from front to back and its half depth, as parts
+/// of the body's height.
 const RINGS: [[f64; 3]; 11] = [
     [0.052, 0.0300, 0.0295],
     [0.078, 0.0283, 0.0278],
@@ -67,7 +67,8 @@ fn ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<usize
     (0..AROUND)
         .map(|k| {
             let (sin, cos) = turn(k).sin_cos();
-            let place = on_arm(body, at, (breadth * girth + ease) * sin, (depth * girth + ease) * cos);
+            let place =
+                on_arm(body, at, (breadth * girth + ease) * sin, (depth * girth + ease) * cos);
             surface.point(side.place(place), weights(side, at))
         })
         .collect()
@@ -86,7 +87,8 @@ fn cloth(sleeves: Reach, row: usize) -> f64 {
 }
 
 fn weights(side: Side, at: f64) -> Weights {
-    let segments = [Limb::Clavicle, Limb::UpperArm, Limb::Forearm, Limb::Hand].map(|limb| limb.of(side));
+    let segments =
+        [Limb::Clavicle, Limb::UpperArm, Limb::Forearm, Limb::Hand].map(|limb| limb.of(side));
     chain(at, &segments, &[(0.0, 0.075), (ELBOW, 0.032), (WRIST, 0.018)])
 }
 
@@ -102,11 +104,13 @@ fn shoulder_ring(
     (0..AROUND)
         .map(|k| {
             let outside = turn(k).cos();
-            let bulge =
-                (0.007 * outside.max(0.0) + 0.004 * turn(k).sin().powi(2)) * body.height * body.look.limbs;
+            let bulge = (0.007 * outside.max(0.0) + 0.004 * turn(k).sin().powi(2))
+                * body.height
+                * body.look.limbs;
             let round = side.place(body.outward * outside - DVec3::Z * turn(k).sin());
             let dir = if outside > 0.0 { up.lerp(round, 0.4).normalize() } else { round };
-            let place = surface.points[opening[k]].lerp(surface.points[first[k]], 0.5) + dir * bulge;
+            let place =
+                surface.points[opening[k]].lerp(surface.points[first[k]], 0.5) + dir * bulge;
             let inner = surface.weights[opening[k]].clone();
             let outer = surface.weights[first[k]].clone();
             surface.point(place, mixed(inner, &outer, 0.55))

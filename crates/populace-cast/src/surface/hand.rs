@@ -7,11 +7,12 @@ use super::{Region, Surface, Weights, chain};
 use crate::anatomy::{Body, FINGER_AT, FINGERS, KNUCKLE, KNUCKLES, Limb, PALM, Side};
 
 /// Where along the arm a ring is, its half breadth and half depth, as parts of the body's height.
-const RINGS: [[f64; 3]; 3] = [[0.332, 0.0205, 0.0118], [0.356, 0.0245, 0.0112], [0.380, PALM, 0.0085]];
+const RINGS: [[f64; 3]; 3] =
+    [[0.332, 0.0205, 0.0118], [0.356, 0.0245, 0.0112], [0.380, PALM, 0.0085]];
 /// The points of a ring between which the thumb begins: below, in front, above.
 const THUMB: [usize; 3] = [10, 11, 0];
-/// Around a finger: two points on the back of the hand, one between fingers, two inside, one between fingers. Across
-/// from the finger's middle and outwards, in units of its radius.
+/// Around a finger: two points on the back of the hand, one between fingers, two inside, one
+/// between fingers. Across from the finger's middle and outwards, in units of its radius.
 const HEXAGON: [[f64; 2]; 6] =
     [[0.55, 0.85], [-0.55, 0.85], [-1.0, 0.0], [-0.55, -0.85], [0.55, -0.85], [1.0, 0.0]];
 const FINGER_RADIUS: f64 = 0.0051;
@@ -60,7 +61,11 @@ fn with_thumb(surface: &mut Surface, body: &Body, side: Side, [low, high]: [&[us
         let next = (k + 1) % AROUND;
         if !(THUMB[0]..=THUMB[1]).contains(&k) {
             let [a, b, c, d] = [low[k], low[next], high[next], high[k]];
-            surface.quad(if mirrored { [b, a, d, c] } else { [a, b, c, d] }, Region::Skin, mirrored);
+            surface.quad(
+                if mirrored { [b, a, d, c] } else { [a, b, c, d] },
+                Region::Skin,
+                mirrored,
+            );
         }
     }
     let [inner, front, outer] = THUMB;
@@ -93,8 +98,8 @@ fn with_thumb(surface: &mut Surface, body: &Body, side: Side, [low, high]: [&[us
 }
 
 fn thumb_weights(side: Side, at: f64) -> Weights {
-    let segments =
-        [Limb::Hand, Limb::Finger(0, 0), Limb::Finger(0, 1), Limb::Finger(0, 2)].map(|limb| limb.of(side));
+    let segments = [Limb::Hand, Limb::Finger(0, 0), Limb::Finger(0, 1), Limb::Finger(0, 2)]
+        .map(|limb| limb.of(side));
     chain(at, &segments, &[(0.010, 0.015), (0.028, 0.006), (0.049, 0.006)])
 }
 
@@ -109,7 +114,8 @@ fn fingers(surface: &mut Surface, body: &Body, side: Side, palm: &[usize]) {
     webs.push(palm[5]);
     for finger in 0..4 {
         let (back, inside) = (palm[10 - finger], palm[9 - finger]);
-        let mut last = vec![palm[finger], palm[finger + 1], webs[finger + 1], inside, back, webs[finger]];
+        let mut last =
+            vec![palm[finger], palm[finger + 1], webs[finger + 1], inside, back, webs[finger]];
         let length = FINGERS[finger];
         for (at, radius) in [(0.36, 1.0), (0.70, 0.9), (0.94, 0.66)] {
             let next: Vec<usize> = HEXAGON

@@ -10,10 +10,11 @@ use crate::Hair;
 use crate::anatomy::{Body, HEAD, NECK, SPINE};
 
 /// Degrees from the front of the points of one half of a ring, dense where the face is.
-const TURNS: [f64; 13] = [0.0, 7.0, 13.5, 20.5, 28.5, 38.0, 58.0, 80.0, 91.0, 103.0, 131.0, 157.0, 180.0];
+const TURNS: [f64; 13] =
+    [0.0, 7.0, 13.5, 20.5, 28.5, 38.0, 58.0, 80.0, 91.0, 103.0, 131.0, 157.0, 180.0];
 
-/// Height before and behind, half breadth, depth before and behind, and how much narrower the front is. Units are
-/// the head's height, from the chin.
+/// Height before and behind, half breadth, depth before and behind, and how much narrower the front
+/// is. Units are the head's height, from the chin.
 const ROWS: [[f64; 6]; 20] = [
     [-0.100, 0.020, 0.225, 0.175, 0.270, 0.00],
     [0.015, 0.120, 0.240, 0.205, 0.285, 0.05],
@@ -37,7 +38,8 @@ const ROWS: [[f64; 6]; 20] = [
     [0.983, 0.983, 0.098, 0.110, 0.140, 0.00],
 ];
 
-/// What stands out of the plain head or back into it: row, point from the middle, and how far before the face.
+/// What stands out of the plain head or back into it: row, point from the middle, and how far
+/// before the face.
 const FACE: [(usize, usize, f64); 41] = [
     (2, 0, 0.01),
     (3, 0, 0.022),
@@ -130,13 +132,17 @@ pub(super) fn build(surface: &mut Surface, body: &Body, neck: &[usize]) {
         }
         for j in 0..AROUND {
             let next = (j + 1) % AROUND;
-            surface.quad([below[j], below[next], ring[next], ring[j]], Region::Skin, j >= AROUND / 2);
+            surface.quad(
+                [below[j], below[next], ring[next], ring[j]],
+                Region::Skin,
+                j >= AROUND / 2,
+            );
         }
         below = ring;
     }
     let top = 1.0 + body.look.hair.height();
-    let crown =
-        surface.point(DVec3::new(0.0, body.chin_y + top * body.head, middle_z(body)), vec![(HEAD, 1.0)]);
+    let crown = surface
+        .point(DVec3::new(0.0, body.chin_y + top * body.head, middle_z(body)), vec![(HEAD, 1.0)]);
     surface.mark(crown, Region::Hair);
     surface.cap(&below, crown, Region::Skin, false);
 }

@@ -15,8 +15,8 @@ const KNEE_HEM: usize = 3;
 /// The ring at which long trousers end.
 const ANKLE_HEM: usize = 10;
 
-/// Where between crotch (0) and ankle (1) a ring is; half breadth, half depth and how far forward its middle is, as
-/// parts of the body's height; how far cloth stands off.
+/// Where between crotch (0) and ankle (1) a ring is; half breadth, half depth and how far forward
+/// its middle is, as parts of the body's height; how far cloth stands off.
 const RINGS: [[f64; 5]; 12] = [
     [0.050, 0.0470, 0.0560, -0.004, 0.002],
     [0.210, 0.0430, 0.0500, 0.003, 0.002],
@@ -32,8 +32,8 @@ const RINGS: [[f64; 5]; 12] = [
     [0.990, 0.0195, 0.0235, -0.012, 0.000],
 ];
 
-/// Height and place before the ankle of the upper and of the lower edge of a ring, and its half breadth, in units of
-/// the foot's scale. From the third ring on the lower edge is the sole.
+/// Height and place before the ankle of the upper and of the lower edge of a ring, and its half
+/// breadth, in units of the foot's scale. From the third ring on the lower edge is the sole.
 const FOOT: [[f64; 5]; 8] = [
     [0.086, 0.052, 0.064, -0.052, 0.0345],
     [0.078, 0.066, 0.020, -0.056, 0.0355],
@@ -94,8 +94,11 @@ fn ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<usize
     (0..AROUND)
         .map(|k| {
             let (sin, cos) = turn(k).sin_cos();
-            let place =
-                DVec3::new(x + (breadth + ease) * sin * h, y, ((depth * girth + ease) * cos + forward) * h);
+            let place = DVec3::new(
+                x + (breadth + ease) * sin * h,
+                y,
+                ((depth * girth + ease) * cos + forward) * h,
+            );
             surface.point(side.place(place), weights(body, side, place.y, q, sin))
         })
         .collect()

@@ -11,8 +11,13 @@ use crate::{Colors, rig::Joints};
 /// Influences per vertex.
 const WIDTH: usize = 4;
 
-/// The parts of a surface, and their materials; palette entries are the joints' places in the source order.
-pub(crate) fn parts(surface: &Surface, joints: &Joints, colors: &Colors) -> (Vec<Part>, Vec<Material>) {
+/// The parts of a surface, and their materials; palette entries are the joints' places in the
+/// source order.
+pub(crate) fn parts(
+    surface: &Surface,
+    joints: &Joints,
+    colors: &Colors,
+) -> (Vec<Part>, Vec<Material>) {
     let normals = normals(surface);
     let mut parts = Vec::new();
     let mut materials = Vec::new();
@@ -45,7 +50,13 @@ pub(crate) fn parts(surface: &Surface, joints: &Joints, colors: &Colors) -> (Vec
         }
         let (name, base_color) = look(region, colors);
         let at = parts.len();
-        parts.push(Part { node: 0, node_name: "body".into(), primitive: at, material: Some(at), mesh });
+        parts.push(Part {
+            node: 0,
+            node_name: "body".into(),
+            primitive: at,
+            material: Some(at),
+            mesh,
+        });
         materials.push(Material { name: name.into(), base_color, ..Material::default() });
     }
     (parts, materials)
@@ -67,7 +78,8 @@ fn look(region: Region, colors: &Colors) -> (&'static str, [f32; 4]) {
     }
 }
 
-/// Unit normals: the sum of the triangles' normals times their areas, over the whole surface, whatever the region.
+/// Unit normals: the sum of the triangles' normals times their areas, over the whole surface,
+/// whatever the region.
 fn normals(surface: &Surface) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; surface.points.len()];
     for (corners, _) in &surface.triangles {
@@ -103,7 +115,10 @@ pub(crate) fn narrow(v: DVec3) -> [f32; 3] {
 }
 
 /// Rounded to single precision.
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
 pub(crate) fn narrow_one(v: f64) -> f32 {
     v as f32
 }

@@ -7,7 +7,8 @@ use glam::DVec3;
 use super::{Region, Surface, Weights, chain, mixed, smooth};
 use crate::anatomy::{Body, Limb, NECK, PELVIS, SPINE, SPINE_AT, Side};
 
-/// Points around the trunk and the head; point 0 is in front, 6 on the left, 12 behind, 18 on the right.
+/// Points around the trunk and the head; point 0 is in front, 6 on the left, 12 behind, 18 on the
+/// right.
 pub(super) const AROUND: usize = 24;
 /// Rows between which the arms begin, and the points of a ring between which they do.
 const ARM_ROWS: [usize; 3] = [8, 9, 10];
@@ -25,8 +26,8 @@ pub(super) struct Ends {
     pub(super) legs: [Vec<usize>; 2],
 }
 
-/// Height between hips and neck; half breadth, depth before and behind as parts of the body's height; how far the
-/// front is lower than the back.
+/// Height between hips and neck; half breadth, depth before and behind as parts of the body's
+/// height; how far the front is lower than the back.
 const ROWS: [[f64; 5]; 13] = [
     [-0.150, 0.094, 0.054, 0.064, 0.0],
     [-0.060, 0.098, 0.059, 0.073, 0.0],
@@ -45,13 +46,16 @@ const ROWS: [[f64; 5]; 13] = [
 
 pub(super) fn build(surface: &mut Surface, body: &Body) -> Ends {
     let rings: Vec<Vec<usize>> = (0..ROWS.len())
-        .map(|row| (0..AROUND).map(|j| surface.point(place(body, row, j), weights(row, j))).collect())
+        .map(|row| {
+            (0..AROUND).map(|j| surface.point(place(body, row, j), weights(row, j))).collect()
+        })
         .collect();
     for (row, pair) in rings.windows(2).enumerate() {
         let region = if row < HEM { Region::Trousers } else { Region::Shirt };
         for j in 0..AROUND {
             let side = if j < AROUND / 2 { j } else { AROUND - 1 - j };
-            let open = (ARM_ROWS[0]..ARM_ROWS[2]).contains(&row) && (ARM_FROM..ARM_TO).contains(&side);
+            let open =
+                (ARM_ROWS[0]..ARM_ROWS[2]).contains(&row) && (ARM_FROM..ARM_TO).contains(&side);
             if !open {
                 let next = (j + 1) % AROUND;
                 let corners = [pair[0][j], pair[0][next], pair[1][next], pair[1][j]];
@@ -148,7 +152,8 @@ fn weights(row: usize, j: usize) -> Weights {
             pull * own,
         );
     }
-    let clavicle = 0.7 * smooth(0.25, 0.8, sin) * smooth(0.66, 0.85, u) * (1.0 - smooth(0.95, 1.0, u));
+    let clavicle =
+        0.7 * smooth(0.25, 0.8, sin) * smooth(0.66, 0.85, u) * (1.0 - smooth(0.95, 1.0, u));
     let arm = match (row, column) {
         (9 | 10, 4..=8) => 0.4,
         (8, 4..=8) => 0.44,
@@ -156,5 +161,9 @@ fn weights(row: usize, j: usize) -> Weights {
         (7..=11, 3..=9) => 0.1,
         _ => 0.0,
     };
-    mixed(mixed(spine, &[(Limb::Clavicle.of(side), 1.0)], clavicle), &[(Limb::UpperArm.of(side), 1.0)], arm)
+    mixed(
+        mixed(spine, &[(Limb::Clavicle.of(side), 1.0)], clavicle),
+        &[(Limb::UpperArm.of(side), 1.0)],
+        arm,
+    )
 }

@@ -23,7 +23,13 @@ fn every_surface_is_closed_and_faces_outwards() {
         }
         for (&(a, b), &count) in &edges {
             let back = edges.get(&(b, a)).copied().unwrap_or(0);
-            assert_eq!((count, back), (1, 1), "{}: the edge at {}", character.name, surface.rest[a]);
+            assert_eq!(
+                (count, back),
+                (1, 1),
+                "{}: the edge at {}",
+                character.name,
+                surface.rest[a]
+            );
         }
         // A body weighs about what water does: 22 kg/m2 is a body mass index of a middling adult.
         let mass_index = 1000.0 * volume / f64::from(character.height_m()).powi(2);
@@ -41,12 +47,17 @@ fn sizes_weights_and_materials_are_in_bounds() {
     for (character, look) in people().iter().zip(Look::presets()) {
         let triangles: usize = character.parts.iter().map(|p| p.mesh.indices.len() / 3).sum();
         assert!((1500..=4000).contains(&triangles), "{} has {triangles} triangles", character.name);
-        assert!((f64::from(character.height_m()) - look.height_m).abs() < 0.005, "{}", character.name);
+        assert!(
+            (f64::from(character.height_m()) - look.height_m).abs() < 0.005,
+            "{}",
+            character.name
+        );
         for part in &character.parts {
             assert_eq!(part.mesh.influences.per_vertex, 4);
             for weights in part.mesh.influences.weights.chunks(4) {
                 assert!(
-                    (weights.iter().sum::<f32>() - 1.0).abs() < 1e-5 && weights.iter().all(|w| *w >= 0.0)
+                    (weights.iter().sum::<f32>() - 1.0).abs() < 1e-5
+                        && weights.iter().all(|w| *w >= 0.0)
                 );
             }
         }
@@ -63,14 +74,21 @@ fn soles_are_on_the_ground_and_toes_and_noses_in_front() {
     for character in people() {
         let surface = Surface::welded(character);
         let skinned = surface.skinned(&models(character, None));
-        let far = surface.rest.iter().zip(&skinned).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        let far =
+            surface.rest.iter().zip(&skinned).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
         assert!(far < 1e-5, "{}: rest moves vertices by {far}", character.name);
         for side in [-1.0, 1.0] {
             let own = || surface.rest.iter().filter(|p| p.x * side > 0.01 && p.y < 0.15);
             let lowest = own().map(|p| p.y).fold(1.0, f64::min);
             assert!(lowest.abs() < 1e-4, "{}: a sole at {lowest}", character.name);
             let ends = own().fold((0.0_f64, 0.0_f64), |(b, f), p| (b.min(p.z), f.max(p.z)));
-            assert!(ends.1 > -1.8 * ends.0, "{}: a foot from {} to {}", character.name, ends.0, ends.1);
+            assert!(
+                ends.1 > -1.8 * ends.0,
+                "{}: a foot from {} to {}",
+                character.name,
+                ends.0,
+                ends.1
+            );
         }
         let height = f64::from(character.height_m());
         let head = surface.rest.iter().filter(|p| p.y > 0.88 * height && p.y < 0.94 * height);
@@ -89,8 +107,9 @@ fn two_rigs_differ_in_spine_names_rest_turns_and_fingers() {
     let (lean, full) = (rig(Rig::Lean).next().unwrap(), rig(Rig::Full).next().unwrap());
     assert_eq!((lean.joint_count(), full.joint_count()), (25, 54));
     assert!(lean.joints().all(|j| full.find(lean.name(j)).is_none()), "names are shared");
-    let turned =
-        |s: &populace_core::Skeleton| s.joints().filter(|&j| s.rest(j).rotation[3].abs() < 0.999).count();
+    let turned = |s: &populace_core::Skeleton| {
+        s.joints().filter(|&j| s.rest(j).rotation[3].abs() < 0.999).count()
+    };
     assert_eq!(turned(lean), 0);
     assert!(turned(full) > 12, "{} joints are turned at rest", turned(full));
     let named = |s: &populace_core::Skeleton, word: &str| {

@@ -14,7 +14,10 @@ fn legs(character: &Character) -> [[&'static str; 4]; 2] {
             ["RightThigh", "RightShin", "RightFoot", "RightToes"],
         ]
     } else {
-        [["l_upper_leg", "l_lower_leg", "l_foot", "l_toe"], ["r_upper_leg", "r_lower_leg", "r_foot", "r_toe"]]
+        [
+            ["l_upper_leg", "l_lower_leg", "l_foot", "l_toe"],
+            ["r_upper_leg", "r_lower_leg", "r_foot", "r_toe"],
+        ]
     }
 }
 
@@ -24,7 +27,10 @@ fn clip<'a>(character: &'a Character, name: &str) -> &'a Clip {
 
 /// Every frame's skinned vertices.
 fn frames(character: &Character, surface: &Surface<'_>, clip: &Clip) -> Vec<(f64, Vec<DVec3>)> {
-    times(clip).into_iter().map(|t| (t, surface.skinned(&models(character, Some((clip, t)))))).collect()
+    times(clip)
+        .into_iter()
+        .map(|t| (t, surface.skinned(&models(character, Some((clip, t))))))
+        .collect()
 }
 
 #[test]
@@ -59,7 +65,11 @@ fn planted_feet_do_not_slide() {
                     "{} {name}: {foot} is on the ground {steps} times",
                     character.name
                 );
-                assert!(slide.length() < 0.01, "{} {name}: {foot} slides by {slide}", character.name);
+                assert!(
+                    slide.length() < 0.01,
+                    "{} {name}: {foot} slides by {slide}",
+                    character.name
+                );
             }
         }
     }
@@ -87,8 +97,8 @@ fn walkers_touch_the_ground_and_runners_fly() {
 /// Thigh from the vertical, forward, and knee flexion, of the left leg, in degrees.
 fn leg_angles(character: &Character, clip: &Clip, secs: f64) -> [f64; 2] {
     let pose = models(character, Some((clip, secs)));
-    let [hip, knee, ankle, _] =
-        legs(character)[0].map(|name| pose[character.skeleton.find(name).unwrap().index()].translation);
+    let [hip, knee, ankle, _] = legs(character)[0]
+        .map(|name| pose[character.skeleton.find(name).unwrap().index()].translation);
     let (thigh, shin) = (knee - hip, ankle - knee);
     [thigh.z.atan2(-thigh.y).to_degrees(), thigh.angle_between(shin).to_degrees()]
 }
@@ -100,8 +110,10 @@ fn legs_follow_published_angles() {
         let secs = f64::from(walk.duration_secs());
         let angles: Vec<[f64; 2]> =
             (0..100).map(|i| leg_angles(character, walk, secs * f64::from(i) / 100.0)).collect();
-        let most = |of: usize| (0..100).max_by(|&a, &b| angles[a][of].total_cmp(&angles[b][of])).unwrap();
-        let least = |of: usize| (0..100).min_by(|&a, &b| angles[a][of].total_cmp(&angles[b][of])).unwrap();
+        let most =
+            |of: usize| (0..100).max_by(|&a, &b| angles[a][of].total_cmp(&angles[b][of])).unwrap();
+        let least =
+            |of: usize| (0..100).min_by(|&a, &b| angles[a][of].total_cmp(&angles[b][of])).unwrap();
         // In normal walking the knee bends most, by about 60 degrees, early in the swing; the thigh
         // is farthest back as the foot pushes off, and swings over about 40 degrees. Sources:
         // src/motion/gait.rs.
@@ -116,7 +128,11 @@ fn legs_follow_published_angles() {
         let range = angles[most(0)][0] - angles[least(0)][0];
         assert!((29.0..52.0).contains(&range), "{name}: the thigh swings over {range:.0}");
         assert!(angles[0][1] < 15.0, "{name}: the knee strikes at {:.0}", angles[0][1]);
-        assert!(angles[27][1] < 22.0, "{name}: in mid-stance the knee is bent by {:.0}", angles[27][1]);
+        assert!(
+            angles[27][1] < 22.0,
+            "{name}: in mid-stance the knee is bent by {:.0}",
+            angles[27][1]
+        );
     }
 }
 
@@ -131,7 +147,9 @@ fn arms_swing_against_legs_and_chest_against_pelvis() {
             let rest = models(character, None);
             // As the left heel strikes.
             let pose = models(character, Some((clip, 0.0)));
-            let at = |models: &[DAffine3], name: &str| models[character.skeleton.find(name).unwrap().index()];
+            let at = |models: &[DAffine3], name: &str| {
+                models[character.skeleton.find(name).unwrap().index()]
+            };
             let other = if full { "RightHand" } else { "r_hand" };
             assert!(
                 at(&pose, hand).translation.z < at(&pose, other).translation.z - 0.1,

@@ -1,4 +1,5 @@
-//! Whether the cast stands, walks and runs like people, seen from outside: skinned here, in double precision.
+//! Whether the cast stands, walks and runs like people, seen from outside: skinned here, in double
+//! precision.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -45,12 +45,18 @@ fn no_triangle_tears_spikes_or_collapses() {
                 }
             }
             let fits = worst[0].0 < STRETCH && worst[1].0 > SHRINK;
-            assert!(fits, "{} {}: an edge grows or shrinks: {worst:.3?}", character.name, clip.name());
+            assert!(
+                fits,
+                "{} {}: an edge grows or shrinks: {worst:.3?}",
+                character.name,
+                clip.name()
+            );
         }
     }
 }
 
-/// Edges grow to no more than this many times their length at rest and 4 mm, and shrink to no less than this and 2 mm.
+/// Edges grow to no more than this many times their length at rest and 4 mm, and shrink to no less
+/// than this and 2 mm.
 const STRETCH: f64 = 2.6;
 const SHRINK: f64 = 0.25;
 
@@ -76,7 +82,8 @@ fn elbows_and_knees_keep_their_girth() {
                     let pose = models(character, Some((clip, secs)));
                     let skinned = surface.skinned(&pose);
                     let mean = |points: &[DVec3], from: DVec3| {
-                        ring.iter().map(|&v| points[v].distance(from)).sum::<f64>() / ring.len() as f64
+                        ring.iter().map(|&v| points[v].distance(from)).sum::<f64>()
+                            / ring.len() as f64
                     };
                     let kept = mean(&skinned, pose[joint].translation) / mean(&surface.rest, rest);
                     assert!(
@@ -86,8 +93,8 @@ fn elbows_and_knees_keep_their_girth() {
                         clip.name()
                     );
                     for &v in &ring {
-                        let kept =
-                            skinned[v].distance(pose[joint].translation) / surface.rest[v].distance(rest);
+                        let kept = skinned[v].distance(pose[joint].translation)
+                            / surface.rest[v].distance(rest);
                         assert!(
                             kept > 0.5,
                             "{} {} {secs}: {lower} collapses to {kept}",
@@ -114,7 +121,9 @@ fn fingers_move_in_every_clip() {
                 let track = clip.source().tracks.iter().find(|t| t.joint == name).unwrap();
                 let first = track.value(0);
                 let least = (0..track.times.len())
-                    .map(|k| track.value(k).iter().zip(first).map(|(a, b)| a * b).sum::<f32>().abs())
+                    .map(|k| {
+                        track.value(k).iter().zip(first).map(|(a, b)| a * b).sum::<f32>().abs()
+                    })
                     .fold(1.0, f32::min);
                 assert!(least < 0.9999, "{} {} {name} is stiff", character.name, clip.name());
             }

@@ -28,18 +28,25 @@ impl<'a> Surface<'a> {
                         (joint, f64::from(mesh.influences.weights[4 * v + i]))
                     });
                     let next = surface.rest.len();
-                    let (at, normal) =
-                        *places.entry(mesh.positions[v].map(f32::to_bits)).or_insert((next, mesh.normals[v]));
+                    let (at, normal) = *places
+                        .entry(mesh.positions[v].map(f32::to_bits))
+                        .or_insert((next, mesh.normals[v]));
                     if at == next {
                         surface.rest.push(DVec3::from_array(mesh.positions[v].map(f64::from)));
                         surface.influences.push(influences);
                     }
-                    assert_eq!(surface.influences[at], influences, "a gap opens in {}", character.name);
+                    assert_eq!(
+                        surface.influences[at], influences,
+                        "a gap opens in {}",
+                        character.name
+                    );
                     assert_eq!(normal, mesh.normals[v], "a seam shows on {}", character.name);
                     at
                 })
                 .collect();
-            surface.triangles.extend(mesh.indices.chunks(3).map(|t| [0, 1, 2].map(|i| own[t[i] as usize])));
+            surface
+                .triangles
+                .extend(mesh.indices.chunks(3).map(|t| [0, 1, 2].map(|i| own[t[i] as usize])));
         }
         surface
     }
@@ -73,7 +80,11 @@ pub(crate) fn models(character: &Character, clip: Option<(&Clip, f64)>) -> Vec<D
         let mut rotation = DQuat::from_array(rest.rotation.map(f64::from));
         let mut translation = DVec3::from_array(rest.translation.map(f64::from));
         for (track, secs) in clip.iter().flat_map(|(clip, secs)| {
-            clip.source().tracks.iter().filter(|t| t.joint == skeleton.name(joint)).map(|t| (t, *secs))
+            clip.source()
+                .tracks
+                .iter()
+                .filter(|t| t.joint == skeleton.name(joint))
+                .map(|t| (t, *secs))
         }) {
             match track.property {
                 Property::Rotation => rotation = rotation_at(track, secs),
@@ -102,7 +113,9 @@ fn around(track: &Track, secs: f64) -> (usize, f64) {
 
 fn rotation_at(track: &Track, secs: f64) -> DQuat {
     let (key, part) = around(track, secs);
-    let value = |k: usize| DQuat::from_slice(&[0, 1, 2, 3].map(|i| f64::from(track.value(k)[i]))).normalize();
+    let value = |k: usize| {
+        DQuat::from_slice(&[0, 1, 2, 3].map(|i| f64::from(track.value(k)[i]))).normalize()
+    };
     value(key).slerp(value(key + 1), part)
 }
 

@@ -1,12 +1,17 @@
 //! Something to mark a place by.
 
 use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part, Skeleton,
+    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
+    Skeleton,
 };
 use populace::{Affine, JointIndex, Trs};
 
 /// An octahedron as a character of one joint, of so many metres from its middle to each corner.
-pub(crate) fn bead(name: &str, size: f32, base_color: [f32; 4]) -> Result<Character, populace::core::Error> {
+pub(crate) fn bead(
+    name: &str,
+    size: f32,
+    base_color: [f32; 4],
+) -> Result<Character, populace::core::Error> {
     let joint = JointSource { name: name.into(), parent: None, rest: Trs::IDENTITY };
     let normals: Vec<[f32; 3]> = vec![
         [1.0, 0.0, 0.0],
@@ -17,8 +22,10 @@ pub(crate) fn bead(name: &str, size: f32, base_color: [f32; 4]) -> Result<Charac
         [0.0, 0.0, -1.0],
     ];
     let face = |[x, y, z]: [u32; 3]| if (x + y + z) % 2 == 1 { [x, y, z] } else { [x, z, y] };
-    let faces =
-        [0, 3].into_iter().flat_map(|x| [1, 4].map(|y| [x, y])).flat_map(|[x, y]| [[x, y, 2], [x, y, 5]]);
+    let faces = [0, 3]
+        .into_iter()
+        .flat_map(|x| [1, 4].map(|y| [x, y]))
+        .flat_map(|[x, y]| [[x, y, 2], [x, y, 5]]);
     let mesh = Mesh {
         positions: normals.iter().map(|n| n.map(|c| c * size)).collect(),
         influences: Influences {

@@ -11,8 +11,8 @@ pub(crate) fn output(name: &str) -> String {
     std::env::args().nth(1).unwrap_or_else(|| name.to_owned())
 }
 
-/// Draws the crowd as of its last update, framed by the points named, without a window. `characters` are the crowd's, in the
-/// order in which they were added.
+/// Draws the crowd as of its last update, framed by the points named, without a window.
+/// `characters` are the crowd's, in the order in which they were added.
 pub(crate) fn draw(
     crowd: &mut Crowd,
     characters: &[&Character],

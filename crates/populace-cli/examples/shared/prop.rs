@@ -3,14 +3,16 @@
 use std::f32::consts::TAU;
 
 use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part, Skeleton,
+    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
+    Skeleton,
 };
 use populace::{Affine, JointIndex, Trs};
 
 /// Corners of a ring.
 const AROUND: u16 = 24;
 
-/// A piece of a prop: its linear colour, and its outline from one end to the other as radius and height, in metres.
+/// A piece of a prop: its linear colour, and its outline from one end to the other as radius and
+/// height, in metres.
 pub(crate) type Piece<'a> = ([f32; 3], &'a [[f32; 2]]);
 
 /// A character of one joint made of pieces that are turned about +Y, as on a lathe.
@@ -50,7 +52,11 @@ fn mesh(outline: &[[f32; 2]]) -> Mesh {
             for corner in 0..AROUND {
                 let (sin, cos) = (f32::from(corner) / f32::from(AROUND) * TAU).sin_cos();
                 positions.push([radius * cos, height, radius * sin]);
-                normals.push([along[1] / length * cos, -along[0] / length, along[1] / length * sin]);
+                normals.push([
+                    along[1] / length * cos,
+                    -along[0] / length,
+                    along[1] / length * sin,
+                ]);
             }
         }
         let first = stretch * 2 * u32::from(AROUND);

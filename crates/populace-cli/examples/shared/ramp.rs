@@ -1,15 +1,18 @@
 //! Something to stand on.
 
 use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part, Skeleton,
+    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
+    Skeleton,
 };
 use populace::{Affine, JointIndex, Trs};
 
-/// A ramp as a character of one joint: 8 m wide, 3 m deep, rising towards +X by so many metres for each.
+/// A ramp as a character of one joint: 8 m wide, 3 m deep, rising towards +X by so many metres for
+/// each.
 pub(crate) fn ramp(rise: f32) -> Result<Character, populace::core::Error> {
     let joint = JointSource { name: "ramp".into(), parent: None, rest: Trs::IDENTITY };
     let corner = |x: f32, z: f32| [4.0 * x, 4.0 * x * rise, 1.5 * z];
-    let positions = vec![corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
+    let positions =
+        vec![corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0), corner(-1.0, -1.0)];
     let length = rise.hypot(1.0);
     let mesh = Mesh {
         normals: vec![[-rise / length, 1.0 / length, 0.0]; 4],

@@ -1,6 +1,7 @@
-//! Palettes looked up instead of computed, as many crowds have them: the price of playback alone, and the measure of what
-//! control costs. A member plays one clip and nothing else: two clips cannot be blended once hierarchy and binds are in the
-//! palettes, nor can a joint be masked or moved.
+//! Palettes looked up instead of computed, as many crowds have them: the price of playback alone,
+//! and the measure of what control costs. A member plays one clip and nothing else: two clips
+//! cannot be blended once hierarchy and binds are in the palettes, nor can a joint be masked or
+//! moved.
 
 use populace::core::Affine;
 use populace::{Crowd, Device, Error, Placement, Play, Schedule};
@@ -60,7 +61,8 @@ impl Baked {
         };
         let actors: Vec<_> = (0..scene.member_count).map(actor).collect();
         let entries = |actor: &Actor| tables[actor.table as usize].entries;
-        let run_entries: Vec<usize> = actors.chunks(RUN).map(|run| run.iter().map(entries).sum()).collect();
+        let run_entries: Vec<usize> =
+            actors.chunks(RUN).map(|run| run.iter().map(entries).sum()).collect();
         let palettes = vec![Affine::IDENTITY; run_entries.iter().sum()];
         Ok(Self { tables, actors, palettes, run_entries })
     }
@@ -112,7 +114,11 @@ impl Table {
     fn write(&self, start_phase: f64, secs: f64, palette: &mut [Affine]) {
         let last = self.rows.len() / self.entries - 1;
         let at = (start_phase + secs / self.duration_secs).rem_euclid(1.0) * last as f64;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a row's number")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a row's number"
+        )]
         let row = (at as usize).min(last - 1);
         #[expect(clippy::cast_possible_truncation, reason = "the nearest is what is wanted")]
         let share = (at - row as f64) as f32;
@@ -130,12 +136,17 @@ impl Table {
 fn bake(scene: &Scene, kind: usize) -> Result<Vec<Table>, Error> {
     let character = &scene.characters[kind];
     let row_counts = character.clips.iter().map(|clip| {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few hundred"
+        )]
         let steps = (f64::from(clip.duration_secs()) * ROWS_PER_SEC).round().max(1.0) as usize;
         steps + 1
     });
     let row_counts: Vec<usize> = row_counts.collect();
-    let builder = Crowd::builder().device(Device::native()).schedule(Schedule::Fused).slots_per_member(1);
+    let builder =
+        Crowd::builder().device(Device::native()).schedule(Schedule::Fused).slots_per_member(1);
     let mut crowd = builder.capacity(row_counts.iter().sum()).build()?;
     let id = crowd.add_character(std::sync::Arc::clone(character))?;
     let mut members = Vec::new();

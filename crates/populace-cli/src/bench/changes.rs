@@ -1,4 +1,5 @@
-//! What members play that crossfade again and again, found apart from the crowd: as the rules say, in double precision.
+//! What members play that crossfade again and again, found apart from the crowd: as the rules say,
+//! in double precision.
 
 use populace::core::{Character, ticks_from_secs};
 use populace_testkit::oracle::{OracleSlot, Timing, Weighting};
@@ -19,7 +20,12 @@ pub(super) struct Playing {
 impl Playing {
     fn from_the_start(slot: PlayedSlot) -> Self {
         let timing = Timing::Loop { start_tick: 0, phase: f64::from(slot.phase), speed: 1.0 };
-        Self { clip: slot.clip, timing, weighting: Weighting::Constant(slot.weight), layer: slot.layer }
+        Self {
+            clip: slot.clip,
+            timing,
+            weighting: Weighting::Constant(slot.weight),
+            layer: slot.layer,
+        }
     }
 
     pub(super) fn at<'a>(&self, tick: u64, character: &'a Character) -> OracleSlot<'a> {
@@ -37,7 +43,8 @@ impl Playing {
     fn secs_left(&self, now: u64) -> f64 {
         match self.weighting {
             Weighting::Ramp { tick, to: 0.0, secs, .. } => {
-                f64::from(secs) - now.saturating_sub(tick) as f64 / populace::core::TICKS_PER_SEC as f64
+                f64::from(secs)
+                    - now.saturating_sub(tick) as f64 / populace::core::TICKS_PER_SEC as f64
             }
             _ => f64::INFINITY,
         }
@@ -72,19 +79,22 @@ impl Changing {
         }
     }
 
-    /// What a crossfade does: all that plays fades out together and the new clip takes a free slot. Where none is free the
-    /// weakest fades out first, in its share of the fade, and leaves its weight to the strongest.
+    /// What a crossfade does: all that plays fades out together and the new clip takes a free slot.
+    /// Where none is free the weakest fades out first, in its share of the fade, and leaves its
+    /// weight to the strongest.
     pub(super) fn change_over(&mut self, clip: usize, tick: u64) {
         self.waits = None;
         let weights: Vec<f64> = self.slots.iter().map(|slot| slot.weighting.weight(tick)).collect();
         let total: f64 = weights.iter().sum();
         let mut order: Vec<usize> = (0..weights.len()).collect();
         order.sort_by(|&a, &b| weights[a].total_cmp(&weights[b]));
-        let is_free = |slot: &usize| self.slots[*slot].leaves() && weights[*slot] < NEGLIGIBLE * total;
+        let is_free =
+            |slot: &usize| self.slots[*slot].leaves() && weights[*slot] < NEGLIGIBLE * total;
         let free = order.iter().copied().find(is_free);
         let (weakest, strongest) = (order[0], order[order.len() - 1]);
         let Some(free) = free.or((weakest == strongest).then_some(weakest)) else {
-            self.waits = Some((clip, self.hasten(weakest, strongest, weights[weakest] / total, tick)));
+            self.waits =
+                Some((clip, self.hasten(weakest, strongest, weights[weakest] / total, tick)));
             return;
         };
         let alone = self.slots.len() == 1;

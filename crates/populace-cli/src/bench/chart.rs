@@ -1,4 +1,5 @@
-//! What was measured, as a picture: nanoseconds per joint over members, both on logarithmic axes, as SVG.
+//! What was measured, as a picture: nanoseconds per joint over members, both on logarithmic axes,
+//! as SVG.
 
 use populace::{Device, Devices};
 
@@ -11,7 +12,8 @@ const HEIGHT: f64 = 540.0;
 const FRAME: [f64; 4] = [80.0, 70.0, 690.0, 470.0];
 /// Colours of the schedules and loads: grey for the floor, then those of Okabe and Ito, "Color
 /// Universal Design" (2008), that stay apart for readers who see red and green alike.
-const COLOURS: [&str; 7] = ["#555555", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+const COLOURS: [&str; 7] =
+    ["#555555", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
 /// One line of the chart.
 struct Series {
@@ -30,8 +32,8 @@ struct Axis {
     end: f64,
 }
 
-/// A picture of whole frames: a line for each device, schedule and load. Floors are dashed, the native device's points
-/// hollow.
+/// A picture of whole frames: a line for each device, schedule and load. Floors are dashed, the
+/// native device's points hollow.
 pub(crate) fn as_svg(document: &Document) -> String {
     let Document { machine, runs } = document;
     let series = series(runs);
@@ -45,7 +47,12 @@ pub(crate) fn as_svg(document: &Document) -> String {
          <rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#ffffff\"/>\n"
     );
     svg += &label([left, 30.0], "start", 18, "Time per joint of crowds of several sizes");
-    svg += &label([left, 52.0], "start", 13, &format!("{machine}; clips blended: {slots}, palettes written"));
+    svg += &label(
+        [left, 52.0],
+        "start",
+        13,
+        &format!("{machine}; clips blended: {slots}, palettes written"),
+    );
     svg += &axes(&x, &y);
     let mut ways: Vec<&str> = Vec::new();
     for (index, one) in series.iter().enumerate() {
@@ -74,13 +81,16 @@ fn series(runs: &[Run]) -> Vec<Series> {
 }
 
 impl Axis {
-    /// Ticks at these multiples of the powers of ten, from the last at or below all values to the first above them.
+    /// Ticks at these multiples of the powers of ten, from the last at or below all values to the
+    /// first above them.
     fn new(values: impl Iterator<Item = f64>, multiples: &[f64], [start, end]: [f64; 2]) -> Self {
-        let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high), v| (v.min(low), v.max(high)));
+        let (low, high) =
+            values.fold((f64::INFINITY, 0.0), |(low, high), v| (v.min(low), v.max(high)));
         let all = (-3..9).flat_map(|power| multiples.iter().map(move |m| m * 10f64.powi(power)));
         let all: Vec<f64> = all.collect();
         let first = all.iter().rposition(|tick| *tick <= low * 1.000_001).unwrap_or(0);
-        let last = all.iter().position(|tick| *tick >= high).unwrap_or(all.len() - 1).max(first + 1);
+        let last =
+            all.iter().position(|tick| *tick >= high).unwrap_or(all.len() - 1).max(first + 1);
         Self { ticks: all[first..=last].to_vec(), start, end }
     }
 
@@ -93,7 +103,9 @@ impl Axis {
 fn axes(x: &Axis, y: &Axis) -> String {
     let [left, top, right, bottom] = FRAME;
     let line = |[x1, y1, x2, y2]: [f64; 4]| {
-        format!("<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"#cccccc\"/>\n")
+        format!(
+            "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"#cccccc\"/>\n"
+        )
     };
     let mut svg = String::new();
     for &tick in &x.ticks {
@@ -106,7 +118,8 @@ fn axes(x: &Axis, y: &Axis) -> String {
         svg += &line([left, at, right, at]);
         svg += &label([left - 8.0, at + 5.0], "end", 14, &grouped(tick));
     }
-    svg += &label([f64::midpoint(left, right), bottom + 50.0], "middle", 14, "members (logarithmic)");
+    svg +=
+        &label([f64::midpoint(left, right), bottom + 50.0], "middle", 14, "members (logarithmic)");
     let middle = f64::midpoint(top, bottom);
     let name = label([24.0, middle], "middle", 14, "nanoseconds per joint, median (logarithmic)");
     svg += &name.replacen("<text", &format!("<text transform=\"rotate(-90 24 {middle})\""), 1);
@@ -116,17 +129,27 @@ fn axes(x: &Axis, y: &Axis) -> String {
 impl Series {
     /// The line, its points, and its place in the legend.
     fn draw(&self, index: usize, colour: &str, x: &Axis, y: &Axis) -> String {
-        let places: Vec<[f64; 2]> = self.points.iter().map(|p| [x.place(p[0]), y.place(p[1])]).collect();
+        let places: Vec<[f64; 2]> =
+            self.points.iter().map(|p| [x.place(p[0]), y.place(p[1])]).collect();
         let [left, middle] = [FRAME[2] + 20.0, FRAME[1] + 12.0 + 24.0 * index as f64];
-        let mut svg =
-            self.line(&places, colour) + &self.line(&[[left, middle], [left + 44.0, middle]], colour);
-        let fill = if matches!(self.device.as_slice(), [Device::Native { .. }]) { "#ffffff" } else { colour };
+        let mut svg = self.line(&places, colour)
+            + &self.line(&[[left, middle], [left + 44.0, middle]], colour);
+        let fill = if matches!(self.device.as_slice(), [Device::Native { .. }]) {
+            "#ffffff"
+        } else {
+            colour
+        };
         for [x, y] in places.into_iter().chain([[left + 22.0, middle]]) {
             svg += &format!(
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"2\"/>\n"
             );
         }
-        svg + &label([left + 54.0, middle + 5.0], "start", 14, &format!("{} {}", self.device, self.way))
+        svg + &label(
+            [left + 54.0, middle + 5.0],
+            "start",
+            14,
+            &format!("{} {}", self.device, self.way),
+        )
     }
 
     fn line(&self, places: &[[f64; 2]], colour: &str) -> String {

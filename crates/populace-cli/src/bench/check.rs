@@ -31,13 +31,15 @@ pub(crate) struct Found<'a> {
 }
 
 impl Found<'_> {
-    /// The largest distance between a probe as it was moved by a member's palette and as the oracle moves it.
+    /// The largest distance between a probe as it was moved by a member's palette and as the oracle
+    /// moves it.
     pub(crate) fn worst_error_m(
         &self,
         mut palette: impl FnMut(usize) -> Result<Vec<Affine>, Error>,
     ) -> Result<f64, Error> {
         let scene = self.scene;
-        let bodies: Vec<_> = scene.characters.iter().map(|c| OracleBody::from_character(c)).collect();
+        let bodies: Vec<_> =
+            scene.characters.iter().map(|c| OracleBody::from_character(c)).collect();
         let tick = u64::from(self.frames) * FRAME_TICKS;
         let mut worst: f64 = 0.0;
         for (member, playing) in self.playing() {
@@ -53,10 +55,13 @@ impl Found<'_> {
             if scene.load.is_constrained() {
                 let models = models_of(character, &found);
                 let target = scene.target(member);
-                worst = worst.max(constraints::worst_error_m(character, &models, &wanted, target, probe));
+                worst = worst
+                    .max(constraints::worst_error_m(character, &models, &wanted, target, probe));
                 continue;
             }
-            for ((found, wanted), entry) in found.iter().zip(&wanted.palette).zip(&character.palette) {
+            for ((found, wanted), entry) in
+                found.iter().zip(&wanted.palette).zip(&character.palette)
+            {
                 worst = worst.max(distance(found, wanted, &entry.joint_from_bind, probe));
             }
         }
@@ -65,7 +70,8 @@ impl Found<'_> {
 
     /// What members play after all frames.
     fn playing(&self) -> BTreeMap<usize, Vec<Playing>> {
-        let start = |member: &usize| (*member, Changing::new(self.scene.played(*member).take(self.slots)));
+        let start =
+            |member: &usize| (*member, Changing::new(self.scene.played(*member).take(self.slots)));
         let mut playing: BTreeMap<_, _> = self.members.iter().map(start).collect();
         for frame in 0..self.frames {
             let tick = u64::from(frame) * FRAME_TICKS;
@@ -82,8 +88,8 @@ impl Found<'_> {
     }
 }
 
-/// How far off a crowd may be: twice the clips' own tolerance, since two clips that each stray by it are blended joint
-/// by joint.
+/// How far off a crowd may be: twice the clips' own tolerance, since two clips that each stray by
+/// it are blended joint by joint.
 pub(crate) fn allowed_m(scene: &Scene) -> f64 {
     let clips = scene.characters.iter().flat_map(|character| &character.clips);
     2.0 * f64::from(clips.map(|clip| clip.stats().tolerance_m).fold(0.0, f32::max))
@@ -104,7 +110,8 @@ pub(crate) fn on_page_borders(crowd: &Crowd) -> Vec<usize> {
     borders.flat_map(|at| [at - 1, at]).collect()
 }
 
-/// `model_from_joint` of joints in the order of the source, from a palette that has an entry for each.
+/// `model_from_joint` of joints in the order of the source, from a palette that has an entry for
+/// each.
 fn models_of(character: &Character, palette: &[Affine]) -> Vec<DAffine3> {
     let mut models = vec![DAffine3::IDENTITY; character.skeleton.joint_count()];
     for (entry, matrix) in character.palette.iter().zip(palette) {
@@ -132,7 +139,9 @@ fn distance(found: &Affine, wanted: &[f64; 12], joint_from_bind: &Affine, probe:
 
 fn wide(m: &Affine) -> DAffine3 {
     let [a, b, c] = m.rows.map(|row| row.map(f64::from));
-    DAffine3::from_cols_array(&[a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3]])
+    DAffine3::from_cols_array(&[
+        a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3],
+    ])
 }
 
 #[cfg(test)]
@@ -157,7 +166,10 @@ mod tests {
     /// A crowd after some frames, more than a fade has.
     fn after_frames(scene: &Scene) -> Staging {
         let mut staging = scene
-            .stage(&Setup { devices: Device::native().into(), split: Split::Measured }, Schedule::Fused)
+            .stage(
+                &Setup { devices: Device::native().into(), split: Split::Measured },
+                Schedule::Fused,
+            )
             .unwrap();
         for frame in 0..FRAMES {
             staging.change(scene, frame).unwrap();
@@ -176,7 +188,9 @@ mod tests {
     fn crowds_are_right_under_every_load() {
         let changing = Load::Changing { percent: 9.0 };
         let loads = [Load::Plain, Load::Retargeted, changing, Load::Constraints, Load::Full];
-        for (load, slots) in loads.into_iter().flat_map(|load| ["1", "2", "4"].map(|slots| (load, slots))) {
+        for (load, slots) in
+            loads.into_iter().flat_map(|load| ["1", "2", "4"].map(|slots| (load, slots)))
+        {
             let scene = scene(load, slots);
             let error = error_m(&scene, &mut after_frames(&scene), |member| member);
             assert!(error > 0.0 && error < allowed_m(&scene), "{load}, {slots} slots: {error} m");

@@ -3,21 +3,23 @@
 use glam::{DAffine3, DVec3};
 use populace::core::{Character, Skeleton};
 use populace::{
-    Crowd, Error, Feet, Foot, Gaze, GazeLimits, JointIndex, LayerMode, LayerSettings, Mask, MaskId, Member,
-    Target, Weight,
+    Crowd, Error, Feet, Foot, Gaze, GazeLimits, JointIndex, LayerMode, LayerSettings, Mask, MaskId,
+    Member, Target, Weight,
 };
 use populace_testkit::oracle::{OracleLayer, OraclePose};
 
 use super::rigs::{LEGS, TRUNK};
 
-/// How far a foot may be lifted and still count as planted, in parts of its leg's length, less a margin.
+/// How far a foot may be lifted and still count as planted, in parts of its leg's length, less a
+/// margin.
 const PLANTED: f64 = 0.029;
 
 fn joint(skeleton: &Skeleton, source: usize) -> Result<JointIndex, Error> {
     if source < skeleton.joint_count() {
         return Ok(skeleton.joint_from_source(source));
     }
-    let what = format!("constraints take bodies of 11 joints or more, not of {}", skeleton.joint_count());
+    let what =
+        format!("constraints take bodies of 11 joints or more, not of {}", skeleton.joint_count());
     Err(populace::core::Error::BadConstraint { what }.into())
 }
 
@@ -67,15 +69,16 @@ pub(super) fn constrain(
     crowd.look_with(member, &gaze, Target::InModel(target), Weight::FULL.over_secs(0.0))?;
     let mut feet = Vec::new();
     for [hip, knee, ankle] in LEGS {
-        let [hip, knee, ankle] = [joint(skeleton, hip)?, joint(skeleton, knee)?, joint(skeleton, ankle)?];
+        let [hip, knee, ankle] =
+            [joint(skeleton, hip)?, joint(skeleton, knee)?, joint(skeleton, ankle)?];
         feet.push(Foot { hip, knee, ankle });
     }
     crowd.plant_with(member, &Feet { pelvis: joint(skeleton, 0)?, feet, weight: 1.0 })
 }
 
-/// How far a constrained member's joints, in the order of the source, are from what it was told, in metres: joints that no
-/// constraint turns stand to their parents as the clips have them; a point at `probe` before the head lies towards its
-/// target; planted feet are at rest height.
+/// How far a constrained member's joints, in the order of the source, are from what it was told, in
+/// metres: joints that no constraint turns stand to their parents as the clips have them; a point
+/// at `probe` before the head lies towards its target; planted feet are at rest height.
 pub(super) fn worst_error_m(
     character: &Character,
     found: &[DAffine3],
@@ -84,11 +87,14 @@ pub(super) fn worst_error_m(
     probe: f64,
 ) -> f64 {
     let skeleton = &character.skeleton;
-    let turned: Vec<usize> = TRUNK.into_iter().chain(LEGS.into_iter().flatten()).chain([0]).collect();
+    let turned: Vec<usize> =
+        TRUNK.into_iter().chain(LEGS.into_iter().flatten()).chain([0]).collect();
     let mut worst: f64 = 0.0;
     for source in (0..found.len()).filter(|source| !turned.contains(source)) {
         let parent = skeleton.parent(skeleton.joint_from_source(source));
-        let Some(parent) = parent.map(|parent| skeleton.source_from_joint(parent)) else { continue };
+        let Some(parent) = parent.map(|parent| skeleton.source_from_joint(parent)) else {
+            continue;
+        };
         let relative = |models: &[DAffine3]| models[parent].inverse() * models[source];
         let (is, was) = (relative(found), relative(&clips.model_from_joint));
         for point in [DVec3::ZERO, DVec3::X * probe, DVec3::Y * probe, DVec3::Z * probe] {
@@ -101,8 +107,9 @@ pub(super) fn worst_error_m(
     let facing = head.transform_vector3(DVec3::Z).normalize();
     worst = worst.max(facing.distance(wanted) * probe);
     for [hip, knee, ankle] in LEGS {
-        let place =
-            |joint: usize| skeleton.rest_model(skeleton.joint_from_source(joint)).origin().map(f64::from);
+        let place = |joint: usize| {
+            skeleton.rest_model(skeleton.joint_from_source(joint)).origin().map(f64::from)
+        };
         let [hip, knee, rest] = [hip, knee, ankle].map(|joint| DVec3::from_array(place(joint)));
         let length = hip.distance(knee) + knee.distance(rest);
         if clips.model_from_joint[ankle].translation.y - rest.y < PLANTED * length {

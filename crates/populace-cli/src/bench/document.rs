@@ -23,11 +23,11 @@ impl Document {
             return Err("it is no document of schema 1".into());
         }
         let whole = Fields { object: document, place: "the document".into() };
-        let runs = document["runs"].as_array().filter(|runs| !runs.is_empty()).ok_or("it has no runs")?;
-        let runs = runs
-            .iter()
-            .enumerate()
-            .map(|(index, object)| run_from_json(&Fields { object, place: format!("runs[{index}]") }));
+        let runs =
+            document["runs"].as_array().filter(|runs| !runs.is_empty()).ok_or("it has no runs")?;
+        let runs = runs.iter().enumerate().map(|(index, object)| {
+            run_from_json(&Fields { object, place: format!("runs[{index}]") })
+        });
         Ok(Self { machine: whole.text("machine")?, runs: runs.collect::<Result<_, _>>()? })
     }
 }
@@ -56,7 +56,8 @@ fn run_as_json(run: &Run) -> Value {
 }
 
 fn run_from_json(fields: &Fields) -> Result<Run, String> {
-    let tables = Fields { object: &fields.object["baked"], place: format!("{}.baked", fields.place) };
+    let tables =
+        Fields { object: &fields.object["baked"], place: format!("{}.baked", fields.place) };
     let sizes = || {
         let (clips, bytes) = (tables.count("clips")?, tables.count("bytes")?);
         Ok::<_, String>(TableSizes { clips, bytes, row_bytes: tables.count("row_bytes")? })
@@ -101,7 +102,9 @@ impl Fields<'_> {
 
     fn count(&self, name: &str) -> Result<usize, String> {
         let count = self.object[name].as_u64().and_then(|count| usize::try_from(count).ok());
-        count.filter(|count| *count > 0).ok_or_else(|| format!("{} has no {name} above 0", self.place))
+        count
+            .filter(|count| *count > 0)
+            .ok_or_else(|| format!("{} has no {name} above 0", self.place))
     }
 
     fn text(&self, name: &str) -> Result<String, String> {

@@ -1,13 +1,13 @@
-//! Characters to measure with: skeletons of random shape, clips in which all joints turn and some swell, arbitrary
-//! inverse binds; and the skeletons that clips to be retargeted come from.
+//! Characters to measure with: skeletons of random shape, clips in which all joints turn and some
+//! swell, arbitrary inverse binds; and the skeletons that clips to be retargeted come from.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use populace::Error;
 use populace::core::{
-    Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
-    Skeleton, Track, Trs,
+    Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
+    Property, Skeleton, Track, Trs,
 };
 
 use crate::placement::Random;
@@ -15,11 +15,13 @@ use crate::placement::Random;
 const KEYS_PER_SEC: f32 = 30.0;
 /// No deeper than a hand's fingers on a long spine.
 const MAX_DEPTH: usize = 14;
-/// Every so many-th joint of a skeleton that clips come from hangs on a joint that the character lacks.
+/// Every so many-th joint of a skeleton that clips come from hangs on a joint that the character
+/// lacks.
 const JOINTS_PER_EXTRA: usize = 3;
 
-/// A character of so many joints and clips. Where `retargeted`, its clips are made on another skeleton: joints of the
-/// same names in another order, with some more between them. The motion is the same.
+/// A character of so many joints and clips. Where `retargeted`, its clips are made on another
+/// skeleton: joints of the same names in another order, with some more between them. The motion is
+/// the same.
 pub(crate) fn character(
     joint_count: usize,
     clip_count: usize,
@@ -29,12 +31,15 @@ pub(crate) fn character(
     let joints = joints(joint_count, random);
     let skeleton = Skeleton::new(&joints)?;
     let sources: Vec<_> = (0..clip_count).map(|index| clip(index, &skeleton, random)).collect();
-    let palette =
-        skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: bind(random) }).collect();
+    let palette = skeleton
+        .joints()
+        .map(|joint| PaletteEntry { joint, joint_from_bind: bind(random) })
+        .collect();
     let clips: Result<Vec<_>, _> = if retargeted {
         let (author, extras) = author(&joints, &mut Random::new(joint_count as u64));
         let author = Skeleton::new(&author)?;
-        let made = sources.into_iter().map(|source| Clip::new(with_extras(source, &extras), &author));
+        let made =
+            sources.into_iter().map(|source| Clip::new(with_extras(source, &extras), &author));
         made.collect()
     } else {
         sources.into_iter().map(|source| Clip::new(source, &skeleton)).collect()
@@ -51,7 +56,8 @@ pub(crate) fn character(
     })?)
 }
 
-/// What all skeletons begin with, as far as their joints go: parents and bones of a trunk with a head, and of two legs.
+/// What all skeletons begin with, as far as their joints go: parents and bones of a trunk with a
+/// head, and of two legs.
 const CORE: [(usize, [f32; 3]); 11] = [
     (0, [0.0, 0.0, 0.0]), // the pelvis, which is the root
     (0, [0.0, 0.12, -0.01]),
@@ -65,7 +71,8 @@ const CORE: [(usize, [f32; 3]); 11] = [
     (8, [-0.01, -0.40, 0.02]),
     (9, [0.0, -0.38, -0.03]),
 ];
-/// Joints of the core: the trunk from its first joint above the pelvis, and each leg's hip, knee and ankle.
+/// Joints of the core: the trunk from its first joint above the pelvis, and each leg's hip, knee
+/// and ankle.
 pub(crate) const TRUNK: [usize; 4] = [1, 2, 3, HEAD];
 const HEAD: usize = 4;
 pub(crate) const LEGS: [[usize; 3]; 2] = [[5, 6, 7], [8, 9, 10]];
@@ -100,7 +107,8 @@ fn joints(joint_count: usize, random: &mut Random) -> Vec<JointSource> {
     joints
 }
 
-/// Joints of the same names and rests, shuffled, with some more between them and their parents; and the names of those.
+/// Joints of the same names and rests, shuffled, with some more between them and their parents; and
+/// the names of those.
 fn author(joints: &[JointSource], random: &mut Random) -> (Vec<JointSource>, Vec<String>) {
     let (mut author, mut extras): (Vec<JointSource>, Vec<String>) = (Vec::new(), Vec::new());
     let mut places = vec![None; joints.len()];
@@ -152,14 +160,21 @@ fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
     for joint in skeleton.joints() {
         let name = skeleton.name(joint);
         let mut add = |property, values| {
-            let (joint, interpolation, times) = (name.to_owned(), Interpolation::Linear, times.clone());
+            let (joint, interpolation, times) =
+                (name.to_owned(), Interpolation::Linear, times.clone());
             tracks.push(Track { joint, property, interpolation, times, values });
         };
-        let (axis, swing, shift) = (random_axis(random), 0.2 + 0.4 * random.unit(), random.unit() * TAU);
+        let (axis, swing, shift) =
+            (random_axis(random), 0.2 + 0.4 * random.unit(), random.unit() * TAU);
         let wave = |key: usize| f64::from(angle(key) + shift).sin();
-        add(Property::Rotation, (0..key_count).flat_map(|k| turn(axis, swing * narrow(wave(k)))).collect());
+        add(
+            Property::Rotation,
+            (0..key_count).flat_map(|k| turn(axis, swing * narrow(wave(k)))).collect(),
+        );
         if skeleton.parent(joint).is_none() {
-            let sway = |k: usize| [narrow(wave(k)) * 0.1, PELVIS_M, narrow(f64::from(angle(k)).cos()) * 0.1];
+            let sway = |k: usize| {
+                [narrow(wave(k)) * 0.1, PELVIS_M, narrow(f64::from(angle(k)).cos()) * 0.1]
+            };
             add(Property::Translation, (0..key_count).flat_map(sway).collect());
         }
         if joint.index() % 8 == 3 {
@@ -173,7 +188,11 @@ fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
 fn bind(random: &mut Random) -> Affine {
     let translation = [random.signed(), random.signed(), random.signed()];
     let scale = [0.5 + random.unit(), 0.5 + random.unit(), 0.5 + random.unit()];
-    Affine::from_trs(&Trs { translation, rotation: turn(random_axis(random), random.signed() * 3.0), scale })
+    Affine::from_trs(&Trs {
+        translation,
+        rotation: turn(random_axis(random), random.signed() * 3.0),
+        scale,
+    })
 }
 
 fn random_axis(random: &mut Random) -> [f32; 3] {
@@ -188,7 +207,10 @@ fn turn([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 4] {
     [x * sin, y * sin, z * sin, narrow(cos)]
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
 fn narrow(x: f64) -> f32 {
     x as f32
 }

@@ -32,7 +32,11 @@ impl FromStr for Way {
 
     fn from_str(name: &str) -> Result<Self, String> {
         let schedule = |error: populace::core::Error| format!("{error}; or baked");
-        if name == "baked" { Ok(Self::Baked) } else { name.parse().map(Self::Crowd).map_err(schedule) }
+        if name == "baked" {
+            Ok(Self::Baked)
+        } else {
+            name.parse().map(Self::Crowd).map_err(schedule)
+        }
     }
 }
 
@@ -88,7 +92,8 @@ pub(crate) struct Run {
     pub(crate) wall_ms_median: Option<f64>,
     pub(crate) host_ms_median: Option<f64>,
     pub(crate) change_ms_median: Option<f64>,
-    /// Bytes of what is a member's own that a joint's share of the stage reads and writes: counted, not measured.
+    /// Bytes of what is a member's own that a joint's share of the stage reads and writes: counted,
+    /// not measured.
     pub(crate) bytes_per_joint: f64,
     pub(crate) memory_bytes: usize,
     pub(crate) tables: Option<TableSizes>,
@@ -112,10 +117,12 @@ pub(crate) fn runs(measured: &[Measured]) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for one in measured {
         let device = &one.subject.on.devices;
-        if one.subject.way != Way::Baked && !runs.iter().any(|r| r.schedule == "floor" && r.device == *device)
+        if one.subject.way != Way::Baked
+            && !runs.iter().any(|r| r.schedule == "floor" && r.device == *device)
         {
             let same = measured.iter().filter(|other| other.subject.on.devices == *device);
-            let floor: Vec<f64> = same.flat_map(|other| other.samples.floor.iter().copied()).collect();
+            let floor: Vec<f64> =
+                same.flat_map(|other| other.samples.floor.iter().copied()).collect();
             runs.extend(one.floor(&floor));
         }
         runs.extend(one.whole());
@@ -155,14 +162,19 @@ impl Measured<'_> {
 
     fn floor(&self, ms: &[f64]) -> Option<Run> {
         let run = self.line("floor", "all", ms, ENTRY_BYTES as f64)?;
-        Some(Run { load: Load::Plain.to_string(), memory_bytes: palette_bytes(self.subject.scene), ..run })
+        Some(Run {
+            load: Load::Plain.to_string(),
+            memory_bytes: palette_bytes(self.subject.scene),
+            ..run
+        })
     }
 
     fn whole(&self) -> Option<Run> {
         let samples = &self.samples;
         let native = self.subject.on.is_native();
         let changes = matches!(self.subject.scene.load, Load::Changing { .. });
-        let run = self.line(self.subject.way.name(), "all", &samples.device, frame_bytes(&self.subject))?;
+        let run =
+            self.line(self.subject.way.name(), "all", &samples.device, frame_bytes(&self.subject))?;
         Some(Run {
             wall_ms_median: median(&samples.wall),
             host_ms_median: median(&samples.host).filter(|_| !native),
@@ -186,7 +198,9 @@ pub(crate) fn median(ms: &[f64]) -> Option<f64> {
 fn frame_bytes(subject: &Subject) -> f64 {
     let playing = playing_bytes(subject);
     match subject.way {
-        Way::Crowd(Schedule::Staged) => Stage::ALL.iter().map(|&stage| stage_bytes(subject, stage)).sum(),
+        Way::Crowd(Schedule::Staged) => {
+            Stage::ALL.iter().map(|&stage| stage_bytes(subject, stage)).sum()
+        }
         Way::Crowd(_) => playing + ENTRY_BYTES as f64,
         Way::Baked => ENTRY_BYTES as f64,
     }
@@ -199,8 +213,8 @@ fn playing_bytes(subject: &Subject) -> f64 {
     per_joint(subject, member)
 }
 
-/// A joint's share of a stage of the staged schedule: each buffer that it reads or writes, once. Local and model transforms
-/// take 48 bytes each.
+/// A joint's share of a stage of the staged schedule: each buffer that it reads or writes, once.
+/// Local and model transforms take 48 bytes each.
 fn stage_bytes(subject: &Subject, stage: Stage) -> f64 {
     const LOCAL: f64 = 48.0;
     const MODEL: f64 = 48.0;

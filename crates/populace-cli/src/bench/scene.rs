@@ -1,5 +1,5 @@
-//! A crowd that is never one clip in one phase: several skeletons, 32 clips, random phases and weights, moving scales,
-//! arbitrary inverse binds.
+//! A crowd that is never one clip in one phase: several skeletons, 32 clips, random phases and
+//! weights, moving scales, arbitrary inverse binds.
 
 use std::fmt;
 use std::sync::Arc;
@@ -21,7 +21,8 @@ pub(crate) const FADE_SECS: f32 = 0.31;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Load {
     Plain,
-    /// Clips come from other skeletons: joints of the same names in another order, and more between them.
+    /// Clips come from other skeletons: joints of the same names in another order, and more between
+    /// them.
     Retargeted,
     /// Each frame so many of a hundred members change over to another clip.
     Changing {
@@ -29,7 +30,8 @@ pub(crate) enum Load {
     },
     /// Every member looks at something of its own, and keeps both feet to the ground.
     Constraints,
-    /// The same, with two layers above the first: one through a mask and one additive, a slot in each.
+    /// The same, with two layers above the first: one through a mask and one additive, a slot in
+    /// each.
     Full,
 }
 
@@ -141,7 +143,11 @@ impl Scene {
     pub(crate) fn total(&self, of: impl Fn(&Character) -> usize) -> usize {
         let kinds = self.characters.len();
         let members = |kind: usize| (self.member_count + kinds - 1 - kind) / kinds;
-        self.characters.iter().enumerate().map(|(kind, character)| of(character) * members(kind)).sum()
+        self.characters
+            .iter()
+            .enumerate()
+            .map(|(kind, character)| of(character) * members(kind))
+            .sum()
     }
 
     /// Joints of all members.
@@ -168,7 +174,8 @@ impl Scene {
         [2.0 * random.signed(), 1.2 + random.signed(), 3.0 + random.signed()]
     }
 
-    /// Members that change over to another clip before a frame, and to which; each member in its turn.
+    /// Members that change over to another clip before a frame, and to which; each member in its
+    /// turn.
     pub(crate) fn changes(&self, frame: u32) -> impl Iterator<Item = (usize, usize)> + '_ {
         let members = self.member_count;
         let count = match self.load {
@@ -201,7 +208,8 @@ impl Scene {
             ids.push(id);
         }
         let mut masks = Vec::new();
-        for (id, character) in ids.iter().zip(&self.characters).filter(|_| self.load == Load::Full) {
+        for (id, character) in ids.iter().zip(&self.characters).filter(|_| self.load == Load::Full)
+        {
             masks.push(crowd.add_mask(*id, &constraints::mask(&character.skeleton)?)?);
         }
         let mut members = Vec::with_capacity(self.member_count);
@@ -209,7 +217,8 @@ impl Scene {
             let kind = self.kind(index);
             let member = crowd.spawn(ids[kind], Placement::at([0.0; 3]))?;
             for slot in self.played(index) {
-                let play = Play::looping().phase(slot.phase).weight(slot.weight).on_layer(slot.layer);
+                let play =
+                    Play::looping().phase(slot.phase).weight(slot.weight).on_layer(slot.layer);
                 crowd.blend(member, clips[kind][slot.clip], play)?;
             }
             if self.load == Load::Full {
@@ -233,7 +242,11 @@ impl Scene {
 
 /// That many of a hundred, at least one of any.
 fn share(members: usize, percent: f32) -> usize {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, not negative")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a count, not negative"
+    )]
     let count = (members as f64 * f64::from(percent) / 100.0).round() as usize;
     count.clamp(members.min(1), members)
 }
@@ -257,12 +270,16 @@ mod tests {
     fn every_member_changes_in_its_turn_and_none_twice_in_a_frame() {
         let scene = |members, percent| Scene {
             load: Load::Changing { percent },
-            characters: vec![Arc::new(rigs::character(3, 2, false, &mut Random::new(1)).expect("sound"))],
+            characters: vec![Arc::new(
+                rigs::character(3, 2, false, &mut Random::new(1)).expect("sound"),
+            )],
             member_count: members,
             slot_count: 2,
             seed: 0,
         };
-        for (members, percent, each) in [(1000, 1.0, 10), (997, 10.0, 100), (7, 100.0, 7), (3, 0.1, 1)] {
+        for (members, percent, each) in
+            [(1000, 1.0, 10), (997, 10.0, 100), (7, 100.0, 7), (3, 0.1, 1)]
+        {
             let scene = scene(members, percent);
             let mut turns = vec![0; members];
             for frame in 0..members {

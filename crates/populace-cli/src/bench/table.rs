@@ -25,8 +25,9 @@ pub(crate) fn as_table(document: &Document) -> String {
 }
 
 fn line(run: &Run) -> String {
-    let optional =
-        |value: Option<f64>, digits: usize| value.map_or(String::new(), |value| format!("{value:.digits$}"));
+    let optional = |value: Option<f64>, digits: usize| {
+        value.map_or(String::new(), |value| format!("{value:.digits$}"))
+    };
     format!(
         "| {} | {} | {} | {} | {} | {:.2} | {:.2} | {:.1} | {} | {} | {} | {} | {} |\n",
         run.members,

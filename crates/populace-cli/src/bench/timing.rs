@@ -42,8 +42,9 @@ enum Stand {
     Baked(Baked),
 }
 
-/// Measures `frames` frames of each subject, as many of them as memory holds taking turns, so that a noisy machine is noisy
-/// to all, and holds the last frame against the oracle. Subjects too large for the memory are left out, and named.
+/// Measures `frames` frames of each subject, as many of them as memory holds taking turns, so that
+/// a noisy machine is noisy to all, and holds the last frame against the oracle. Subjects too large
+/// for the memory are left out, and named.
 pub(crate) fn measure(subjects: Vec<Subject>, frames: u32) -> Result<Vec<Run>, Error> {
     let mut waiting = VecDeque::from(subjects);
     let mut measured = Vec::new();
@@ -62,7 +63,11 @@ fn next_group<'a>(waiting: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
             free -= bytes;
             group.extend(waiting.pop_front());
         } else if group.is_empty() {
-            subject.leave_out(&format!("it takes about {} MiB, and {} are free", bytes >> 20, free >> 20));
+            subject.leave_out(&format!(
+                "it takes about {} MiB, and {} are free",
+                bytes >> 20,
+                free >> 20
+            ));
             waiting.pop_front();
         } else {
             break;
@@ -191,7 +196,12 @@ impl<'a> Track<'a> {
     }
 }
 
-fn crowd_frame(staging: &mut Staging, scene: &Scene, frame: u32, samples: &mut Samples) -> Result<(), Error> {
+fn crowd_frame(
+    staging: &mut Staging,
+    scene: &Scene,
+    frame: u32,
+    samples: &mut Samples,
+) -> Result<(), Error> {
     samples.floor.push(staging.crowd.write_floor()?);
     let start = Instant::now();
     staging.change(scene, frame)?;

@@ -10,7 +10,8 @@ impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let sides = text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+        let sides =
+            text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
         match sides {
             Some(sides) if !sides.contains(&0) => Ok(Self(sides)),
             _ => Err("write width and height in pixels as 1280x720".into()),

@@ -45,7 +45,8 @@ fn measure_all(args: &BenchArgs) -> Result<Vec<Run>, Failure> {
     let setups = setups(args)?;
     let mut runs = Vec::new();
     for &members in &args.members {
-        let scenes: Vec<_> = scenes.iter().map(|scene| scene.with_members(members as usize)).collect();
+        let scenes: Vec<_> =
+            scenes.iter().map(|scene| scene.with_members(members as usize)).collect();
         let subjects = subjects(&scenes, &setups, args);
         if subjects.is_empty() {
             return Err(Failure::usage("baked is measured on the native device alone"));
@@ -76,7 +77,8 @@ fn check(run: &Run) -> Result<(), Failure> {
 fn loads(args: &BenchArgs) -> Vec<Load> {
     let retargeted = args.retarget.then_some(Load::Retargeted);
     let changing = args.changing.map(|percent| Load::Changing { percent });
-    let mut loads: Vec<Load> = [Some(Load::Plain), retargeted, changing].into_iter().flatten().collect();
+    let mut loads: Vec<Load> =
+        [Some(Load::Plain), retargeted, changing].into_iter().flatten().collect();
     loads.extend(args.load.iter().copied().filter(|load| *load != Load::Plain));
     loads.dedup();
     loads

@@ -24,7 +24,8 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
     let devices: Vec<_> = devices.collect();
     let drawing = renderer.map(|renderer| renderer.driver().to_owned());
     if args.json {
-        let list: Vec<_> = devices.iter().map(|(report, palettes)| as_json(report, palettes, best)).collect();
+        let list: Vec<_> =
+            devices.iter().map(|(report, palettes)| as_json(report, palettes, best)).collect();
         let drawing = match &drawing {
             Ok(driver) => json!({"driver": driver}),
             Err(error) => json!({"driver": null, "detail": error.to_string()}),
@@ -58,8 +59,10 @@ fn tried(device: Device, renderer: &mut Renderer) -> Palettes {
 fn as_json(report: &DeviceReport, palettes: &Option<Palettes>, best: Device) -> serde_json::Value {
     let palettes = palettes.as_ref().map(|palettes| match palettes {
         Ok(HandOver { way, refused }) => {
-            let refused: Vec<_> =
-                refused.iter().map(|(way, reason)| json!({"way": way.name(), "reason": reason})).collect();
+            let refused: Vec<_> = refused
+                .iter()
+                .map(|(way, reason)| json!({"way": way.name(), "reason": reason}))
+                .collect();
             json!({"way": way.name(), "refused": refused})
         }
         Err(reason) => json!({"way": null, "detail": reason}),

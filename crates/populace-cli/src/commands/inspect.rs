@@ -43,7 +43,8 @@ fn describe(imported: &Imported, file: &str) -> Value {
         .iter()
         .map(|s| json!({"skin": s.skin, "node": s.node, "joints": s.joints.len()}))
         .collect();
-    let notes: Vec<_> = imported.notes.iter().map(|n| json!({"place": n.place, "what": n.what})).collect();
+    let notes: Vec<_> =
+        imported.notes.iter().map(|n| json!({"place": n.place, "what": n.what})).collect();
     json!({
         "schema": 1,
         "file": file,
@@ -61,11 +62,14 @@ fn describe(imported: &Imported, file: &str) -> Value {
     })
 }
 
-/// The naming by which humanoid roles were found, and the joint of each; null where the body is not humanoid.
+/// The naming by which humanoid roles were found, and the joint of each; null where the body is not
+/// humanoid.
 fn describe_roles(skeleton: &Skeleton) -> Value {
     RoleMap::detect(skeleton).map_or(Value::Null, |roles| {
-        let joints: serde_json::Map<_, _> =
-            roles.iter().map(|(role, joint)| (role.to_string(), skeleton.name(joint).into())).collect();
+        let joints: serde_json::Map<_, _> = roles
+            .iter()
+            .map(|(role, joint)| (role.to_string(), skeleton.name(joint).into()))
+            .collect();
         json!({"naming": roles.naming(), "joints": joints})
     })
 }
@@ -170,8 +174,9 @@ fn as_text(d: &Value) -> String {
 
 fn clip_line(index: usize, c: &Value) -> String {
     let number = |name: &str| c[name].as_f64().unwrap_or_default();
-    let speed =
-        c["ground_speed_m_per_sec"].as_f64().map_or(String::new(), |v| format!(", ground speed {v:.2} m/s"));
+    let speed = c["ground_speed_m_per_sec"]
+        .as_f64()
+        .map_or(String::new(), |v| format!(", ground speed {v:.2} m/s"));
     format!(
         "  clip {index} {}: {:.3} s from {:.3} s, {} rows{}, worst error {:.3} mm of {:.3} mm{speed}\n",
         c["name"],

@@ -49,8 +49,11 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     crowd.update(0.0)?;
     let palette = crowd.palette(member)?;
     let models = crowd.model_from_joints(member)?;
-    let skins: Vec<_> =
-        character.skins.iter().map(|skin| skin_palette(skin, &character, &palette, &models)).collect();
+    let skins: Vec<_> = character
+        .skins
+        .iter()
+        .map(|skin| skin_palette(skin, &character, &palette, &models))
+        .collect();
     Ok(json!({
         "schema": 1,
         "file": args.file.display().to_string(),
@@ -69,7 +72,11 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
 }
 
 /// A clip by name, else by index.
-fn find_clip(crowd: &Crowd, id: populace::CharacterId, name: &str) -> Result<(ClipId, String), Failure> {
+fn find_clip(
+    crowd: &Crowd,
+    id: populace::CharacterId,
+    name: &str,
+) -> Result<(ClipId, String), Failure> {
     let unknown = match cast::clip(crowd, id, name) {
         Ok(clip) => return Ok((clip, name.to_owned())),
         Err(failure) => failure,
@@ -77,7 +84,9 @@ fn find_clip(crowd: &Crowd, id: populace::CharacterId, name: &str) -> Result<(Cl
     let clips = crowd.clips(id)?;
     match name.parse::<usize>().ok().map(|index| clips.get(index)) {
         Some(Some((clip, known))) => Ok((*clip, known.name().to_owned())),
-        Some(None) => Err(Failure::usage(format!("there is no clip {name}; the file has {}", clips.len()))),
+        Some(None) => {
+            Err(Failure::usage(format!("there is no clip {name}; the file has {}", clips.len())))
+        }
         None => Err(unknown),
     }
 }
@@ -95,26 +104,40 @@ fn joints(imported: &Imported, models: &[Affine]) -> Vec<Value> {
     skeleton.joints().map(describe).collect()
 }
 
-/// A skin's palette in the order of the file's joints. A joint that moves no vertex has no palette entry on the
-/// device; its matrix is multiplied here.
-fn skin_palette(skin: &SkinInstance, character: &Character, palette: &[Affine], models: &[Affine]) -> Value {
+/// A skin's palette in the order of the file's joints. A joint that moves no vertex has no palette
+/// entry on the device; its matrix is multiplied here.
+fn skin_palette(
+    skin: &SkinInstance,
+    character: &Character,
+    palette: &[Affine],
+    models: &[Affine],
+) -> Value {
     let matrices = skin.joints.iter().map(|wanted| {
         let entry = character.palette.iter().position(|entry| entry == wanted);
-        entry.map_or_else(|| models[wanted.joint.index()].mul(&wanted.joint_from_bind), |e| palette[e])
+        entry.map_or_else(
+            || models[wanted.joint.index()].mul(&wanted.joint_from_bind),
+            |e| palette[e],
+        )
     });
     let rows: Vec<Vec<f32>> = matrices.map(|m| m.rows.concat()).collect();
     json!({"skin": skin.skin, "node": skin.node, "palette": rows})
 }
 
 /// Vertices as the file counts them: what follows those of the file in a part is left out.
-fn vertices(imported: &Imported, palette: &[Affine], wanted: &[VertexId]) -> Result<Vec<Value>, Failure> {
+fn vertices(
+    imported: &Imported,
+    palette: &[Affine],
+    wanted: &[VertexId],
+) -> Result<Vec<Value>, Failure> {
     let parts = || imported.character.parts.iter().zip(&imported.vertex_counts);
     let row = |part: &Part, vertex: usize| {
         let [x, y, z] = skinned(part, vertex, palette);
         json!([part.node, part.primitive, vertex, x, y, z])
     };
     if wanted.is_empty() {
-        return Ok(parts().flat_map(|(part, count)| (0..*count).map(move |v| row(part, v))).collect());
+        return Ok(parts()
+            .flat_map(|(part, count)| (0..*count).map(move |v| row(part, v)))
+            .collect());
     }
     let find = |id: &VertexId| {
         let part = parts().find(|(p, _)| p.node == id.node && p.primitive == id.primitive);
@@ -132,14 +155,17 @@ fn vertices(imported: &Imported, palette: &[Affine], wanted: &[VertexId]) -> Res
 fn as_text(d: &Value) -> String {
     let slot = |slot: &Value| {
         let clip = slot["clip"].as_str().unwrap_or_default();
-        let share = if slot["weight"] == 1.0 { String::new() } else { format!(" by {}", slot["weight"]) };
-        let layer = if slot["layer"] == 0 { String::new() } else { format!(" in layer {}", slot["layer"]) };
+        let share =
+            if slot["weight"] == 1.0 { String::new() } else { format!(" by {}", slot["weight"]) };
+        let layer =
+            if slot["layer"] == 0 { String::new() } else { format!(" in layer {}", slot["layer"]) };
         format!("\"{clip}\" at {} s{share}{layer}", slot["time"])
     };
     let slots: Vec<_> = d["slots"].as_array().into_iter().flatten().map(slot).collect();
     let clip = if slots.is_empty() { "rest pose".to_owned() } else { slots.join(", ") };
     let part = |name: &str| d[name].as_str().unwrap_or_default().to_owned();
-    let mut text = format!("{clip} on {}, {}; joints in model space:\n", part("device"), part("schedule"));
+    let mut text =
+        format!("{clip} on {}, {}; joints in model space:\n", part("device"), part("schedule"));
     for joint in d["joints"].as_array().into_iter().flatten() {
         let m = |i: usize| joint["model_from_joint"][i].as_f64().unwrap_or_default();
         text += &format!(

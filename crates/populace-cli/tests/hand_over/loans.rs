@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use populace::core::layout::PAGE_ENTRIES;
 use populace::core::{
-    Affine, Character, CharacterSource, Clip, ClipSource, Image, Influences, Interpolation, JointIndex,
-    JointSource, Mesh, PaletteEntry, Part, Property, Skeleton, Track, Trs,
+    Affine, Character, CharacterSource, Clip, ClipSource, Image, Influences, Interpolation,
+    JointIndex, JointSource, Mesh, PaletteEntry, Part, Property, Skeleton, Track, Trs,
 };
 use populace::{Crowd, Device, Devices, Placement, Play};
 
@@ -18,7 +18,10 @@ pub(crate) fn a_crowd_outlives_its_renderer(device: &Devices) {
     for wanted in &film {
         // Its renderer is gone; the pages are still there to be written and read.
         troupe.update();
-        troupe.crowd.with_page(0, &mut |page| assert!(page.iter().any(|e| e.0 != [0.0; 4]))).unwrap();
+        troupe
+            .crowd
+            .with_page(0, &mut |page| assert!(page.iter().any(|e| e.0 != [0.0; 4])))
+            .unwrap();
         let mut stage = Stage::new();
         assert_same(&stage.shoot(&mut troupe.crowd), wanted, "by a new renderer");
     }
@@ -95,12 +98,17 @@ fn a_crowd_moves_to_another_device_under_way() {
         film.iter().zip([0, 1, 2, 3].map(|i| [Device::opencl(0), Device::native()][i % 2]))
     {
         troupe.update();
-        assert_same(&stage.shoot(&mut troupe.crowd), wanted, &format!("before it moves to {device}"));
+        assert_same(
+            &stage.shoot(&mut troupe.crowd),
+            wanted,
+            &format!("before it moves to {device}"),
+        );
         troupe.crowd.move_to(device).unwrap();
     }
 }
 
-/// A square on a joint that a clip lifts, with so many palette entries that a page holds two members.
+/// A square on a joint that a clip lifts, with so many palette entries that a page holds two
+/// members.
 fn large() -> Character {
     let joint = JointSource { name: "base".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint]).unwrap();
@@ -111,7 +119,8 @@ fn large() -> Character {
         times: vec![0.0, 1.0],
         values: vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
     };
-    let clip = Clip::new(ClipSource { name: "Rise".into(), tracks: vec![track] }, &skeleton).unwrap();
+    let clip =
+        Clip::new(ClipSource { name: "Rise".into(), tracks: vec![track] }, &skeleton).unwrap();
     let mesh = Mesh {
         positions: vec![[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], [0.5, 1.0, 0.0], [-0.5, 1.0, 0.0]],
         normals: vec![[0.0, 0.0, 1.0]; 4],
@@ -143,8 +152,11 @@ pub(crate) fn palettes_on_the_second_page_are_drawn(device: &Devices) {
     let character = Arc::new(large());
     let film = |by_copy: bool| -> Vec<Image> {
         let mut stage = Stage::with(&[Arc::clone(&character)]);
-        let mut crowd =
-            Crowd::builder().devices(device.clone()).for_gl(stage.renderer.gl_context()).build().unwrap();
+        let mut crowd = Crowd::builder()
+            .devices(device.clone())
+            .for_gl(stage.renderer.gl_context())
+            .build()
+            .unwrap();
         let id = crowd.add_character(Arc::clone(&character)).unwrap();
         let rise = crowd.clip(id, "Rise").unwrap();
         let mut frames = Vec::new();

@@ -1,5 +1,5 @@
-//! Palettes written straight into OpenGL's memory, seen from both sides: crowds and renderers in one process. Each
-//! picture is held against the one by copies, byte for byte.
+//! Palettes written straight into OpenGL's memory, seen from both sides: crowds and renderers in
+//! one process. Each picture is held against the one by copies, byte for byte.
 #![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod loans;
@@ -27,7 +27,8 @@ fn every_frame_is_the_one_by_copies(device: &Devices) {
     }
 }
 
-/// The device works on frame N + 1 before OpenGL is told to draw frame N, and again before its picture is read.
+/// The device works on frame N + 1 before OpenGL is told to draw frame N, and again before its
+/// picture is read.
 fn frames_are_drawn_while_the_next_ones_are_computed(device: &Devices) {
     const FRAMES: usize = 6;
     let film = film_by_copy(device, 300, FRAMES);
@@ -46,7 +47,8 @@ fn frames_are_drawn_while_the_next_ones_are_computed(device: &Devices) {
         if !before {
             troupe.update();
         }
-        let what = format!("frame {frame}, drawn {} the next", if before { "after" } else { "before" });
+        let what =
+            format!("frame {frame}, drawn {} the next", if before { "after" } else { "before" });
         assert_same(&stage.renderer.read_image().unwrap(), wanted, &what);
     }
 }
@@ -101,12 +103,18 @@ fn palettes_read_back_wherever_they_stand(device: &Devices) {
         let (mut pages, mut wanted) = (Vec::new(), Vec::new());
         troupe.crowd.with_page(0, &mut |page| pages = page.to_vec()).unwrap();
         twin.crowd.with_page(0, &mut |page| wanted = page.to_vec()).unwrap();
-        let [a, b] = [&*troupe, &*twin].map(|t| t.crowd.instances().map(|i| i.member).collect::<Vec<_>>());
+        let [a, b] =
+            [&*troupe, &*twin].map(|t| t.crowd.instances().map(|i| i.member).collect::<Vec<_>>());
         for (i, (a, b)) in a.into_iter().zip(b).enumerate() {
             let (a, b) = (troupe.crowd.palette(a).unwrap(), twin.crowd.palette(b).unwrap());
             assert!(a == b, "{when}: member {i}");
         }
-        assert!(pages.len() == wanted.len(), "{when}: {} and {} elements", pages.len(), wanted.len());
+        assert!(
+            pages.len() == wanted.len(),
+            "{when}: {} and {} elements",
+            pages.len(),
+            wanted.len()
+        );
     };
     [&mut troupe, &mut twin].into_iter().for_each(Troupe::update);
     stage.link(&mut troupe.crowd);
@@ -129,8 +137,11 @@ fn the_way_and_the_reason_are_told(device: &Devices) {
     let hand_over = stage.link(&mut troupe.crowd);
     if hand_over.way == PaletteWay::Mapped {
         let native = device.as_slice()[0] == Device::native();
-        let reason =
-            if native { "it takes an OpenCL device" } else { "its driver does not offer cl_khr_gl_sharing" };
+        let reason = if native {
+            "it takes an OpenCL device"
+        } else {
+            "its driver does not offer cl_khr_gl_sharing"
+        };
         assert_eq!(hand_over.refused, [(PaletteWay::Shared, reason.to_owned())]);
         assert!(hand_over.to_string().contains(reason), "{hand_over}");
     } else {
@@ -223,7 +234,8 @@ on_devices!(
         as frames_are_drawn_while_the_next_ones_are_computed,
     crate::frames_and_takes_need_not_alternate as frames_and_takes_need_not_alternate,
     crate::a_page_grows_under_way as a_page_grows_under_way,
-    crate::a_frame_outlives_the_pages_it_was_written_into as a_frame_outlives_the_pages_it_was_written_into,
+    crate::a_frame_outlives_the_pages_it_was_written_into
+        as a_frame_outlives_the_pages_it_was_written_into,
     crate::palettes_read_back_wherever_they_stand as palettes_read_back_wherever_they_stand,
     crate::the_way_and_the_reason_are_told as the_way_and_the_reason_are_told,
     crate::loans::a_crowd_outlives_its_renderer as a_crowd_outlives_its_renderer,

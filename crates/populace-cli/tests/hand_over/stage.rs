@@ -4,8 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use populace::core::layout::Float4;
 use populace::core::{
-    BackendError, Character, GlContext, HandedOver, Image, PaletteSource, PaletteTarget, PaletteWay,
-    TargetMark,
+    BackendError, Character, GlContext, HandedOver, Image, PaletteSource, PaletteTarget,
+    PaletteWay, TargetMark,
 };
 use populace::{CharacterId, Crowd, Devices, Placement, Play};
 use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene};
@@ -32,14 +32,20 @@ impl PaletteSource for ByCopy<'_> {
         self.0.hand_over()
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
         PaletteSource::with_page(self.0, page, reader)
     }
 }
 
 fn people() -> Vec<Arc<Character>> {
     static PEOPLE: OnceLock<Vec<Arc<Character>>> = OnceLock::new();
-    PEOPLE.get_or_init(|| populace_cast::cast().unwrap().into_iter().map(Arc::new).collect()).clone()
+    PEOPLE
+        .get_or_init(|| populace_cast::cast().unwrap().into_iter().map(Arc::new).collect())
+        .clone()
 }
 
 /// A crowd of people in rows, each running from a moment of its own.
@@ -54,7 +60,8 @@ impl Troupe {
     pub(crate) fn new(device: &Devices, members: u16, stage: &Stage) -> Self {
         let builder = Crowd::builder().devices(device.clone()).for_gl(stage.renderer.gl_context());
         let mut crowd = builder.capacity(100_000).build().unwrap();
-        let roles = people().into_iter().map(|person| crowd.add_character(person).unwrap()).collect();
+        let roles =
+            people().into_iter().map(|person| crowd.add_character(person).unwrap()).collect();
         let mut troupe = Self { crowd, roles, spawned: 0 };
         troupe.spawn(members);
         troupe
@@ -66,7 +73,9 @@ impl Troupe {
             let at = [f32::from(index % 12) * 0.7 - 3.85, 0.0, -1.2 * f32::from(index / 12)];
             let member = self.crowd.spawn(role, Placement::at(at)).unwrap();
             let clip = self.crowd.clip(role, "Run").unwrap();
-            self.crowd.play(member, clip, Play::looping().phase(f32::from(index) * 0.37 % 1.0)).unwrap();
+            self.crowd
+                .play(member, clip, Play::looping().phase(f32::from(index) * 0.37 % 1.0))
+                .unwrap();
         }
         self.spawned += members;
     }
@@ -94,7 +103,8 @@ impl Stage {
 
     pub(crate) fn with(characters: &[Arc<Character>]) -> Self {
         let mut renderer = Renderer::headless([160, 90]).unwrap();
-        let handles = characters.iter().map(|c| renderer.add_character(c, &|_| false).unwrap()).collect();
+        let handles =
+            characters.iter().map(|c| renderer.add_character(c, &|_| false).unwrap()).collect();
         let corners = [[-4.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 1.9, 0.0], [0.0, 0.0, -6.0]];
         let camera = Camera::framing(corners, 160.0 / 90.0);
         Self { renderer, handles, scene: Scene { camera, ..Scene::default() } }

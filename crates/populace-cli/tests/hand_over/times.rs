@@ -1,5 +1,5 @@
-//! What each way costs; a measurement, so it is run by name: `cargo test --release -p populace-cli --test hand_over
-//! times -- --ignored --nocapture`.
+//! What each way costs; a measurement, so it is run by name: `cargo test --release -p populace-cli
+//! --test hand_over times -- --ignored --nocapture`.
 
 use std::time::Instant;
 
@@ -42,9 +42,13 @@ fn frame_ms(device: &Devices, by_copy: bool) -> [f64; 2] {
 fn of_each_way() {
     let both = [Device::native(), Device::opencl(0)];
     for device in [both[0].into(), both[1].into(), Devices::from(both)] {
-        for (name, by_copy) in [("copied", true), ("mapped", false), ("copied", true), ("mapped", false)] {
+        for (name, by_copy) in
+            [("copied", true), ("mapped", false), ("copied", true), ("mapped", false)]
+        {
             let [update, take] = frame_ms(&device, by_copy);
-            println!("{device}, {MEMBERS} people, {name}: update {update:.2} ms, hand-over {take:.3} ms");
+            println!(
+                "{device}, {MEMBERS} people, {name}: update {update:.2} ms, hand-over {take:.3} ms"
+            );
         }
     }
 }

@@ -28,17 +28,24 @@ fn only<'a>(runs: &'a [Value], fields: &[(&str, Value)]) -> &'a Value {
 #[test]
 fn bench_checks_what_it_measures() {
     let runs = runs_of(&[&NATIVE[..], &["--members", "40"]].concat());
-    let stage =
-        |schedule: &str, stage: &str| only(&runs, &[("schedule", json!(schedule)), ("stage", json!(stage))]);
+    let stage = |schedule: &str, stage: &str| {
+        only(&runs, &[("schedule", json!(schedule)), ("stage", json!(stage))])
+    };
     let floor = stage("floor", "all");
     assert_eq!((&floor["max_error"], &floor["bytes_per_joint"]), (&Value::Null, &json!(48.0)));
     for schedule in ["staged", "fused"] {
         let all = stage(schedule, "all");
         assert!(all["max_error"].as_f64() > Some(0.0), "single precision is never exactly right");
-        assert!(all["ms_min"].as_f64() > Some(0.0) && all["ms_min"].as_f64() <= all["ms_median"].as_f64());
+        assert!(
+            all["ms_min"].as_f64() > Some(0.0)
+                && all["ms_min"].as_f64() <= all["ms_median"].as_f64()
+        );
         assert!(all["wall_ms_median"].as_f64() >= all["ms_min"].as_f64());
         // Ten of each skeleton: 24, 54, 67 and 128 joints.
-        assert_eq!((&all["members"], &all["joints"], &all["slots"]), (&json!(40), &json!(2730), &json!(2)));
+        assert_eq!(
+            (&all["members"], &all["joints"], &all["slots"]),
+            (&json!(40), &json!(2730), &json!(2))
+        );
         let ns = all["ms_median"].as_f64().expect("a time") * 1e6 / 2730.0;
         assert!((all["ns_per_joint"].as_f64().expect("a time") - ns).abs() < 1e-6);
     }
@@ -91,7 +98,11 @@ fn wrong_values_are_refused() {
         refused(&["bench", "--members", members], 2, &["--members"]);
     }
     for percent in ["0", "101", "-1", "NaN", "x"] {
-        refused(&["bench", &format!("--changing={percent}")], 2, &["--changing", "above 0 and up to 100"]);
+        refused(
+            &["bench", &format!("--changing={percent}")],
+            2,
+            &["--changing", "above 0 and up to 100"],
+        );
     }
     refused(&["bench", "--schedule", "magic"], 2, &["no schedule \"magic\"", "or baked"]);
     refused(&["bench", "--schedule", "baked", "--device", "opencl"], 2, &["native device alone"]);
@@ -103,7 +114,8 @@ fn wrong_values_are_refused() {
 fn a_crowd_that_memory_does_not_hold_is_left_out() {
     // A terabyte of palettes, and one of what stands between stages.
     let args = [&NATIVE[..], &["--members", "10000000", "--joints", "2000"]].concat();
-    let words = ["left out: staged of 10000000 members on native", "left out: baked", "nothing was left"];
+    let words =
+        ["left out: staged of 10000000 members on native", "left out: baked", "nothing was left"];
     refused(&args, 4, &words);
 }
 
@@ -120,7 +132,10 @@ fn elements(svg: &str) -> Vec<&str> {
             elements.push(name);
             open.extend((!tag.ends_with('/')).then_some(name));
         }
-        assert!(text.trim().is_empty() || open.last() == Some(&"text"), "{text:?} is not in a label");
+        assert!(
+            text.trim().is_empty() || open.last() == Some(&"text"),
+            "{text:?} is not in a label"
+        );
     }
     assert!(open.is_empty(), "{open:?} are still open");
     elements
@@ -130,8 +145,9 @@ fn elements(svg: &str) -> Vec<&str> {
 fn the_chart_shows_every_series() {
     let folder = Folder::new();
     let chart = folder.text("chart.svg");
-    let output =
-        populace(&[&NATIVE[..], &["--members", "10,100,20", "--retarget", "--chart", &chart]].concat());
+    let output = populace(
+        &[&NATIVE[..], &["--members", "10,100,20", "--retarget", "--chart", &chart]].concat(),
+    );
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let table = String::from_utf8(output.stdout).expect("text");
     assert!(table.contains("| 100 | native | fused | all | retargeted |"), "{table}");
@@ -150,11 +166,13 @@ fn the_chart_shows_every_series() {
     for name in names {
         assert!(svg.contains(&format!(">{name}</text>")), "{name}");
     }
-    // A line through three points and one through one in the legend for each, and the floor dashed in both.
+    // A line through three points and one through one in the legend for each, and the floor dashed
+    // in both.
     assert_eq!((count("path"), count("circle")), (2 * names.len(), 4 * names.len()));
     assert_eq!(svg.matches("stroke-dasharray").count(), 2);
     for line in svg.split("d=\"M").skip(1) {
-        let places = line.split('"').next().expect("the end").split([' ', 'L']).filter(|p| !p.is_empty());
+        let places =
+            line.split('"').next().expect("the end").split([' ', 'L']).filter(|p| !p.is_empty());
         let inside = |place: &str| place.parse::<f64>().is_ok_and(|at| (0.0..1000.0).contains(&at));
         assert!(places.clone().count() >= 4 && places.into_iter().all(inside), "{line}");
     }
@@ -168,7 +186,9 @@ fn alike(a: &Value, b: &Value) -> bool {
             let (a, b) = (a.as_f64().expect("a number"), b.as_f64().expect("a number"));
             (a - b).abs() <= 1e-12 * a.abs()
         }
-        (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(a, b)),
+        (Value::Array(a), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(a, b))
+        }
         (Value::Object(a), Value::Object(b)) => {
             a.len() == b.len() && a.iter().all(|(name, a)| b.get(name).is_some_and(|b| alike(a, b)))
         }
@@ -180,7 +200,8 @@ fn alike(a: &Value, b: &Value) -> bool {
 fn what_was_measured_is_shown_again_from_its_document() {
     let folder = Folder::new();
     let (data, chart) = (folder.text("data.json"), folder.text("chart.svg"));
-    let args = [&NATIVE[..], &["--members", "20", "--changing", "5", "--json", "--chart", &chart]].concat();
+    let args = [&NATIVE[..], &["--members", "20", "--changing", "5", "--json", "--chart", &chart]]
+        .concat();
     let document = json_of(&args);
     let drawn = std::fs::read_to_string(&chart).expect("a chart");
     std::fs::write(&data, document.to_string()).expect("written");
@@ -188,8 +209,11 @@ fn what_was_measured_is_shown_again_from_its_document() {
     let again = std::fs::read_to_string(&chart).expect("a chart");
     assert_eq!(elements(&again), elements(&drawn));
     let table = String::from_utf8(populace(&["bench", "--from", &data]).stdout).expect("text");
-    let words =
-        ["| 20 | native | staged | pose | plain |", "changing 5 %, fused of 20", "pairs of model and clip"];
+    let words = [
+        "| 20 | native | staged | pose | plain |",
+        "changing 5 %, fused of 20",
+        "pairs of model and clip",
+    ];
     words.iter().for_each(|word| assert!(table.contains(word), "{word}: {table}"));
 
     refused(&["bench", "--from", &data, "--members", "5"], 2, &["--from"]);
@@ -222,5 +246,8 @@ fn the_page_of_benchmarks_shows_what_its_data_says() {
     for line in table.lines().skip(2) {
         assert!(page.contains(line), "docs/benchmarks.md lacks: {line}");
     }
-    assert!(read(Path::new(&chart)) == read(&docs.join("pictures/benchmark.svg")), "the chart is another");
+    assert!(
+        read(Path::new(&chart)) == read(&docs.join("pictures/benchmark.svg")),
+        "the chart is another"
+    );
 }

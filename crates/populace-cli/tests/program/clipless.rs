@@ -32,7 +32,8 @@ const HUMANOID: [(&str, Option<usize>, [f64; 3]); 19] = [
 fn humanoid() -> Value {
     let mut file = post();
     let children = |of: usize| {
-        let those = HUMANOID.iter().enumerate().filter(move |(_, (_, parent, _))| *parent == Some(of));
+        let those =
+            HUMANOID.iter().enumerate().filter(move |(_, (_, parent, _))| *parent == Some(of));
         those.map(|(index, _)| index).collect::<Vec<_>>()
     };
     let node = |(index, (name, _, at)): (usize, &(&str, Option<usize>, [f64; 3]))| {
@@ -59,7 +60,8 @@ fn written(folder: &Folder, name: &str, file: &Value) -> String {
     folder.text(name)
 }
 
-const SMALL: [&str; 8] = ["--members", "2", "--size", "64x64", "--device", "native", "--frames", "2"];
+const SMALL: [&str; 8] =
+    ["--members", "2", "--size", "64x64", "--device", "native", "--frames", "2"];
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
@@ -72,10 +74,12 @@ fn a_humanoid_without_clips_walks_as_the_built_in_people() {
     assert!(output.status.success(), "{talk}");
     let words = "\"golem\" has no clips; it plays Idle and Walk of the built-in people, retargeted";
     assert!(talk.contains(words), "{talk}");
-    let frame = |index: u32| std::fs::read(folder.path(&format!("golem_000{index}.png"))).expect("a frame");
+    let frame =
+        |index: u32| std::fs::read(folder.path(&format!("golem_000{index}.png"))).expect("a frame");
     assert!(frame(0) != frame(1), "it moves");
     // Another way to ask for the same.
-    let lent = populace(&[&["render", &file, "--clips", "@people", "--out", &out], &SMALL[..]].concat());
+    let lent =
+        populace(&[&["render", &file, "--clips", "@people", "--out", &out], &SMALL[..]].concat());
     assert!(!String::from_utf8_lossy(&lent.stderr).contains("no clips"), "it was lent some");
     assert!(lent.status.success() && frame(0) != frame(1));
 }
@@ -87,10 +91,14 @@ fn what_is_no_humanoid_and_has_no_clips_gets_a_warning() {
     let mut still = post();
     still.as_object_mut().expect("an object").remove("animations");
     let file = written(&folder, "still.gltf", &still);
-    let output = populace(&[&["render", &file, "--out", &folder.text("x.png")], &SMALL[..]].concat());
+    let output =
+        populace(&[&["render", &file, "--out", &folder.text("x.png")], &SMALL[..]].concat());
     let talk = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{talk}");
-    assert!(talk.contains("warning: \"still\" has no clips") && talk.contains("--clips FILE"), "{talk}");
+    assert!(
+        talk.contains("warning: \"still\" has no clips") && talk.contains("--clips FILE"),
+        "{talk}"
+    );
 }
 
 #[test]
@@ -99,7 +107,8 @@ fn pose_borrows_clips_of_built_in_people() {
     let file = written(&folder, "golem.gltf", &humanoid());
     let hips = |args: &[&str]| {
         let d = json_of(&[&["pose", &file, "--json", "--device", "native"], args].concat());
-        let knee = d["joints"].as_array().expect("joints").iter().find(|j| j["name"] == "leftLowerLeg");
+        let knee =
+            d["joints"].as_array().expect("joints").iter().find(|j| j["name"] == "leftLowerLeg");
         numbers(&knee.expect("a knee")["model_from_joint"])
     };
     let rest = hips(&[]);

@@ -19,15 +19,16 @@ fn populace_with(variables: &[(&str, &str)], args: &[&str]) -> Output {
 fn faults(variables: &[(&str, &str)]) -> (Vec<Value>, String) {
     let output = populace_with(variables, &["devices", "--json"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let document: Value = serde_json::from_slice(&output.stdout).expect("stdout is one JSON document");
+    let document: Value =
+        serde_json::from_slice(&output.stdout).expect("stdout is one JSON document");
     let devices = document["devices"].as_array().expect("a list").clone();
     let missing = devices.iter().filter(|d| d["device"].is_null());
     let said = missing.map(|d| format!("{}: {}\n", d["name"], d["detail"])).collect();
     (devices, said)
 }
 
-/// What is wrong with PoCL is told by `devices` and where it was asked for, and the native device stands in for it
-/// where it was not.
+/// What is wrong with PoCL is told by `devices` and where it was asked for, and the native device
+/// stands in for it where it was not.
 #[track_caller]
 fn passed_over(variables: &[(&str, &str)], words: &[&str]) {
     let folder = Folder::new();
@@ -46,7 +47,8 @@ fn passed_over(variables: &[(&str, &str)], words: &[&str]) {
     said_all(&String::from_utf8_lossy(&asked.stderr));
     let unasked = populace_with(variables, &["pose", &file, "--json"]);
     assert!(unasked.status.success());
-    let document: Value = serde_json::from_slice(&unasked.stdout).expect("stdout is one JSON document");
+    let document: Value =
+        serde_json::from_slice(&unasked.stdout).expect("stdout is one JSON document");
     assert_eq!(document["device"], "native");
     let talk = String::from_utf8_lossy(&unasked.stderr);
     assert!(talk.contains("on the native device"), "{talk}");

@@ -55,8 +55,11 @@ fn what_takes_too_much_memory_is_refused_with_the_flag_that_allows_it() {
     std::fs::write(folder.path("large.gltf"), file.to_string()).expect("written");
     let large = folder.text("large.gltf");
     let limit = ["--memory-limit", "8"];
-    let words = ["large.gltf", "accessors[7]: needs 64 MiB", "memory limit is 8 MiB", "--memory-limit"];
-    for command in [&["inspect", &large][..], &["pose", &large], &["render", &large, "--out", "never.png"]] {
+    let words =
+        ["large.gltf", "accessors[7]: needs 64 MiB", "memory limit is 8 MiB", "--memory-limit"];
+    for command in
+        [&["inspect", &large][..], &["pose", &large], &["render", &large, "--out", "never.png"]]
+    {
         refused(&[command, &limit].concat(), 1, &words);
     }
     refused(&["inspect", &large, "--memory-limit", "0"], 2, &["--memory-limit"]);
@@ -66,10 +69,12 @@ fn what_takes_too_much_memory_is_refused_with_the_flag_that_allows_it() {
 fn standard_input_is_a_file_called_dash() {
     let file = post().to_string();
     let inspected = fed(&["inspect", "-", "--json"], file.as_bytes());
-    let document: serde_json::Value = serde_json::from_slice(&inspected.stdout).expect("a document");
+    let document: serde_json::Value =
+        serde_json::from_slice(&inspected.stdout).expect("a document");
     assert_eq!((&document["joints"], &document["file"]), (&json!(2), &json!("-")));
     let folder = Folder::new();
-    let posed = fed(&["pose", &folder.text("post.gltf"), "--clips", "-", "--clip", "1"], file.as_bytes());
+    let posed =
+        fed(&["pose", &folder.text("post.gltf"), "--clips", "-", "--clip", "1"], file.as_bytes());
     assert_eq!(posed.status.code(), Some(0), "{posed:?}");
     for (args, bytes, code, words) in [
         (&["inspect", "-"][..], &b"GIF89a"[..], 1, "standard input is refused"),

@@ -1,4 +1,5 @@
-//! The program as a user meets it: exit codes, JSON documents, pictures, and what it says when something is wrong.
+//! The program as a user meets it: exit codes, JSON documents, pictures, and what it says when
+//! something is wrong.
 
 mod aim;
 mod bench;
@@ -46,23 +47,40 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 #[track_caller]
 fn assert_near(found: &[f64], wanted: &[f64]) {
-    let near = found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-4);
+    let near =
+        found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-4);
     assert!(near, "{found:?} is not {wanted:?}");
 }
 
 fn pose_keeps_its_contract(device: &str) {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
-    let args =
-        ["pose", &file, "--clip", "Bend", "--time", "1.5", "--vertices", "--vertex", "0,0,7", "--json"];
+    let args = [
+        "pose",
+        &file,
+        "--clip",
+        "Bend",
+        "--time",
+        "1.5",
+        "--vertices",
+        "--vertex",
+        "0,0,7",
+        "--json",
+    ];
     let d = json_of(&[&args[..], &["--device", device]].concat());
-    assert_eq!((&d["schema"], &d["clip"], &d["schedule"]), (&json!(1), &json!("Bend"), &json!("fused")));
+    assert_eq!(
+        (&d["schema"], &d["clip"], &d["schedule"]),
+        (&json!(1), &json!("Bend"), &json!("fused"))
+    );
     assert_eq!(d["joints"][0]["name"], "foot");
     assert_eq!((&d["joints"][0]["node"], &d["joints"][0]["parent"]), (&json!(1), &Value::Null));
     assert_eq!((&d["joints"][1]["node"], &d["joints"][1]["parent"]), (&json!(2), &json!(0)));
     // The head joint, turned by a quarter about -Z, stands 1 m high; matrices are column-major.
     let head = numbers(&d["joints"][1]["model_from_joint"]);
-    assert_near(&head, &[0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0]);
+    assert_near(
+        &head,
+        &[0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
+    );
     assert_eq!((&d["skins"][0]["skin"], &d["skins"][0]["node"]), (&json!(0), &json!(0)));
     let palette = numbers(&d["skins"][0]["palette"][1]);
     assert_near(&palette, &[0.0, 1.0, 0.0, -1.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
@@ -70,11 +88,24 @@ fn pose_keeps_its_contract(device: &str) {
     assert_near(&numbers(&d["vertices"][0]), &[0.0, 0.0, 7.0, 1.0, 0.8, 0.0]);
 
     let at = |time: &str, clip: &[&str]| {
-        let common =
-            ["pose", &file, "--time", time, "--vertices", "--vertex", "0,0,6", "--json", "--device", device];
+        let common = [
+            "pose",
+            &file,
+            "--time",
+            time,
+            "--vertices",
+            "--vertex",
+            "0,0,6",
+            "--json",
+            "--device",
+            device,
+        ];
         numbers(&json_of(&[&common[..], clip].concat())["vertices"][0])[3..].to_vec()
     };
-    assert_eq!(json_of(&["pose", &file, "--time", "0.3", "--json", "--device", device])["time"], 0.3);
+    assert_eq!(
+        json_of(&["pose", &file, "--time", "0.3", "--json", "--device", device])["time"],
+        0.3
+    );
     assert_near(&at("-7", &["--clip", "Bend"]), &[-0.2, 2.0, 0.0]); // before the first key
     assert_near(&at("99", &["--clip", "0"]), &[1.0, 1.2, 0.0]); // after the last, by index
     assert_near(&at("1.5", &[]), &[-0.2, 2.0, 0.0]); // no clip: rest
@@ -99,7 +130,15 @@ fn pose_keeps_its_contract_on_several_devices() {
     pose_keeps_its_contract("native:1+opencl:0");
     pose_keeps_its_contract("opencl:0:1/2+opencl:0:2/2");
     let folder = Folder::new();
-    let args = ["pose", &folder.text("post.gltf"), "--json", "--device", "opencl+native", "--split", "0,1"];
+    let args = [
+        "pose",
+        &folder.text("post.gltf"),
+        "--json",
+        "--device",
+        "opencl+native",
+        "--split",
+        "0,1",
+    ];
     assert_eq!(json_of(&args)["device"], "opencl:0+native");
 }
 
@@ -108,14 +147,20 @@ fn inspect_tells_what_is_in_a_file() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
     let d = json_of(&["inspect", &file, "--json"]);
-    assert_eq!((&d["joints"], &d["depth"], &d["palette_entries"]), (&json!(2), &json!(2), &json!(2)));
+    assert_eq!(
+        (&d["joints"], &d["depth"], &d["palette_entries"]),
+        (&json!(2), &json!(2), &json!(2))
+    );
     assert_eq!(d["parts"][0]["triangles"], 4);
     let clip = &d["clips"][0];
     assert_eq!(
         (&clip["name"], &clip["start_secs"], &clip["duration_secs"]),
         (&json!("Bend"), &json!(0.5), &json!(1.0))
     );
-    assert!(clip["rows"].as_u64() > Some(2), "a quarter turn between two keys needs rows between them");
+    assert!(
+        clip["rows"].as_u64() > Some(2),
+        "a quarter turn between two keys needs rows between them"
+    );
     assert!(clip["worst_error_m"].as_f64() <= clip["tolerance_m"].as_f64());
     let text = String::from_utf8(populace(&["inspect", &file]).stdout).expect("text");
     assert!(text.contains("clip 0 \"Bend\": 1.000 s from 0.500 s"), "{text}");
@@ -135,7 +180,8 @@ fn inspect_sums_what_clips_take_as_rows() {
     }
     let (rows, bytes) = (d["clips"][0]["rows"].as_u64(), d["clips"][0]["row_bytes"].as_u64());
     let (rows, bytes) = (rows.expect("rows"), bytes.expect("bytes"));
-    let text = String::from_utf8(populace(&["inspect", "--rows", &file, &file]).stdout).expect("text");
+    let text =
+        String::from_utf8(populace(&["inspect", "--rows", &file, &file]).stdout).expect("text");
     assert!(text.contains(&format!("| post.gltf | 2 | 1 | {rows} | {bytes} |")), "{text}");
     assert!(text.contains(&format!("| all |  | 2 | {} | {} |", 2 * rows, 2 * bytes)), "{text}");
     refused(&["inspect", &file, &file, "--json"], 2, &["one file", "--rows"]);
@@ -153,10 +199,14 @@ fn devices_lists_native_and_what_draws() {
 fn devices_tells_how_palettes_reach_opengl_and_why_not_better() {
     let d = json_of(&["devices", "--json"]);
     let palettes = &d["devices"][0]["palettes"];
-    assert_eq!((&palettes["way"], &palettes["refused"][0]["way"]), (&json!("mapped"), &json!("shared")));
+    assert_eq!(
+        (&palettes["way"], &palettes["refused"][0]["way"]),
+        (&json!("mapped"), &json!("shared"))
+    );
     assert_eq!(palettes["refused"][0]["reason"], "it takes an OpenCL device");
     let text = String::from_utf8(populace(&["devices"]).stdout).expect("text");
-    let words = "palettes written straight into OpenGL's memory (not shared between OpenCL and OpenGL: ";
+    let words =
+        "palettes written straight into OpenGL's memory (not shared between OpenCL and OpenGL: ";
     assert!(text.contains(words), "{text}");
 }
 
@@ -166,7 +216,11 @@ fn wrong_usage_is_exit_code_2() {
     let file = folder.text("post.gltf");
     refused(&["pose", &file, "--clip", "Bned"], 2, &["no clip \"Bned\"", "did you mean \"Bend\"?"]);
     refused(&["pose", &file, "--clip", "7"], 2, &["there is no clip 7"]);
-    refused(&["pose", &file, "--device", "cuda"], 2, &["there is no device \"cuda\"", "native, opencl"]);
+    refused(
+        &["pose", &file, "--device", "cuda"],
+        2,
+        &["there is no device \"cuda\"", "native, opencl"],
+    );
     refused(&["pose", &file, "--time", "NaN"], 2, &["finite"]);
     refused(
         &["pose", &file, "--vertices", "--vertex", "0,0,99"],
@@ -245,7 +299,8 @@ fn devices_and_splits_that_make_no_sense_are_exit_code_2() {
     several("native:1+native:2", "0,0", "no share above 0");
     several("native:1+native:2", "sixty,forty", "as 60,40, or measured");
     several("native", "60,40", "has 2 shares for one device, native");
-    let bench = ["bench", "--members", "9", "--frames", "1", "--device", "native", "--split", "60,40"];
+    let bench =
+        ["bench", "--members", "9", "--frames", "1", "--device", "native", "--split", "60,40"];
     refused(&bench, 2, &["join them by +"]);
 }
 
@@ -254,14 +309,22 @@ fn devices_and_splits_that_make_no_sense_are_exit_code_2() {
 fn a_part_that_is_not_to_be_had_is_refused() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
-    refused(&["pose", &file, "--device", "opencl:0:1/999"], 2, &["cannot be cut into 999 equal parts"]);
+    refused(
+        &["pose", &file, "--device", "opencl:0:1/999"],
+        2,
+        &["cannot be cut into 999 equal parts"],
+    );
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn an_opencl_device_that_does_not_exist_is_refused() {
     let folder = Folder::new();
-    refused(&["pose", &folder.text("post.gltf"), "--device", "opencl:99"], 2, &["no OpenCL device 99"]);
+    refused(
+        &["pose", &folder.text("post.gltf"), "--device", "opencl:99"],
+        2,
+        &["no OpenCL device 99"],
+    );
 }
 
 #[test]
@@ -293,25 +356,39 @@ fn render_draws_the_same_crowd_on_every_device_and_again() {
     let file = folder.text("post.gltf");
     let draw = |name: &str, device: &str, seed: &str| {
         let out = folder.text(name);
-        let args = ["render", &file, "--members", "30", "--size", "160x90", "--out", &out, "--seed", seed];
+        let args =
+            ["render", &file, "--members", "30", "--size", "160x90", "--out", &out, "--seed", seed];
         let args = [&args[..], &["--device"], &device.split(' ').collect::<Vec<_>>()].concat();
         let output = populace(&args);
         let talk = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{talk}");
         if device.contains("60,40") {
-            assert!(talk.contains("30 members on opencl:0 (60 %) + native (40 %), fused\n"), "{talk}");
+            assert!(
+                talk.contains("30 members on opencl:0 (60 %) + native (40 %), fused\n"),
+                "{talk}"
+            );
         }
-        assert_eq!(String::from_utf8_lossy(&output.stdout), format!("{out}\n"), "talk is for stderr");
+        assert_eq!(
+            String::from_utf8_lossy(&output.stdout),
+            format!("{out}\n"),
+            "talk is for stderr"
+        );
         std::fs::read(out).expect("a picture")
     };
     let native = draw("native.png", "native", "1");
     assert!(native == draw("again.png", "native", "1"), "the same seed gives the same bytes");
-    assert!(native == draw("opencl.png", "opencl", "1"), "PoCL gives the same bytes as the native device");
+    assert!(
+        native == draw("opencl.png", "opencl", "1"),
+        "PoCL gives the same bytes as the native device"
+    );
     assert!(
         native == draw("both.png", "opencl:0+native --split 60,40", "1"),
         "nor does it show that two shared it"
     );
-    assert!(native == draw("halves.png", "opencl:0:1/2+opencl:0:2/2", "1"), "or that parts of one did");
+    assert!(
+        native == draw("halves.png", "opencl:0:1/2+opencl:0:2/2", "1"),
+        "or that parts of one did"
+    );
     assert!(native != draw("other.png", "native", "2"), "another seed gives another crowd");
     let picture = image::load_from_memory(&native).expect("a PNG").to_rgb8();
     assert_eq!(picture.dimensions(), (160, 90));
@@ -330,8 +407,11 @@ fn demo_draws_people_without_any_file() {
         .expect("the program starts");
     let talk = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{talk}");
-    let lines =
-        ["12 members on native, fused", "drawn by ", "palettes written straight into OpenGL's memory"];
+    let lines = [
+        "12 members on native, fused",
+        "drawn by ",
+        "palettes written straight into OpenGL's memory",
+    ];
     lines.iter().for_each(|line| assert!(talk.contains(&format!("populace: {line}")), "{talk}"));
     assert!(talk.contains("1 frame: ") && talk.contains(" to animate, "), "{talk}");
     assert!(talk.lines().all(|line| line.len() <= 100), "{talk}");
@@ -340,7 +420,8 @@ fn demo_draws_people_without_any_file() {
     assert_eq!((picture.width(), picture.height()), (64, 36));
 }
 
-/// Bodies of many kinds are looked at one by one before the picture, so that pages of palettes were longer than they are.
+/// Bodies of many kinds are looked at one by one before the picture, so that pages of palettes were
+/// longer than they are.
 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
 #[test]
 fn people_of_all_kinds_are_drawn_from_an_opencl_device() {
@@ -372,8 +453,9 @@ fn films_are_numbered_and_move() {
     ];
     let output = populace(&[&args[..], &["--device", "native"]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let frames: Vec<_> =
-        (0..3).map(|i| std::fs::read(folder.path(&format!("film_000{i}.png"))).expect("a frame")).collect();
+    let frames: Vec<_> = (0..3)
+        .map(|i| std::fs::read(folder.path(&format!("film_000{i}.png"))).expect("a frame"))
+        .collect();
     assert!(frames[0] != frames[1] && frames[1] != frames[2]);
     assert!(!folder.path("film_0003.png").exists());
 }
@@ -434,9 +516,12 @@ fn bench_measures_devices_that_share_a_crowd_as_one_more() {
     );
     let d: Value = serde_json::from_slice(&output.stdout).expect("stdout is one JSON document");
     for device in ["native", "native:1+native:2"] {
-        for (schedule, stage) in [("staged", "all"), ("fused", "all"), ("floor", "all"), ("staged", "pose")] {
-            let wanted =
-                |r: &&Value| r["device"] == device && r["schedule"] == schedule && r["stage"] == stage;
+        for (schedule, stage) in
+            [("staged", "all"), ("fused", "all"), ("floor", "all"), ("staged", "pose")]
+        {
+            let wanted = |r: &&Value| {
+                r["device"] == device && r["schedule"] == schedule && r["stage"] == stage
+            };
             let run = d["runs"].as_array().expect("runs").iter().find(wanted);
             assert!(run.is_some(), "{device} {schedule} {stage}");
         }

@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use crate::post::{Folder, post};
 use crate::{json_of, numbers, populace, refused};
 
-/// How far a joint may be off, as part of the character's height: what stored rows may, for each of the clips that add up.
+/// How far a joint may be off, as part of the character's height: what stored rows may, for each of
+/// the clips that add up.
 const OFF: f64 = 2e-5;
 
 /// A slot as it is typed, and for the oracle: clip, time, weight, layer.
@@ -108,11 +109,18 @@ fn assert_as_the_oracle_says(file: &str, mix: &Mix, way: &str) {
         let found = numbers(&joint["model_from_joint"]);
         let matrix = glam::DMat4::from(wanted.model_from_joint[at]).to_cols_array();
         for (element, (found, wanted)) in found.iter().zip(matrix).enumerate() {
-            // Columns of directions have no unit: a point as far from the joint as a tenth of the height is meant.
-            let allowed =
-                if element >= 12 { allowed * height } else { allowed * 10.0 * wanted.abs().max(1.0) };
+            // Columns of directions have no unit: a point as far from the joint as a tenth of the
+            // height is meant.
+            let allowed = if element >= 12 {
+                allowed * height
+            } else {
+                allowed * 10.0 * wanted.abs().max(1.0)
+            };
             let off = (found - wanted).abs();
-            assert!(off <= allowed, "{file} on {way}: {name}[{element}] is off by {off}, {allowed} allowed");
+            assert!(
+                off <= allowed,
+                "{file} on {way}: {name}[{element}] is off by {off}, {allowed} allowed"
+            );
         }
     }
 }
@@ -120,7 +128,8 @@ fn assert_as_the_oracle_says(file: &str, mix: &Mix, way: &str) {
 const NATIVE: [&str; 2] = ["native staged", "native fused"];
 const OPENCL: [&str; 3] = ["opencl staged", "opencl fused-wide", "opencl fused-grouped"];
 
-/// A post whose second clip has a name full of what separates, and bends the lower joint; it moves and scales the upper.
+/// A post whose second clip has a name full of what separates, and bends the lower joint; it moves
+/// and scales the upper.
 fn awkward_post(folder: &Folder) -> String {
     let mut post = post();
     let rotation = json!({"input": 5, "output": 6});
@@ -189,7 +198,11 @@ fn real_files_are_mixed_as_the_oracle_says(ways: &[&str]) {
             (clips[2], 0.2, 0.3, 2),
             (clips[3], 0.15, 0.9, 3),
         ],
-        layers: vec![(1, Some(mask), false, 0.9), (2, None, true, 0.35), (3, Some(other), false, 0.5)],
+        layers: vec![
+            (1, Some(mask), false, 0.9),
+            (2, None, true, 0.35),
+            (3, Some(other), false, 0.5),
+        ],
     };
     let human = ["Walk_Loop", "Jog_Fwd_Loop", "Idle_Loop", "Punch_Jab"];
     let files = [
@@ -229,11 +242,17 @@ fn slots_change_nothing_by_their_order_nor_by_a_weight_of_0(ways: &[&str]) {
             with_nothing.slots.insert(0, ("Bend", 1.5, 0.0, 0));
             with_nothing.slots.push(("Bend", 1.1, 0.0, 1));
             assert_eq!(joints(&with_nothing), plain, "{way}: bit for bit");
-            let backwards = Mix { slots: mix.slots.iter().rev().copied().collect(), layers: mix.layers };
+            let backwards =
+                Mix { slots: mix.slots.iter().rev().copied().collect(), layers: mix.layers };
             let turned = joints(&backwards);
-            for (a, b) in plain.as_array().expect("joints").iter().zip(turned.as_array().expect("joints")) {
+            for (a, b) in
+                plain.as_array().expect("joints").iter().zip(turned.as_array().expect("joints"))
+            {
                 let (a, b) = (numbers(&a["model_from_joint"]), numbers(&b["model_from_joint"]));
-                assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-6), "{way}: {a:?} is not {b:?}");
+                assert!(
+                    a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-6),
+                    "{way}: {a:?} is not {b:?}"
+                );
             }
         }
     }
@@ -254,7 +273,8 @@ fn slots_change_nothing_by_their_order_nor_by_a_weight_of_0_on_opencl() {
 fn the_document_tells_what_is_mixed() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
-    let pose = |args: &[&str]| json_of(&[&["pose", &file, "--json", "--device", "native"], args].concat());
+    let pose =
+        |args: &[&str]| json_of(&[&["pose", &file, "--json", "--device", "native"], args].concat());
     let mixed = pose(&[
         "--slot",
         "clip=0,time=0.7",
@@ -268,13 +288,23 @@ fn the_document_tells_what_is_mixed() {
     let slots = json!([{"clip": "Bend", "time": 0.7, "weight": 1.0, "layer": 0, "binding": binding},
         {"clip": "Bend", "time": 0.0, "weight": 0.3, "layer": 2, "binding": binding}]);
     assert_eq!(mixed["slots"], slots);
-    assert_eq!(mixed["layers"], json!([{"layer": 2, "mask": "head", "additive": false, "weight": 1.0}]));
+    assert_eq!(
+        mixed["layers"],
+        json!([{"layer": 2, "mask": "head", "additive": false, "weight": 1.0}])
+    );
     // --clip and --time are a slot of weight 1.
-    let (alone, slot) = (pose(&["--clip", "Bend", "--time", "1.2"]), pose(&["--slot", "clip=Bend,time=1.2"]));
+    let (alone, slot) =
+        (pose(&["--clip", "Bend", "--time", "1.2"]), pose(&["--slot", "clip=Bend,time=1.2"]));
     assert_eq!((&alone["clip"], &alone["time"]), (&json!("Bend"), &json!(1.2)));
     assert_eq!((&alone["joints"], &alone["slots"]), (&slot["joints"], &slot["slots"]));
-    let output =
-        populace(&["pose", &file, "--slot", "clip=0,time=0.7,weight=0.5,layer=1", "--device", "native"]);
+    let output = populace(&[
+        "pose",
+        &file,
+        "--slot",
+        "clip=0,time=0.7,weight=0.5,layer=1",
+        "--device",
+        "native",
+    ]);
     let text = String::from_utf8(output.stdout).expect("text");
     assert!(text.starts_with("\"Bend\" at 0.7 s by 0.5 in layer 1 on native"), "{text}");
 }
@@ -303,7 +333,8 @@ fn clips_that_share_few_names_are_refused_and_fewer_than_most_warned_of() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
     let pose = |lender: &str, slot: &str| {
-        let args = ["pose", &file, "--clips", lender, "--slot", slot, "--json", "--device", "native"];
+        let args =
+            ["pose", &file, "--clips", lender, "--slot", slot, "--json", "--device", "native"];
         let output = populace(&args);
         let document: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
         let talk = String::from_utf8(output.stderr).expect("text");
@@ -323,7 +354,10 @@ fn clips_that_share_few_names_are_refused_and_fewer_than_most_warned_of() {
         "{code:?} {share} {talk}"
     );
     let (code, share, talk) = pose(&lender(&folder, 0), "clip=Bow,time=1");
-    assert!(code == Some(0) && share == 1.0 && !talk.contains("warning"), "{code:?} {share} {talk}");
+    assert!(
+        code == Some(0) && share == 1.0 && !talk.contains("warning"),
+        "{code:?} {share} {talk}"
+    );
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Where `render`, `demo` and `bench` write: never over what they read, whole files or none, and what they say of them.
+//! Where `render`, `demo` and `bench` write: never over what they read, whole files or none, and
+//! what they say of them.
 
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -54,7 +55,11 @@ fn an_output_that_is_an_input_is_refused() {
     let chart = folder.text("chart.svg");
     std::os::unix::fs::symlink("post.gltf", &chart).expect("a link");
     let data = folder.text("post.gltf");
-    spared(&folder, &["bench", "--from", &data, "--chart", &chart], &["would destroy", "post.gltf"]);
+    spared(
+        &folder,
+        &["bench", "--from", &data, "--chart", &chart],
+        &["would destroy", "post.gltf"],
+    );
 }
 
 #[test]
@@ -63,9 +68,13 @@ fn an_output_that_a_model_names_is_refused() {
     let mut model = post();
     model["images"] = json!([{"uri": "skin%201.png"}, {"uri": "data:image/png;base64,AA=="}]);
     let bytes = model["buffers"][0]["byteLength"].as_u64().expect("a length");
-    model["buffers"].as_array_mut().expect("buffers").push(json!({"byteLength": bytes, "uri": "data.png"}));
+    model["buffers"]
+        .as_array_mut()
+        .expect("buffers")
+        .push(json!({"byteLength": bytes, "uri": "data.png"}));
     for name in ["skin 1.png", "data.png"] {
-        std::fs::write(folder.path(name), vec![0; usize::try_from(bytes).expect("few")]).expect("written");
+        std::fs::write(folder.path(name), vec![0; usize::try_from(bytes).expect("few")])
+            .expect("written");
     }
     std::fs::write(folder.path("model.gltf"), model.to_string()).expect("written");
     let file = folder.text("model.gltf");
@@ -96,8 +105,25 @@ fn a_full_disk_leaves_what_was_there_and_no_half_of_a_picture() {
     let before = names(&folder);
     let script = "ulimit -f 1; exec \"$0\" \"$@\"";
     let mut command = Command::new("sh");
-    command.args(["-c", script, env!("CARGO_BIN_EXE_populace"), "render", "@child", "--frames", "2"]);
-    command.args(["--out", "film.png", "--members", "2", "--size", "400x400", "--device", "native"]);
+    command.args([
+        "-c",
+        script,
+        env!("CARGO_BIN_EXE_populace"),
+        "render",
+        "@child",
+        "--frames",
+        "2",
+    ]);
+    command.args([
+        "--out",
+        "film.png",
+        "--members",
+        "2",
+        "--size",
+        "400x400",
+        "--device",
+        "native",
+    ]);
     let output = command.current_dir(folder.path("")).output().expect("a shell");
     let talk = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(4), "{talk}");
@@ -112,14 +138,17 @@ fn a_full_disk_leaves_what_was_there_and_no_half_of_a_picture() {
 fn pictures_keep_the_mode_of_what_they_replace_and_links_stay() {
     use std::os::unix::fs::{PermissionsExt, symlink};
     let folder = Folder::new();
-    let mode = |name: &str| folder.path(name).metadata().expect("a file").permissions().mode() & 0o777;
+    let mode =
+        |name: &str| folder.path(name).metadata().expect("a file").permissions().mode() & 0o777;
     std::fs::write(folder.path("plain"), "made as any file").expect("written");
     std::fs::write(folder.path("mine.png"), "old").expect("written");
-    std::fs::set_permissions(folder.path("mine.png"), PermissionsExt::from_mode(0o600)).expect("a mode");
+    std::fs::set_permissions(folder.path("mine.png"), PermissionsExt::from_mode(0o600))
+        .expect("a mode");
     symlink("mine.png", folder.path("link.png")).expect("a link");
     symlink("later.png", folder.path("dangling.png")).expect("a link");
     for name in ["link.png", "dangling.png"] {
-        let output = populace(&[&["render", "@child", "--out", &folder.text(name)], &SMALL[..]].concat());
+        let output =
+            populace(&[&["render", "@child", "--out", &folder.text(name)], &SMALL[..]].concat());
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         assert!(folder.path(name).symlink_metadata().expect("the link").is_symlink());
     }
@@ -143,7 +172,13 @@ fn paths_need_not_be_utf_8() {
         command.args(["render"]).args(args).args(SMALL).output().expect("the program starts")
     };
     let out = path(b"o\xFE.png");
-    let args = [model.as_os_str(), "--clips".as_ref(), model.as_os_str(), "--out".as_ref(), out.as_os_str()];
+    let args = [
+        model.as_os_str(),
+        "--clips".as_ref(),
+        model.as_os_str(),
+        "--out".as_ref(),
+        out.as_os_str(),
+    ];
     let film = run(&[&args[..], &["--frames".as_ref(), "2".as_ref()]].concat());
     assert!(film.status.success(), "{}", String::from_utf8_lossy(&film.stderr));
     for name in [&b"o\xFE_0000.png"[..], b"o\xFE_0001.png"] {
@@ -164,9 +199,12 @@ fn demo_and_render_print_one_document() {
     let folder = Folder::new();
     let (file, out) = (folder.text("post.gltf"), folder.text("x.png"));
     let common = [&SMALL[..], &["--json", "--out", &out]].concat();
-    let wanted = ["schema", "device", "schedule", "members", "frames", "ms_median", "drawn_members"];
+    let wanted =
+        ["schema", "device", "schedule", "members", "frames", "ms_median", "drawn_members"];
     let wanted = BTreeSet::from_iter(wanted.into_iter().chain(["triangles", "out"]));
-    let hidden = ["demo", "--frames", "2", "--clip", "Run", "--fps", "10", "--height", "1", "--hide", "body"];
+    let hidden = [
+        "demo", "--frames", "2", "--clip", "Run", "--fps", "10", "--height", "1", "--hide", "body",
+    ];
     for (args, frames, triangles) in [
         (&["render", &file][..], 1, Some(8)),
         (&["render", &file, "--frames", "3"], 3, Some(8)),
@@ -181,7 +219,8 @@ fn demo_and_render_print_one_document() {
         assert_eq!((&d["schedule"], &d["members"]), (&json!("fused"), &json!(2)));
         assert_eq!((&d["frames"], &d["drawn_members"]), (&json!(frames), &json!(2)));
         assert!(
-            d["ms_median"]["animate"].as_f64() > Some(0.0) && d["ms_median"]["draw"].as_f64() > Some(0.0)
+            d["ms_median"]["animate"].as_f64() > Some(0.0)
+                && d["ms_median"]["draw"].as_f64() > Some(0.0)
         );
         match triangles {
             Some(count) => assert_eq!(d["triangles"], json!(count), "{args:?}"),
@@ -191,7 +230,8 @@ fn demo_and_render_print_one_document() {
     }
 }
 
-/// A terminal is made by `script`; the film is far too long, and is interrupted once the bar has shown.
+/// A terminal is made by `script`; the film is far too long, and is interrupted once the bar has
+/// shown.
 #[cfg(target_os = "linux")]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
@@ -199,7 +239,8 @@ fn a_terminal_shows_the_time_left() {
     use std::io::Read;
     let folder = Folder::new();
     let program = env!("CARGO_BIN_EXE_populace");
-    let line = format!("exec {program} render @child --frames 3000 --out film.png {}", SMALL.join(" "));
+    let line =
+        format!("exec {program} render @child --frames 3000 --out film.png {}", SMALL.join(" "));
     let mut script = Command::new("script");
     script.args(["-qec", &line, "/dev/null"]).current_dir(folder.path(""));
     let script = script.stdin(std::process::Stdio::piped()).stdout(std::process::Stdio::piped());
@@ -215,5 +256,9 @@ fn a_terminal_shows_the_time_left() {
     drop(output);
     script.kill().expect("killed");
     script.wait().expect("ended");
-    assert!(String::from_utf8_lossy(&shown).contains("of 3000"), "{}", String::from_utf8_lossy(&shown));
+    assert!(
+        String::from_utf8_lossy(&shown).contains("of 3000"),
+        "{}",
+        String::from_utf8_lossy(&shown)
+    );
 }

@@ -1,4 +1,5 @@
-//! Pictures against references, drawn by Mesa's software driver. `POPULACE_UPDATE=name` writes one anew.
+//! Pictures against references, drawn by Mesa's software driver. `POPULACE_UPDATE=name` writes one
+//! anew.
 
 use std::path::Path;
 
@@ -11,12 +12,14 @@ use crate::post::Folder;
 fn drawn_as_ever(name: &str, limits: Limits, args: &[&str]) {
     let folder = Folder::new();
     let (file, out) = (folder.text("post.gltf"), folder.text("out.png"));
-    let args: Vec<&str> = args.iter().map(|a| if *a == "POST" { file.as_str() } else { a }).collect();
+    let args: Vec<&str> =
+        args.iter().map(|a| if *a == "POST" { file.as_str() } else { a }).collect();
     let output = populace(&[&args[..], &["--out", &out, "--device", "native"]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let picture = image::open(&out).expect("a PNG").to_rgba8();
     let references = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/program/references");
-    let folders = Folders { references: &references, failures: Path::new(env!("CARGO_TARGET_TMPDIR")) };
+    let folders =
+        Folders { references: &references, failures: Path::new(env!("CARGO_TARGET_TMPDIR")) };
     assert_picture(name, picture.width(), picture.height(), picture.as_raw(), limits, folders);
 }
 
@@ -43,6 +46,17 @@ fn the_demo() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn all_built_in_people_from_mid_range() {
-    let args = ["render", "@people", "--members", "8", "--size", "240x135", "--clip", "Walk", "--seed", "3"];
+    let args = [
+        "render",
+        "@people",
+        "--members",
+        "8",
+        "--size",
+        "240x135",
+        "--clip",
+        "Walk",
+        "--seed",
+        "3",
+    ];
     drawn_as_ever("people", Limits::surfaces(), &args);
 }

@@ -6,7 +6,8 @@ use base64::Engine;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A folder with "post.gltf": a post of two joints, 2 m high, whose upper half bends over to +X in one second.
+/// A folder with "post.gltf": a post of two joints, 2 m high, whose upper half bends over to +X in
+/// one second.
 pub(crate) struct Folder(TempDir);
 
 impl Folder {
@@ -62,12 +63,14 @@ pub(crate) fn post() -> Value {
     })
 }
 
-/// Positions, joints, weights, indices, inverse bind matrices, key times and rotations, with a buffer view for each.
+/// Positions, joints, weights, indices, inverse bind matrices, key times and rotations, with a
+/// buffer view for each.
 fn post_data() -> (Vec<u8>, Vec<Value>) {
     let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let level = |y: f32| [[-0.2, y, 0.0], [0.2, y, 0.0]];
     let positions: Vec<f32> = [0.0, 1.0, 1.0, 2.0].into_iter().flat_map(level).flatten().collect();
-    let bind = |y: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -y, 0.0, 1.0];
+    let bind =
+        |y: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -y, 0.0, 1.0];
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let pieces = [
         floats(&positions),

@@ -35,8 +35,10 @@ fn a_film_from_an_opencl_device_is_interrupted_alike() {
 fn interrupted(device: &str) {
     for (signal, code) in [("INT", 130), ("TERM", 143)] {
         let folder = Folder::new();
-        let film = ["render", "@child", "--members", "2", "--frames", "100000", "--out", "film.png"];
-        let mut child = started(&folder, &[&film[..], &["--size", "64x64", "--device", device]].concat());
+        let film =
+            ["render", "@child", "--members", "2", "--frames", "100000", "--out", "film.png"];
+        let mut child =
+            started(&folder, &[&film[..], &["--size", "64x64", "--device", device]].concat());
         while !folder.path("film_0002.png").exists() {
             assert!(child.try_wait().expect("a child").is_none(), "it ended by itself");
             std::thread::sleep(Duration::from_millis(5));
@@ -52,7 +54,10 @@ fn interrupted(device: &str) {
                 frames += 1;
             }
         }
-        assert!(talk.contains(&format!("interrupted; {frames} of 100000 frames are complete")), "{talk}");
+        assert!(
+            talk.contains(&format!("interrupted; {frames} of 100000 frames are complete")),
+            "{talk}"
+        );
     }
 }
 
@@ -77,7 +82,8 @@ fn memory_that_runs_out_is_exit_code_4() {
 fn an_abort_is_exit_code_4_and_leaves_whole_frames() {
     let folder = Folder::new();
     let film = ["render", "@child", "--members", "2", "--frames", "3000", "--out", "film.png"];
-    let mut child = started(&folder, &[&film[..], &["--size", "64x64", "--device", "opencl"]].concat());
+    let mut child =
+        started(&folder, &[&film[..], &["--size", "64x64", "--device", "opencl"]].concat());
     while !folder.path("film_0002.png").exists() {
         assert!(child.try_wait().expect("a child").is_none(), "it ended by itself");
         std::thread::sleep(Duration::from_millis(5));

@@ -1,6 +1,10 @@
-//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names, and of built-in people.
+//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names, and of
+//! built-in people.
 
-#![expect(clippy::print_stdout, reason = "what was measured is for those who run tests with --nocapture")]
+#![expect(
+    clippy::print_stdout,
+    reason = "what was measured is for those who run tests with --nocapture"
+)]
 
 mod soles;
 
@@ -10,21 +14,28 @@ use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use populace::core::{Affine, Character, JointIndex, Role, RoleMap, Side};
-use populace::{CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play};
+use populace::{
+    CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play,
+};
 use populace_cast::{Look, person};
 use soles::Soles;
 
-const WALKS: [(&str, &str); 3] =
-    [("kaykit_knight", "Walking_A"), ("m2m_human_base", "Walk_Loop"), ("quaternius_robot", "Robot_Walking")];
+const WALKS: [(&str, &str); 3] = [
+    ("kaykit_knight", "Walking_A"),
+    ("m2m_human_base", "Walk_Loop"),
+    ("quaternius_robot", "Robot_Walking"),
+];
 /// Of limbs, between the body that the walk was made for and the other.
 const LIMB_DEGREES: f64 = 5.0;
-/// How far ankles and toes, and feet as they are drawn, may sink below where they rest, in parts of the body's height.
+/// How far ankles and toes, and feet as they are drawn, may sink below where they rest, in parts of
+/// the body's height.
 const SINKS: f64 = 0.01;
 /// How much faster than on its own body a clip may turn feet.
 const FLIPS: f64 = 1.5;
 /// The hips' mean height over that at rest, between bodies.
 const HIPS: f64 = 0.05;
-/// How far toes, or ankles where there are none, of feet that bear a walker slide, in parts of the way it goes.
+/// How far toes, or ankles where there are none, of feet that bear a walker slide, in parts of the
+/// way it goes.
 const SLIDES: f64 = 0.12;
 
 type Check = fn(&Path) -> Result<(), Failed>;
@@ -77,8 +88,8 @@ fn refused(folder: &Path) -> Result<(), Failed> {
     let clip = crowd.add_clip(id, walk)?;
     let refused = crowd.play(member, clip, Play::looping());
     let text = refused.err().ok_or("a knight walks like a fox")?.to_string();
-    let says =
-        text.contains("\"Walk\" cannot move this skeleton") && text.contains("which this skeleton has");
+    let says = text.contains("\"Walk\" cannot move this skeleton")
+        && text.contains("which this skeleton has");
     if says { Ok(()) } else { Err(text.into()) }
 }
 
@@ -124,7 +135,8 @@ fn feet_on_legs(folder: &Path) -> Result<(), Failed> {
     Ok(())
 }
 
-/// The program's own way, on the native device and, where there is one, on OpenCL: the same numbers.
+/// The program's own way, on the native device and, where there is one, on OpenCL: the same
+/// numbers.
 fn pose(folder: &Path) -> Result<(), Failed> {
     let devices: &[&str] = if cfg!(skip_opencl) { &["native"] } else { &["native", "opencl"] };
     let mut documents = Vec::new();
@@ -154,7 +166,8 @@ fn load(folder: &Path, name: &str) -> Result<Character, Failed> {
 
 /// A crowd with a member of each body.
 fn crowd_of(bodies: [&Character; 2]) -> Result<(Crowd, [(CharacterId, Member); 2]), Failed> {
-    let mut crowd = Crowd::builder().device(Device::native()).capacity(2).slots_per_member(1).build()?;
+    let mut crowd =
+        Crowd::builder().device(Device::native()).capacity(2).slots_per_member(1).build()?;
     let mut add = |body: &Character| -> Result<_, Failed> {
         let id = crowd.add_character(body.clone())?;
         Ok((id, crowd.spawn(id, Placement::at([0.0; 3]))?))
@@ -210,13 +223,22 @@ fn walk(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Fai
         found.knees
     );
     let checks = [
-        (found.limb_degrees <= LIMB_DEGREES, format!("a limb is {:.2} degrees off", found.limb_degrees)),
-        (found.sinks <= SINKS, format!("a foot sinks by {:.2} % of the height", 100.0 * found.sinks)),
+        (
+            found.limb_degrees <= LIMB_DEGREES,
+            format!("a limb is {:.2} degrees off", found.limb_degrees),
+        ),
+        (
+            found.sinks <= SINKS,
+            format!("a foot sinks by {:.2} % of the height", 100.0 * found.sinks),
+        ),
         (
             (found.hips[0] - found.hips[1]).abs() <= HIPS,
             format!("hips stand at {:?} of their rest", found.hips),
         ),
-        (found.knees > -0.005, format!("a knee bends backwards by {:.3} of the height", -found.knees)),
+        (
+            found.knees > -0.005,
+            format!("a knee bends backwards by {:.3} of the height", -found.knees),
+        ),
     ];
     match checks.into_iter().find(|(holds, _)| !holds) {
         Some((_, what)) => Err(what.into()),
@@ -233,8 +255,9 @@ fn look(
     let height = f64::from(crowd.character(members[1].0)?.height_m());
     crowd.update(0.0)?;
     let at = |crowd: &mut Crowd| -> Result<_, Failed> {
-        let mut one =
-            |n: usize| -> Result<_, Failed> { Ok(places(&crowd.model_from_joints(members[n].1)?, roles[n])) };
+        let mut one = |n: usize| -> Result<_, Failed> {
+            Ok(places(&crowd.model_from_joints(members[n].1)?, roles[n]))
+        };
         Ok([one(0)?, one(1)?])
     };
     let rest = at(crowd)?;
@@ -257,15 +280,19 @@ fn look(
                 (Role::LowerLeg(side), Role::Foot(side)),
             ];
             for (a, b) in limbs {
-                found.limb_degrees = found.limb_degrees.max(angle_degrees([&now[0], &now[1]], a, b));
+                found.limb_degrees =
+                    found.limb_degrees.max(angle_degrees([&now[0], &now[1]], a, b));
             }
-            for role in [Role::Foot(side), Role::Toes(side)].into_iter().filter(|r| now[1].contains_key(r)) {
+            for role in
+                [Role::Foot(side), Role::Toes(side)].into_iter().filter(|r| now[1].contains_key(r))
+            {
                 found.sinks = found.sinks.max((rest[1][&role][1] - now[1][&role][1]) / height);
             }
-            let [hip, knee, ankle] =
-                [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)].map(|role| now[1][&role]);
+            let [hip, knee, ankle] = [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)]
+                .map(|role| now[1][&role]);
             let along = (hip[1] - knee[1]) / (hip[1] - ankle[1]);
-            found.knees = found.knees.min((knee[2] - (hip[2] + along * (ankle[2] - hip[2]))) / height);
+            found.knees =
+                found.knees.min((knee[2] - (hip[2] + along * (ankle[2] - hip[2]))) / height);
         }
         for n in 0..2 {
             found.hips[n] += now[n][&Role::Hips][1] / rest[n][&Role::Hips][1] / f64::from(MOMENTS);
@@ -274,7 +301,8 @@ fn look(
     Ok(found)
 }
 
-/// A body that another's walk carries on by its feet does not slide over the ground: the foot that bears it stays where it is.
+/// A body that another's walk carries on by its feet does not slide over the ground: the foot that
+/// bears it stays where it is.
 fn walk_on(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Failed> {
     let (source, target) = (load(folder, from)?, load(folder, onto)?);
     let roles = RoleMap::detect(&target.skeleton).ok_or("a body without roles")?;
@@ -287,8 +315,9 @@ fn walk_on(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), 
     crowd.play(member, clip, Play::looping())?;
     crowd.move_by_clips(member, true)?;
     crowd.update(0.0)?;
-    let sole =
-        |side| if roles.joint(Role::Toes(side)).is_some() { Role::Toes(side) } else { Role::Foot(side) };
+    let sole = |side| {
+        if roles.joint(Role::Toes(side)).is_some() { Role::Toes(side) } else { Role::Foot(side) }
+    };
     let feet = [Side::Left, Side::Right].map(sole);
     let mut before = places(&crowd.model_from_joints(member)?, &roles);
     let start = before[&Role::Hips][2];
@@ -297,7 +326,8 @@ fn walk_on(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), 
         crowd.update(step_secs)?;
         let now = places(&crowd.model_from_joints(member)?, &roles);
         let bears = |role: &Role| now[role][1] + before[role][1];
-        let foot = feet.into_iter().min_by(|a, b| bears(a).total_cmp(&bears(b))).ok_or("no feet")?;
+        let foot =
+            feet.into_iter().min_by(|a, b| bears(a).total_cmp(&bears(b))).ok_or("no feet")?;
         slid += now[&foot][2] - before[&foot][2];
         before = now;
     }
@@ -327,8 +357,10 @@ fn drawn(source: &Character, clip: &str, target: &Character) -> Result<(), Faile
         lent.at,
         100.0 * own.sunk
     );
-    let turned =
-        format!("feet turn by up to {:.2} radians at once, and {:.2} there", lent.turned, own.turned);
+    let turned = format!(
+        "feet turn by up to {:.2} radians at once, and {:.2} there",
+        lent.turned, own.turned
+    );
     println!("{sunk}; {turned}");
     if lent.sunk > SINKS {
         return Err(sunk.into());
@@ -339,7 +371,8 @@ fn drawn(source: &Character, clip: &str, target: &Character) -> Result<(), Faile
 /// Built-in people of other builds and rigs.
 fn people() -> Result<(), Failed> {
     let looks = [Look::woman(), Look::man(), Look::child()];
-    let people = looks.iter().map(person).collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string())?;
+    let people =
+        looks.iter().map(person).collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string())?;
     for (from, onto) in [(0, 1), (0, 2), (1, 0), (2, 1)] {
         for clip in ["Walk", "Run"] {
             drawn(&people[from], clip, &people[onto])?;
@@ -348,7 +381,8 @@ fn people() -> Result<(), Failed> {
     Ok(())
 }
 
-/// The mage shares the knight's rig: its members get the same bits as if clips knew nothing of roles.
+/// The mage shares the knight's rig: its members get the same bits as if clips knew nothing of
+/// roles.
 fn by_name(folder: &Path) -> Result<(), Failed> {
     let (knight, mage) = (load(folder, "kaykit_knight")?, load(folder, "kaykit_mage")?);
     let walk = |body: &Character| body.clips.iter().find(|c| c.name() == "Walking_A").cloned();

@@ -37,7 +37,10 @@ impl<'a> Soles<'a> {
             let of = influences(part, vertex).filter(|(e, _)| is_foot(body.palette[*e].joint));
             of.map(|(_, weight)| weight).sum::<f32>() >= 0.5
         };
-        let all = body.parts.iter().flat_map(|part| (0..part.mesh.positions.len()).map(move |v| (part, v)));
+        let all = body
+            .parts
+            .iter()
+            .flat_map(|part| (0..part.mesh.positions.len()).map(move |v| (part, v)));
         let vertices = all.filter(|(part, vertex)| carried(part, *vertex)).collect();
         Self { body, vertices, joints: feet.iter().copied().chain(toes).collect() }
     }
@@ -71,13 +74,15 @@ impl<'a> Soles<'a> {
             let secs = motion.start_secs() + part * motion.duration_secs();
             crowd.play(member, clip, Play::held_at_secs(secs))?;
             crowd.update(0.0)?;
-            let sunk = (rest - self.lowest(&crowd.palette(member)?)) / f64::from(self.body.height_m());
+            let sunk =
+                (rest - self.lowest(&crowd.palette(member)?)) / f64::from(self.body.height_m());
             if sunk > seen.sunk {
                 (seen.sunk, seen.at) = (sunk, part);
             }
             let now = crowd.model_from_joints(member)?;
             for joint in &self.joints {
-                let turned = before.as_ref().map_or(0.0, |b| turned(&b[joint.index()], &now[joint.index()]));
+                let turned =
+                    before.as_ref().map_or(0.0, |b| turned(&b[joint.index()], &now[joint.index()]));
                 seen.turned = seen.turned.max(turned);
             }
             before = Some(now);

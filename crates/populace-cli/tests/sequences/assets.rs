@@ -2,7 +2,8 @@
 
 use populace::core::Skeleton;
 use populace::{
-    After, BlendSpace, ClipId, Condition, JointIndex, LiveSettings, Mask, Play, SpacePoint, StateMachine, Trs,
+    After, BlendSpace, ClipId, Condition, JointIndex, LiveSettings, Mask, Play, SpacePoint,
+    StateMachine, Trs,
 };
 
 use crate::calls::{how, started};
@@ -14,7 +15,12 @@ use crate::world::{Outcome, World};
 const ADDED_MOST: usize = 4;
 
 fn skeleton(world: &World, body: usize) -> Skeleton {
-    world.crowd.character(world.bodies[body].id).expect("a character that was added").skeleton.clone()
+    world
+        .crowd
+        .character(world.bodies[body].id)
+        .expect("a character that was added")
+        .skeleton
+        .clone()
 }
 
 pub(crate) fn add_mask(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -84,7 +90,12 @@ pub(crate) fn add_machine(world: &mut World, draw: &mut Draw) -> Option<Outcome>
         .state("slow", first, Play::looping())
         .state("fast", second, Play::looping().speed(draw.number("speed", 0.5, 2.0)))
         .transition("slow", "fast", draw.secs("fade"), &[Condition::above("speed", 0.5)])
-        .transition("fast", "slow", 0.2, &[Condition::below("speed", 0.4), Condition::AfterSecs(0.1)]);
+        .transition(
+            "fast",
+            "slow",
+            0.2,
+            &[Condition::below("speed", 0.4), Condition::AfterSecs(0.1)],
+        );
     let result = world.crowd.add_machine(&machine);
     if let Ok(machine) = result {
         world.machines.push(machine);

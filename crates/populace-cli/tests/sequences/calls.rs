@@ -1,7 +1,8 @@
 //! The calls of a sequence.
 
 use populace::{
-    Affine, JointOverride, LayerMode, LayerSettings, Placement, Play, Space, StageUse, Target, Trs, Weight,
+    Affine, JointOverride, LayerMode, LayerSettings, Placement, Play, Space, StageUse, Target, Trs,
+    Weight,
 };
 
 use crate::draw::Draw;
@@ -115,8 +116,13 @@ fn update(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 }
 
 pub(crate) fn placement(draw: &mut Draw) -> Placement {
-    let placement = Placement::at(draw.vector("position", -20.0, 20.0)).facing(draw.number("yaw", -4.0, 4.0));
-    if draw.chance("is_scaled", 0.2) { placement.scaled(draw.number("scale", 0.3, 3.0)) } else { placement }
+    let placement =
+        Placement::at(draw.vector("position", -20.0, 20.0)).facing(draw.number("yaw", -4.0, 4.0));
+    if draw.chance("is_scaled", 0.2) {
+        placement.scaled(draw.number("scale", 0.3, 3.0))
+    } else {
+        placement
+    }
 }
 
 fn spawn(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -151,11 +157,26 @@ pub(crate) fn how(draw: &mut Draw, secs: f32) -> Play {
         2 => Play::live(draw.number("delay", 0.0, 0.3)),
         _ => Play::looping().phase(draw.number("phase", 0.0, 1.0)),
     };
-    let play = if draw.chance("settles", 0.3) { play.settle_in_secs(secs) } else { play.fade_in_secs(secs) };
-    let play = if draw.chance("has_speed", 0.3) { play.speed(draw.number("speed", -2.0, 2.0)) } else { play };
-    let play =
-        if draw.chance("is_weighed", 0.3) { play.weight(draw.number("weight", 0.0, 1.0)) } else { play };
-    let play = if draw.chance("waits", 0.2) { play.after_secs(draw.number("after", 0.0, 0.5)) } else { play };
+    let play = if draw.chance("settles", 0.3) {
+        play.settle_in_secs(secs)
+    } else {
+        play.fade_in_secs(secs)
+    };
+    let play = if draw.chance("has_speed", 0.3) {
+        play.speed(draw.number("speed", -2.0, 2.0))
+    } else {
+        play
+    };
+    let play = if draw.chance("is_weighed", 0.3) {
+        play.weight(draw.number("weight", 0.0, 1.0))
+    } else {
+        play
+    };
+    let play = if draw.chance("waits", 0.2) {
+        play.after_secs(draw.number("after", 0.0, 0.5))
+    } else {
+        play
+    };
     if draw.chance("is_layered", 0.3) { play.on_layer(draw.index("layer", 5)) } else { play }
 }
 
@@ -195,7 +216,10 @@ fn crossfade(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(started(world, result))
 }
 
-pub(crate) fn started(world: &mut World, result: Result<populace::PlayId, populace::Error>) -> Outcome {
+pub(crate) fn started(
+    world: &mut World,
+    result: Result<populace::PlayId, populace::Error>,
+) -> Outcome {
     if let Ok(play) = result {
         World::keep(&mut world.plays, play);
     }
@@ -288,7 +312,8 @@ fn use_stage(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let count = world.stages.len();
     let stage = (count > 0).then(|| world.stages[draw.index("stage", count)])?;
     let on_all = draw.chance("on_all", 0.3);
-    let on = if on_all { StageUse::on_all() } else { StageUse::on([world.joint(draw, "joint", body)]) };
+    let on =
+        if on_all { StageUse::on_all() } else { StageUse::on([world.joint(draw, "joint", body)]) };
     let [x, y, z] = draw.vector("values", -0.1, 0.1);
     Some(Outcome::of(world.crowd.use_stage(member, stage, on.with_values([x, y, z, 0.0]))))
 }

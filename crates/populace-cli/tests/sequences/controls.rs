@@ -12,7 +12,8 @@ pub(crate) fn look_with(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let joint = world.joint(draw, "joint", body);
     let limits = GazeLimits { yaw_rad: draw.number("yaw", 0.1, 1.5), up_rad: 0.7, down_rad: 0.8 };
-    let gaze = Gaze { chain: vec![(joint, 1.0)], facing: [0.0, 0.0, 1.0], limits, targets: Vec::new() };
+    let gaze =
+        Gaze { chain: vec![(joint, 1.0)], facing: [0.0, 0.0, 1.0], limits, targets: Vec::new() };
     let target = target(world, draw);
     Some(Outcome::of(world.crowd.look_with(member, &gaze, target, weight(draw))))
 }
@@ -63,7 +64,8 @@ pub(crate) fn plant_feet(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
 pub(crate) fn plant_with(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
     let foot = Foot { hip: JointIndex(1), knee: JointIndex(2), ankle: JointIndex(3) };
-    let feet = Feet { pelvis: JointIndex(0), feet: vec![foot], weight: draw.number("weight", 0.0, 1.0) };
+    let feet =
+        Feet { pelvis: JointIndex(0), feet: vec![foot], weight: draw.number("weight", 0.0, 1.0) };
     Some(Outcome::of(world.crowd.plant_with(member, &feet)))
 }
 
@@ -75,7 +77,9 @@ pub(crate) fn set_ground(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
     } else {
         Ground::plane(draw.number("height", -0.3, 0.3), [draw.number("slope", -0.3, 0.3), 0.0])
     };
-    Some(Outcome::of(ground.map_err(Error::from).and_then(|ground| world.crowd.set_ground(&ground))))
+    Some(Outcome::of(
+        ground.map_err(Error::from).and_then(|ground| world.crowd.set_ground(&ground)),
+    ))
 }
 
 /// One of a few builds.

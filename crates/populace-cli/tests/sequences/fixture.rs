@@ -5,14 +5,15 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DQuat;
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, MotionSettings, PaletteEntry,
-    Property, Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, MotionSettings,
+    PaletteEntry, Property, Skeleton, Track,
 };
 use populace::{Affine, Device, Devices, Schedule, StageJoint, Trs, UserStage};
 use populace_cast::{Look, person};
 
-/// A body of `joints` joints in one chain with a branch at joint 2, its root at the ground, and three clips of all joints:
-/// one turns, one moves the root and scales joint 1, one lasts no time. `entries` of its joints have a palette entry.
+/// A body of `joints` joints in one chain with a branch at joint 2, its root at the ground, and
+/// three clips of all joints: one turns, one moves the root and scales joint 1, one lasts no time.
+/// `entries` of its joints have a palette entry.
 pub(crate) fn chain(name: &str, joints: usize, entries: usize) -> Character {
     let joint = |index: usize| JointSource {
         name: format!("{name} {index}"),
@@ -23,10 +24,13 @@ pub(crate) fn chain(name: &str, joints: usize, entries: usize) -> Character {
         },
         rest: Trs { translation: [0.0, 0.2, 0.01 * index as f32], ..Trs::IDENTITY },
     };
-    let skeleton = Skeleton::new(&(0..joints).map(joint).collect::<Vec<_>>()).expect("a good skeleton");
-    let clips = [turning(name, joints, &skeleton), moving(name, &skeleton), instant(name, &skeleton)];
+    let skeleton =
+        Skeleton::new(&(0..joints).map(joint).collect::<Vec<_>>()).expect("a good skeleton");
+    let clips =
+        [turning(name, joints, &skeleton), moving(name, &skeleton), instant(name, &skeleton)];
     let palette = skeleton.joints().take(entries);
-    let palette = palette.map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY }).collect();
+    let palette =
+        palette.map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY }).collect();
     Character::new(CharacterSource {
         name: name.into(),
         skeleton,
@@ -70,7 +74,8 @@ fn moving(name: &str, skeleton: &Skeleton) -> Clip {
         track(format!("{name} 0"), Property::Translation, &times, root),
         track(format!("{name} 1"), Property::Scale, &times, scale),
     ];
-    let clip = Clip::new(ClipSource { name: "move".into(), tracks }, skeleton).expect("a good clip");
+    let clip =
+        Clip::new(ClipSource { name: "move".into(), tracks }, skeleton).expect("a good clip");
     clip.with_root_motion(&MotionSettings::default()).expect("a root that travels")
 }
 
@@ -80,7 +85,8 @@ fn instant(name: &str, skeleton: &Skeleton) -> Clip {
     Clip::new(ClipSource { name: "instant".into(), tracks }, skeleton).expect("a good clip")
 }
 
-/// All characters: a short chain, one of more than a block of joints, a person, and one that devices never draw.
+/// All characters: a short chain, one of more than a block of joints, a person, and one that
+/// devices never draw.
 pub(crate) fn characters() -> &'static [Arc<Character>] {
     static ALL: OnceLock<[Arc<Character>; 4]> = OnceLock::new();
     ALL.get_or_init(|| {
@@ -99,9 +105,9 @@ fn stretch(joint: &mut StageJoint) {
 
 /// Two stages of a user's: one after Transform, one after Pose.
 pub(crate) fn stages() -> [UserStage; 2] {
-    let lifts = "void lift(StageJoint *joint) { joint->row1.w += joint->parameters[0] + joint->values.y; }";
-    let stretches =
-        "void stretch(StageJoint *joint) { joint->translation.y += joint->parameters[1] * joint->values.x; }";
+    let lifts =
+        "void lift(StageJoint *joint) { joint->row1.w += joint->parameters[0] + joint->values.y; }";
+    let stretches = "void stretch(StageJoint *joint) { joint->translation.y += joint->parameters[1] * joint->values.x; }";
     [
         UserStage::new("lift").opencl_c(lifts).rust(lift),
         UserStage::new("stretch").opencl_c(stretches).rust(stretch),

@@ -19,7 +19,8 @@ fn value(name: &str) -> Option<String> {
 
 fn number(name: &str, otherwise: u64) -> u64 {
     value(name).map_or(otherwise, |text| {
-        text.parse().unwrap_or_else(|_| panic!("{name} takes a whole number, and \"{text}\" is none"))
+        text.parse()
+            .unwrap_or_else(|_| panic!("{name} takes a whole number, and \"{text}\" is none"))
     })
 }
 
@@ -29,12 +30,14 @@ fn talk(text: &str) {
     eprint!("{text}");
 }
 
-/// Runs sequences of seeds from `--seed` on, until `--calls` calls were made on each set-up whose name begins with `--setup`.
+/// Runs sequences of seeds from `--seed` on, until `--calls` calls were made on each set-up whose
+/// name begins with `--setup`.
 pub(crate) fn run() -> ExitCode {
     let (seed, calls) = (number("--seed", 0), number("--calls", 1));
     let length = usize::try_from(number("--length", LENGTH as u64)).unwrap_or(LENGTH).max(1);
     let wanted = value("--setup").unwrap_or_default();
-    let setups: Vec<Setup> = setups().into_iter().filter(|setup| setup.name.starts_with(&wanted)).collect();
+    let setups: Vec<Setup> =
+        setups().into_iter().filter(|setup| setup.name.starts_with(&wanted)).collect();
     assert!(!setups.is_empty(), "there is no set-up \"{wanted}\"");
     for setup in &setups {
         let setup = &Setup { has_stages: true, ..setup.clone() };

@@ -1,9 +1,11 @@
-//! Random sequences of calls to the whole public API of a crowd and of its ragdolls. Two crowds get the same calls on each
-//! device and schedule: neither may panic, and they must agree bit for bit on all that they draw and on all that they answer.
-//! No palette may hold a number that is not finite, whatever numbers the calls were given.
+//! Random sequences of calls to the whole public API of a crowd and of its ragdolls. Two crowds get
+//! the same calls on each device and schedule: neither may panic, and they must agree bit for bit
+//! on all that they draw and on all that they answer. No palette may hold a number that is not
+//! finite, whatever numbers the calls were given.
 //!
-//! Fixed seeds run as tests. Others run by `cargo test -p populace-cli --test sequences -- --seed 7 --calls 1000000`, on
-//! every device or with `--setup native/fused` on one; a sequence that fails is shortened and printed.
+//! Fixed seeds run as tests. Others run by `cargo test -p populace-cli --test sequences -- --seed 7
+//! --calls 1000000`, on every device or with `--setup native/fused` on one; a sequence that fails
+//! is shortened and printed.
 
 mod assets;
 mod calls;

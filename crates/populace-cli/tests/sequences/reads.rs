@@ -9,7 +9,8 @@ use crate::world::{Outcome, World};
 pub(crate) fn playing(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
     let playing = world.crowd.playing(member);
-    let numbers = playing.map(|all| all.into_iter().flat_map(|p| [p.time_secs, p.weight, p.speed]).collect());
+    let numbers =
+        playing.map(|all| all.into_iter().flat_map(|p| [p.time_secs, p.weight, p.speed]).collect());
     Some(Outcome::read::<Vec<f32>>(numbers))
 }
 
@@ -37,7 +38,9 @@ pub(crate) fn sighting(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     if world.setup.needs_opencl {
         return Some(Outcome::of(sighting));
     }
-    Some(Outcome::read(sighting.map(|seen| numbers(seen.into_iter().map(|s| s.world_from_joint).collect()))))
+    Some(Outcome::read(
+        sighting.map(|seen| numbers(seen.into_iter().map(|s| s.world_from_joint).collect())),
+    ))
 }
 
 pub(crate) fn listen(world: &mut World, draw: &mut Draw) -> Option<Outcome> {

@@ -48,7 +48,8 @@ impl Sequence {
     }
 
     fn compare(&self, setup: &Setup) -> Result<(), String> {
-        let world = || World::new(setup, self.slots).map_err(|error| format!("it cannot begin: {error}"));
+        let world =
+            || World::new(setup, self.slots).map_err(|error| format!("it cannot begin: {error}"));
         let mut worlds = [world()?, world()?];
         for (nth, call) in self.calls.iter().enumerate() {
             let at = |fault: &str| format!("call {nth}, {:?}: {fault}", call.what);
@@ -68,13 +69,16 @@ impl Sequence {
 
     fn compare_palettes(&self, worlds: &mut [World; 2]) -> Result<(), String> {
         let [first, second] = worlds;
-        let read = |world: &mut World| world.palettes().map_err(|error| format!("no palettes: {error}"));
+        let read =
+            |world: &mut World| world.palettes().map_err(|error| format!("no palettes: {error}"));
         let (first, second) = (read(first)?, read(second)?);
         for (member, (first, second)) in first.iter().zip(&second).enumerate() {
             let number = |bits: u32| f32::from_bits(bits);
             if let Some(at) = first.iter().zip(second).position(|(a, b)| a != b) {
                 let (a, b) = (number(first[at]), number(second[at]));
-                return Err(format!("number {at} of the palette of member {member} is {a} and {b}"));
+                return Err(format!(
+                    "number {at} of the palette of member {member} is {a} and {b}"
+                ));
             }
             if let Some(at) = first.iter().position(|bits| !number(*bits).is_finite()) {
                 return Err(format!(
@@ -88,7 +92,8 @@ impl Sequence {
 
     /// The shortest sequence found that still fails, by leaving out ever smaller parts.
     fn shortened(&self, setup: &Setup) -> Self {
-        let fails = |calls: &[Call]| Self { calls: calls.to_vec(), ..self.clone() }.run(setup).is_err();
+        let fails =
+            |calls: &[Call]| Self { calls: calls.to_vec(), ..self.clone() }.run(setup).is_err();
         let mut calls = self.calls.clone();
         let mut part = calls.len().div_ceil(2);
         while part > 0 {

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use populace::{
-    CharacterId, ClipId, Crowd, Error, JointIndex, MachineId, MaskId, Member, PlayId, SpaceId, StageId, Watch,
+    CharacterId, ClipId, Crowd, Error, JointIndex, MachineId, MaskId, Member, PlayId, SpaceId,
+    StageId, Watch,
 };
 use populace_physics::{RagdollPlan, Ragdolls};
 

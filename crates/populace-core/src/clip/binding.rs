@@ -12,17 +12,18 @@ use crate::layout::{MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, RowBlock};
 use crate::retarget::{Chain, ColumnMotion, Common, Figure, Soles, Value};
 use crate::{Error, JointIndex, Property, Skeleton, Trs, f64math};
 
-/// Rests of joints of one name that turn no further from each other than this, in radians, and are no further apart than
-/// this part of the bodies' size, are the same.
+/// Rests of joints of one name that turn no further from each other than this, in radians, and are
+/// no further apart than this part of the bodies' size, are the same.
 const SAME_TURN_RAD: f64 = 0.01;
 const SAME_PLACE: f64 = 0.002;
 /// Poses by which hips are lifted, and the pace of feet is found: some hundred.
 const GROUND_POSES: usize = 128;
 
-/// A clip bound to a skeleton: which column each joint follows, and what its stored components mean.
+/// A clip bound to a skeleton: which column each joint follows, and what its stored components
+/// mean.
 ///
-/// Joints and properties that the clip does not drive keep the rest of the skeleton bound to, whatever the clip's own
-/// skeleton says there.
+/// Joints and properties that the clip does not drive keep the rest of the skeleton bound to,
+/// whatever the clip's own skeleton says there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding {
     joint_map: Vec<u32>,
@@ -35,7 +36,8 @@ pub struct Binding {
     report: BindingReport,
 }
 
-/// What a joint's pose goes through where a clip is retargeted; see [`TURN_PLANES`](crate::layout::TURN_PLANES).
+/// What a joint's pose goes through where a clip is retargeted; see
+/// [`TURN_PLANES`](crate::layout::TURN_PLANES).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turn {
     /// The clip's column and `MAP_` flags of what its rows drive.
@@ -63,7 +65,8 @@ impl Turn {
     }
 }
 
-/// What keeps the feet of a retargeted clip above the ground: a last turn with rows of its own, as many as the clip has.
+/// What keeps the feet of a retargeted clip above the ground: a last turn with rows of its own, as
+/// many as the clip has.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Footing {
     pub(crate) turns: Vec<Turn>,
@@ -124,8 +127,9 @@ impl Binding {
         binding
     }
 
-    /// Binds in the way that suits: by name where the skeleton is that of the clip ([`Clip::is_made_for`]); by humanoid roles
-    /// where both have them; else by name, whatever the rests.
+    /// Binds in the way that suits: by name where the skeleton is that of the clip
+    /// ([`Clip::is_made_for`]); by humanoid roles where both have them; else by name, whatever the
+    /// rests.
     ///
     /// # Errors
     ///
@@ -180,23 +184,26 @@ impl Binding {
         }
     }
 
-    /// Binds by humanoid roles: the skeleton's limbs point where those of the clip's own skeleton do, and the body keeps its
-    /// own proportions. Both skeletons face +Z with +Y up.
+    /// Binds by humanoid roles: the skeleton's limbs point where those of the clip's own skeleton
+    /// do, and the body keeps its own proportions. Both skeletons face +Z with +Y up.
     ///
-    /// The skeleton is first brought to a common pose, its own rest with arms and legs turned to where the clip's own
-    /// skeleton has them at rest; heads, feet, backs and the shape of hands stay. Then each joint with a role turns away from that pose as
-    /// its partner turns away from rest, whatever joints lie between on either side; other joints keep their local rest.
-    /// Translations move the root and the hips alone, scaled by how high the hips stand above the feet on either body, and
-    /// hips stand so high in the common pose that feet do on the ground. Feet and fingers that do not hang on their limbs
-    /// follow these.
+    /// The skeleton is first brought to a common pose, its own rest with arms and legs turned to
+    /// where the clip's own skeleton has them at rest; heads, feet, backs and the shape of hands
+    /// stay. Then each joint with a role turns away from that pose as its partner turns away from
+    /// rest, whatever joints lie between on either side; other joints keep their local rest.
+    /// Translations move the root and the hips alone, scaled by how high the hips stand above the
+    /// feet on either body, and hips stand so high in the common pose that feet do on the ground.
+    /// Feet and fingers that do not hang on their limbs follow these.
     ///
-    /// Where the skeleton knows its soles ([`Skeleton::with_soles`]), feet, and then toes, roll about their own left-right
-    /// axes by as little as keeps the mesh out of the ground, row by row; those of the clip's own body may be in it by more
-    /// than a few hundredths of its size, and the others then are too.
+    /// Where the skeleton knows its soles ([`Skeleton::with_soles`]), feet, and then toes, roll
+    /// about their own left-right axes by as little as keeps the mesh out of the ground, row by
+    /// row; those of the clip's own body may be in it by more than a few hundredths of its size,
+    /// and the others then are too.
     ///
     /// # Errors
     ///
-    /// [`Error::CannotBind`] where a map is not that of its skeleton, or the clip moves no joint that both have.
+    /// [`Error::CannotBind`] where a map is not that of its skeleton, or the clip moves no joint
+    /// that both have.
     pub fn retarget(
         clip: &Clip,
         clip_roles: &RoleMap,
@@ -207,12 +214,16 @@ impl Binding {
         for (map, own) in [(clip_roles, &clip.skeleton), (roles, skeleton)] {
             if map.joint_count() != own.joint_count() {
                 let (wanted, has) = (map.joint_count(), own.joint_count());
-                return refused(format!("its roles are those of {wanted} joints, but there are {has}"));
+                return refused(format!(
+                    "its roles are those of {wanted} joints, but there are {has}"
+                ));
             }
         }
-        let mut common = Common::new(Figure::new(&clip.skeleton, clip_roles), Figure::new(skeleton, roles));
-        let driven =
-            |joint: JointIndex| common.partner(joint).is_some_and(|source| clip.rows.drives(source.0));
+        let mut common =
+            Common::new(Figure::new(&clip.skeleton, clip_roles), Figure::new(skeleton, roles));
+        let driven = |joint: JointIndex| {
+            common.partner(joint).is_some_and(|source| clip.rows.drives(source.0))
+        };
         let bound_joint_count = skeleton.joints().filter(|joint| driven(*joint)).count();
         if bound_joint_count == 0 {
             return refused("it drives no joint with a humanoid role that both bodies have".into());
@@ -223,8 +234,10 @@ impl Binding {
         let heels = Soles::new(&common).map_or(0.0, |soles| soles.heels(&poses));
         common.lift_by(heels);
         let soles = Soles::new(&common);
-        let by_feet = clip.motion.as_ref().is_some_and(|motion| *motion.origin() == MotionOrigin::Feet);
-        let motion_scale = if by_feet { common.pace(&poses, soles.as_ref()) } else { common.legs() };
+        let by_feet =
+            clip.motion.as_ref().is_some_and(|motion| *motion.origin() == MotionOrigin::Feet);
+        let motion_scale =
+            if by_feet { common.pace(&poses, soles.as_ref()) } else { common.legs() };
         let footing = soles.and_then(|soles| Footing::new(clip, &soles, skeleton.joint_count()));
         let report = BindingReport::by_roles(clip, skeleton, &common);
         let mut binding = Self { bound_joint_count, footing, ..Self::empty(motion_scale, report) };
@@ -290,7 +303,8 @@ impl Binding {
         &self.ranges
     }
 
-    /// What poses go through one after the other, of all joints each; empty where the clip is bound by name.
+    /// What poses go through one after the other, of all joints each; empty where the clip is bound
+    /// by name.
     pub(crate) fn turns(&self) -> &[Vec<Turn>] {
         &self.turns
     }
@@ -320,8 +334,8 @@ impl Binding {
 }
 
 impl Clip {
-    /// Whether a skeleton has the names of what the clip drives, most of them at least, and the same rest there: as a file has
-    /// that shares a skeleton with the clip's own.
+    /// Whether a skeleton has the names of what the clip drives, most of them at least, and the
+    /// same rest there: as a file has that shares a skeleton with the clip's own.
     #[must_use]
     pub fn is_made_for(&self, skeleton: &Skeleton) -> bool {
         let (size, own_size) = (f64::from(skeleton.size_m()), f64::from(self.skeleton.size_m()));
@@ -350,8 +364,14 @@ impl Rows {
     }
 
     /// One row of so many, as local transforms of all joints.
-    fn poses<'a>(&'a self, skeleton: &'a Skeleton, every: usize) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
-        let pose = move |row| skeleton.joints().map(|joint| self.local(joint, row, 0.0).affine()).collect();
+    fn poses<'a>(
+        &'a self,
+        skeleton: &'a Skeleton,
+        every: usize,
+    ) -> impl Iterator<Item = Vec<DAffine3>> + 'a {
+        let pose = move |row| {
+            skeleton.joints().map(|joint| self.local(joint, row, 0.0).affine()).collect()
+        };
         (0..self.times.len()).step_by(every).map(pose)
     }
 

@@ -65,8 +65,8 @@ impl<'a> Curves<'a> {
         self.tracks.iter().flatten().flatten().copied()
     }
 
-    /// A joint's local transform at a time of the clip's axis; before the first key the first value holds, after the
-    /// last the last.
+    /// A joint's local transform at a time of the clip's axis; before the first key the first value
+    /// holds, after the last the last.
     pub(super) fn local(&self, joint: JointIndex, secs: f64, side: Side) -> Local {
         let mut local = self.rest[joint.index()];
         let sampled = |property| self.track(joint, property).map(|track| sample(track, secs, side));
@@ -104,7 +104,9 @@ fn sample(track: &Track, secs: f64, side: Side) -> [f64; 4] {
     match track.interpolation {
         Interpolation::Step => value(key),
         Interpolation::Linear if u == 1.0 => value(next),
-        Interpolation::Linear if track.property == Property::Rotation => slerp(value(key), value(next), u),
+        Interpolation::Linear if track.property == Property::Rotation => {
+            slerp(value(key), value(next), u)
+        }
         Interpolation::Linear => combine([(1.0 - u, value(key)), (u, value(next))]),
         Interpolation::CubicSpline => {
             let width = track.property.width();

@@ -41,7 +41,11 @@ impl BindingReport {
     /// nothing.
     #[must_use]
     pub fn share(&self) -> f32 {
-        if self.moving_joints == 0 { 1.0 } else { self.bound_joints as f32 / self.moving_joints as f32 }
+        if self.moving_joints == 0 {
+            1.0
+        } else {
+            self.bound_joints as f32 / self.moving_joints as f32
+        }
     }
 
     /// Refuses a clip of which names alone bind too little.
@@ -77,14 +81,23 @@ impl BindingReport {
         };
         let [rest_turn_rad, rest_shift] = mean(pairs.iter().map(apart));
         let way = if clip.is_made_for(skeleton) { BindingWay::SameRest } else { BindingWay::Names };
-        Self { way, moving_joints: moving.len(), bound_joints: pairs.len(), rest_turn_rad, rest_shift }
+        Self {
+            way,
+            moving_joints: moving.len(),
+            bound_joints: pairs.len(),
+            rest_turn_rad,
+            rest_shift,
+        }
     }
 
     pub(super) fn by_roles(clip: &Clip, skeleton: &Skeleton, common: &Common<'_>) -> Self {
-        let partners: Vec<_> = skeleton.joints().filter_map(|joint| common.partner(joint)).collect();
+        let partners: Vec<_> =
+            skeleton.joints().filter_map(|joint| common.partner(joint)).collect();
         // What lies above a partner turns it too.
         let leads = |joint: &JointIndex| {
-            partners.iter().any(|partner| joint == partner || clip.skeleton.is_below(*partner, *joint))
+            partners
+                .iter()
+                .any(|partner| joint == partner || clip.skeleton.is_below(*partner, *joint))
         };
         let moving = moving(clip);
         let bound_joints = moving.iter().filter(|joint| leads(joint)).count();
@@ -103,13 +116,15 @@ impl BindingReport {
 /// Joints of its own skeleton that a clip moves, or those that it sets where it moves none.
 fn moving(clip: &Clip) -> Vec<JointIndex> {
     let driven = || clip.skeleton.joints().filter(|joint| clip.rows.drives(joint.0));
-    let moves =
-        |joint: &JointIndex| clip.rows.storage.ranges[joint.index()].iter().any(|range| range.step > 0.0);
+    let moves = |joint: &JointIndex| {
+        clip.rows.storage.ranges[joint.index()].iter().any(|range| range.step > 0.0)
+    };
     let moving: Vec<_> = driven().filter(moves).collect();
     if moving.is_empty() { driven().collect() } else { moving }
 }
 
 fn mean(values: impl Iterator<Item = [f64; 2]>) -> [f32; 2] {
-    let (sum, count) = values.fold(([0.0; 2], 0.0), |([a, b], n), [x, y]| ([a + x, b + y], n + 1.0));
+    let (sum, count) =
+        values.fold(([0.0; 2], 0.0), |([a, b], n), [x, y]| ([a + x, b + y], n + 1.0));
     f64math::to_f32(sum.map(|sum| sum / f64::max(count, 1.0)))
 }

@@ -1,4 +1,5 @@
-//! The gap between two rows: how far rows stray from the curves there, and the rows it takes to mend that.
+//! The gap between two rows: how far rows stray from the curves there, and the rows it takes to
+//! mend that.
 
 use glam::{DAffine3, DQuat};
 
@@ -47,10 +48,12 @@ pub(super) struct Gap<'a> {
 }
 
 impl Gap<'_> {
-    /// Pushes `from` and the rows that are needed between it and `to`, which is left out; returns the bound that holds.
+    /// Pushes `from` and the rows that are needed between it and `to`, which is left out; returns
+    /// the bound that holds.
     pub(super) fn fill(&self, from: Row, to: &Row, halvings: u32, rows: &mut Vec<Row>) -> f64 {
         let middle = from.secs + (to.secs - from.secs) / 2.0;
-        let can_divide = halvings > 0 && rows.len() < self.most && middle > from.secs && middle < to.secs;
+        let can_divide =
+            halvings > 0 && rows.len() < self.most && middle > from.secs && middle < to.secs;
         // Where the gap can be divided, that it must be is enough to know.
         let enough = if can_divide { self.allowed } else { f64::INFINITY };
         let mut bound = self.error_bound(&from, to, enough);
@@ -92,7 +95,8 @@ impl Gap<'_> {
         for place in 1..MEASURED {
             let u = f64::from(place) / f64::from(MEASURED);
             let secs = f64::from(from.secs) + (f64::from(to.secs) - f64::from(from.secs)) * u;
-            let exact = self.skeleton.joints().map(|j| self.curves.local(j, secs, Side::After).affine());
+            let exact =
+                self.skeleton.joints().map(|j| self.curves.local(j, secs, Side::After).affine());
             let exact = f64math::model_from_joints(&parents, exact);
             let stored = from.pose.iter().zip(&to.pose).map(|(a, b)| between(a, b, u).affine());
             let stored = f64math::model_from_joints(&parents, stored);
@@ -120,8 +124,8 @@ impl Gap<'_> {
         0.0
     }
 
-    /// A spline minus a straight line is a cubic that is 0 at both ends; its largest value is at most 1.1 times the
-    /// largest of seven evenly spaced ones.
+    /// A spline minus a straight line is a cubic that is 0 at both ends; its largest value is at
+    /// most 1.1 times the largest of seven evenly spaced ones.
     fn sampled_deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
         let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
         let reach = self.reach[joint.index()];
@@ -148,8 +152,9 @@ fn between(a: &Local, b: &Local, u: f64) -> Local {
     }
 }
 
-/// The largest angle between slerp and normalised linear interpolation of two rotations: at 0.2113 of the way
-/// (1/2 - 1/sqrt(12), where their series first differ most), with 2% for larger angles, where the place moves.
+/// The largest angle between slerp and normalised linear interpolation of two rotations: at 0.2113
+/// of the way (1/2 - 1/sqrt(12), where their series first differ most), with 2% for larger angles,
+/// where the place moves.
 fn nlerp_error_rad(a: DQuat, b: DQuat) -> f64 {
     let half_angle = a.dot(b).abs().min(1.0).acos();
     let u = 0.211_324_865;
@@ -157,10 +162,15 @@ fn nlerp_error_rad(a: DQuat, b: DQuat) -> f64 {
     1.02 * 2.0 * (u * half_angle - nlerp).abs()
 }
 
-/// At most how far apart two transforms take any point at the probe's distance, in the joint's own units: of three axes
-/// at right angles one shows at least sqrt(2/3) of the worst that a turn can do.
+/// At most how far apart two transforms take any point at the probe's distance, in the joint's own
+/// units: of three axes at right angles one shows at least sqrt(2/3) of the worst that a turn can
+/// do.
 pub(super) fn distance_at_probes(a: &DAffine3, b: &DAffine3, probe: f64) -> f64 {
     let (m, n) = (&a.matrix3, &b.matrix3);
-    let turn = m.x_axis.distance(n.x_axis).max(m.y_axis.distance(n.y_axis)).max(m.z_axis.distance(n.z_axis));
+    let turn = m
+        .x_axis
+        .distance(n.x_axis)
+        .max(m.y_axis.distance(n.y_axis))
+        .max(m.z_axis.distance(n.z_axis));
     (a.translation - b.translation).length() + turn * probe * 1.225
 }

@@ -8,7 +8,8 @@ use super::parents;
 use super::rows::Rows;
 use crate::{JointIndex, Skeleton, f64math};
 
-/// A foot counts as planted while it is this part of the body's size above its lowest place, or less.
+/// A foot counts as planted while it is this part of the body's size above its lowest place, or
+/// less.
 const PLANTED: f64 = 0.02;
 
 /// A foot that was planted counts as lifted once it is this many times as high.
@@ -26,8 +27,9 @@ pub struct Footstep {
 /// How feet meet the ground.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Contacts {
-    /// The mean backward speed of the planted foot in metres per second: the speed at which the ground must pass for the
-    /// feet not to slide. `None` where no foot is known by its name or nothing is ever planted.
+    /// The mean backward speed of the planted foot in metres per second: the speed at which the
+    /// ground must pass for the feet not to slide. `None` where no foot is known by its name or
+    /// nothing is ever planted.
     pub(super) speed: Option<f32>,
     /// In order of time.
     pub(super) footsteps: Vec<Footstep>,
@@ -47,7 +49,8 @@ impl Contacts {
                 feet.iter().map(|foot| models[foot.index()].translation).collect()
             })
             .collect();
-        let lowest = |foot: usize| positions.iter().map(|p| p[foot].y).fold(f64::INFINITY, f64::min);
+        let lowest =
+            |foot: usize| positions.iter().map(|p| p[foot].y).fold(f64::INFINITY, f64::min);
         let heights: Vec<f64> = (0..feet.len()).map(lowest).collect();
         let limit = PLANTED * f64::from(skeleton.size_m());
         let mut footsteps = Vec::new();
@@ -63,15 +66,16 @@ impl Contacts {
     }
 }
 
-/// When something comes down to 1 after it was at [`LIFTED`]: between two rows in a straight line, and at the first row
-/// where the last one leaves it lifted.
+/// When something comes down to 1 after it was at [`LIFTED`]: between two rows in a straight line,
+/// and at the first row where the last one leaves it lifted.
 fn touch_downs(times: &[f32], above: &[f64]) -> Vec<f32> {
     let (mut lifted, mut found) = (above[0] > 1.0, Vec::new());
     for row in 1..times.len() {
         let (from, to) = (above[row - 1], above[row]);
         if lifted && to <= 1.0 {
             let part = if from > to { ((from - 1.0) / (from - to)).clamp(0.0, 1.0) } else { 1.0 };
-            let secs = f64::from(times[row - 1]) + part * (f64::from(times[row]) - f64::from(times[row - 1]));
+            let secs = f64::from(times[row - 1])
+                + part * (f64::from(times[row]) - f64::from(times[row - 1]));
             found.push(f64math::to_f32([secs])[0]);
             lifted = false;
         }
@@ -83,7 +87,12 @@ fn touch_downs(times: &[f32], above: &[f64]) -> Vec<f32> {
     found
 }
 
-fn ground_speed(times: &[f32], positions: &[Vec<DVec3>], heights: &[f64], limit: f64) -> Option<f32> {
+fn ground_speed(
+    times: &[f32],
+    positions: &[Vec<DVec3>],
+    heights: &[f64],
+    limit: f64,
+) -> Option<f32> {
     let (mut distance, mut time) = (0.0, 0.0);
     for (times, pair) in times.windows(2).zip(positions.windows(2)) {
         let secs = f64::from(times[1]) - f64::from(times[0]);
@@ -97,15 +106,21 @@ fn ground_speed(times: &[f32], positions: &[Vec<DVec3>], heights: &[f64], limit:
     (time > 0.0).then(|| f64math::to_f32([distance / time])[0])
 }
 
-/// The joints that touch the ground, by name: toes, else feet, else ankles; helpers of a rig left out.
+/// The joints that touch the ground, by name: toes, else feet, else ankles; helpers of a rig left
+/// out.
 fn feet(skeleton: &Skeleton) -> Vec<JointIndex> {
     let named = |word: &str| -> Vec<JointIndex> {
         let is_foot = |name: &str| {
             let name = name.to_lowercase();
-            let helper = ["control", "ik", "roll", "pole", "target", "end"].iter().any(|h| name.contains(h));
+            let helper =
+                ["control", "ik", "roll", "pole", "target", "end"].iter().any(|h| name.contains(h));
             name.contains(word) && !helper
         };
         skeleton.joints().filter(|&j| is_foot(skeleton.name(j))).collect()
     };
-    ["toe", "foot", "ankle"].iter().map(|word| named(word)).find(|feet| !feet.is_empty()).unwrap_or_default()
+    ["toe", "foot", "ankle"]
+        .iter()
+        .map(|word| named(word))
+        .find(|feet| !feet.is_empty())
+        .unwrap_or_default()
 }

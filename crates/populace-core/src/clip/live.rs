@@ -25,13 +25,14 @@ pub enum Streamed {
 /// How a live clip takes poses in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveSettings {
-    /// Rows per second, 1 to 1000: poses are stored at this rate, rounded to whole ticks, however they come in.
+    /// Rows per second, 1 to 1000: poses are stored at this rate, rounded to whole ticks, however
+    /// they come in.
     pub rows_per_sec: f32,
-    /// How long rows are kept, in seconds, at most 3.6 million rows; older ones are written over. A member can follow with a
-    /// delay of up to this.
+    /// How long rows are kept, in seconds, at most 3.6 million rows; older ones are written over. A
+    /// member can follow with a delay of up to this.
     pub secs: f32,
-    /// Of which joints translations come in. Where the stream comes from a body of other proportions than those who are to
-    /// play it, the hips alone are a good choice.
+    /// Of which joints translations come in. Where the stream comes from a body of other
+    /// proportions than those who are to play it, the hips alone are a good choice.
     pub translations: Streamed,
     /// Of which joints scales come in.
     pub scales: Streamed,
@@ -40,7 +41,12 @@ pub struct LiveSettings {
 impl Default for LiveSettings {
     /// 60 rows per second, kept for 10 seconds, of all rotations and translations.
     fn default() -> Self {
-        Self { rows_per_sec: 60.0, secs: 10.0, translations: Streamed::All, scales: Streamed::Nothing }
+        Self {
+            rows_per_sec: 60.0,
+            secs: 10.0,
+            translations: Streamed::All,
+            scales: Streamed::Nothing,
+        }
     }
 }
 
@@ -54,12 +60,13 @@ pub struct LiveRing {
 }
 
 impl Clip {
-    /// A clip whose rows come in while it plays: a stream of poses of `skeleton`. It has no length of its own, and stands at
-    /// rest until the first pose has come.
+    /// A clip whose rows come in while it plays: a stream of poses of `skeleton`. It has no length
+    /// of its own, and stands at rest until the first pose has come.
     ///
     /// # Errors
     ///
-    /// [`Error::BadLive`] for settings out of their range, [`Error::UnknownJoints`] with the nearest names.
+    /// [`Error::BadLive`] for settings out of their range, [`Error::UnknownJoints`] with the
+    /// nearest names.
     pub fn live(name: &str, skeleton: &Skeleton, settings: &LiveSettings) -> Result<Self, Error> {
         let ring = ring(name, settings)?;
         let mut moves = vec![[false, true, false]; skeleton.joint_count()];
@@ -101,10 +108,17 @@ fn ring(name: &str, settings: &LiveSettings) -> Result<LiveRing, Error> {
     }
     let rows = (rows_per_sec * secs).ceil();
     if !(secs > 0.0 && rows <= ROWS_MOST) {
-        return bad(format!("is to keep {secs} seconds; it must be above 0 and at most 3.6 million rows"));
+        return bad(format!(
+            "is to keep {secs} seconds; it must be above 0 and at most 3.6 million rows"
+        ));
     }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked just before")]
-    let (rows, row_ticks) = (rows as u32, (TICKS_PER_SEC as f64 / f64::from(rows_per_sec)).round() as u32);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "checked just before"
+    )]
+    let (rows, row_ticks) =
+        (rows as u32, (TICKS_PER_SEC as f64 / f64::from(rows_per_sec)).round() as u32);
     // One to begin at, and one more, as the newest is hardly ever a whole step ahead.
     Ok(LiveRing { rows: rows + 2, row_ticks })
 }

@@ -29,7 +29,8 @@ pub enum MotionSource {
     Root,
     /// The joint of this name; what it hangs on stands still.
     Joint(String),
-    /// The feet of a clip that walks in place: straight ahead, along +Z, as fast as they pass backwards while planted
+    /// The feet of a clip that walks in place: straight ahead, along +Z, as fast as they pass
+    /// backwards while planted
     /// ([`ClipStats::ground_speed_m_per_sec`](crate::ClipStats::ground_speed_m_per_sec)).
     Feet,
 }
@@ -81,7 +82,10 @@ impl Rigid {
     /// `next` first, then this one.
     fn then(&self, next: &Self) -> Self {
         let ([s, c], [t, d]) = (self.heading, next.heading);
-        Self { shift: self.shift + self.turn() * next.shift, heading: [s * d + c * t, c * d - s * t] }
+        Self {
+            shift: self.shift + self.turn() * next.shift,
+            heading: [s * d + c * t, c * d - s * t],
+        }
     }
 
     fn undone(&self) -> Self {
@@ -113,7 +117,8 @@ impl Rigid {
     }
 }
 
-/// How a clip moves a body over the ground: evenly spaced rows, the first of which is where the body stands.
+/// How a clip moves a body over the ground: evenly spaced rows, the first of which is where the
+/// body stands.
 #[derive(Clone, Debug)]
 pub struct RootMotion {
     rows: Vec<Rigid>,
@@ -122,21 +127,22 @@ pub struct RootMotion {
 }
 
 impl RootMotion {
-    /// Where the body is after so much of the clip in seconds, held to its length, from where it stood: metres in the clip's
-    /// own model space, and its heading about +Y in radians.
+    /// Where the body is after so much of the clip in seconds, held to its length, from where it
+    /// stood: metres in the clip's own model space, and its heading about +Y in radians.
     #[must_use]
     pub fn at(&self, secs: f32) -> ([f32; 3], f32) {
         told(&self.rigid(f64::from(secs)))
     }
 
-    /// As [`at`](Self::at), after playing the clip over and over for so many seconds, of a body that began at a part of the
-    /// clip, 0 to 1.
+    /// As [`at`](Self::at), after playing the clip over and over for so many seconds, of a body
+    /// that began at a part of the clip, 0 to 1.
     #[must_use]
     pub fn looped(&self, phase: f32, secs: f32) -> ([f32; 3], f32) {
         let finite = |value: f32| if value.is_finite() { f64::from(value).max(0.0) } else { 0.0 };
         let begun = finite(phase) * self.duration_secs;
         let end = begun + finite(secs);
-        let cycles = if self.duration_secs > 0.0 { (end / self.duration_secs).floor() } else { 0.0 };
+        let cycles =
+            if self.duration_secs > 0.0 { (end / self.duration_secs).floor() } else { 0.0 };
         let moved = self.rigid(begun).undone().then(&self.rigid(self.duration_secs).times(cycles));
         told(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
     }
@@ -166,9 +172,14 @@ impl RootMotion {
 
     fn rigid(&self, secs: f64) -> Rigid {
         let last = self.rows.len() - 1;
-        let place = if self.duration_secs > 0.0 { secs / self.duration_secs * last as f64 } else { 0.0 };
+        let place =
+            if self.duration_secs > 0.0 { secs / self.duration_secs * last as f64 } else { 0.0 };
         let place = place.clamp(0.0, last as f64);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "held to the rows")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "held to the rows"
+        )]
         let row = (place as usize).min(last.saturating_sub(1));
         self.rows[row].mix(&self.rows[last.min(row + 1)], place - row as f64)
     }
@@ -177,7 +188,10 @@ impl RootMotion {
     pub(crate) fn device_rows(&self) -> impl Iterator<Item = Float4> + '_ {
         self.rows.iter().flat_map(|rigid| {
             let [sin, cos] = f64math::to_f32(rigid.heading);
-            [Float4::from_xyz(f64math::to_f32(rigid.shift.to_array())), Float4([sin, cos, 0.0, 0.0])]
+            [
+                Float4::from_xyz(f64math::to_f32(rigid.shift.to_array())),
+                Float4([sin, cos, 0.0, 0.0]),
+            ]
         })
     }
 
@@ -198,8 +212,8 @@ fn told(rigid: &Rigid) -> ([f32; 3], f32) {
 }
 
 impl Clip {
-    /// The same motion with what moves the whole body taken out of its pose: members that are moved by their clips go where
-    /// it goes, others play it in place. [`RootMotion::origin`] of its
+    /// The same motion with what moves the whole body taken out of its pose: members that are moved
+    /// by their clips go where it goes, others play it in place. [`RootMotion::origin`] of its
     /// [`root_motion`](Self::root_motion) tells from where.
     ///
     /// # Errors
@@ -268,9 +282,16 @@ impl Clip {
         let tracks = carrier.in_place(&motion, times, settings.turns);
         let of_joint = |track: &&Track| track.joint == self.skeleton.name(joint);
         let replaced = |track: &Track| tracks.iter().any(|new| new.property == track.property);
-        let kept = self.source.tracks.iter().filter(|track| !(of_joint(track) && replaced(track))).cloned();
-        let source =
-            ClipSource { name: self.source.name.clone(), tracks: kept.chain(tracks.clone()).collect() };
+        let kept = self
+            .source
+            .tracks
+            .iter()
+            .filter(|track| !(of_joint(track) && replaced(track)))
+            .cloned();
+        let source = ClipSource {
+            name: self.source.name.clone(),
+            tracks: kept.chain(tracks.clone()).collect(),
+        };
         Ok(Some(Self { motion: Some(motion), ..Self::new(source, &self.skeleton)? }))
     }
 
@@ -321,10 +342,9 @@ impl Clip {
         let shifts = |joint: &JointIndex| self.rows.storage.ranges[joint.index()][0].step > 0.0;
         let found = match hips {
             Some(hips) => above(hips).into_iter().find(moves),
-            None => self
-                .skeleton
-                .joints()
-                .find(|joint| shifts(joint) && !above(*joint).iter().any(|a| a != joint && moves(a))),
+            None => self.skeleton.joints().find(|joint| {
+                shifts(joint) && !above(*joint).iter().any(|a| a != joint && moves(a))
+            }),
         };
         match found {
             Some(joint) => Ok(joint),
@@ -351,9 +371,12 @@ impl<'a> Carrier<'a> {
     fn new(clip: &'a Clip, curves: &'a Curves<'a>, joint: JointIndex) -> Self {
         let (skeleton, start) = (&clip.skeleton, f64::from(clip.start_secs()));
         let local = |joint| curves.local(joint, start, Side::After);
-        let models =
-            f64math::model_from_joints(&parents(skeleton), skeleton.joints().map(|j| local(j).affine()));
-        let turns = f64math::turns(&parents(skeleton), skeleton.joints().map(|j| local(j).rotation));
+        let models = f64math::model_from_joints(
+            &parents(skeleton),
+            skeleton.joints().map(|j| local(j).affine()),
+        );
+        let turns =
+            f64math::turns(&parents(skeleton), skeleton.joints().map(|j| local(j).rotation));
         let parent = skeleton.parent(joint);
         let above = parent.map_or(glam::DAffine3::IDENTITY, |parent| models[parent.index()]);
         let above_turn = parent.map_or(DQuat::IDENTITY, |parent| turns[parent.index()]);
@@ -372,8 +395,10 @@ impl<'a> Carrier<'a> {
         for secs in times {
             let (place, turn) = self.model(secs);
             let (place0, turn0) = *first.get_or_insert((place, turn));
-            let mut rigid =
-                Rigid { heading: rows.last().map_or([0.0, 1.0], |last| last.heading), ..Rigid::NONE };
+            let mut rigid = Rigid {
+                heading: rows.last().map_or([0.0, 1.0], |last| last.heading),
+                ..Rigid::NONE
+            };
             let DQuat { y, w, .. } = turn * turn0.inverse();
             // Upside down it has no heading, and keeps the last.
             if settings.turns && y * y + w * w > 1e-6 {
@@ -390,10 +415,17 @@ impl<'a> Carrier<'a> {
     }
 
     /// Tracks of what is left of the joint's motion.
-    fn in_place(&self, motion: &RootMotion, times: impl Iterator<Item = f64>, turns: bool) -> Vec<Track> {
-        let own = [Property::Translation, Property::Rotation].map(|p| self.curves.track(self.joint, p));
+    fn in_place(
+        &self,
+        motion: &RootMotion,
+        times: impl Iterator<Item = f64>,
+        turns: bool,
+    ) -> Vec<Track> {
+        let own =
+            [Property::Translation, Property::Rotation].map(|p| self.curves.track(self.joint, p));
         let keys = own.into_iter().flatten().flat_map(|track| &track.times).copied();
-        let mut times: Vec<f32> = times.map(|secs| f64math::to_f32([secs])[0]).chain(keys).collect();
+        let mut times: Vec<f32> =
+            times.map(|secs| f64math::to_f32([secs])[0]).chain(keys).collect();
         times.sort_by(f32::total_cmp);
         times.dedup();
         let track = |property: Property, values: Vec<f32>| Track {
@@ -409,7 +441,9 @@ impl<'a> Carrier<'a> {
             let (place, turn) = self.model(f64::from(*secs));
             let rigid = motion.rigid(f64::from(*secs) - f64::from(self.clip.start_secs()));
             let back = rigid.turn().inverse();
-            places.extend(f64math::to_f32(below.transform_point3(back * (place - rigid.shift)).to_array()));
+            places.extend(f64math::to_f32(
+                below.transform_point3(back * (place - rigid.shift)).to_array(),
+            ));
             let rotation = self.above_turn.inverse() * back * turn;
             rotations.extend(f64math::to_f32(rotation.normalize().to_array()));
         }

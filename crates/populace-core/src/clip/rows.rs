@@ -6,20 +6,22 @@ use super::parents;
 use super::storage::{Judge, Storage};
 use crate::{Interpolation, JointIndex, Property, Skeleton, Trs, f64math};
 
-/// The bound for a body of 1.8 m: half of what is promised at 3 cm from the joints, so that vertices stay within
-/// 1e-4 of the body's height of where the source curves take them.
+/// The bound for a body of 1.8 m: half of what is promised at 3 cm from the joints, so that
+/// vertices stay within 1e-4 of the body's height of where the source curves take them.
 const TOLERANCE_M: f64 = 0.000_16;
 /// The part of it that 16-bit storage may take.
 const STORAGE_M: f64 = 0.000_06;
 const TOLERANCE_BODY_M: f64 = 1.8;
-/// Where it is measured: this far from each joint, or as far as the vertices lie that the joint moves.
+/// Where it is measured: this far from each joint, or as far as the vertices lie that the joint
+/// moves.
 const PROBE_M: f64 = 0.03;
 /// What single precision adds, in parts of the body's size: a few roundings of 2^-24 along a chain.
 const COMPUTED: f64 = 4.8e-7;
 /// A gap between keys is halved at most this often.
 const MAX_HALVINGS: u32 = 12;
-/// A clip gets at most this many rows for each key time, and these many poses of one joint beside: a small file must
-/// not take memory out of proportion. Where they do not do, the clip's stated error is past the bound.
+/// A clip gets at most this many rows for each key time, and these many poses of one joint beside:
+/// a small file must not take memory out of proportion. Where they do not do, the clip's stated
+/// error is past the bound.
 const ROWS_PER_KEY: usize = 8;
 const FREE_POSES: usize = 200_000;
 /// Rows count as evenly spaced when none is off by more than this part of the spacing.
@@ -65,9 +67,11 @@ impl Rows {
         let mut rows = Vec::new();
         let mut worst: f64 = 0.0;
         let times = key_times(curves);
-        let most = (ROWS_PER_KEY * times.len() + FREE_POSES / skeleton.joint_count()).min(most_rows);
+        let most =
+            (ROWS_PER_KEY * times.len() + FREE_POSES / skeleton.joint_count()).min(most_rows);
         for (secs, jumps) in times {
-            let row = Row::new(curves, skeleton, secs, if jumps { Side::Before } else { Side::After });
+            let row =
+                Row::new(curves, skeleton, secs, if jumps { Side::Before } else { Side::After });
             if let Some(last) = rows.pop() {
                 let gap = Gap { curves, skeleton, probes: &probes, reach: &reach, allowed, most };
                 worst = worst.max(gap.fill(last, &row, MAX_HALVINGS, &mut rows));
@@ -77,7 +81,8 @@ impl Rows {
                 rows.push(Row::new(curves, skeleton, secs, Side::After));
             }
         }
-        let driven = skeleton.joints().map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some())).collect();
+        let driven =
+            skeleton.joints().map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some())).collect();
         let allowed = STORAGE_M * scale;
         let storage = Storage::new(
             &rows,
@@ -91,12 +96,27 @@ impl Rows {
         let rows_per_sec = even_rate(&times);
         let (buckets, buckets_per_sec) =
             if rows_per_sec > 0.0 || times.len() < 2 { (Vec::new(), 0.0) } else { buckets(&times) };
-        Self { times, storage, buckets, buckets_per_sec, rows_per_sec, driven, error_bound_m, tolerance_m }
+        Self {
+            times,
+            storage,
+            buckets,
+            buckets_per_sec,
+            rows_per_sec,
+            driven,
+            error_bound_m,
+            tolerance_m,
+        }
     }
 
     /// See [`super::Clip::measured_error_m`].
-    pub(super) fn measured_error_m(&self, curves: &Curves, skeleton: &Skeleton, points: usize) -> f32 {
-        let probes = vec![PROBE_M * f64::from(skeleton.size_m()) / TOLERANCE_BODY_M; skeleton.joint_count()];
+    pub(super) fn measured_error_m(
+        &self,
+        curves: &Curves,
+        skeleton: &Skeleton,
+        points: usize,
+    ) -> f32 {
+        let probes =
+            vec![PROBE_M * f64::from(skeleton.size_m()) / TOLERANCE_BODY_M; skeleton.joint_count()];
         let probes = in_joint_units(skeleton, &probes);
         let parents = parents(skeleton);
         let mut worst: f64 = 0.0;
@@ -127,9 +147,11 @@ impl Rows {
 }
 
 /// All properties, indexed by themselves.
-pub(super) const PROPERTIES: [Property; 3] = [Property::Translation, Property::Rotation, Property::Scale];
+pub(super) const PROPERTIES: [Property; 3] =
+    [Property::Translation, Property::Rotation, Property::Scale];
 
-/// The union of the key times, each with whether a STEP track jumps there. A clip without keys has one time, 0.
+/// The union of the key times, each with whether a STEP track jumps there. A clip without keys has
+/// one time, 0.
 fn key_times(curves: &Curves) -> Vec<(f32, bool)> {
     let mut times = Vec::new();
     for track in curves.all_tracks() {
@@ -183,15 +205,14 @@ fn even_rate(times: &[f32]) -> f32 {
         return 0.0;
     }
     let spacing = span / last as f64;
-    let even = times
-        .iter()
-        .enumerate()
-        .all(|(row, &t)| (f64::from(t) - start - spacing * row as f64).abs() <= EVEN_SPACING * spacing);
+    let even = times.iter().enumerate().all(|(row, &t)| {
+        (f64::from(t) - start - spacing * row as f64).abs() <= EVEN_SPACING * spacing
+    });
     if even { f64math::to_f32([1.0 / spacing])[0] } else { 0.0 }
 }
 
-/// One bucket for each row: the last row at or before the bucket's start, one bucket early so that rounding on a
-/// device cannot skip a row.
+/// One bucket for each row: the last row at or before the bucket's start, one bucket early so that
+/// rounding on a device cannot skip a row.
 fn buckets(times: &[f32]) -> (Vec<u32>, f32) {
     let start = f64::from(times[0]);
     let span = f64::from(times[times.len() - 1]) - start;
@@ -203,7 +224,10 @@ fn buckets(times: &[f32]) -> (Vec<u32>, f32) {
         while row + 1 < count && f64::from(times[row + 1]) <= from {
             row += 1;
         }
-        #[expect(clippy::cast_possible_truncation, reason = "rows are limited by the memory of their keys")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rows are limited by the memory of their keys"
+        )]
         let row = row as u32;
         row
     });

@@ -1,11 +1,13 @@
 //! Rows as devices hold them: 16-bit steps over each joint's own range, in blocks of 16 columns.
 //!
-//! A row is a run of 32-bit words. Each block of 16 columns has, for each property that moves in it, planes of one word
-//! for each column: rotations two planes, `x | y << 16` and `z | w << 16`; translations and scales one plane
-//! `x | y << 16`, then `z` as 16-bit halves, two in a word. Planes end with the last column of the block that moves. A
-//! component's value is `offset + step * n` for the stored `n`; a column that stands still has a step of 0, so what lies
-//! in its place does not matter. Where 16 bits cannot hold the bound a block's property is stored as floats, one plane for
-//! each component, all 16 columns wide: a device may read past a column that moves, and only finite garbage times 0 is 0.
+//! A row is a run of 32-bit words. Each block of 16 columns has, for each property that moves in
+//! it, planes of one word for each column: rotations two planes, `x | y << 16` and `z | w << 16`;
+//! translations and scales one plane `x | y << 16`, then `z` as 16-bit halves, two in a word.
+//! Planes end with the last column of the block that moves. A component's value is
+//! `offset + step * n` for the stored `n`; a column that stands still has a step of 0, so what lies
+//! in its place does not matter. Where 16 bits cannot hold the bound a block's property is stored
+//! as floats, one plane for each component, all 16 columns wide: a device may read past a column
+//! that moves, and only finite garbage times 0 is 0.
 
 use glam::{DQuat, DVec3};
 
@@ -20,7 +22,8 @@ use crate::{JointIndex, Property, Skeleton, Trs, f64math};
 const STEPS: f64 = 65535.0;
 /// Properties of blocks that are made floats one by one.
 const ONE_BY_ONE: usize = 6;
-/// A value counts as still while it moves no probe by more than this part of what storage may be off by.
+/// A value counts as still while it moves no probe by more than this part of what storage may be
+/// off by.
 const STILL: f64 = 0.01;
 
 /// What a column's stored components mean: `offset + step * n`.
@@ -54,8 +57,8 @@ pub(super) struct Storage {
     pub(super) blocks: Vec<RowBlock>,
     /// Per column and [`Property`].
     pub(super) ranges: Vec<[Range; 3]>,
-    /// How far a stored component is from the exact one at most, per column and [`Property`]: metres, quaternion
-    /// components, factors.
+    /// How far a stored component is from the exact one at most, per column and [`Property`]:
+    /// metres, quaternion components, factors.
     pub(super) worst: Vec<[f32; 3]>,
     /// How far that moves any probe, in metres.
     pub(super) error_m: f64,
@@ -102,7 +105,11 @@ impl Storage {
             let columns = block * BLOCK..self.worst.len().min((block + 1) * BLOCK);
             let moved = columns.map(|column| {
                 let worst = f64::from(self.worst[column][property as usize]);
-                if property == Property::Translation { worst } else { 2.0 * worst * judge.reach[column] }
+                if property == Property::Translation {
+                    worst
+                } else {
+                    2.0 * worst * judge.reach[column]
+                }
             });
             moved.fold(0.0, f64::max)
         };
@@ -124,8 +131,13 @@ impl Storage {
             }
         }
         let (blocks, stride) = lay_out(&ranges, floats);
-        let mut stored =
-            Self { words: vec![0; stride * poses.len()], stride, blocks, ranges, ..Self::default() };
+        let mut stored = Self {
+            words: vec![0; stride * poses.len()],
+            stride,
+            blocks,
+            ranges,
+            ..Self::default()
+        };
         for (row, pose) in poses.iter().enumerate() {
             for (column, trs) in pose.iter().enumerate() {
                 stored.put(row, column, Property::Rotation, &trs.rotation);
@@ -136,7 +148,8 @@ impl Storage {
         stored
     }
 
-    /// One row that others will be written over, all that `moves`, per column and [`Property`], as floats.
+    /// One row that others will be written over, all that `moves`, per column and [`Property`], as
+    /// floats.
     pub(super) fn live(pose: Vec<Trs>, moves: &[[bool; 3]]) -> Self {
         let range = |(trs, moves): (&Trs, &[bool; 3])| {
             PROPERTIES.map(|property| Range {
@@ -175,8 +188,12 @@ impl Storage {
     pub(super) fn row_of(&self, pose: &[Trs]) -> Vec<u32> {
         let mut words = vec![0; self.stride];
         for (column, trs) in pose.iter().enumerate().take(self.ranges.len()) {
-            for property in PROPERTIES.into_iter().filter(|p| self.ranges[column][*p as usize].step > 0.0) {
-                for (component, value) in property.of(trs).into_iter().take(property.width()).enumerate() {
+            for property in
+                PROPERTIES.into_iter().filter(|p| self.ranges[column][*p as usize].step > 0.0)
+            {
+                for (component, value) in
+                    property.of(trs).into_iter().take(property.width()).enumerate()
+                {
                     if let Place::Float(word) = self.place(column, property, component) {
                         words[word] = value.to_bits();
                     }
@@ -196,7 +213,8 @@ impl Storage {
             match self.place(column, property, component) {
                 Place::Float(word) => self.words[first + word] = value.to_bits(),
                 Place::Half(word, shift) => {
-                    let n = (f64::from(value) - f64::from(range.offset[component])) / f64::from(range.step);
+                    let n = (f64::from(value) - f64::from(range.offset[component]))
+                        / f64::from(range.step);
                     #[expect(
                         clippy::cast_possible_truncation,
                         clippy::cast_sign_loss,
@@ -239,7 +257,8 @@ impl Storage {
         offset + f64::from(range.step) * n
     }
 
-    /// A joint's local transform at `u` of the way from one stored row to another, as devices interpolate it.
+    /// A joint's local transform at `u` of the way from one stored row to another, as devices
+    /// interpolate it.
     pub(super) fn local(&self, joint: JointIndex, [row, next]: [usize; 2], u: f64) -> Local {
         let mix = |property, component| {
             let at = |row| self.component(row, joint.index(), property, component);
@@ -247,7 +266,8 @@ impl Storage {
         };
         let vector = |property| DVec3::from_array(std::array::from_fn(|c| mix(property, c)));
         Local {
-            rotation: DQuat::from_array(std::array::from_fn(|c| mix(Property::Rotation, c))).normalize(),
+            rotation: DQuat::from_array(std::array::from_fn(|c| mix(Property::Rotation, c)))
+                .normalize(),
             translation: vector(Property::Translation),
             scale: vector(Property::Scale),
         }
@@ -307,21 +327,23 @@ pub(super) fn planes(block: &RowBlock, property: Property) -> (u32, u32) {
     }
 }
 
-/// Per column and property the range of its values. What hardly moves stands still, at rest where it hardly strays from
-/// that.
+/// Per column and property the range of its values. What hardly moves stands still, at rest where
+/// it hardly strays from that.
 fn ranges(poses: &[Vec<Trs>], judge: &Judge) -> Vec<[Range; 3]> {
     let range = |joint: JointIndex, property: Property| {
         let value = |trs: &Trs| property.of(trs);
         let still = STILL * judge.allowed
             / match property {
                 Property::Translation => 1.0,
-                // A component that is off by one part turns by at most twice as many, and there are four.
+                // A component that is off by one part turns by at most twice as many, and there are
+                // four.
                 Property::Rotation => 4.0 * judge.reach[joint.index()],
                 Property::Scale => judge.reach[joint.index()],
             };
         let [low, high] = bounds(poses.iter().map(|pose| value(&pose[joint.index()])));
         let within = |at: [f32; 4]| {
-            (0..4).all(|c| f64::from(high[c] - at[c]) <= still && f64::from(at[c] - low[c]) <= still)
+            (0..4)
+                .all(|c| f64::from(high[c] - at[c]) <= still && f64::from(at[c] - low[c]) <= still)
         };
         let rest = value(judge.skeleton.rest(joint));
         let first = poses.first().map_or(rest, |pose| value(&pose[joint.index()]));
@@ -338,7 +360,10 @@ fn ranges(poses: &[Vec<Trs>], judge: &Judge) -> Vec<[Range; 3]> {
 fn bounds(values: impl Iterator<Item = [f32; 4]>) -> [[f32; 4]; 2] {
     let none = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
     values.fold(none, |[low, high], value| {
-        [std::array::from_fn(|c| low[c].min(value[c])), std::array::from_fn(|c| high[c].max(value[c]))]
+        [
+            std::array::from_fn(|c| low[c].min(value[c])),
+            std::array::from_fn(|c| high[c].max(value[c])),
+        ]
     })
 }
 
@@ -364,7 +389,9 @@ fn lay_out(ranges: &[[Range; 3]], floats: &[[bool; 3]]) -> (Vec<RowBlock>, usize
             };
             let (first_place, lanes_place) = match property {
                 Property::Rotation => (&mut block.rotation_first, &mut block.rotation_lanes),
-                Property::Translation => (&mut block.translation_first, &mut block.translation_lanes),
+                Property::Translation => {
+                    (&mut block.translation_first, &mut block.translation_lanes)
+                }
                 Property::Scale => (&mut block.scale_first, &mut block.scale_lanes),
             };
             (*first_place, *lanes_place) = (stride, lanes);

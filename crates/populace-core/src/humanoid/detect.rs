@@ -6,8 +6,9 @@ use super::{NEEDED, Role, RoleMap, Side, all_roles};
 use crate::{JointIndex, Skeleton};
 
 impl RoleMap {
-    /// Finds roles by the names of joints: of the namings known, the one by which most roles are found. `None` where no
-    /// naming finds hips, legs with feet, arms and something of a back, each hanging where it should.
+    /// Finds roles by the names of joints: of the namings known, the one by which most roles are
+    /// found. `None` where no naming finds hips, legs with feet, arms and something of a back, each
+    /// hanging where it should.
     #[must_use]
     pub fn detect(skeleton: &Skeleton) -> Option<Self> {
         let mut best: Option<Self> = None;
@@ -25,9 +26,11 @@ impl RoleMap {
 
 /// The best map that a naming gives: some have several names that could be the hips'.
 fn by_scheme(skeleton: &Skeleton, scheme: &Scheme) -> Option<RoleMap> {
-    let names: Vec<Name> = skeleton.joints().map(|j| Name::of(skeleton.name(j), scheme.drop)).collect();
-    let maps =
-        candidates(&names, scheme, Role::Hips).into_iter().map(|hips| below(skeleton, scheme, &names, hips));
+    let names: Vec<Name> =
+        skeleton.joints().map(|j| Name::of(skeleton.name(j), scheme.drop)).collect();
+    let maps = candidates(&names, scheme, Role::Hips)
+        .into_iter()
+        .map(|hips| below(skeleton, scheme, &names, hips));
     let mut maps: Vec<RoleMap> = maps.filter(is_humanoid).collect();
     maps.sort_by_key(|map| std::cmp::Reverse(map.joints.len()));
     maps.into_iter().next()
@@ -72,7 +75,8 @@ fn below(skeleton: &Skeleton, scheme: &Scheme, names: &[Name], hips: JointIndex)
         for role in [Side::Left, Side::Right].map(|side| role.on(side)) {
             let wanted: Vec<String> = also.iter().map(|&name| name.to_owned()).collect();
             let joints = matching(names, &wanted, role).into_iter();
-            let others = joints.filter(|j| map.joints.values().all(|taken| taken != j)).map(|j| (role, j));
+            let others =
+                joints.filter(|j| map.joints.values().all(|taken| taken != j)).map(|j| (role, j));
             map.followers.extend(others.collect::<Vec<_>>());
         }
     }

@@ -2,7 +2,8 @@
 
 use super::Side;
 
-/// A joint's name without what tells nothing: lower case, without separators, prefixes and the side.
+/// A joint's name without what tells nothing: lower case, without separators, prefixes and the
+/// side.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Name {
     pub(super) side: Option<Side>,
@@ -48,8 +49,8 @@ fn side_of(word: &str) -> Option<Side> {
     }
 }
 
-/// Lower-case words: parted by anything but letters and digits, and before capitals that a small letter or digit stands
-/// before or after, as in "upperLeg" and "LHipJoint".
+/// Lower-case words: parted by anything but letters and digits, and before capitals that a small
+/// letter or digit stands before or after, as in "upperLeg" and "LHipJoint".
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let letters: Vec<char> = name.chars().collect();
@@ -77,7 +78,11 @@ mod tests {
     #[test]
     fn sides_and_prefixes_are_taken_off() {
         let left = |joint: &str, drop: &[&str], key: &str| {
-            assert_eq!(Name::of(joint, drop), Name { side: Some(Side::Left), key: key.into() }, "{joint}");
+            assert_eq!(
+                Name::of(joint, drop),
+                Name { side: Some(Side::Left), key: key.into() },
+                "{joint}"
+            );
         };
         left("mixamorig:LeftUpLeg", &[], "upleg");
         left("DEF-upper_arm.L", &["def"], "upperarm");

@@ -2,7 +2,8 @@
 
 use super::{FINGERS, Finger, PHALANGES, Phalanx, Role, Side};
 
-/// The names of one kind of rig. Names have lost sides, separators and capitals; of several for a role the first found counts.
+/// The names of one kind of rig. Names have lost sides, separators and capitals; of several for a
+/// role the first found counts.
 pub(super) struct Scheme {
     pub(super) name: &'static str,
     /// Words in front of all names that say nothing.
@@ -44,7 +45,8 @@ impl Scheme {
 }
 
 /// Where several find as many roles the first counts.
-pub(super) const ALL: [Scheme; 8] = [KAYKIT, VRM, MIXAMO, UNREAL, RIGIFY, QUATERNIUS, CMU, POPULACE];
+pub(super) const ALL: [Scheme; 8] =
+    [KAYKIT, VRM, MIXAMO, UNREAL, RIGIFY, QUATERNIUS, CMU, POPULACE];
 
 /// KayKit characters: a few joints, and controls beside them.
 const KAYKIT: Scheme = Scheme {
@@ -199,7 +201,8 @@ const RIGIFY: Scheme = Scheme {
     also: &[],
 };
 
-/// Characters by Quaternius: feet of some are pulled by targets, and palms have a bone for each finger.
+/// Characters by Quaternius: feet of some are pulled by targets, and palms have a bone for each
+/// finger.
 const QUATERNIUS: Scheme = Scheme {
     name: "Quaternius",
     drop: &[],

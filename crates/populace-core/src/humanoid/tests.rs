@@ -17,8 +17,8 @@ fn skeleton(tree: &str) -> Skeleton {
     Skeleton::new(&joints).unwrap()
 }
 
-/// A body of one line for each chain: joints apart by spaces, the first of them in an earlier line or new. `@` stands for
-/// either side, written as `sides` have it.
+/// A body of one line for each chain: joints apart by spaces, the first of them in an earlier line
+/// or new. `@` stands for either side, written as `sides` have it.
 fn body(chains: &[&str], sides: [&str; 2]) -> Skeleton {
     let mut names: Vec<String> = Vec::new();
     let mut joints: Vec<JointSource> = Vec::new();
@@ -40,7 +40,8 @@ fn body(chains: &[&str], sides: [&str; 2]) -> Skeleton {
 
 fn found(skeleton: &Skeleton, naming: &str, count: usize, some: &[(Role, &str)]) {
     let map = RoleMap::detect(skeleton).unwrap_or_else(|| panic!("{naming} is not found"));
-    let all: Vec<_> = map.iter().map(|(role, joint)| format!("{role}: {}", skeleton.name(joint))).collect();
+    let all: Vec<_> =
+        map.iter().map(|(role, joint)| format!("{role}: {}", skeleton.name(joint))).collect();
     assert_eq!((map.naming(), all.len()), (naming, count), "{all:#?}");
     for (role, name) in some {
         assert_eq!(map.joint(*role).map(|j| skeleton.name(j)), Some(*name), "{role}");
@@ -139,8 +140,11 @@ fn rigify() {
         "DEF-hand@ DEF-thumb.01@",
         "DEF-spine DEF-thigh@ DEF-shin@ DEF-foot@ DEF-toe@",
     ];
-    let some =
-        [(Role::Hips, "DEF-spine"), (Role::Head, "DEF-spine.006"), (Role::UpperArm(L), "DEF-upper_arm.L")];
+    let some = [
+        (Role::Hips, "DEF-spine"),
+        (Role::Head, "DEF-spine.006"),
+        (Role::UpperArm(L), "DEF-upper_arm.L"),
+    ];
     found(&body(&chains, [".L", ".R"]), "Rigify", 6 + 2 * 11, &some);
 }
 
@@ -175,8 +179,12 @@ Bone
       LowerLeg.R
 ";
     let skeleton = skeleton(tree);
-    let some =
-        [(Role::Hips, "Body"), (Role::Spine, "Hips"), (Role::UpperChest, "Torso"), (Role::Foot(L), "Foot.L")];
+    let some = [
+        (Role::Hips, "Body"),
+        (Role::Spine, "Hips"),
+        (Role::UpperChest, "Torso"),
+        (Role::Foot(L), "Foot.L"),
+    ];
     found(&skeleton, "Quaternius", 6 + 2 * 7 + 3, &some);
     let map = RoleMap::detect(&skeleton).unwrap();
     let palms: Vec<_> = map.followers().iter().map(|(_, joint)| skeleton.name(*joint)).collect();
@@ -200,7 +208,8 @@ fn cmu() {
 
 #[test]
 fn animals_and_things_are_not_humanoid() {
-    let fox = ["root hips spine neck head", "hips @Leg01 @Leg02 @Foot", "spine @UpperArm @ForeArm @Hand"];
+    let fox =
+        ["root hips spine neck head", "hips @Leg01 @Leg02 @Foot", "spine @UpperArm @ForeArm @Hand"];
     assert_eq!(RoleMap::detect(&body(&fox, ["Left", "Right"])), None);
     assert_eq!(RoleMap::detect(&skeleton("hips\n  spine\n    head")), None);
 }

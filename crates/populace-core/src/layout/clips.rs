@@ -5,9 +5,10 @@ use super::*;
 device_struct! {
     /// A clip's rows and where to find the row of a time.
     ///
-    /// Of a live clip, which rows come into while it plays, they are a ring after the first row, which stays: additive layers
-    /// measure from it. Rows stand [`row_ticks`](Self::row_ticks) apart on the crowd's clock, the newest less than that after
-    /// the one before it. Devices count back from it in whole ticks, so nothing is lost however long the stream goes on.
+    /// Of a live clip, which rows come into while it plays, they are a ring after the first row,
+    /// which stays: additive layers measure from it. Rows stand [`row_ticks`](Self::row_ticks)
+    /// apart on the crowd's clock, the newest less than that after the one before it. Devices count
+    /// back from it in whole ticks, so nothing is lost however long the stream goes on.
     pub struct ClipRows {
         /// Live clips: the clock at the newest row.
         pub newest_tick: u64,
@@ -39,7 +40,8 @@ device_struct! {
         pub row_ticks: u32,
         /// Live clips: the newest row's place in the ring.
         pub newest_row: u32,
-        /// Live clips: ticks from the row before the newest to that, 1 to [`row_ticks`](Self::row_ticks).
+        /// Live clips: ticks from the row before the newest to that, 1 to
+        /// [`row_ticks`](Self::row_ticks).
         pub newest_ticks: u32,
         /// Live clips: 1 divided by [`row_ticks`](Self::row_ticks).
         pub per_row_tick: f32,
@@ -55,8 +57,9 @@ device_struct! {
 }
 
 device_struct! {
-    /// Where in a row a block of 16 columns stands: for each property the first word, or [`NONE`] where nothing moves,
-    /// and the lanes: columns in each plane, with [`ROW_FLOATS`] where planes hold floats instead of 16-bit steps.
+    /// Where in a row a block of 16 columns stands: for each property the first word, or [`NONE`]
+    /// where nothing moves, and the lanes: columns in each plane, with [`ROW_FLOATS`] where planes
+    /// hold floats instead of 16-bit steps.
     pub struct RowBlock {
         /// First word of the rotations.
         pub rotation_first: u32,
@@ -96,7 +99,8 @@ impl RowBlock {
                 (other.translation_first, other.translation_lanes);
         }
         if other.scale_first != NONE {
-            (self.scale_first, self.scale_lanes) = (other.scale_first, self.scale_lanes | other.scale_lanes);
+            (self.scale_first, self.scale_lanes) =
+                (other.scale_first, self.scale_lanes | other.scale_lanes);
         }
         self
     }
@@ -107,22 +111,26 @@ device_struct! {
     pub struct BoundClip {
         /// Into `clips`.
         pub clip: u32,
-        /// Into `joint_maps`: for each joint the clip's column and `MAP_` flags of what its rows drive.
+        /// Into `joint_maps`: for each joint the clip's column and `MAP_` flags of what its rows
+        /// drive.
         pub map_first: u32,
-        /// Into `poses`: thirteen planes of what the joints' stored components mean (see [`RANGE_PLANES`]).
+        /// Into `poses`: thirteen planes of what the joints' stored components mean (see
+        /// [`RANGE_PLANES`]).
         pub range_first: u32,
         /// Into `bound_blocks`: one for each block of 16 joints of the body.
         pub block_first: u32,
         /// The body it is bound to; [`NONE`] for a turn, which no slot may name.
         pub body: u32,
-        /// Into `bound_clips`: the turn that what was sampled goes through next, or [`NONE`]. A turn is a bound clip whose
-        /// ranges are those of [`TURN_PLANES`]; blocks that have no [`BLOCK_TURNED`] do not look at it.
+        /// Into `bound_clips`: the turn that what was sampled goes through next, or [`NONE`]. A
+        /// turn is a bound clip whose ranges are those of [`TURN_PLANES`]; blocks that have no
+        /// [`BLOCK_TURNED`] do not look at it.
         pub next: u32,
         /// How far root motion takes the body, in parts of how far it takes that of the clip.
         pub motion_scale: f32,
         /// Into `row_blocks`: where in a row the first 16 columns stand.
         pub row_block_first: u32,
-        /// Into `rows`, in words: where the rows of a turn begin that has its own, one for each of the clip's.
+        /// Into `rows`, in words: where the rows of a turn begin that has its own, one for each of
+        /// the clip's.
         pub row_first: u32,
         /// Words from one of these to the next; 0 where the clip's rows are taken.
         pub row_stride: u32,
@@ -130,7 +138,8 @@ device_struct! {
 }
 
 device_struct! {
-    /// Where 16 neighbouring joints of a body find their columns in a clip's rows. The first six are those of a
+    /// Where 16 neighbouring joints of a body find their columns in a clip's rows. The first six
+    /// are those of a
     /// [`RowBlock`]: where [`BLOCK_STRAIGHT`] is set, of the one that the joints follow; else a first word only tells
     /// whether anything moves, and lanes whether any of it is held as floats.
     pub struct BoundBlock {
@@ -176,7 +185,8 @@ device_struct! {
     pub struct Source {
         /// Into `row_blocks`.
         pub block: u32,
-        /// Into `source_lanes`: for each of the 16 joints its lane in the block, or [`NONE`] where it follows another.
+        /// Into `source_lanes`: for each of the 16 joints its lane in the block, or [`NONE`] where
+        /// it follows another.
         pub lanes_first: u32,
     }
 }

@@ -3,7 +3,8 @@
 use super::*;
 
 device_struct! {
-    /// A body: a skeleton and the palette entries of the meshes on it. Offsets count elements of the tables named.
+    /// A body: a skeleton and the palette entries of the meshes on it. Offsets count elements of
+    /// the tables named.
     pub struct Body {
         /// Into `parents`.
         pub joint_first: u32,
@@ -11,7 +12,8 @@ device_struct! {
         pub joint_count: u32,
         /// Joints, padded to whole blocks of [`JOINT_BLOCK`].
         pub padded_count: u32,
-        /// Into `levels`: `level_count + 1` joint indices, the first of each level and the end of the last.
+        /// Into `levels`: `level_count + 1` joint indices, the first of each level and the end of
+        /// the last.
         pub level_first: u32,
         /// Levels.
         pub level_count: u32,
@@ -51,10 +53,12 @@ device_struct! {
         pub body: u32,
         /// Into the joint buffer: the member's first joint, at a whole block.
         pub joint_first: u32,
-        /// The member's first palette entry: page times [`PAGE_ENTRIES`] plus the place within the page.
+        /// The member's first palette entry: page times [`PAGE_ENTRIES`] plus the place within the
+        /// page.
         pub palette_first: u32,
-        /// Layers in use, 1 to [`LAYERS_PER_MEMBER`], in the lower [`MEMBER_LAYER_BITS`]; above them the phase in which the
-        /// member is evaluated: 0, or one after that of the member that it is attached to.
+        /// Layers in use, 1 to [`LAYERS_PER_MEMBER`], in the lower [`MEMBER_LAYER_BITS`]; above
+        /// them the phase in which the member is evaluated: 0, or one after that of the member that
+        /// it is attached to.
         pub layers_and_phase: u32,
         /// Into `controls`, or [`NONE`] where nothing but clips moves the member.
         pub control: u32,
@@ -78,9 +82,11 @@ device_struct! {
         pub local_count: u32,
         /// Changes with whose control this is, so that nobody takes over another's state.
         pub epoch: u32,
-        /// Into `joint_scales`: a factor for the length of each joint's translation, padded, or [`NONE`].
+        /// Into `joint_scales`: a factor for the length of each joint's translation, padded, or
+        /// [`NONE`].
         pub scale_first: u32,
-        /// Steps after those of `step_count`, by joint: users' stages that work on local transforms.
+        /// Steps after those of `step_count`, by joint: users' stages that work on local
+        /// transforms.
         pub pose_step_count: u32,
         /// The member's place.
         pub member: u32,
@@ -96,7 +102,8 @@ device_struct! {
         pub kind: u32,
         /// Into `constraints`, `overrides` or `watched`, or a stage's number, by kind.
         pub index: u32,
-        /// The first of the member's turns that it writes, or the one that it takes; [`STEP_STAGE`]: into `stage_values`;
+        /// The first of the member's turns that it writes, or the one that it takes;
+        /// [`STEP_STAGE`]: into `stage_values`;
         /// [`STEP_ATTACH`]: into `overrides`.
         pub turn: u32,
     }
@@ -125,18 +132,18 @@ device_struct! {
 device_struct! {
     /// A constraint on a chain of joints.
     pub struct Constraint {
-        /// Gaze: where the last joint faces, in its own space, and the tangent of the most to turn to either side. Limbs:
-        /// where the middle joint bends to, in the first joint's space.
+        /// Gaze: where the last joint faces, in its own space, and the tangent of the most to turn
+        /// to either side. Limbs: where the middle joint bends to, in the first joint's space.
         pub axis: Float4,
-        /// Gaze: the front of the first joint's parent, in that one's space, and the tangent of the most to turn up. Limbs:
-        /// the pole, a direction in model space, and 1 where there is one.
+        /// Gaze: the front of the first joint's parent, in that one's space, and the tangent of the
+        /// most to turn up. Limbs: the pole, a direction in model space, and 1 where there is one.
         pub front: Float4,
-        /// Gaze: up for the first joint's parent, in that one's space, and the tangent of the most to turn down. Feet: rest
-        /// height in metres, the height up to which a foot is planted, the one from which it follows the clip alone, and
-        /// how far it may be held back.
+        /// Gaze: up for the first joint's parent, in that one's space, and the tangent of the most
+        /// to turn down. Feet: rest height in metres, the height up to which a foot is planted, the
+        /// one from which it follows the clip alone, and how far it may be held back.
         pub up: Float4,
-        /// Gaze: the most to turn to either side, up, down, in radians. Limbs: the part of the length in which the chain
-        /// straightens, then the constraint's weight.
+        /// Gaze: the most to turn to either side, up, down, in radians. Limbs: the part of the
+        /// length in which the chain straightens, then the constraint's weight.
         pub limits: Float4,
         /// Into `links`: the chain, every joint from the first to the last.
         pub link_first: u32,
@@ -168,7 +175,8 @@ device_struct! {
 }
 
 device_struct! {
-    /// Something to look at or to reach, with a weight in closed form as that of a slot, eased at both ends.
+    /// Something to look at or to reach, with a weight in closed form as that of a slot, eased at
+    /// both ends.
     pub struct Target {
         /// A point in metres, or a direction.
         pub point: Float4,
@@ -190,8 +198,9 @@ device_struct! {
 }
 
 device_struct! {
-    /// The ground that feet stand on, in world space: `height = offset + slope_x * x + slope_z * z`, and on a grid of
-    /// samples within it what these hold besides.
+    /// The ground that feet stand on, in world space:
+    /// `height = offset + slope_x * x + slope_z * z`, and on a grid of samples within it what these
+    /// hold besides.
     pub struct Ground {
         /// Metres at the origin.
         pub offset: f32,

@@ -3,33 +3,39 @@
 use super::*;
 
 device_struct! {
-    /// One playing clip of a member, in closed form: devices evaluate it from the clock and never write it.
+    /// One playing clip of a member, in closed form: devices evaluate it from the clock and never
+    /// write it.
     ///
-    /// The phase is a 64-bit fraction of the clip's cycle, `start_phase + elapsed * phase_rate`, wrapping: exact for
-    /// all time, and equal on every device. [`SLOT_ONCE`] is at its end when `elapsed * |phase_rate|` fills a cycle,
-    /// which the upper half of the 128-bit product tells.
+    /// The phase is a 64-bit fraction of the clip's cycle, `start_phase + elapsed * phase_rate`,
+    /// wrapping: exact for all time, and equal on every device. [`SLOT_ONCE`] is at its end when
+    /// `elapsed * |phase_rate|` fills a cycle, which the upper half of the 128-bit product tells.
     pub struct Slot {
         /// The clock when the slot began.
         pub start_tick: u64,
-        /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays backwards. [`SLOT_LIVE`]: how many
-        /// ticks ago is shown. [`SLOT_SETTLING`]: how the clip stood when it was left, two floats: in the lower half where in
-        /// its rows, in the upper how many times the way to the far row ([`far_row`](crate::far_row)) it would have gone
+        /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays
+        /// backwards. [`SLOT_LIVE`]: how many ticks ago is shown. [`SLOT_SETTLING`]: how the clip
+        /// stood when it was left, two floats: in the lower half where in its rows, in the upper
+        /// how many times the way to the far row ([`far_row`](crate::far_row)) it would have gone
         /// while the slot settles.
         pub phase_rate: u64,
-        /// The clock when the weight began to move. [`SLOT_SETTLING`]: how the clip stood that took this one's place, alike.
+        /// The clock when the weight began to move. [`SLOT_SETTLING`]: how the clip stood that took
+        /// this one's place, alike.
         pub weight_tick: u64,
         /// [`SLOT_LOOP`]: the phase at `start_tick`, in 2^-32 of the clip's length. [`SLOT_HELD`]: the bits of the
-        /// time that the slot stands at, a single-precision number of seconds on the clip's own axis.
-        /// [`SLOT_ONCE`] begins at the clip's start, or at its end where it plays backwards, and has zero here.
+        /// time that the slot stands at, a single-precision number of seconds on the clip's own
+        /// axis. [`SLOT_ONCE`] begins at the clip's start, or at its end where it plays backwards,
+        /// and has zero here.
         /// [`SLOT_SETTLING`]: into `bound_clips`, the clip that took this one's place.
         pub start_phase: u32,
         /// Into `bound_clips`, or [`NONE`] for an empty slot.
         pub bound_clip: u32,
-        /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is mixed in.
+        /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is
+        /// mixed in.
         pub layer_and_mode: u32,
         /// Weight up to `weight_tick`. [`SLOT_SETTLING`]: the clip's part of what the layer showed.
         pub start_weight: f32,
-        /// Weight per second; 0 where it is at its end from `weight_tick` on. [`SLOT_SETTLING`]: by how much that part would have changed while the slot settles.
+        /// Weight per second; 0 where it is at its end from `weight_tick` on. [`SLOT_SETTLING`]: by
+        /// how much that part would have changed while the slot settles.
         pub weight_rate: f32,
         /// Where the weight stops. [`SLOT_SETTLING`]: 1 divided by the ticks that it settles in.
         pub end_weight: f32,
@@ -37,7 +43,8 @@ device_struct! {
 }
 
 device_struct! {
-    /// A state of a machine, for members of one body: what of a [`Slot`] is the same whenever the state is entered.
+    /// A state of a machine, for members of one body: what of a [`Slot`] is the same whenever the
+    /// state is entered.
     pub struct MachineState {
         /// As [`Slot::phase_rate`].
         pub phase_rate: u64,
@@ -103,8 +110,8 @@ device_struct! {
 }
 
 device_struct! {
-    /// Where a [`Runner`] is: written by devices once a frame, and as whole ticks and comparisons alone lead there, the same
-    /// on all of them.
+    /// Where a [`Runner`] is: written by devices once a frame, and as whole ticks and comparisons
+    /// alone lead there, the same on all of them.
     pub struct Running {
         /// The clock when the state was entered.
         pub entry_tick: u64,
@@ -134,14 +141,15 @@ device_struct! {
     pub struct Layer {
         /// From 0 to 1; not looked at in layer 0.
         pub weight: f32,
-        /// [`LAYER_ADDITIVE`] or not, and in the bits of [`LAYER_MASK`] where in `masks` a weight per joint stands, or
-        /// all of them for all joints.
+        /// [`LAYER_ADDITIVE`] or not, and in the bits of [`LAYER_MASK`] where in `masks` a weight
+        /// per joint stands, or all of them for all joints.
         pub mask_and_mode: u32,
     }
 }
 
 device_struct! {
-    /// What the evaluate stage finds for one slot: two neighbouring rows, how far between them, and the weight.
+    /// What the evaluate stage finds for one slot: two neighbouring rows, how far between them, and
+    /// the weight.
     pub struct SlotSample {
         /// Into `rows`, in words.
         pub row0: u32,

@@ -2,7 +2,8 @@
 
 use super::{Real, Trs};
 
-/// The twelve elements, row by row, of the matrix of translation times rotation times scale (glTF 2.0, section 3.5.3).
+/// The twelve elements, row by row, of the matrix of translation times rotation times scale (glTF
+/// 2.0, section 3.5.3).
 #[inline(always)]
 #[must_use]
 pub fn components<R: Real>(t: [R; 3], [x, y, z, w]: [R; 4], s: [R; 3]) -> [R; 12] {
@@ -40,7 +41,8 @@ impl Affine {
     #[inline]
     #[must_use]
     pub fn from_trs(trs: &Trs) -> Self {
-        let [a, b, c, d, e, f, g, h, i, j, k, l] = components(trs.translation, trs.rotation, trs.scale);
+        let [a, b, c, d, e, f, g, h, i, j, k, l] =
+            components(trs.translation, trs.rotation, trs.scale);
         Self { rows: [[a, b, c, d], [e, f, g, h], [i, j, k, l]] }
     }
 
@@ -86,7 +88,8 @@ impl Affine {
     #[must_use]
     pub fn turned(&self, turn: [f32; 4]) -> Self {
         let [a, b, c, _, e, f, g, _, i, j, k, _] = components([0.0; 3], turn, [1.0; 3]);
-        let mut rows = Self { rows: [[a, b, c, 0.0], [e, f, g, 0.0], [i, j, k, 0.0]] }.mul(self).rows;
+        let mut rows =
+            Self { rows: [[a, b, c, 0.0], [e, f, g, 0.0], [i, j, k, 0.0]] }.mul(self).rows;
         for (row, place) in rows.iter_mut().zip(self.origin()) {
             row[3] = place;
         }
@@ -100,10 +103,17 @@ impl Affine {
         [a[0], b[0], c[0], 0.0, a[1], b[1], c[1], 0.0, a[2], b[2], c[2], 0.0, a[3], b[3], c[3], 1.0]
     }
 
-    /// Builds from the sixteen elements of a 4x4 matrix, column-major; the fourth row is not looked at.
+    /// Builds from the sixteen elements of a 4x4 matrix, column-major; the fourth row is not looked
+    /// at.
     #[must_use]
     pub fn from_cols_array(m: &[f32; 16]) -> Self {
-        Self { rows: [[m[0], m[4], m[8], m[12]], [m[1], m[5], m[9], m[13]], [m[2], m[6], m[10], m[14]]] }
+        Self {
+            rows: [
+                [m[0], m[4], m[8], m[12]],
+                [m[1], m[5], m[9], m[13]],
+                [m[2], m[6], m[10], m[14]],
+            ],
+        }
     }
 
     /// Whether every element is finite.

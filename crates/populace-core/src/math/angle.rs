@@ -6,8 +6,9 @@ pub const HALF_TURN: f32 = std::f32::consts::PI;
 /// A quarter of a turn.
 const QUARTER: f32 = std::f32::consts::FRAC_PI_2;
 
-/// The angle from +X towards +Y of a vector in the plane, from -pi to pi, within 1e-6; 0 for a vector of no length. By
-/// `atan(a) = atan(1/2) + atan((a - 1/2) / (1 + a/2))` the series is needed for a third at most.
+/// The angle from +X towards +Y of a vector in the plane, from -pi to pi, within 1e-6; 0 for a
+/// vector of no length. By `atan(a) = atan(1/2) + atan((a - 1/2) / (1 + a/2))` the series is needed
+/// for a third at most.
 #[inline]
 #[must_use]
 pub fn of(y: f32, x: f32) -> f32 {
@@ -21,7 +22,8 @@ pub fn of(y: f32, x: f32) -> f32 {
     let far = ratio > 0.25;
     let a = if far { (ratio - 0.5) / (1.0 + 0.5 * ratio) } else { ratio };
     let s = a * a;
-    let series = 1.0 + s * (-1.0 / 3.0 + s * (0.2 + s * (-1.0 / 7.0 + s * (1.0 / 9.0 + s * (-1.0 / 11.0)))));
+    let series =
+        1.0 + s * (-1.0 / 3.0 + s * (0.2 + s * (-1.0 / 7.0 + s * (1.0 / 9.0 + s * (-1.0 / 11.0)))));
     let near = a * series + if far { 0.463_647_6 } else { 0.0 };
     let upper = if steep { QUARTER - near } else { near };
     let right = if x < 0.0 { HALF_TURN - upper } else { upper };
@@ -44,7 +46,8 @@ pub fn sin_cos(angle: f32) -> (f32, f32) {
         + s * (-0.5
             + s * (1.0 / 24.0
                 + s * (-1.0 / 720.0
-                    + s * (1.0 / 40_320.0 + s * (-1.0 / 3_628_800.0 + s * (1.0 / 479_001_600.0))))));
+                    + s * (1.0 / 40_320.0
+                        + s * (-1.0 / 3_628_800.0 + s * (1.0 / 479_001_600.0))))));
     (2.0 * sin * cos, 1.0 - 2.0 * sin * sin)
 }
 
@@ -62,7 +65,9 @@ mod tests {
             let single = angle as f32;
             let (sin, cos) = sin_cos(single);
             let (exact_sin, exact_cos) = f64::from(single).sin_cos();
-            worst = worst.max((f64::from(sin) - exact_sin).abs()).max((f64::from(cos) - exact_cos).abs());
+            worst = worst
+                .max((f64::from(sin) - exact_sin).abs())
+                .max((f64::from(cos) - exact_cos).abs());
             let (y, x) = (sin * 3.0, cos * 3.0);
             worst = worst.max((f64::from(of(y, x)) - f64::from(y).atan2(f64::from(x))).abs());
         }

@@ -46,8 +46,8 @@ impl Trs {
     }
 }
 
-/// The largest size of a number that calls take, such as a coordinate in metres: products of several stay within single
-/// precision.
+/// The largest size of a number that calls take, such as a coordinate in metres: products of
+/// several stay within single precision.
 pub const LARGEST: f32 = 1e9;
 
 /// The largest scale factor that calls take; a member's own scale is at least 1 part of it.

@@ -4,10 +4,16 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number, or several that go through the same arithmetic: one for each of several joints.
 ///
-/// The stages are written once for any `Real`, in `populace-native`, and once in OpenCL C, in the same order of
-/// operations. They use no function beyond `+ - * /`, so that devices that round quotients correctly agree bit for bit.
+/// The stages are written once for any `Real`, in `populace-native`, and once in OpenCL C, in the
+/// same order of operations. They use no function beyond `+ - * /`, so that devices that round
+/// quotients correctly agree bit for bit.
 pub trait Real:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
 {
     /// The answer of a comparison, for each number.
     type Choice: Copy;
@@ -21,13 +27,14 @@ pub trait Real:
     /// `a` where chosen, else `b`.
     fn choose(which: Self::Choice, a: Self, b: Self) -> Self;
 
-    /// A first guess of `1 / sqrt(self)`, within 3.5%, from the bits: half the exponent, turned around.
+    /// A first guess of `1 / sqrt(self)`, within 3.5%, from the bits: half the exponent, turned
+    /// around.
     #[must_use]
     fn inverse_sqrt_guess(self) -> Self;
 
-    /// `1 / sqrt(self)` within three units in the last place, by `+ - *` alone: a guess and three steps of Newton's
-    /// method. Every device rounds it alike, and it costs a CPU less than a root and a quotient. `self` is positive and
-    /// normal.
+    /// `1 / sqrt(self)` within three units in the last place, by `+ - *` alone: a guess and three
+    /// steps of Newton's method. Every device rounds it alike, and it costs a CPU less than a root
+    /// and a quotient. `self` is positive and normal.
     #[inline(always)]
     #[must_use]
     fn inverse_sqrt(self) -> Self {
@@ -44,8 +51,8 @@ pub trait Real:
     }
 }
 
-/// The magic number of [`Real::inverse_sqrt_guess`]: it halves and turns around the exponent's bias, and balances the
-/// error.
+/// The magic number of [`Real::inverse_sqrt_guess`]: it halves and turns around the exponent's
+/// bias, and balances the error.
 pub const INVERSE_SQRT_BITS: u32 = 0x5f37_59df;
 
 impl Real for f32 {

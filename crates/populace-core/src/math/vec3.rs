@@ -95,8 +95,8 @@ pub fn turned<R: Real>(q: [R; 4], v: Vec3<R>) -> Vec3<R> {
     add(add_scaled(v, twice, q[3]), cross(axis, twice))
 }
 
-/// The shortest turn that takes one unit vector to another. Where they are opposite it is half a turn about an axis at a
-/// right angle to both, the nearest to `about`.
+/// The shortest turn that takes one unit vector to another. Where they are opposite it is half a
+/// turn about an axis at a right angle to both, the nearest to `about`.
 #[inline]
 #[must_use]
 pub fn between(from: Vec3, to: Vec3, about: Vec3) -> [f32; 4] {
@@ -137,8 +137,13 @@ mod tests {
     #[test]
     fn the_shortest_turn_takes_one_vector_to_the_other_even_where_they_are_opposite() {
         let unit = |v: Vec3| unit_or(v, [0.0; 3]);
-        let vectors =
-            [[1.0, 2.0, 3.0], [-1.0, 0.2, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, -2.0, -3.0]];
+        let vectors = [
+            [1.0, 2.0, 3.0],
+            [-1.0, 0.2, 0.0],
+            [0.0, 1.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [-1.0, -2.0, -3.0],
+        ];
         for from in vectors.map(unit) {
             for to in vectors.map(unit) {
                 let arrived = turned(between(from, to, [0.3, 0.5, -0.1]), from);

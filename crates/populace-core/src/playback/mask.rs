@@ -30,9 +30,11 @@ impl Mask {
     ///
     /// # Errors
     ///
-    /// [`Error::BadMask`] where the number of weights is not the number of joints, or one is not from 0 to 1.
+    /// [`Error::BadMask`] where the number of weights is not the number of joints, or one is not
+    /// from 0 to 1.
     pub fn new(skeleton: &Skeleton, weights: Vec<f32>) -> Result<Self, Error> {
-        let good = weights.len() == skeleton.joint_count() && weights.iter().all(|w| (0.0..=1.0).contains(w));
+        let good = weights.len() == skeleton.joint_count()
+            && weights.iter().all(|w| (0.0..=1.0).contains(w));
         if good {
             Ok(Self { weights })
         } else {
@@ -74,19 +76,23 @@ impl Mask {
         Ok(Self { weights })
     }
 
-    /// Weight 1 for the joints of these humanoid roles, 0 for those of others. A joint without a role counts with the nearest
-    /// above it that has one.
+    /// Weight 1 for the joints of these humanoid roles, 0 for those of others. A joint without a
+    /// role counts with the nearest above it that has one.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRole`] for a role that the body has no joint of, [`Error::BadMask`] for the roles of another skeleton.
+    /// [`Error::BadRole`] for a role that the body has no joint of, [`Error::BadMask`] for the
+    /// roles of another skeleton.
     pub fn of_roles(
         skeleton: &Skeleton,
         map: &RoleMap,
         roles: impl IntoIterator<Item = Role>,
     ) -> Result<Self, Error> {
         if map.joint_count() != skeleton.joint_count() {
-            return Err(Error::BadMask { weights: map.joint_count(), joints: skeleton.joint_count() });
+            return Err(Error::BadMask {
+                weights: map.joint_count(),
+                joints: skeleton.joint_count(),
+            });
         }
         let mut own = vec![None; skeleton.joint_count()];
         map.iter().for_each(|(_, joint)| own[joint.index()] = Some(0.0));
@@ -112,17 +118,20 @@ impl Mask {
         Self { weights }
     }
 
-    /// Lets the weights fade in down the hierarchy, over so many joints, so that no seam shows where the mask begins: a
-    /// joint whose parent weighs nothing is the first, its children are the second, and so on; the `n`th keeps
-    /// `n / joints` of its weight, the last of them and those below it all. 3 gives 1/3, 2/3, 1, 1; 0 and 1 change
-    /// nothing.
+    /// Lets the weights fade in down the hierarchy, over so many joints, so that no seam shows
+    /// where the mask begins: a joint whose parent weighs nothing is the first, its children are
+    /// the second, and so on; the `n`th keeps `n / joints` of its weight, the last of them and
+    /// those below it all. 3 gives 1/3, 2/3, 1, 1; 0 and 1 change nothing.
     ///
     /// # Errors
     ///
     /// [`Error::BadMask`] for another skeleton's mask.
     pub fn with_falloff(mut self, skeleton: &Skeleton, joints: u32) -> Result<Self, Error> {
         if self.weights.len() != skeleton.joint_count() {
-            return Err(Error::BadMask { weights: self.weights.len(), joints: skeleton.joint_count() });
+            return Err(Error::BadMask {
+                weights: self.weights.len(),
+                joints: skeleton.joint_count(),
+            });
         }
         let mut depths = vec![0_u32; self.weights.len()];
         for joint in skeleton.joints().filter(|_| joints > 1) {
@@ -162,9 +171,15 @@ impl Mask {
 
     fn with_each(mut self, other: &Self, merge: impl Fn(f32, f32) -> f32) -> Result<Self, Error> {
         if self.weights.len() != other.weights.len() {
-            return Err(Error::BadMask { weights: other.weights.len(), joints: self.weights.len() });
+            return Err(Error::BadMask {
+                weights: other.weights.len(),
+                joints: self.weights.len(),
+            });
         }
-        self.weights.iter_mut().zip(&other.weights).for_each(|(own, other)| *own = merge(*own, *other));
+        self.weights
+            .iter_mut()
+            .zip(&other.weights)
+            .for_each(|(own, other)| *own = merge(*own, *other));
         Ok(self)
     }
 
@@ -182,7 +197,8 @@ mod tests {
 
     /// hips - spine - chest - (head, arm - hand), and a leg on the hips; a prop of its own.
     fn skeleton() -> Skeleton {
-        let joint = |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
+        let joint =
+            |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
         let joints = [
             joint("hips", None),
             joint("spine", Some(0)),
@@ -210,7 +226,10 @@ mod tests {
     #[test]
     fn joints_and_subtrees_are_found_by_name() {
         let s = skeleton();
-        assert_weights(&Mask::of_joints(&s, ["spine", "hand"]).unwrap(), &[("spine", 1.0), ("hand", 1.0)]);
+        assert_weights(
+            &Mask::of_joints(&s, ["spine", "hand"]).unwrap(),
+            &[("spine", 1.0), ("hand", 1.0)],
+        );
         let trees = Mask::of_subtrees(&s, ["arm", "leg"]).unwrap();
         assert_weights(&trees, &[("arm", 1.0), ("hand", 1.0), ("leg", 1.0)]);
         assert_weights(&Mask::of_subtrees::<&str>(&s, []).unwrap(), &[]);
@@ -222,13 +241,17 @@ mod tests {
     #[test]
     fn regions_of_the_body_are_found_by_role() {
         use crate::humanoid::Side::{Left, Right};
-        let joint = |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
-        let names = ["hips", "spine", "head", "hat", "leftUpperArm", "twist", "leftLowerArm", "leftHand"];
+        let joint =
+            |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
+        let names =
+            ["hips", "spine", "head", "hat", "leftUpperArm", "twist", "leftLowerArm", "leftHand"];
         let parents = [None, Some(0), Some(1), Some(2), Some(1), Some(4), Some(5), Some(6)];
         let mut joints: Vec<_> =
             names.into_iter().zip(parents).map(|(name, parent)| joint(name, parent)).collect();
         for side in ["left", "right"] {
-            for (part, parent) in [("UpperLeg", 0), ("LowerLeg", joints.len()), ("Foot", joints.len() + 1)] {
+            for (part, parent) in
+                [("UpperLeg", 0), ("LowerLeg", joints.len()), ("Foot", joints.len() + 1)]
+            {
                 joints.push(joint(&format!("{side}{part}"), Some(parent)));
             }
         }
@@ -275,7 +298,8 @@ mod tests {
         let s = skeleton();
         let third = 1.0 / 3.0;
         let spine = Mask::of_subtrees(&s, ["spine"]).unwrap();
-        let wanted = [("spine", third), ("chest", 2.0 * third), ("head", 1.0), ("arm", 1.0), ("hand", 1.0)];
+        let wanted =
+            [("spine", third), ("chest", 2.0 * third), ("head", 1.0), ("arm", 1.0), ("hand", 1.0)];
         assert_weights(&spine.clone().with_falloff(&s, 3).unwrap(), &wanted);
         for none in [0, 1] {
             assert_eq!(spine.clone().with_falloff(&s, none).unwrap(), spine);
@@ -297,8 +321,14 @@ mod tests {
         let arm = Mask::of_subtrees(&s, ["arm"]).unwrap();
         let rest = upper.without(&arm).unwrap();
         assert_weights(&rest, &[("spine", 0.5), ("chest", 1.0), ("head", 1.0)]);
-        let wanted =
-            [("hips", 1.0), ("spine", 0.5), ("arm", 1.0), ("hand", 1.0), ("leg", 1.0), ("prop", 1.0)];
+        let wanted = [
+            ("hips", 1.0),
+            ("spine", 0.5),
+            ("arm", 1.0),
+            ("hand", 1.0),
+            ("leg", 1.0),
+            ("prop", 1.0),
+        ];
         assert_weights(&rest.inverted(), &wanted);
     }
 
@@ -306,8 +336,10 @@ mod tests {
     fn masks_of_other_skeletons_and_bad_weights_are_refused() {
         let s = skeleton();
         let one =
-            Skeleton::new(&[JointSource { name: "a".into(), parent: None, rest: Trs::IDENTITY }]).unwrap();
-        let (mask, other) = (Mask::of_joints(&s, ["arm"]).unwrap(), Mask::of_joints(&one, ["a"]).unwrap());
+            Skeleton::new(&[JointSource { name: "a".into(), parent: None, rest: Trs::IDENTITY }])
+                .unwrap();
+        let (mask, other) =
+            (Mask::of_joints(&s, ["arm"]).unwrap(), Mask::of_joints(&one, ["a"]).unwrap());
         let is_bad = |result: Result<Mask, Error>| matches!(result, Err(Error::BadMask { .. }));
         assert!(is_bad(mask.clone().and(&other)) && is_bad(mask.clone().without(&other)));
         assert!(is_bad(other.with_falloff(&s, 2)));

@@ -1,4 +1,5 @@
-//! What only the host asks of a slot's closed form: how fast it runs, when it ends, and another speed from now on.
+//! What only the host asks of a slot's closed form: how fast it runs, when it ends, and another
+//! speed from now on.
 
 use super::{TICKS_PER_SEC, once_rate, phase_rate, upper_half};
 use crate::layout::{
@@ -23,7 +24,8 @@ impl Slot {
         matches!(self.mode(), SLOT_HELD | SLOT_LIVE | SLOT_MACHINE | SLOT_SETTLING)
     }
 
-    /// Times the pace of a clip of that length; negative runs backwards. 0 for one that stands, 1 for one that is live.
+    /// Times the pace of a clip of that length; negative runs backwards. 0 for one that stands, 1
+    /// for one that is live.
     #[must_use]
     pub fn speed(&self, duration_secs: f32) -> f32 {
         if self.is_tied() {
@@ -31,13 +33,16 @@ impl Slot {
         }
         let rate = self.phase_rate.cast_signed();
         let cycles_per_tick = rate as f64 / CYCLE as f64;
-        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rounding to the nearest f32 is what is wanted"
+        )]
         let speed = (cycles_per_tick * TICKS_PER_SEC as f64 * f64::from(duration_secs)) as f32;
         speed
     }
 
-    /// When a slot that plays once reaches its end, and one that loops, seen from `tick`, the next end of a cycle. `None`
-    /// for one that stands, that is live, or that is a machine's.
+    /// When a slot that plays once reaches its end, and one that loops, seen from `tick`, the next
+    /// end of a cycle. `None` for one that stands, that is live, or that is a machine's.
     #[must_use]
     pub fn end_tick(&self, tick: u64) -> Option<u64> {
         let rate = u128::from(self.phase_rate.cast_signed().unsigned_abs());
@@ -52,11 +57,13 @@ impl Slot {
         Some(from.saturating_add(u64::try_from(left.div_ceil(rate)).unwrap_or(u64::MAX)))
     }
 
-    /// Runs at another speed from `tick` on, going on from the time at which the slot stands, to within one tick of it.
-    /// `once` says that the slot is one to run once, which a slot that stands at speed 0 cannot tell itself. Held
-    /// and live slots and those of machines stay as they are.
+    /// Runs at another speed from `tick` on, going on from the time at which the slot stands, to
+    /// within one tick of it. `once` says that the slot is one to run once, which a slot that
+    /// stands at speed 0 cannot tell itself. Held and live slots and those of machines stay as they
+    /// are.
     ///
-    /// A run that is begun again more slowly than would take it as long as the clock has run stands still.
+    /// A run that is begun again more slowly than would take it as long as the clock has run stands
+    /// still.
     pub fn set_speed(&mut self, tick: u64, duration_secs: f32, speed: f32, once: bool) {
         if self.is_tied() {
             return;
@@ -72,7 +79,8 @@ impl Slot {
         let done = if rate >> 63 == 0 { place } else { CYCLE - place };
         let ticks = done.checked_div_euclid(u128::from(rate.cast_signed().unsigned_abs()));
         let ticks = ticks.and_then(|whole| u64::try_from(whole).ok());
-        // Where the division leaves something, one tick more, so that a run that has ended stays so.
+        // Where the division leaves something, one tick more, so that a run that has ended stays
+        // so.
         let start = ticks.and_then(|ticks| tick.checked_sub(ticks)?.checked_sub(1));
         let (start_tick, start_phase, phase_rate, mode) = match start {
             Some(_) if done == 0 => (tick, 0, rate, SLOT_ONCE),
@@ -80,7 +88,8 @@ impl Slot {
             // One that runs once has no phase to stand at; one that loops does.
             None => (tick, upper_half(u64::try_from(place).unwrap_or(u64::MAX)), 0, SLOT_LOOP),
         };
-        (self.start_tick, self.start_phase, self.phase_rate) = (start_tick, start_phase, phase_rate);
+        (self.start_tick, self.start_phase, self.phase_rate) =
+            (start_tick, start_phase, phase_rate);
         self.layer_and_mode = self.layer() << SLOT_MODE_BITS | mode;
     }
 
@@ -154,7 +163,8 @@ mod tests {
     #[test]
     fn ends_are_known_beforehand() {
         assert_eq!(Slot::once(0, NOW, 2.0, -0.5).end_tick(NOW + 1), Some(NOW + 4 * SEC));
-        let near = |slot: Slot, tick, wanted| slot.end_tick(tick).is_some_and(|t| t.abs_diff(wanted) <= 2);
+        let near =
+            |slot: Slot, tick, wanted| slot.end_tick(tick).is_some_and(|t| t.abs_diff(wanted) <= 2);
         assert!(near(Slot::looping(0, NOW, 2.0, 0.25, 1.0), NOW + 2 * SEC, NOW + 7 * SEC / 2));
         assert!(near(Slot::looping(0, NOW, 2.0, 0.25, -1.0), NOW, NOW + SEC / 2));
         assert!(near(Slot::looping(0, NOW, 2.0, 0.0, -1.0), NOW, NOW + 2 * SEC));

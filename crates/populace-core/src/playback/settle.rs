@@ -1,5 +1,6 @@
-//! What is left of a clip once another has taken its place at once: how the two differed, in pose and in speed, which
-//! decays by itself (Bollo, "Inertialization: high-performance animation transitions in Gears of War", GDC 2018).
+//! What is left of a clip once another has taken its place at once: how the two differed, in pose
+//! and in speed, which decays by itself (Bollo, "Inertialization: high-performance animation
+//! transitions in Gears of War", GDC 2018).
 
 use super::TICKS_PER_SEC;
 use crate::Tables;
@@ -19,8 +20,8 @@ pub struct Stand {
     pub pace: f32,
 }
 
-/// The row that a clip's speed is measured towards: the end of the gap between rows that is not the nearer one. The twin of
-/// `far_row` in `kernels/settle.cl`.
+/// The row that a clip's speed is measured towards: the end of the gap between rows that is not the
+/// nearer one. The twin of `far_row` in `kernels/settle.cl`.
 #[inline]
 #[must_use]
 pub fn far_row(at: f32, last: u32) -> u32 {
@@ -36,15 +37,20 @@ pub fn far_row(at: f32, last: u32) -> u32 {
 #[inline]
 #[must_use]
 pub fn row_before(at: f32, last: u32) -> u32 {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cut off on purpose")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "cut off on purpose"
+    )]
     let row = at as u32;
     row.min(last)
 }
 
 impl Slot {
-    /// A slot of which only that remains in which it differed, at `tick`, from what then took its place, decaying in so many
-    /// ticks, at least one. `share` is its part of what the layer showed, and how that changed in a second; the parts of all
-    /// that are left at once make 1, and in an additive layer what they weighed in all.
+    /// A slot of which only that remains in which it differed, at `tick`, from what then took its
+    /// place, decaying in so many ticks, at least one. `share` is its part of what the layer
+    /// showed, and how that changed in a second; the parts of all that are left at once make 1, and
+    /// in an additive layer what they weighed in all.
     #[must_use]
     pub fn settling(tick: u64, ticks: u64, [left, taking]: [Stand; 2], share: [f32; 2]) -> Self {
         let secs = secs_of(ticks);
@@ -61,13 +67,14 @@ impl Slot {
         }
     }
 
-    /// Lets a slot of [`SLOT_SETTLING`] settle into another clip from the same tick on, in so many ticks: what first took its
-    /// place was never seen.
+    /// Lets a slot of [`SLOT_SETTLING`] settle into another clip from the same tick on, in so many
+    /// ticks: what first took its place was never seen.
     pub fn settle_into(&mut self, taking: Stand, ticks: u64) {
         let (left, before) = (self.left(), secs_of(1) / self.end_weight);
         let left = Stand { pace: left.pace / before, ..left };
         let share = [self.start_weight, self.weight_rate / before];
-        *self = Self::settling(self.start_tick, ticks, [left, taking], share).on_layer(self.layer());
+        *self =
+            Self::settling(self.start_tick, ticks, [left, taking], share).on_layer(self.layer());
     }
 
     /// Whether its clip runs by the clock alone and can settle: it loops, plays once or is held.
@@ -84,15 +91,16 @@ impl Slot {
         self.mode() == SLOT_SETTLING
     }
 
-    /// Of [`SLOT_SETTLING`]: how much of its time has passed; from 1 on nothing is left, nor before its start. The twin of
-    /// `slot_settled` in `kernels/slot.cl`.
+    /// Of [`SLOT_SETTLING`]: how much of its time has passed; from 1 on nothing is left, nor before
+    /// its start. The twin of `slot_settled` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub const fn settled_at(&self, tick: u64) -> f32 {
         tick.wrapping_sub(self.start_tick) as f32 * self.end_weight
     }
 
-    /// Whether it is one of [`SLOT_SETTLING`] of which something is left; the twin of `slot_settles` in `kernels/slot.cl`.
+    /// Whether it is one of [`SLOT_SETTLING`] of which something is left; the twin of
+    /// `slot_settles` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub const fn settles(&self, tick: u64) -> bool {
@@ -102,12 +110,17 @@ impl Slot {
     /// Of [`SLOT_SETTLING`]: a tick by which nothing is left, at most a few after the first.
     #[must_use]
     pub fn settled_tick(&self) -> u64 {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "`as` saturates"
+        )]
         let ticks = (1.0 / f64::from(self.end_weight)).ceil() as u64;
         self.start_tick.saturating_add(ticks)
     }
 
-    /// Of [`SLOT_SETTLING`]: how its own clip stood; the pace is that in all of the time that it settles in.
+    /// Of [`SLOT_SETTLING`]: how its own clip stood; the pace is that in all of the time that it
+    /// settles in.
     #[inline]
     #[must_use]
     pub const fn left(&self) -> Stand {
@@ -144,7 +157,8 @@ const fn parts(pair: u64) -> [f32; 2] {
 }
 
 impl Tables {
-    /// How a slot that loops, plays once or is held stands at a time of the clock that is not before its start.
+    /// How a slot that loops, plays once or is held stands at a time of the clock that is not
+    /// before its start.
     ///
     /// # Panics
     ///
@@ -153,7 +167,8 @@ impl Tables {
     pub fn stand(&self, slot: &Slot, tick: u64) -> Stand {
         let bound = self.bound_clips().as_slice()[slot.bound_clip as usize];
         let clip = self.clips().as_slice()[bound.clip as usize];
-        let (row, between) = self.find_row(&clip, slot.time_at(tick, clip.start_secs, clip.duration_secs));
+        let (row, between) =
+            self.find_row(&clip, slot.time_at(tick, clip.start_secs, clip.duration_secs));
         let at = row as f32 + between;
         let ended = slot.mode() == SLOT_ONCE && slot.end_tick(tick).is_some_and(|end| end <= tick);
         let speed = if ended { 0.0 } else { slot.speed(clip.duration_secs) };
@@ -189,7 +204,10 @@ mod tests {
             let stands = [1, 2].map(|clip| Stand { bound_clip: clip, row: 3.25, pace: -2.0 });
             let mut slot = Slot::settling(FIRST_TICK, ticks, stands, [0.5, 4.0]).on_layer(2);
             for ticks in [ticks, 2 * ticks] {
-                assert!(slot.settled_at(FIRST_TICK + ticks) >= 1.0 && slot.settled_at(FIRST_TICK - 1) >= 1.0);
+                assert!(
+                    slot.settled_at(FIRST_TICK + ticks) >= 1.0
+                        && slot.settled_at(FIRST_TICK - 1) >= 1.0
+                );
                 assert!(slot.settled_at(FIRST_TICK + ticks - 1) < 1.0, "{ticks}");
                 assert!(slot.settled_tick().abs_diff(FIRST_TICK + ticks) <= 1, "{ticks}");
                 assert_eq!(

@@ -6,7 +6,8 @@ fn a_loop_keeps_its_phase_for_a_year() {
     let slot = Slot::looping(0, 0, 1.25, 0.25, 1.0);
     let year = 31_536_000 * TICKS_PER_SEC; // a whole number of 1.25 s cycles
     let time = slot.time_at(year, 0.5, 1.25);
-    // The rate is rounded to 2^-64 of a cycle per tick: over a year of ticks, 2^-64 * 2.2e13 of a cycle.
+    // The rate is rounded to 2^-64 of a cycle per tick: over a year of ticks, 2^-64 * 2.2e13 of a
+    // cycle.
     assert!((time - (0.5 + 0.25 * 1.25)).abs() < 3e-6, "{time}");
 }
 
@@ -61,7 +62,10 @@ fn once_runs_evenly_between_its_ends() {
         let forwards = Slot::once(0, 0, duration, speed).time_at(elapsed, 0.0, duration);
         assert!((forwards - wanted).abs() < 1e-6, "{forwards} is not {wanted}");
         let backwards = Slot::once(0, 0, duration, -speed).time_at(elapsed, 0.0, duration);
-        assert!((backwards - (duration - wanted)).abs() < 1e-6, "{backwards} is not {duration} - {wanted}");
+        assert!(
+            (backwards - (duration - wanted)).abs() < 1e-6,
+            "{backwards} is not {duration} - {wanted}"
+        );
     }
 }
 
@@ -79,7 +83,10 @@ fn a_run_of_less_than_a_tick_still_ends_and_stays() {
     for speed in [1.0, -1.0] {
         let slot = Slot::once(0, 0, 1e-7, speed);
         let end = if speed < 0.0 { 0.0 } else { 1e-7 };
-        assert!([3, 4, 99, u64::MAX].iter().all(|tick| slot.time_at(*tick, 0.0, 1e-7) == end), "{speed}");
+        assert!(
+            [3, 4, 99, u64::MAX].iter().all(|tick| slot.time_at(*tick, 0.0, 1e-7) == end),
+            "{speed}"
+        );
     }
 }
 
@@ -147,7 +154,8 @@ fn a_fade_of_no_time_to_speak_of_takes_a_tick_and_stays_finite() {
 #[test]
 fn the_mean_of_a_weight_is_that_of_its_ticks() {
     let mean = |slot: &Slot, from: u64, to: u64| {
-        let at = |tick| if tick < slot.weight_tick { slot.start_weight } else { slot.weight_at(tick) };
+        let at =
+            |tick| if tick < slot.weight_tick { slot.start_weight } else { slot.weight_at(tick) };
         let sum: f64 = (from..to).map(|tick| f64::from(at(tick) + at(tick + 1)) / 2.0).sum();
         sum / (to - from) as f64
     };

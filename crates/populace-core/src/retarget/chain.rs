@@ -1,8 +1,9 @@
 //! What a joint of the target computes from the source's local rotations.
 //!
-//! `inverse(Gt(parent)) * Gt` is, for the nearest joint above that is paired, `before * path * after`, where `path` is the
-//! product of the source's local rotations from that joint's partner to the own one: up, undone, and down again.
-//! Rotations that do not move are multiplied into their neighbours, so most joints are left with one between two.
+//! `inverse(Gt(parent)) * Gt` is, for the nearest joint above that is paired,
+//! `before * path * after`, where `path` is the product of the source's local rotations from that
+//! joint's partner to the own one: up, undone, and down again. Rotations that do not move are
+//! multiplied into their neighbours, so most joints are left with one between two.
 
 use glam::{DQuat, DVec3};
 
@@ -40,8 +41,8 @@ pub(crate) struct Link {
     pub(crate) after: DQuat,
 }
 
-/// A joint's local rotation is `before` times, for each link, its rotation times its `after`; the local translation is
-/// `base` and the arms.
+/// A joint's local rotation is `before` times, for each link, its rotation times its `after`; the
+/// local translation is `base` and the arms.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
     pub(crate) before: DQuat,
@@ -85,8 +86,13 @@ impl Common<'_> {
         let above = skeleton.ancestors(joint).find_map(|a| Some((a, self.partner(a)?)));
         let parent_turn = parent.map_or(DQuat::IDENTITY, |p| self.turn[p.index()]);
         let space = self.target.scale(parent);
-        let mut walk =
-            Walk { common: self, motion, per_metre: self.scale / space, steps: Vec::new(), arm: DVec3::ZERO };
+        let mut walk = Walk {
+            common: self,
+            motion,
+            per_metre: self.scale / space,
+            steps: Vec::new(),
+            arm: DVec3::ZERO,
+        };
         let way = self.way(joint, above.map(|(a, _)| a));
         let moves = way.len() > 1 || self.is_carried(joint);
         let from_parent = |to: JointIndex| {
@@ -104,14 +110,14 @@ impl Common<'_> {
             }
             at = Some(partner);
         }
-        let before =
-            parent_turn.inverse() * above.map_or(DQuat::IDENTITY, |(_, s)| self.source.turn[s.index()]);
+        let before = parent_turn.inverse()
+            * above.map_or(DQuat::IDENTITY, |(_, s)| self.source.turn[s.index()]);
         let after = self.source.turn[source.index()].inverse() * self.turn[joint.index()];
         Some(fold(Chain { before, base, links: Vec::new() }, walk, after))
     }
 
-    /// Joints of the target through whose places the way to a joint leads, itself last: those that it should hang on and
-    /// does not.
+    /// Joints of the target through whose places the way to a joint leads, itself last: those that
+    /// it should hang on and does not.
     fn way(&self, joint: JointIndex, above: Option<JointIndex>) -> Vec<JointIndex> {
         let Some(of) = self.detached(joint) else {
             return vec![joint];
@@ -119,8 +125,10 @@ impl Common<'_> {
         let skeleton = self.target.skeleton;
         let reached = above.is_none_or(|above| skeleton.is_below(of, above) || of == above);
         let chain = std::iter::once(of).chain(skeleton.ancestors(of));
-        let mut way: Vec<_> =
-            chain.take_while(|j| Some(*j) != above).filter(|j| self.partner(*j).is_some()).collect();
+        let mut way: Vec<_> = chain
+            .take_while(|j| Some(*j) != above)
+            .filter(|j| self.partner(*j).is_some())
+            .collect();
         // What hangs on neither is left where it is.
         if !reached {
             way.clear();
@@ -135,7 +143,8 @@ impl Common<'_> {
         self.pairs[joint.index()].is_some_and(|pair| matches!(pair.role, None | Some(Role::Hips)))
     }
 
-    /// A place of the common pose, the whole body lifted so that feet are on the ground; the root stays there.
+    /// A place of the common pose, the whole body lifted so that feet are on the ground; the root
+    /// stays there.
     pub(super) fn place_of(&self, joint: JointIndex) -> DVec3 {
         let is_root = self.pairs[joint.index()].is_some_and(|pair| pair.role.is_none());
         let lift = if is_root { 0.0 } else { self.lift };
@@ -144,12 +153,14 @@ impl Common<'_> {
 }
 
 impl Walk<'_> {
-    /// From a joint of the source to another; from none, from above all. Where translations are carried, what they are at
-    /// rest is taken off.
+    /// From a joint of the source to another; from none, from above all. Where translations are
+    /// carried, what they are at rest is taken off.
     fn path(&mut self, from: Option<JointIndex>, to: JointIndex, carried: bool) {
         let source = &self.common.source;
-        let upwards: Vec<JointIndex> =
-            from.into_iter().flat_map(|f| std::iter::once(f).chain(source.skeleton.ancestors(f))).collect();
+        let upwards: Vec<JointIndex> = from
+            .into_iter()
+            .flat_map(|f| std::iter::once(f).chain(source.skeleton.ancestors(f)))
+            .collect();
         let downwards: Vec<JointIndex> = std::iter::once(to)
             .chain(source.skeleton.ancestors(to))
             .take_while(|j| !upwards.contains(j))
@@ -193,8 +204,13 @@ impl Walk<'_> {
     }
 }
 
-/// How far the source's joints down to one lead at rest, in the space of the joint that the first hangs on.
-fn rest_offset(source: &Figure<'_>, downwards: &[JointIndex], scale: impl Fn(JointIndex) -> f64) -> DVec3 {
+/// How far the source's joints down to one lead at rest, in the space of the joint that the first
+/// hangs on.
+fn rest_offset(
+    source: &Figure<'_>,
+    downwards: &[JointIndex],
+    scale: impl Fn(JointIndex) -> f64,
+) -> DVec3 {
     let (mut offset, mut turn) = (DVec3::ZERO, DQuat::IDENTITY);
     for &joint in downwards.iter().rev() {
         let rest = source.skeleton.rest(joint);
@@ -230,7 +246,14 @@ fn fold(mut chain: Chain, walk: Walk<'_>, after: DQuat) -> Chain {
         Some(last) if arm == DVec3::ZERO => last.after *= after,
         Some(last) => {
             let column = last.column;
-            chain.links.push(Link { column, turns: false, undone: false, arm, arm_scale: 0.0, after });
+            chain.links.push(Link {
+                column,
+                turns: false,
+                undone: false,
+                arm,
+                arm_scale: 0.0,
+                after,
+            });
         }
     }
     chain

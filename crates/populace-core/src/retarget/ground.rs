@@ -1,4 +1,5 @@
-//! How feet of the target meet the ground: how far they would sink into it, and how fast they pass over it.
+//! How feet of the target meet the ground: how far they would sink into it, and how fast they pass
+//! over it.
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -6,8 +7,8 @@ use super::{Common, Soles};
 use crate::humanoid::{Role, Side};
 use crate::{JointIndex, f64math};
 
-/// Feet may sink by this part of the body's size before the whole body is lifted, and it is lifted by no more than that:
-/// who lies or swims is meant to.
+/// Feet may sink by this part of the body's size before the whole body is lifted, and it is lifted
+/// by no more than that: who lies or swims is meant to.
 const SINKS: f64 = 0.004;
 const MOST: f64 = 0.02;
 pub(super) const SIDES: [Side; 2] = [Side::Left, Side::Right];
@@ -35,8 +36,9 @@ fn passed(moments: &[[Option<DVec3>; 2]]) -> f64 {
 }
 
 impl Common<'_> {
-    /// Lifts the hips where the thighs of one body are longer against the shins than those of the other, so that feet would
-    /// sink. `poses` are local transforms of the source's joints, one after the other.
+    /// Lifts the hips where the thighs of one body are longer against the shins than those of the
+    /// other, so that feet would sink. `poses` are local transforms of the source's joints, one
+    /// after the other.
     pub(crate) fn keep_above_ground(&mut self, poses: &[Vec<DAffine3>]) {
         let depth = |pose: &Vec<DAffine3>| {
             let (turns, models) = self.source_models(pose);
@@ -53,8 +55,8 @@ impl Common<'_> {
         self.lift += height;
     }
 
-    /// How fast the ground passes under the target's feet, in parts of how fast it passes under the source's; as long as its
-    /// legs are against the source's where nothing is planted.
+    /// How fast the ground passes under the target's feet, in parts of how fast it passes under the
+    /// source's; as long as its legs are against the source's where nothing is planted.
     pub(crate) fn pace(&self, poses: &[Vec<DAffine3>], soles: Option<&Soles<'_>>) -> f32 {
         // The last of a leg bears it: toes where there are any.
         let last = |side| {
@@ -82,9 +84,13 @@ impl Common<'_> {
 
     /// How the source's joints are turned, and where they are, in model space.
     pub(super) fn source_models(&self, pose: &[DAffine3]) -> (Vec<DQuat>, Vec<DAffine3>) {
-        let parents: Vec<_> = self.source.skeleton.joints().map(|j| self.source.skeleton.parent(j)).collect();
+        let parents: Vec<_> =
+            self.source.skeleton.joints().map(|j| self.source.skeleton.parent(j)).collect();
         let turns = pose.iter().map(|local| local.to_scale_rotation_translation().1);
-        (f64math::turns(&parents, turns), f64math::model_from_joints(&parents, pose.iter().copied()))
+        (
+            f64math::turns(&parents, turns),
+            f64math::model_from_joints(&parents, pose.iter().copied()),
+        )
     }
 
     /// Where the hips are, carried by the root where both bodies have one.
@@ -97,21 +103,30 @@ impl Common<'_> {
     ) -> DVec3 {
         let now = |joint: JointIndex| models[joint.index()].translation;
         let roots = self.target.root().and_then(|root| {
-            self.pairs[root.index()].filter(|pair| pair.role.is_none()).map(|pair| (root, pair.source))
+            self.pairs[root.index()]
+                .filter(|pair| pair.role.is_none())
+                .map(|pair| (root, pair.source))
         });
         let Some((root, other)) = roots else {
             return self.place_of(hips) + self.scale * (now(partner) - self.source.place(partner));
         };
         let guide = turns[other.index()] * self.source.turn[other.index()].inverse();
-        let own = now(partner) - now(other) - guide * (self.source.place(partner) - self.source.place(other));
+        let own = now(partner)
+            - now(other)
+            - guide * (self.source.place(partner) - self.source.place(other));
         let root_place = self.place_of(root) + self.scale * (now(other) - self.source.place(other));
         root_place + guide * (self.place_of(hips) - self.place_of(root)) + self.scale * own
     }
 
     /// The foot and the toes of a side.
     pub(super) fn feet(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> Vec<Stands> {
-        let roles =
-            [Role::Hips, Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side), Role::Toes(side)];
+        let roles = [
+            Role::Hips,
+            Role::UpperLeg(side),
+            Role::LowerLeg(side),
+            Role::Foot(side),
+            Role::Toes(side),
+        ];
         let mut at: Option<(JointIndex, DVec3)> = None;
         let mut feet = Vec::new();
         for role in roles {
@@ -120,8 +135,9 @@ impl Common<'_> {
             else {
                 continue;
             };
-            let away =
-                |partner: JointIndex| turns[partner.index()] * self.source.turn[partner.index()].inverse();
+            let away = |partner: JointIndex| {
+                turns[partner.index()] * self.source.turn[partner.index()].inverse()
+            };
             let place = match at {
                 None => self.hips_place(joint, partner, turns, models),
                 Some((above, place)) => {
@@ -130,7 +146,8 @@ impl Common<'_> {
                 }
             };
             if matches!(role, Role::Foot(_) | Role::Toes(_)) {
-                let from_rest = self.turn[joint.index()] * self.target.turn[joint.index()].inverse();
+                let from_rest =
+                    self.turn[joint.index()] * self.target.turn[joint.index()].inverse();
                 feet.push(Stands { joint, place, turn: away(partner) * from_rest });
             }
             at = Some((joint, place));

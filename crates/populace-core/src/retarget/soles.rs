@@ -1,5 +1,5 @@
-//! Feet that roll where the mesh of the target would go into the ground: a foot of another shape, or without toes, that
-//! turns as the source's does reaches deeper than its ankle tells.
+//! Feet that roll where the mesh of the target would go into the ground: a foot of another shape,
+//! or without toes, that turns as the source's does reaches deeper than its ankle tells.
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -8,21 +8,23 @@ use super::{Common, Figure};
 use crate::JointIndex;
 use crate::humanoid::{Role, Side};
 
-/// Soles may be this deep in the ground, in parts of the body's height: nobody sees it, and feet roll the less.
+/// Soles may be this deep in the ground, in parts of the body's height: nobody sees it, and feet
+/// roll the less.
 const SINKS: f64 = 0.007;
 /// The whole body is lifted by no more than this part of its hips' height for the sake of heels.
 const LIFTS: f64 = 0.015;
-/// What feet of the source sink, in parts of its body, is a walk that is not exact; so much deeper they are meant to, and
-/// those of the target are let.
+/// What feet of the source sink, in parts of its body, is a walk that is not exact; so much deeper
+/// they are meant to, and those of the target are let.
 const MEANT: f64 = 0.03;
 /// A foot that is further from flat than this, in radians, rolls towards that.
 const TILTED_RAD: f64 = 0.2;
-/// It rolls all of its way where its contact is no nearer than this to straight under the joint, or as much too deep, in
-/// parts of the body's height.
+/// It rolls all of its way where its contact is no nearer than this to straight under the joint, or
+/// as much too deep, in parts of the body's height.
 const NEAR: f64 = 0.02;
 const DEEP: f64 = 0.005;
-/// Feet of who walks have toes up, toes down and an edge down, in radians, by no more than the first of each pair; those of
-/// who lies, sits or kneels by the second or more, and rolling does not help them.
+/// Feet of who walks have toes up, toes down and an edge down, in radians, by no more than the
+/// first of each pair; those of who lies, sits or kneels by the second or more, and rolling does
+/// not help them.
 const TOES_UP_RAD: [f64; 2] = [0.6, 1.1];
 const TOES_DOWN_RAD: [f64; 2] = [1.7, 2.1];
 const EDGE_DOWN_RAD: [f64; 2] = [0.6, 1.0];
@@ -47,9 +49,11 @@ impl Sole {
     fn new(figure: &Figure<'_>, joint: JointIndex, without: Option<JointIndex>) -> Self {
         let skeleton = figure.skeleton;
         let hangs = |on: JointIndex, j: JointIndex| j == on || skeleton.is_below(j, on);
-        let own = skeleton.joints().filter(|&j| hangs(joint, j) && !without.is_some_and(|w| hangs(w, j)));
+        let own =
+            skeleton.joints().filter(|&j| hangs(joint, j) && !without.is_some_and(|w| hangs(w, j)));
         let rest = figure.place(joint);
-        let points = own.flat_map(|j| skeleton.soles(j)).map(|&p| crate::f64math::vec3(p) - rest).collect();
+        let points =
+            own.flat_map(|j| skeleton.soles(j)).map(|&p| crate::f64math::vec3(p) - rest).collect();
         Self { joint, rest, points }
     }
 
@@ -71,12 +75,14 @@ struct Feet {
 impl Feet {
     fn new(figure: &Figure<'_>) -> Self {
         let sides = SIDES.map(|side| {
-            let (foot, toes) = (figure.roles.joint(Role::Foot(side)), figure.roles.joint(Role::Toes(side)));
+            let (foot, toes) =
+                (figure.roles.joint(Role::Foot(side)), figure.roles.joint(Role::Toes(side)));
             let foot = foot.map(|foot| Sole::new(figure, foot, toes));
             foot.into_iter().chain(toes.map(|toes| Sole::new(figure, toes, None))).collect()
         });
         let ground = sides.iter().flatten().map(Sole::lowest_at_rest).fold(f64::INFINITY, f64::min);
-        let top = figure.skeleton.joints().map(|j| figure.place(j).y).fold(f64::NEG_INFINITY, f64::max);
+        let top =
+            figure.skeleton.joints().map(|j| figure.place(j).y).fold(f64::NEG_INFINITY, f64::max);
         Self { sides, ground, height: top - ground }
     }
 
@@ -101,13 +107,17 @@ pub(crate) struct Soles<'a> {
 }
 
 impl<'a> Soles<'a> {
-    /// `None` where the target's soles are not known, or a foot would be torn from toes that do not hang on it.
+    /// `None` where the target's soles are not known, or a foot would be torn from toes that do not
+    /// hang on it.
     pub(crate) fn new(common: &'a Common<'a>) -> Option<Self> {
         let target = Feet::new(&common.target);
         let whole = |sides: &Vec<Sole>| {
-            sides.windows(2).all(|pair| common.target.skeleton.is_below(pair[1].joint, pair[0].joint))
+            sides
+                .windows(2)
+                .all(|pair| common.target.skeleton.is_below(pair[1].joint, pair[0].joint))
         };
-        let known = target.height.is_finite() && target.height > 0.0 && target.sides.iter().all(whole);
+        let known =
+            target.height.is_finite() && target.height > 0.0 && target.sides.iter().all(whole);
         known.then(|| Self { common, source: Feet::new(&common.source).or_under_joints(), target })
     }
 
@@ -116,8 +126,8 @@ impl<'a> Soles<'a> {
         self.target.sides.iter().flatten().map(|sole| sole.joint).collect()
     }
 
-    /// The rotations that keep feet above the ground in a pose of the source's joints, in the order of
-    /// [`joints`](Self::joints): each comes after the joint's own.
+    /// The rotations that keep feet above the ground in a pose of the source's joints, in the order
+    /// of [`joints`](Self::joints): each comes after the joint's own.
     pub(crate) fn turns(&self, pose: &[DAffine3]) -> Vec<DQuat> {
         let (turns, models) = self.common.source_models(pose);
         let of = |side| {
@@ -129,8 +139,9 @@ impl<'a> Soles<'a> {
         SIDES.into_iter().flat_map(of).map(sound).collect()
     }
 
-    /// How much the whole body is to be lifted for heels that would strike too deep: to roll the foot until it is flat would
-    /// be no heel strike. `poses` are local transforms of the source's joints.
+    /// How much the whole body is to be lifted for heels that would strike too deep: to roll the
+    /// foot until it is flat would be no heel strike. `poses` are local transforms of the source's
+    /// joints.
     pub(crate) fn heels(&self, poses: &[Vec<DAffine3>]) -> f64 {
         let deep = |pose: &Vec<DAffine3>| {
             let (turns, models) = self.common.source_models(pose);
@@ -138,14 +149,18 @@ impl<'a> Soles<'a> {
                 let bottom = self.target.ground - self.depth(&turns, &models, side);
                 let feet = self.common.feet(side, &turns, &models);
                 let sole = self.target.sides[side as usize].first()?;
-                let contact = Contact::new(sole, feet.iter().find(|foot| foot.joint == sole.joint)?);
-                (contact.flat() > TILTED_RAD).then(|| contact.walks() * (bottom - contact.lowest(0.0).0))
+                let contact =
+                    Contact::new(sole, feet.iter().find(|foot| foot.joint == sole.joint)?);
+                (contact.flat() > TILTED_RAD)
+                    .then(|| contact.walks() * (bottom - contact.lowest(0.0).0))
             };
             SIDES.into_iter().filter_map(of).fold(0.0, f64::max)
         };
         let target = &self.common.target;
-        let hips =
-            target.roles.joint(Role::Hips).map_or(0.0, |hips| target.place(hips).y - self.target.ground);
+        let hips = target
+            .roles
+            .joint(Role::Hips)
+            .map_or(0.0, |hips| target.place(hips).y - self.target.ground);
         poses.iter().map(deep).fold(0.0, f64::max).min(LIFTS * hips.max(0.0))
     }
 
@@ -162,15 +177,17 @@ impl<'a> Soles<'a> {
             let place = models[sole.joint.index()].translation;
             sole.points.iter().map(|p| place.y + (turn * *p).y).fold(f64::INFINITY, f64::min)
         };
-        let lowest = self.source.sides[side as usize].iter().map(lowest).fold(f64::INFINITY, f64::min);
+        let lowest =
+            self.source.sides[side as usize].iter().map(lowest).fold(f64::INFINITY, f64::min);
         let (size, depth) = (f64::from(source.skeleton.size_m()), self.source.ground - lowest);
         // From none at all to all of it, without a step.
         let meant = (2.0 * (depth - MEANT * size)).min(depth);
         (self.common.scale * meant).max(SINKS * self.target.height)
     }
 
-    /// Rolls a foot, then its toes, about their own left-right axes by as little as keeps them no deeper than `depth`, and
-    /// returns how the joints are turned for it. Toes keep their own direction while the foot rolls where they have one.
+    /// Rolls a foot, then its toes, about their own left-right axes by as little as keeps them no
+    /// deeper than `depth`, and returns how the joints are turned for it. Toes keep their own
+    /// direction while the foot rolls where they have one.
     pub(super) fn stand(&self, side: Side, feet: &mut [Stands], depth: f64) -> Vec<DQuat> {
         let bottom = self.target.ground - depth;
         let mut found = Vec::new();
@@ -178,13 +195,18 @@ impl<'a> Soles<'a> {
         for sole in &self.target.sides[side as usize] {
             let own = feet.iter().position(|foot| foot.joint == sole.joint);
             let (before, mut now) = match (&above, own) {
-                (None, None) => return vec![DQuat::IDENTITY; self.target.sides[side as usize].len()],
+                (None, None) => {
+                    return vec![DQuat::IDENTITY; self.target.sides[side as usize].len()];
+                }
                 (None, Some(own)) => (feet[own].turn, feet[own]),
                 (Some((before, foot, rest)), own) => {
                     // As it would be turned, and as it is once the foot has rolled.
                     let turn = own.map_or(*before, |own| feet[own].turn);
                     let place = foot.place + foot.turn * (sole.rest - *rest);
-                    (turn, Stands { joint: sole.joint, place, turn: own.map_or(foot.turn, |_| turn) })
+                    (
+                        turn,
+                        Stands { joint: sole.joint, place, turn: own.map_or(foot.turn, |_| turn) },
+                    )
                 }
             };
             let roll = Contact::new(sole, &now).roll(bottom, self.target.height);
@@ -194,7 +216,8 @@ impl<'a> Soles<'a> {
             }
             let at_rest = self.common.target.turn[sole.joint.index()];
             let (was, is) = (before * at_rest, now.turn * at_rest);
-            let carried = above.map_or(DQuat::IDENTITY, |(before, foot, _)| foot.turn * before.inverse());
+            let carried =
+                above.map_or(DQuat::IDENTITY, |(before, foot, _)| foot.turn * before.inverse());
             found.push(((carried * was).inverse() * is).normalize());
             above = Some((before, now, sole.rest));
         }
@@ -237,9 +260,10 @@ impl<'a> Contact<'a> {
         heights.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, 0.0))
     }
 
-    /// The smallest angle, in radians, that brings it above `bottom`, or as far as rolling does: then it is flat. What a heel
-    /// rests on passes straight under the ankle as it strikes; there it would take much to gain little, and the foot would
-    /// flip from one side of that to the other, so it rolls less and stays a little too deep.
+    /// The smallest angle, in radians, that brings it above `bottom`, or as far as rolling does:
+    /// then it is flat. What a heel rests on passes straight under the ankle as it strikes; there
+    /// it would take much to gain little, and the foot would flip from one side of that to the
+    /// other, so it rolls less and stays a little too deep.
     fn roll(&self, bottom: f64, body_height: f64) -> f64 {
         let (at, rises) = self.lowest(0.0);
         if at >= bottom {
@@ -259,7 +283,8 @@ impl<'a> Contact<'a> {
                 less = angle;
             }
         }
-        let part = (bottom - at) / (DEEP * body_height) + (towards * rises).max(0.0) / (NEAR * body_height);
+        let part = (bottom - at) / (DEEP * body_height)
+            + (towards * rises).max(0.0) / (NEAR * body_height);
         let left = bottom - self.lowest(towards * enough).0;
         towards * enough * part.min(1.0) * fade(left / body_height, HOPELESS) * self.walks()
     }

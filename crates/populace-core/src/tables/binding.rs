@@ -4,9 +4,9 @@ use super::{BodyIndex, Tables, padded, u32_from};
 use crate::Error;
 use crate::clip::{Binding, Footing, Turn};
 use crate::layout::{
-    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION,
-    MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE, REST_TRANSLATION, RowBlock, Source,
-    TURN_PLANES,
+    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN,
+    MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE, REST_TRANSLATION,
+    RowBlock, Source, TURN_PLANES,
 };
 
 /// Of each block of a body, whether any of its joints has something in a turn or a later one.
@@ -42,16 +42,23 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets; [`Error::BadPlayback`] for a clip or body that is not there, or a
-    /// binding to another skeleton.
-    pub fn add_bound_clip(&mut self, clip: u32, body: BodyIndex, binding: &Binding) -> Result<u32, Error> {
-        let joints = self.all.bodies.as_slice().get(body.0 as usize).map(|b| b.joint_count as usize);
+    /// [`Error::TooLarge`] past 32-bit offsets; [`Error::BadPlayback`] for a clip or body that is
+    /// not there, or a binding to another skeleton.
+    pub fn add_bound_clip(
+        &mut self,
+        clip: u32,
+        body: BodyIndex,
+        binding: &Binding,
+    ) -> Result<u32, Error> {
+        let joints =
+            self.all.bodies.as_slice().get(body.0 as usize).map(|b| b.joint_count as usize);
         if clip as usize >= self.all.clips.len() || joints != Some(binding.joint_map().len()) {
             return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
         }
         let body_row = self.all.bodies.as_slice()[body.0 as usize];
         let row_block_first = self.all.clips.as_slice()[clip as usize].block_first;
-        let of_clip = BoundClip { clip, row_block_first, body: NONE, next: NONE, ..BoundClip::default() };
+        let of_clip =
+            BoundClip { clip, row_block_first, body: NONE, next: NONE, ..BoundClip::default() };
         // From the last turn on, so that each knows the next.
         let (mut next, mut later) = (NONE, Later::none(&body_row));
         if let Some(footing) = binding.footing() {
@@ -63,17 +70,20 @@ impl Tables {
         }
         let range_first = self.add_ranges(binding)?;
         let first_joints = (0..body_row.padded_count as usize).step_by(JOINT_BLOCK as usize);
-        let flags = first_joints.zip(later.turns.iter().zip(&later.arms)).map(|(first, (turned, arms))| {
-            let moved = u32::from(*arms) * REST_TRANSLATION;
-            (self.rest_flags(&body_row, range_first, first) & !moved) | (u32::from(*turned) * BLOCK_TURNED)
-        });
+        let flags =
+            first_joints.zip(later.turns.iter().zip(&later.arms)).map(|(first, (turned, arms))| {
+                let moved = u32::from(*arms) * REST_TRANSLATION;
+                (self.rest_flags(&body_row, range_first, first) & !moved)
+                    | (u32::from(*turned) * BLOCK_TURNED)
+            });
         let flags = flags.collect();
         let motion_scale = binding.motion_scale();
         let bound = BoundClip { range_first, body: body.0, next, motion_scale, ..of_clip };
         self.add_bound(bound, binding.joint_map(), flags)
     }
 
-    /// Adds a bound clip, or a turn of one, with its joint map and blocks; `flags` are those of each block.
+    /// Adds a bound clip, or a turn of one, with its joint map and blocks; `flags` are those of
+    /// each block.
     fn add_bound(&mut self, bound: BoundClip, map: &[u32], flags: Vec<u32>) -> Result<u32, Error> {
         let map_first = self.all.joint_maps.extend(map.iter().copied())?;
         let block_first = u32_from(self.all.bound_blocks.len());
@@ -86,7 +96,8 @@ impl Tables {
         self.all.bound_clips.extend([BoundClip { map_first, block_first, ..bound }])
     }
 
-    /// Adds a turn of `of` before those that come later, and returns its index and what there is from it on.
+    /// Adds a turn of `of` before those that come later, and returns its index and what there is
+    /// from it on.
     fn add_turn(
         &mut self,
         turns: &[Turn],
@@ -119,9 +130,12 @@ impl Tables {
         let padded = padded(turns.len());
         let mut planes = vec![0.0; TURN_PLANES * padded];
         for joint in 0..padded {
-            let Turn { rotation, step_w, arm, after, .. } = turns.get(joint).copied().unwrap_or(Turn::NONE);
-            let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) = (rotation.offset, arm.offset, after);
-            let values = [qx, qy, qz, qw, rotation.step, step_w, tx, ty, tz, arm.step, ax, ay, az, aw];
+            let Turn { rotation, step_w, arm, after, .. } =
+                turns.get(joint).copied().unwrap_or(Turn::NONE);
+            let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) =
+                (rotation.offset, arm.offset, after);
+            let values =
+                [qx, qy, qz, qw, rotation.step, step_w, tx, ty, tz, arm.step, ax, ay, az, aw];
             for (plane, value) in values.into_iter().enumerate() {
                 planes[plane * padded + joint] = value;
             }
@@ -136,7 +150,9 @@ impl Tables {
             let ([qx, qy, qz, qw], [tx, ty, tz, _], [sx, sy, sz, _]) =
                 (rotation.offset, translation.offset, scale.offset);
             let (q, t, s) = (rotation.step, translation.step, scale.step);
-            for (plane, value) in [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s].into_iter().enumerate() {
+            for (plane, value) in
+                [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s].into_iter().enumerate()
+            {
                 planes[plane * padded + joint] = value;
             }
         }
@@ -183,7 +199,8 @@ impl Tables {
         })
     }
 
-    /// Whether the translations and scales of 16 joints from `first` on stand where the body's rest has them.
+    /// Whether the translations and scales of 16 joints from `first` on stand where the body's rest
+    /// has them.
     fn rest_flags(&self, body: &Body, range_first: u32, first: usize) -> u32 {
         let (padded, joints) = (body.padded_count as usize, first..first + JOINT_BLOCK as usize);
         let poses = self.all.poses.as_slice();
@@ -192,8 +209,9 @@ impl Tables {
             &poses[start + joints.start..start + joints.end]
         };
         let same = |range_plane: usize, rest_plane: usize| {
-            let offsets =
-                (0..3).all(|c| plane(range_first, range_plane + c) == plane(body.rest_first, rest_plane + c));
+            let offsets = (0..3).all(|c| {
+                plane(range_first, range_plane + c) == plane(body.rest_first, rest_plane + c)
+            });
             offsets && plane(range_first, range_plane + 3).iter().all(|&step| step == 0.0)
         };
         (u32::from(same(5, 4)) * REST_TRANSLATION) | (u32::from(same(9, 7)) * REST_SCALE)

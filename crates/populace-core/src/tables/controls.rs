@@ -1,5 +1,5 @@
-//! What beside clips moves members, as devices read it: one [`Control`] for each member that has any, and runs of steps,
-//! overrides, constraints, links and targets.
+//! What beside clips moves members, as devices read it: one [`Control`] for each member that has
+//! any, and runs of steps, overrides, constraints, links and targets.
 
 mod compile;
 mod ground;
@@ -97,8 +97,9 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member or among what is watched that was not given out,
-    /// [`Error::BadConstraint`] for what cannot be solved, [`Error::TooLarge`] past 32-bit offsets; all is then as it was.
+    /// [`Error::BadPlayback`] for a place without a member or among what is watched that was not
+    /// given out, [`Error::BadConstraint`] for what cannot be solved, [`Error::TooLarge`] past
+    /// 32-bit offsets; all is then as it was.
     pub fn set_controls(
         &mut self,
         place: u32,
@@ -112,7 +113,8 @@ impl Tables {
         }
         let watched = controls.watches.iter().chain(&controls.carries).map(|(_, place)| *place);
         let unknown = |place: &u32| *place as usize >= self.control_spaces.watched.end();
-        if let Some(value) = watched.chain(controls.attached.map(|(place, _)| place)).find(unknown) {
+        if let Some(value) = watched.chain(controls.attached.map(|(place, _)| place)).find(unknown)
+        {
             return Err(Error::BadPlayback { what: "watched joint", value });
         }
         let program = Program::compile(skeleton, controls)?;
@@ -131,7 +133,10 @@ impl Tables {
             ("the links of chains", spaces.links.end_with(program.links.len())),
             ("the values of stages", spaces.values.end_with(program.values.len())),
             ("the targets", spaces.targets.end_with(program.targets.len())),
-            ("the controls", (spaces.controls.end_with(1) + 1).saturating_mul(STATES_PER_CONTROL as usize)),
+            (
+                "the controls",
+                (spaces.controls.end_with(1) + 1).saturating_mul(STATES_PER_CONTROL as usize),
+            ),
         ] {
             if count >= NONE as usize {
                 return Err(Error::TooLarge { what, count, limit: NONE as usize });
@@ -196,7 +201,13 @@ impl Tables {
 
     fn write_program(&mut self, control: usize, mut program: Program) {
         let runs = self.control_spaces.runs[control];
-        program.move_to(runs.overrides.0, runs.constraints.0, runs.links.0, runs.targets.0, runs.values.0);
+        program.move_to(
+            runs.overrides.0,
+            runs.constraints.0,
+            runs.links.0,
+            runs.targets.0,
+            runs.values.0,
+        );
         write(&mut self.all.steps, runs.steps.0, &program.steps);
         write(&mut self.all.overrides, runs.overrides.0, &program.overrides);
         write(&mut self.all.constraints, runs.constraints.0, &program.constraints);
@@ -225,14 +236,15 @@ impl Tables {
         let control = self.taken(place)?.control;
         if control != NONE {
             let [at, facing] = device_place(standing);
-            let row = Control { place: at, facing, ..self.all.controls.as_slice()[control as usize] };
+            let row =
+                Control { place: at, facing, ..self.all.controls.as_slice()[control as usize] };
             write(&mut self.all.controls, control as usize, &[row]);
         }
         Ok(())
     }
 
-    /// Replaces one of the targets that a member's constraints have, counted through them all in order: a change that
-    /// costs less than [`set_controls`](Self::set_controls).
+    /// Replaces one of the targets that a member's constraints have, counted through them all in
+    /// order: a change that costs less than [`set_controls`](Self::set_controls).
     ///
     /// # Errors
     ///
@@ -241,7 +253,10 @@ impl Tables {
         let control = self.taken(place)?.control as usize;
         let run = self.control_spaces.runs.get(control).map_or((0, 0), |runs| runs.targets);
         if index >= run.1 {
-            return Err(Error::BadPlayback { what: "target", value: u32::try_from(index).unwrap_or(NONE) });
+            return Err(Error::BadPlayback {
+                what: "target",
+                value: u32::try_from(index).unwrap_or(NONE),
+            });
         }
         write(&mut self.all.targets, run.0 + index, &[target]);
         Ok(())
@@ -259,11 +274,13 @@ impl Tables {
         self.control_spaces.watched.give_back((watched as usize, 1));
     }
 
-    /// Elements of what is watched that belong to joints watched since [`mark_clean`](Self::mark_clean): devices set them to
-    /// zero, which means not seen yet, for another joint may have had the place before.
+    /// Elements of what is watched that belong to joints watched since
+    /// [`mark_clean`](Self::mark_clean): devices set them to zero, which means not seen yet, for
+    /// another joint may have had the place before.
     pub fn new_watched_elements(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let (each, end) = (WATCHED_ELEMENTS as usize, self.watched_elements());
-        let runs = self.control_spaces.watched_new.iter().map(move |watched| *watched as usize * each);
+        let runs =
+            self.control_spaces.watched_new.iter().map(move |watched| *watched as usize * each);
         runs.map(move |first| first..first + each).filter(move |run| run.end <= end)
     }
 

@@ -47,8 +47,8 @@ impl Tables {
         self.all.rows.extend(words.chain(past_the_end))
     }
 
-    /// Writes a pose into a row of a live clip's ring, or where `row` is `None` into the one that additive layers measure
-    /// from. `clip` is what was added as `index`.
+    /// Writes a pose into a row of a live clip's ring, or where `row` is `None` into the one that
+    /// additive layers measure from. `clip` is what was added as `index`.
     ///
     /// # Errors
     ///
@@ -77,13 +77,18 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a clip that is not live, or a row or number of ticks that it cannot have.
+    /// [`Error::BadPlayback`] for a clip that is not live, or a row or number of ticks that it
+    /// cannot have.
     pub fn set_live_newest(&mut self, index: u32, newest: LiveNewest) -> Result<(), Error> {
         let rows = self.live_rows(index)?;
         for (what, value, fits) in [
             ("row", newest.row, newest.row < rows.ring_rows),
             ("count of rows", newest.row_count, (1..=rows.ring_rows).contains(&newest.row_count)),
-            ("length of a row in ticks", newest.ticks, (1..=rows.row_ticks).contains(&newest.ticks)),
+            (
+                "length of a row in ticks",
+                newest.ticks,
+                (1..=rows.row_ticks).contains(&newest.ticks),
+            ),
         ] {
             if !fits {
                 return Err(Error::BadPlayback { what, value });

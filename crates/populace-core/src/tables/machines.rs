@@ -2,8 +2,8 @@
 
 use super::{BodyIndex, Space, Tables, u32_from};
 use crate::layout::{
-    self, CONDITION_ABOVE, CONDITION_AFTER, CONDITION_BELOW, Float4, MACHINE_PARAMETERS, Member, NONE,
-    RUNNING_ELEMENTS, Runner, Running, Slot,
+    self, CONDITION_ABOVE, CONDITION_AFTER, CONDITION_BELOW, Float4, MACHINE_PARAMETERS, Member,
+    NONE, RUNNING_ELEMENTS, Runner, Running, Slot,
 };
 use crate::{Error, ticks_from_secs};
 
@@ -23,7 +23,8 @@ impl Running {
 /// A state of a machine, for members of one body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineState {
-    /// What it plays: a bound clip, and how; when it starts, its weight and its layer are not looked at.
+    /// What it plays: a bound clip, and how; when it starts, its weight and its layer are not
+    /// looked at.
     pub slot: Slot,
     /// Ways out; the first that holds is taken.
     pub transitions: Vec<Transition>,
@@ -90,8 +91,9 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a clip that is not bound to the body or is not played so, for a transition to a state that
-    /// is not there, and for a parameter that is not there; [`Error::TooLarge`] past 32-bit offsets.
+    /// [`Error::BadPlayback`] for a clip that is not bound to the body or is not played so, for a
+    /// transition to a state that is not there, and for a parameter that is not there;
+    /// [`Error::TooLarge`] past 32-bit offsets.
     pub fn add_states(&mut self, body: BodyIndex, states: &[MachineState]) -> Result<u32, Error> {
         let of_body = Member { body: body.0, ..Member::default() };
         for state in states {
@@ -107,7 +109,8 @@ impl Tables {
         let mut rows = Vec::with_capacity(states.len());
         for state in states {
             let transitions = state.transitions.iter();
-            let transitions: Result<Vec<_>, _> = transitions.map(|t| self.add_transition(first, t)).collect();
+            let transitions: Result<Vec<_>, _> =
+                transitions.map(|t| self.add_transition(first, t)).collect();
             let transition_first = self.all.transitions.extend(transitions?)?;
             rows.push(layout::MachineState {
                 phase_rate: state.slot.phase_rate,
@@ -140,13 +143,19 @@ impl Tables {
         })
     }
 
-    /// Takes a runner for a machine that begins in a state; two slots are to name it then (see [`Slot::machine`]), and it is
-    /// free for others once none does any longer.
+    /// Takes a runner for a machine that begins in a state; two slots are to name it then (see
+    /// [`Slot::machine`]), and it is free for others once none does any longer.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a state that is not there, [`Error::TooLarge`] past 31-bit offsets.
-    pub fn add_runner(&mut self, state: u32, tick: u64, parameters: [f32; PARAMETERS]) -> Result<u32, Error> {
+    /// [`Error::BadPlayback`] for a state that is not there, [`Error::TooLarge`] past 31-bit
+    /// offsets.
+    pub fn add_runner(
+        &mut self,
+        state: u32,
+        tick: u64,
+        parameters: [f32; PARAMETERS],
+    ) -> Result<u32, Error> {
         if state as usize >= self.all.machine_states.len() {
             return Err(bad("state", state));
         }
@@ -171,7 +180,12 @@ impl Tables {
     /// # Errors
     ///
     /// [`Error::BadPlayback`] for a runner or parameter that is not there.
-    pub fn set_machine_parameter(&mut self, runner: u32, parameter: u32, value: f32) -> Result<(), Error> {
+    pub fn set_machine_parameter(
+        &mut self,
+        runner: u32,
+        parameter: u32,
+        value: f32,
+    ) -> Result<(), Error> {
         self.runner(runner)?;
         if parameter >= MACHINE_PARAMETERS {
             return Err(bad("parameter", parameter));
@@ -189,7 +203,8 @@ impl Tables {
     ///
     /// [`Error::BadPlayback`] for a runner that is not there.
     pub fn runner(&self, runner: u32) -> Result<Runner, Error> {
-        let found = self.all.runners.as_slice().get(runner as usize).filter(|found| found.state != NONE);
+        let found =
+            self.all.runners.as_slice().get(runner as usize).filter(|found| found.state != NONE);
         found.copied().ok_or_else(|| bad("state machine", runner))
     }
 
@@ -246,7 +261,9 @@ fn check_transition(transition: &Transition, states: usize) -> Result<(), Error>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Binding, Clip, ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs};
+    use crate::{
+        Binding, Clip, ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs,
+    };
 
     /// Two bodies, a member of each, and a machine of one state that loops for the first.
     fn tables() -> (Tables, [u32; 2], u32) {
@@ -267,7 +284,8 @@ mod tests {
         let binding = Binding::new(&clip, &skeleton);
         let bound = tables.add_bound_clip(clip_index, bodies[0], &binding).unwrap();
         let slot = Slot::looping(bound, 0, 1.0, 0.0, 1.0);
-        let states = tables.add_states(bodies[0], &[MachineState { slot, transitions: vec![] }]).unwrap();
+        let states =
+            tables.add_states(bodies[0], &[MachineState { slot, transitions: vec![] }]).unwrap();
         let members = bodies.map(|body| tables.add_member(body).unwrap());
         (tables, members, states)
     }

@@ -7,8 +7,8 @@ use super::table::Table;
 use super::{BodyIndex, Tables, u32_from};
 use crate::Error;
 use crate::layout::{
-    Body, BoundClip, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, MEMBER_LAYER_BITS, Member, NONE,
-    PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, Slot,
+    Body, BoundClip, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, MEMBER_LAYER_BITS, Member,
+    NONE, PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, Slot,
 };
 
 const EMPTY_SLOT: Slot = Slot {
@@ -101,14 +101,15 @@ impl Tables {
     fn take_place(&mut self) -> Result<u32, Error> {
         match self.free_members.pop() {
             Some(Reverse(place)) if (place as usize) < self.member_places() => Ok(place),
-            // Where the table shrank the lowest can be past its end. It is dropped here, so that the table, which grows
-            // by one each time, never comes to hold a place that is also listed as free.
+            // Where the table shrank the lowest can be past its end. It is dropped here, so that
+            // the table, which grows by one each time, never comes to hold a place that is also
+            // listed as free.
             _ => self.all.members.extend([FREE_PLACE]),
         }
     }
 
-    /// Frees a member's place. Places that are free at the end are let go of, so that the tables ask devices for no more
-    /// than those in use need.
+    /// Frees a member's place. Places that are free at the end are let go of, so that the tables
+    /// ask devices for no more than those in use need.
     ///
     /// # Panics
     ///
@@ -116,9 +117,12 @@ impl Tables {
     pub fn remove_member(&mut self, place: u32) {
         self.remove_control(place);
         let member = self.all.members.as_slice()[place as usize];
-        let Body { padded_count, entry_count, .. } = self.all.bodies.as_slice()[member.body as usize];
-        let joints = ((member.joint_first / JOINT_BLOCK) as usize, (padded_count / JOINT_BLOCK) as usize);
-        let palette = ((member.palette_first / PALETTE_BLOCK) as usize, palette_block_count(entry_count));
+        let Body { padded_count, entry_count, .. } =
+            self.all.bodies.as_slice()[member.body as usize];
+        let joints =
+            ((member.joint_first / JOINT_BLOCK) as usize, (padded_count / JOINT_BLOCK) as usize);
+        let palette =
+            ((member.palette_first / PALETTE_BLOCK) as usize, palette_block_count(entry_count));
         fill(&mut self.blocks.joint_blocks, joints, NONE);
         fill(&mut self.blocks.palette_blocks, palette, NONE);
         self.phase_members[member.phase() as usize] -= 1;
@@ -135,7 +139,8 @@ impl Tables {
 
     fn let_go_of_the_end(&mut self) {
         let members = &mut self.all.members;
-        let taken = members.as_slice().iter().rposition(|m| m.body != NONE).map_or(0, |last| last + 1);
+        let taken =
+            members.as_slice().iter().rposition(|m| m.body != NONE).map_or(0, |last| last + 1);
         members.truncate(taken);
         self.all.slots.truncate(taken * self.slots_per_member);
         self.all.layers.truncate(taken * LAYERS_PER_MEMBER as usize);
@@ -156,8 +161,9 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member, a slot that there is not, a layer past the last, a clip that is
-    /// not bound to the member's body, or a machine that is not one of its.
+    /// [`Error::BadPlayback`] for a place without a member, a slot that there is not, a layer past
+    /// the last, a clip that is not bound to the member's body, or a machine that is not one of
+    /// its.
     pub fn set_slot(&mut self, place: u32, index: usize, slot: Slot) -> Result<(), Error> {
         let member = self.taken(place)?;
         let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
@@ -184,7 +190,8 @@ impl Tables {
         if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
             return bad("bound clip", slot.bound_clip);
         }
-        let is_live = |bound: &BoundClip| self.all.clips.as_slice()[bound.clip as usize].ring_rows > 0;
+        let is_live =
+            |bound: &BoundClip| self.all.clips.as_slice()[bound.clip as usize].ring_rows > 0;
         if bound.is_some_and(|bound| is_live(bound) != (slot.mode() == SLOT_LIVE)) {
             return bad("mode of such a clip", slot.mode());
         }
@@ -208,7 +215,8 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member, a layer past the last, or a mask that is not there.
+    /// [`Error::BadPlayback`] for a place without a member, a layer past the last, or a mask that
+    /// is not there.
     pub fn set_layer(&mut self, place: u32, index: usize, layer: Layer) -> Result<(), Error> {
         let member = self.taken(place)?;
         let joints = self.all.bodies.as_slice()[member.body as usize].padded_count as usize;
@@ -237,7 +245,8 @@ impl Tables {
         }
     }
 
-    /// Says in which phase of a frame a member is evaluated: one that is attached to another, in one after that one's.
+    /// Says in which phase of a frame a member is evaluated: one that is attached to another, in
+    /// one after that one's.
     ///
     /// # Errors
     ///
@@ -260,7 +269,9 @@ impl Tables {
     /// Phases of a frame, up to the last that some member is evaluated in; at least one.
     #[must_use]
     pub fn phase_count(&self) -> u32 {
-        u32_from(self.phase_members.iter().rposition(|members| *members > 0).map_or(1, |last| last + 1))
+        u32_from(
+            self.phase_members.iter().rposition(|members| *members > 0).map_or(1, |last| last + 1),
+        )
     }
 
     /// Where a member's slots stand in [`Tables::slots`].
@@ -321,7 +332,8 @@ mod tests {
         let mut palette_blocks = vec![NONE; tables.palette_blocks().len()];
         for (place, member) in (0..).zip(members).filter(|(_, m)| m.body != NONE) {
             let body = tables.bodies().as_slice()[member.body as usize];
-            let (first, count) = (member.joint_first / JOINT_BLOCK, body.padded_count / JOINT_BLOCK);
+            let (first, count) =
+                (member.joint_first / JOINT_BLOCK, body.padded_count / JOINT_BLOCK);
             joint_blocks[first as usize..][..count as usize].fill(place);
             if body.entry_count > 0 {
                 pages[(member.palette_first / PAGE_ENTRIES) as usize].insert(place);
@@ -349,7 +361,9 @@ mod tests {
         let (mut tables, bodies) = tables(&[(1, 350_000), (40, 262_144), (17, 3), (2, 0)]);
         let (mut taken, mut state) = (Vec::new(), 3_u64);
         let mut random = |below: usize| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             usize::try_from(state >> 33).unwrap() % below
         };
         for step in 0..600 {
@@ -369,7 +383,10 @@ mod tests {
             }
         }
         taken.drain(..).for_each(|place| tables.remove_member(place));
-        assert_eq!((tables.member_places(), tables.joint_places(), tables.palette_places()), (0, 0, 0));
+        assert_eq!(
+            (tables.member_places(), tables.joint_places(), tables.palette_places()),
+            (0, 0, 0)
+        );
     }
 
     #[test]
@@ -402,8 +419,12 @@ mod tests {
         tables.remove_member(place);
         assert_eq!(tables.add_member(bodies[0]), Ok(place));
         assert_eq!(tables.members().as_slice()[place as usize].layers_and_phase, 1);
-        assert!(tables.layers().as_slice()[tables.layer_range(place)].iter().all(|l| *l == PLAIN_LAYER));
-        assert!(tables.slots().as_slice()[tables.slot_range(place)].iter().all(|s| *s == EMPTY_SLOT));
+        assert!(
+            tables.layers().as_slice()[tables.layer_range(place)].iter().all(|l| *l == PLAIN_LAYER)
+        );
+        assert!(
+            tables.slots().as_slice()[tables.slot_range(place)].iter().all(|s| *s == EMPTY_SLOT)
+        );
         // It stands where a device has the old one.
         assert_eq!(tables.members().changed().collect::<Vec<_>>(), [place]);
         assert_eq!((tables.slots().changed().count(), tables.layers().changed().count()), (2, 4));

@@ -2,7 +2,8 @@
 
 use super::{Table, u32_from};
 
-/// A list for each page, in no order: additions go to its end, and its last fills the place of one that leaves.
+/// A list for each page, in no order: additions go to its end, and its last fills the place of one
+/// that leaves.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PageLists {
     lists: Vec<Table<u32>>,

@@ -4,8 +4,8 @@ use super::Tables;
 use crate::layout::ClipRows;
 
 impl Tables {
-    /// The last row of a clip at or before a time on its own axis, and how far it is to the next; the first and the last row
-    /// hold outside. The twin of `find_row` in `kernels/slot.cl`.
+    /// The last row of a clip at or before a time on its own axis, and how far it is to the next;
+    /// the first and the last row hold outside. The twin of `find_row` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn find_row(&self, clip: &ClipRows, secs: f32) -> (u32, f32) {

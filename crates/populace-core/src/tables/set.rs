@@ -2,13 +2,14 @@
 
 use super::{Table, Tables};
 use crate::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground, Layer,
-    Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target, Transition,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
+    Layer, Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target,
+    Transition,
 };
 
-/// Calls a macro with every table that all schedules read: its documentation, its name, and the type of its elements
-/// (types of [`layout`](crate::layout), which must be in scope where it is called). What follows the macro's name is
-/// passed on before the list.
+/// Calls a macro with every table that all schedules read: its documentation, its name, and the
+/// type of its elements (types of [`layout`](crate::layout), which must be in scope where it is
+/// called). What follows the macro's name is passed on before the list.
 #[macro_export]
 macro_rules! with_tables {
     ($callback:ident $(, $more:tt)*) => {
@@ -22,12 +23,13 @@ macro_rules! with_tables {
             levels: u32,
             /// Palette entries of all bodies.
             entries: Entry,
-            /// Rest poses, `POSE_PLANES` planes each, the ranges of bound clips, `RANGE_PLANES` planes each, and of their
-            /// turns, `TURN_PLANES` planes each.
+            /// Rest poses, `POSE_PLANES` planes each, the ranges of bound clips, `RANGE_PLANES`
+            /// planes each, and of their turns, `TURN_PLANES` planes each.
             poses: f32,
             /// Clips.
             clips: ClipRows,
-            /// Rows of the root motion of clips, `MOTION_ELEMENTS` each: `x y z 0`, sine and cosine of the heading.
+            /// Rows of the root motion of clips, `MOTION_ELEMENTS` each: `x y z 0`, sine and cosine
+            /// of the heading.
             motions: Float4,
             /// Rows of all clips, and at the end of each what 16 lanes may read past it.
             rows: u32,
@@ -73,7 +75,8 @@ macro_rules! with_tables {
             ground: Ground,
             /// Heights of the ground's grid.
             heights: f32,
-            /// Parameters of users' stages, four elements each, then values of the members that use them.
+            /// Parameters of users' stages, four elements each, then values of the members that use
+            /// them.
             stage_values: Float4,
             /// States of machines, for each body that runs them.
             machine_states: MachineState,
@@ -89,18 +92,18 @@ macro_rules! with_tables {
     };
 }
 
-/// As [`with_tables`], with the tables that only the staged schedule reads: a device that does not run it needs no copy
-/// of them.
+/// As [`with_tables`], with the tables that only the staged schedule reads: a device that does not
+/// run it needs no copy of them.
 #[macro_export]
 macro_rules! with_block_tables {
     ($callback:ident $(, $more:tt)*) => {
         $callback! {
             $($more)*;
-            /// The member of each block of `JOINT_BLOCK` joints in the joint buffer, `NONE` where it is free. Only the
-            /// staged schedule reads it.
+            /// The member of each block of `JOINT_BLOCK` joints in the joint buffer, `NONE` where
+            /// it is free. Only the staged schedule reads it.
             joint_blocks: u32,
-            /// The member of each block of `PALETTE_BLOCK` palette entries, `NONE` where it is free. Only the staged
-            /// schedule reads it.
+            /// The member of each block of `PALETTE_BLOCK` palette entries, `NONE` where it is
+            /// free. Only the staged schedule reads it.
             palette_blocks: u32,
         }
     };
@@ -135,7 +138,8 @@ macro_rules! table_set {
             }
         }
 
-        /// What devices read. Elements change only through methods that check them: a device follows every index.
+        /// What devices read. Elements change only through methods that check them: a device
+        /// follows every index.
         impl Tables {
             $($(#[$doc])* #[must_use] pub fn $name(&self) -> &Table<$element> { &self.$field.$name })*
         }

@@ -2,14 +2,15 @@
 
 use std::collections::HashMap;
 
-/// Hands out runs of blocks, none across a page's border, and takes them back by length: a crowd has few bodies, so a
-/// run that is given back fits the next member of its kind. Free runs at the end are let go of, so that a crowd that
-/// shrinks asks for less.
+/// Hands out runs of blocks, none across a page's border, and takes them back by length: a crowd
+/// has few bodies, so a run that is given back fits the next member of its kind. Free runs at the
+/// end are let go of, so that a crowd that shrinks asks for less.
 #[derive(Clone, Debug)]
 pub(super) struct Space {
     page_blocks: usize,
     end: usize,
-    /// First blocks of free runs by their length; those that `free_ends` does not hold are no longer free.
+    /// First blocks of free runs by their length; those that `free_ends` does not hold are no
+    /// longer free.
     free: Vec<(usize, Vec<usize>)>,
     /// The first block of each free run by the block that follows it.
     free_ends: HashMap<usize, usize>,
@@ -31,8 +32,8 @@ impl Space {
         self.end.saturating_add(count).saturating_add(page)
     }
 
-    /// Takes a run of `count` blocks and returns it as (first block, `count`). An empty run begins at
-    /// block 0: it outlives any change of the space, and 0 never lies past the end.
+    /// Takes a run of `count` blocks and returns it as (first block, `count`). An empty run begins
+    /// at block 0: it outlives any change of the space, and 0 never lies past the end.
     pub(super) fn take(&mut self, count: usize) -> (usize, usize) {
         if count == 0 {
             return (0, 0);
@@ -110,7 +111,10 @@ mod tests {
         space.give_back(runs[2]);
         assert_eq!(space.end(), 6, "and so did the run before and the first page's gap");
         // Nothing that was let go of is handed out twice.
-        assert_eq!([4, 6, 6, 1].map(|count| space.take(count)), [(6, 4), (10, 6), (20, 6), (26, 1)]);
+        assert_eq!(
+            [4, 6, 6, 1].map(|count| space.take(count)),
+            [(6, 4), (10, 6), (20, 6), (26, 1)]
+        );
         assert_eq!([4, 4].map(|count| space.take(count)), [(16, 4), (30, 4)]);
     }
 
@@ -119,7 +123,9 @@ mod tests {
         let mut space = Space::new(16);
         let (mut taken, mut state) = (Vec::<(usize, usize)>::new(), 1_u64);
         let mut random = |below: usize| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             usize::try_from(state >> 33).unwrap() % below
         };
         for step in 0..20_000 {

@@ -6,9 +6,9 @@ use super::u32_from;
 use crate::Error;
 use crate::layout::NONE;
 
-/// An array of which devices keep copies. What they have not taken over yet is the [`tail`](Self::tail), and the
-/// elements before it that [`changed`](Self::changed) names. Keeping and forgetting that takes time by the number of
-/// changes, never by the number of elements.
+/// An array of which devices keep copies. What they have not taken over yet is the
+/// [`tail`](Self::tail), and the elements before it that [`changed`](Self::changed) names. Keeping
+/// and forgetting that takes time by the number of changes, never by the number of elements.
 #[derive(Clone, Debug)]
 pub struct Table<T> {
     name: &'static str,
@@ -58,14 +58,16 @@ impl<T: bytemuck::Pod> Table<T> {
         self.changed.iter().copied().filter(|index| (*index as usize) < self.data.len())
     }
 
-    /// The elements that were added since [`Tables::mark_clean`](super::Tables::mark_clean), and all that follow them.
+    /// The elements that were added since [`Tables::mark_clean`](super::Tables::mark_clean), and
+    /// all that follow them.
     #[must_use]
     pub fn tail(&self) -> Range<usize> {
         self.known.min(self.data.len())..self.data.len()
     }
 
     /// As many elements as the table will have at its fullest, where that is known (see
-    /// [`Tables::with_capacity`](super::Tables::with_capacity)), else 0: devices make room for them at once.
+    /// [`Tables::with_capacity`](super::Tables::with_capacity)), else 0: devices make room for them
+    /// at once.
     #[must_use]
     pub fn expected(&self) -> usize {
         self.expected
@@ -122,8 +124,8 @@ impl<T: bytemuck::Pod> Table<T> {
         }
     }
 
-    /// Shortens the table to `count` elements, or leaves it where it has no more. Devices still hold the elements that
-    /// go: those that come in their place count as changed.
+    /// Shortens the table to `count` elements, or leaves it where it has no more. Devices still
+    /// hold the elements that go: those that come in their place count as changed.
     pub(super) fn truncate(&mut self, count: usize) {
         (count..self.data.len().min(self.known)).for_each(|index| self.touch(index));
         self.data.truncate(count);
@@ -134,8 +136,9 @@ impl<T: bytemuck::Pod> Table<T> {
         self.changed.is_empty() && self.known == self.data.len()
     }
 
-    /// Puts back the elements that devices last took over; elements added since stay behind them. [`restore`](Self::restore)
-    /// ends this, and nothing may change until then. Takes time by the number of changes.
+    /// Puts back the elements that devices last took over; elements added since stay behind them.
+    /// [`restore`](Self::restore) ends this, and nothing may change until then. Takes time by the
+    /// number of changes.
     pub(super) fn revert(&mut self) {
         self.brought_back = self.known.saturating_sub(self.data.len());
         self.data.resize(self.data.len() + self.brought_back, T::zeroed());
@@ -262,7 +265,9 @@ mod tests {
         let mut copies = [Copy::default(), Copy::default()];
         let mut taken_over = Vec::new();
         let mut random = |below: usize| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             usize::try_from(state >> 33).unwrap() % below
         };
         for step in 0..20_000 {
@@ -278,7 +283,8 @@ mod tests {
                 85..92 => table.truncate(table.len().saturating_sub(random(15))),
                 92 => table.mark_dirty(),
                 _ => {
-                    // A frame whose devices all take over, then one that failed before they were told apart.
+                    // A frame whose devices all take over, then one that failed before they were
+                    // told apart.
                     for copy in &mut copies {
                         copy.take_over(&table);
                         copy.assert_holds(&table);
@@ -301,7 +307,10 @@ mod tests {
             }
             let changed = changed(&table);
             let (unique, tail) = (changed.windows(2).all(|w| w[0] < w[1]), table.tail());
-            assert!(unique && changed.iter().all(|index| (*index as usize) < tail.start), "step {step}");
+            assert!(
+                unique && changed.iter().all(|index| (*index as usize) < tail.start),
+                "step {step}"
+            );
             assert!(tail.end == table.len() && table.len() < 1000, "step {step}");
         }
     }

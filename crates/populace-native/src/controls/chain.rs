@@ -1,5 +1,5 @@
-//! Chains of any length, by FABRIK (Aristidou & Lasenby 2011, "FABRIK: a fast, iterative solver for the inverse kinematics
-//! problem"); the twin of `kernels/chain.cl`.
+//! Chains of any length, by FABRIK (Aristidou & Lasenby 2011, "FABRIK: a fast, iterative solver for
+//! the inverse kinematics problem"); the twin of `kernels/chain.cl`.
 
 use populace_core::layout::{LINKS_MOST, Step};
 use populace_core::math::{quat, vec3};
@@ -7,7 +7,8 @@ use populace_core::math::{quat, vec3};
 use super::limb::soft_distance;
 use super::{Models, Steering};
 
-/// Passes along the chain and back. Always as many, so that what comes out moves smoothly with the target.
+/// Passes along the chain and back. Always as many, so that what comes out moves smoothly with the
+/// target.
 const PASSES: usize = 16;
 
 /// Draws a point to so far from another.
@@ -50,7 +51,10 @@ impl Steering<'_> {
         }
         let mut turned = quat::identity();
         for at in 0..last {
-            let was = vec3::unit_or(vec3::turned(turned, vec3::sub(places[at + 1], places[at])), [0.0; 3]);
+            let was = vec3::unit_or(
+                vec3::turned(turned, vec3::sub(places[at + 1], places[at])),
+                [0.0; 3],
+            );
             let is = vec3::unit_or(vec3::sub(points[at + 1], points[at]), was);
             let turn = vec3::part_of(vec3::between(was, is, vec3::any_across(is)), weight);
             if at == 0 {

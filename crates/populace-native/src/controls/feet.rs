@@ -1,8 +1,8 @@
 //! Feet that keep to the ground, and the pelvis that sinks for them; the twin of `kernels/feet.cl`.
 //!
-//! What a clip lifts a foot above its rest height, the foot is lifted above the ground beneath it. While that is little the
-//! foot is planted: it stays where it came down, in the world, however the member is moved. Lifted again, it makes up for
-//! what it was held back.
+//! What a clip lifts a foot above its rest height, the foot is lifted above the ground beneath it.
+//! While that is little the foot is planted: it stays where it came down, in the world, however the
+//! member is moved. Lifted again, it makes up for what it was held back.
 
 use populace_core::Affine;
 use populace_core::layout::{Constraint, FEET_MOST, Float4, Link, Step};
@@ -21,7 +21,8 @@ const SINKS_MOST: f32 = 0.5;
 struct Footing {
     /// Its ankle, in model space.
     place: [f32; 3],
-    /// The ground's upward normal, in model space, and how much the foot follows its slope: 1 while planted, 0 when lifted.
+    /// The ground's upward normal, in model space, and how much the foot follows its slope: 1 while
+    /// planted, 0 when lifted.
     follows: [f32; 4],
 }
 
@@ -82,7 +83,8 @@ impl Legs {
             bend: each(|s| &s.bend),
             to: each(|s| &s.to),
         };
-        let follows = [0, 1, 2, 3].map(|c: usize| Several::from_fn(|lane| strides[lane].follows[c]));
+        let follows =
+            [0, 1, 2, 3].map(|c: usize| Several::from_fn(|lane| strides[lane].follows[c]));
         Self { limb, follows }
     }
 
@@ -100,14 +102,20 @@ impl Legs {
 impl Steering<'_> {
     fn to_world(&self, p: [f32; 3]) -> [f32; 3] {
         let ([x, y, z, scale], [sin, cos, ..]) = (self.control.place.0, self.control.facing.0);
-        [(cos * p[0] + sin * p[2]) * scale + x, p[1] * scale + y, (cos * p[2] - sin * p[0]) * scale + z]
+        [
+            (cos * p[0] + sin * p[2]) * scale + x,
+            p[1] * scale + y,
+            (cos * p[2] - sin * p[0]) * scale + z,
+        ]
     }
 
     /// The ground's height and upward normal at a place in the world.
     fn ground_at(&self, x: f32, z: f32) -> (f32, [f32; 3]) {
         let ground = &self.tables.ground().as_slice()[0];
-        let (mut height, mut slope) =
-            (ground.offset + ground.slope_x * x + ground.slope_z * z, [ground.slope_x, ground.slope_z]);
+        let (mut height, mut slope) = (
+            ground.offset + ground.slope_x * x + ground.slope_z * z,
+            [ground.slope_x, ground.slope_z],
+        );
         if ground.per_metre > 0.0 {
             let (column, across) = sample((x - ground.grid_x) * ground.per_metre, ground.count_x);
             let (row, along) = sample((z - ground.grid_z) * ground.per_metre, ground.count_z);
@@ -136,7 +144,8 @@ impl Steering<'_> {
         self.keep_state(foot, Float4([x, y, z, f32::from_bits(bits)]));
     }
 
-    /// How far behind where the clip has it a foot is, in the world, and whether it stays where it was planted.
+    /// How far behind where the clip has it a foot is, in the world, and whether it stays where it
+    /// was planted.
     fn behind(&self, kept: &Kept, clip: [f32; 3], held_most: f32) -> ([f32; 3], bool) {
         let mut behind = if kept.planted {
             vec3::sub(kept.vector, clip)
@@ -181,7 +190,13 @@ impl Steering<'_> {
 
     /// Down a leg's chain from link `start`, whose joint's model transform is `from`.
     #[inline(never)]
-    fn walk_leg(models: &impl Models, links: &[Link], foot: &Constraint, start: usize, from: Affine) -> Leg {
+    fn walk_leg(
+        models: &impl Models,
+        links: &[Link],
+        foot: &Constraint,
+        start: usize,
+        from: Affine,
+    ) -> Leg {
         let (mut leg, mut model) = (Leg::default(), from);
         for (at, link) in links.iter().enumerate().skip(start) {
             if at > start {
@@ -199,7 +214,8 @@ impl Steering<'_> {
         leg
     }
 
-    /// Solves legs, and writes the turns of hips, knees and ankles, three for each leg, of the first `count`.
+    /// Solves legs, and writes the turns of hips, knees and ankles, three for each leg, of the
+    /// first `count`.
     #[inline(never)]
     fn step_with(&mut self, legs: &Legs, constraint: &Constraint, turn: u32, count: usize) {
         let [soft, weight, ..] = constraint.limits.0;
@@ -207,7 +223,8 @@ impl Steering<'_> {
         if weight < 1.0 {
             [hip, knee] = [hip, knee].map(|turn| vec3::part_of(turn, Feet::splat(weight)));
         }
-        // The ankle keeps the rotation that the clips give it, and follows the slope: the turn from upwards to the normal.
+        // The ankle keeps the rotation that the clips give it, and follows the slope: the turn from
+        // upwards to the normal.
         let [nx, ny, nz, follows] = legs.follows;
         let tilt = [nz, Feet::splat(0.0), -nx, Feet::splat(1.0) + ny];
         let slope = quat::normalize_or(tilt, quat::identity());
@@ -265,12 +282,16 @@ impl Steering<'_> {
     }
 }
 
-/// The last sample at or before a place on a grid that has one after it, and how far it is to that; the first and the last
-/// hold outside.
+/// The last sample at or before a place on a grid that has one after it, and how far it is to that;
+/// the first and the last hold outside.
 fn sample(at: f32, count: u32) -> (u32, f32) {
     let last = (count - 1) as f32;
     let at = if at > 0.0 { if at < last { at } else { last } } else { 0.0 };
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and a count")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and a count"
+    )]
     let whole = (at as u32).min(count - 2);
     (whole, at - whole as f32)
 }

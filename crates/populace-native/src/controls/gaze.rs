@@ -1,7 +1,9 @@
-//! Look-at: a chain shares a turn, and its last joint faces the targets; the twin of `kernels/gaze.cl`.
+//! Look-at: a chain shares a turn, and its last joint faces the targets; the twin of
+//! `kernels/gaze.cl`.
 //!
-//! A turn of the gaze is a yaw about what is up and a pitch about the left of what faces, so that no head tilts. Both come
-//! straight from the directions before and after. Angles are needed for what lies beyond the limits or between targets.
+//! A turn of the gaze is a yaw about what is up and a pitch about the left of what faces, so that
+//! no head tilts. Both come straight from the directions before and after. Angles are needed for
+//! what lies beyond the limits or between targets.
 
 use populace_core::Affine;
 use populace_core::layout::{Constraint, NONE, Step};
@@ -9,8 +11,8 @@ use populace_core::math::{Real, angle, quat, vec3};
 
 use super::{Models, Steering};
 
-/// Nearer than this to straight up or down, as the sine of the angle, a target's side counts for less and less: it would
-/// turn about wildly there.
+/// Nearer than this to straight up or down, as the sine of the angle, a target's side counts for
+/// less and less: it would turn about wildly there.
 const STEEP: f32 = 0.17;
 /// With less than this level of a direction of length 1 there is no side to turn from.
 const UPRIGHT: f32 = 1e-3;
@@ -36,7 +38,8 @@ impl Frame {
     #[inline(always)]
     fn new(constraint: &Constraint, parent: Option<Affine>) -> Self {
         let (front, up) = (constraint.front.xyz(), constraint.up.xyz());
-        let [ahead, up] = parent.map_or([front, up], |model| [front, up].map(|v| model.transform_vector(v)));
+        let [ahead, up] =
+            parent.map_or([front, up], |model| [front, up].map(|v| model.transform_vector(v)));
         let front = vec3::unit_or(ahead, [0.0, 0.0, 1.0]);
         let left = vec3::unit_or(vec3::cross(up, ahead), vec3::any_across(front));
         Self { front, left, up: vec3::cross(front, left) }
@@ -62,29 +65,36 @@ impl Frame {
         start
     }
 
-    /// The turn of what faces `start`: by a yaw, of which there are sine and cosine of the half, both times the same; and
-    /// to a pitch, of which there are cosine and sine.
+    /// The turn of what faces `start`: by a yaw, of which there are sine and cosine of the half,
+    /// both times the same; and to a pitch, of which there are cosine and sine.
     #[inline(always)]
     fn turn(&self, start: Sight, [side, ahead]: [f32; 2], [level, height]: [f32; 2]) -> [f32; 4] {
         let rise = start.level * height - start.up * level;
         let on = 1.0 + (start.level * level + start.up * height);
         let (right, back, whole) = (-start.front * rise, start.left * rise, start.level * on);
         let (x, y, z) = (ahead * right + side * back, side * whole, ahead * back - side * right);
-        let axis = vec3::add_scaled(vec3::add_scaled(vec3::scale(self.left, x), self.up, y), self.front, z);
+        let axis = vec3::add_scaled(
+            vec3::add_scaled(vec3::scale(self.left, x), self.up, y),
+            self.front,
+            z,
+        );
         quat::normalize_or([axis[0], axis[1], axis[2], ahead * whole], quat::identity())
     }
 }
 
-/// A yaw within a limit. What is further round is followed no further, and what passes behind lets the gaze come back to
-/// the front, so that it never snaps from one side to the other.
+/// A yaw within a limit. What is further round is followed no further, and what passes behind lets
+/// the gaze come back to the front, so that it never snaps from one side to the other.
 fn held(yaw: f32, limit: f32) -> f32 {
     let size = yaw.abs();
     if size <= limit {
         return yaw;
     }
     let behind = 0.5 * (limit + angle::HALF_TURN);
-    let size =
-        if size <= behind { limit } else { limit * (angle::HALF_TURN - size) / (angle::HALF_TURN - behind) };
+    let size = if size <= behind {
+        limit
+    } else {
+        limit * (angle::HALF_TURN - size) / (angle::HALF_TURN - behind)
+    };
     if yaw < 0.0 { -size } else { size }
 }
 
@@ -102,7 +112,9 @@ impl Steering<'_> {
         let (mut yaw, mut pitch, mut total) = (0.0, 0.0, 0.0);
         for target in self.targets(constraint) {
             let (place, weight) = self.sight(target, from);
-            let Some(seen) = frame.see(vec3::sub(place, from)).filter(|_| weight > 0.0) else { continue };
+            let Some(seen) = frame.see(vec3::sub(place, from)).filter(|_| weight > 0.0) else {
+                continue;
+            };
             let steep = if seen.level < STEEP { seen.level * (1.0 / STEEP) } else { 1.0 };
             let upwards = angle::of(seen.up, seen.level);
             let raised = if upwards > up { up } else { upwards };
@@ -116,13 +128,22 @@ impl Steering<'_> {
         frame.turn(start, [side, ahead], [level, height])
     }
 
-    /// The turn from facing `start` to facing what is aimed at from a point, and how much that weighs.
+    /// The turn from facing `start` to facing what is aimed at from a point, and how much that
+    /// weighs.
     #[inline(never)]
-    fn aim(&self, constraint: &Constraint, frame: &Frame, start: Sight, from: [f32; 3]) -> ([f32; 4], f32) {
+    fn aim(
+        &self,
+        constraint: &Constraint,
+        frame: &Frame,
+        start: Sight,
+        from: [f32; 3],
+    ) -> ([f32; 4], f32) {
         let (mut to, mut total, mut count) = (Sight::default(), 0.0, 0);
         for target in self.targets(constraint) {
             let (place, weight) = self.sight(target, from);
-            let Some(seen) = frame.see(vec3::sub(place, from)).filter(|_| weight > 0.0) else { continue };
+            let Some(seen) = frame.see(vec3::sub(place, from)).filter(|_| weight > 0.0) else {
+                continue;
+            };
             to = seen;
             total += weight;
             count += 1;
@@ -131,7 +152,8 @@ impl Steering<'_> {
         if count == 0 {
             return (quat::identity(), weight);
         }
-        // The tangents of the limits. With both in front, the short way is the one that passes the front.
+        // The tangents of the limits. With both in front, the short way is the one that passes the
+        // front.
         let [side, up, down] = [constraint.axis, constraint.front, constraint.up].map(|v| v.0[3]);
         let within = to.level >= STEEP
             && to.left.abs() <= side * to.front
@@ -146,7 +168,13 @@ impl Steering<'_> {
     }
 
     #[inline(never)]
-    pub(super) fn gaze(&mut self, models: &mut impl Models, joint: usize, parent: u32, step: &Step) {
+    pub(super) fn gaze(
+        &mut self,
+        models: &mut impl Models,
+        joint: usize,
+        parent: u32,
+        step: &Step,
+    ) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
         let own = models.model(joint);

@@ -1,12 +1,13 @@
-//! Two-bone inverse kinematics, of one limb or of several side by side; the twin of `kernels/limb.cl`.
+//! Two-bone inverse kinematics, of one limb or of several side by side; the twin of
+//! `kernels/limb.cl`.
 
 use populace_core::layout::Step;
 use populace_core::math::{Real, quat, vec3};
 
 use super::{Models, Steering};
 
-/// How far a limb's own bend has to stand out before it, and not the limb's preference, says where the middle joint goes:
-/// a part of the first bone.
+/// How far a limb's own bend has to stand out before it, and not the limb's preference, says where
+/// the middle joint goes: a part of the first bone.
 const OWN_BEND: f32 = 0.05;
 
 /// A limb as the clips have it, in model space, and what is asked of it.
@@ -25,8 +26,9 @@ fn none<R: Real>() -> [R; 3] {
     [R::splat(0.0); 3]
 }
 
-/// How far away the end of a chain that is `length` long, and cannot come nearer than `least`, goes for a target at
-/// `distance`: as far, but within the last `soft` of its length, and of what it can come nearer, ever more slowly.
+/// How far away the end of a chain that is `length` long, and cannot come nearer than `least`, goes
+/// for a target at `distance`: as far, but within the last `soft` of its length, and of what it can
+/// come nearer, ever more slowly.
 #[inline(always)]
 pub(super) fn soft_distance<R: Real>(distance: R, length: R, least: R, soft: f32) -> R {
     let soft = R::splat(soft);
@@ -38,8 +40,8 @@ pub(super) fn soft_distance<R: Real>(distance: R, length: R, least: R, soft: f32
     R::choose(beyond, far + eased, R::choose(distance.less(near), near - eased, distance))
 }
 
-/// The shortest turn from one vector to another, of which `lengths` is the product of their lengths; where they are
-/// opposite, about an axis at right angles to them.
+/// The shortest turn from one vector to another, of which `lengths` is the product of their
+/// lengths; where they are opposite, about an axis at right angles to them.
 #[inline(always)]
 fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -> [R; 4] {
     let ([x, y, z], w) = (vec3::cross(from, to), lengths + vec3::dot(from, to));
@@ -49,8 +51,9 @@ fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -
 }
 
 impl<R: Real> Limb<R> {
-    /// The axis about which the middle joint bends, of any length: across the limb's own bend. Little of that gives way to
-    /// where it is to bend. `shrinks` is the inverse of the upper bone's length.
+    /// The axis about which the middle joint bends, of any length: across the limb's own bend.
+    /// Little of that gives way to where it is to bend. `shrinks` is the inverse of the upper
+    /// bone's length.
     #[inline(always)]
     fn hinge(&self, shrinks: R) -> [R; 3] {
         let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|axis: [f32; 3]| axis.map(R::splat));
@@ -63,7 +66,8 @@ impl<R: Real> Limb<R> {
         vec3::choose::<R>(stands, hinge, vec3::cross(upper, vec3::choose::<R>(leans, x, y)))
     }
 
-    /// What turns the first joint about where it is to be, so that the middle joint comes nearest to a pole.
+    /// What turns the first joint about where it is to be, so that the middle joint comes nearest
+    /// to a pole.
     #[inline(always)]
     fn pole_turn(&self, first: [R; 4], hinge: [R; 3], pole: [R; 3]) -> [R; 4] {
         let ahead = vec3::unit_or(self.to, [1.0, 0.0, 0.0].map(R::splat));
@@ -74,8 +78,8 @@ impl<R: Real> Limb<R> {
         swing_between(out, drawn, R::splat(1.0), ahead)
     }
 
-    /// The turns of the first joint and, as of after that, of the middle one, which bring the end to where it is to be;
-    /// none for a limb of no length.
+    /// The turns of the first joint and, as of after that, of the middle one, which bring the end
+    /// to where it is to be; none for a limb of no length.
     #[inline(never)]
     pub(super) fn turns(&self, pole: Option<[f32; 3]>, soft: f32) -> [[R; 4]; 2] {
         let (upper, lower) = (self.upper, self.lower);
@@ -85,8 +89,9 @@ impl<R: Real> Limb<R> {
         let shorter = R::choose(a.less(b), a, b);
         let longer = R::choose(a.less(b), b, a);
         let reach = soft_distance(distance, a + b, longer - shorter, soft);
-        // The lower bone turns about the hinge until both reach so far: what is along the hinge stays, and the product of
-        // both bones is a cosine of the turn. Times nn, the square of the hinge's length, nothing waits for that length.
+        // The lower bone turns about the hinge until both reach so far: what is along the hinge
+        // stays, and the product of both bones is a cosine of the turn. Times nn, the square of the
+        // hinge's length, nothing waits for that length.
         let hinge = self.hinge(aa.inverse_sqrt());
         let side = vec3::cross(hinge, lower);
         let nn = vec3::dot(hinge, hinge);

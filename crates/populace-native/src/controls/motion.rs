@@ -1,14 +1,15 @@
 //! Root motion: where its clips move a member, frame after frame; the twin of `kernels/motion.cl`.
 //!
-//! Each clip says how far it moves the body between the last frame and this one, seen from where it had it; these moves are
-//! mixed as poses are, and the mix goes on from where the member was. A clip that played for a part of the frame moves the
-//! body for that part, by the mean of what it weighed then: so nothing is lost of what is left in the midst of a frame.
-//! Where something settles, the speed of the frame before goes over into that of what plays now, as poses do.
+//! Each clip says how far it moves the body between the last frame and this one, seen from where it
+//! had it; these moves are mixed as poses are, and the mix goes on from where the member was. A
+//! clip that played for a part of the frame moves the body for that part, by the mean of what it
+//! weighed then: so nothing is lost of what is left in the midst of a frame. Where something
+//! settles, the speed of the frame before goes over into that of what plays now, as poses do.
 
 use populace_core::Affine;
 use populace_core::layout::{
-    BoundClip, ClipRows, FEET_MOST, Float4, LEAST_WEIGHT, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP,
-    SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
+    BoundClip, ClipRows, FEET_MOST, Float4, LEAST_WEIGHT, MOTION_ELEMENTS, MOTION_STATE, NONE,
+    SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
 use populace_core::math::{Real, vec3};
 
@@ -94,8 +95,9 @@ struct Sum {
 }
 
 impl Sum {
-    /// Where moves that weighed so much in all go. Those that each played in a part of the frame come after each other, so
-    /// that what all weighed while they played is more: each turns from straight ahead.
+    /// Where moves that weighed so much in all go. Those that each played in a part of the frame
+    /// come after each other, so that what all weighed while they played is more: each turns from
+    /// straight ahead.
     fn over(&self, total: f32) -> Move {
         let ([sin, cos], k) = (self.heading, 1.0 / total);
         Move::new(vec3::scale(self.shift, k), [sin * k, (cos + (total - self.weight)) * k])
@@ -126,7 +128,8 @@ fn span_part((begin, end): Span, (from, until): Span) -> f32 {
 fn span_of(slot: &Slot, (from, until): Span) -> Option<Span> {
     let is_cut = slot.end_weight <= 0.0 && slot.weight_rate == 0.0;
     let until = if is_cut { until.min(slot.weight_tick) } else { until };
-    Some((from.max(slot.start_tick), until)).filter(|(from, until)| slot.bound_clip != NONE && from < until)
+    Some((from.max(slot.start_tick), until))
+        .filter(|(from, until)| slot.bound_clip != NONE && from < until)
 }
 
 /// The integral of what is left of a difference that settles: of the quintic by which poses do.
@@ -150,7 +153,10 @@ impl Steering<'_> {
         let [place, heading, speed, excess] =
             [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
         let last = (place[3].to_bits() == step.turn).then(|| Last {
-            place: Move { shift: [place[0], place[1], place[2]], heading: [heading[0], heading[1]] },
+            place: Move {
+                shift: [place[0], place[1], place[2]],
+                heading: [heading[0], heading[1]],
+            },
             speed,
             excess,
         });
@@ -187,7 +193,8 @@ impl Steering<'_> {
             moved = moved.then(&settled_within(slot, excess, (before, until)));
         }
         if let (Some(slot), Some(_)) = (begun, last) {
-            let taking = self.move_within((slot.start_tick, slot.start_tick + elapsed)).speed(elapsed);
+            let taking =
+                self.move_within((slot.start_tick, slot.start_tick + elapsed)).speed(elapsed);
             excess = [0, 1, 2, 3].map(|i: usize| speed[i] - taking[i]);
             moved = moved.then(&settled_within(slot, excess, (slot.start_tick, self.tick)));
         }
@@ -195,7 +202,8 @@ impl Steering<'_> {
         Last { place: place.then(&moved), speed: moved.speed(elapsed), excess }
     }
 
-    /// Of the member's slots that began to settle before a time of the clock, where they move its root, the last.
+    /// Of the member's slots that began to settle before a time of the clock, where they move its
+    /// root, the last.
     fn newest_settling(&self, before: u64) -> Option<&Slot> {
         let slots = &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)];
         let settling = |slot: &&Slot| {
@@ -207,8 +215,8 @@ impl Steering<'_> {
         slots.iter().filter(settling).max_by_key(|slot| slot.start_tick)
     }
 
-    /// The mix of what all clips do within a span, each for as long as it plays. Layers that add to what lies beneath move
-    /// nobody.
+    /// The mix of what all clips do within a span, each for as long as it plays. Layers that add to
+    /// what lies beneath move nobody.
     fn move_within(&self, span: Span) -> Move {
         let mut moved = Move::NONE;
         for (layer, _) in (0..).zip(member_layers(self.tables, self.control.member)) {
@@ -251,12 +259,14 @@ impl Steering<'_> {
             sum.heading = [0, 1].map(|i: usize| sum.heading[i] + moved.heading[i] * weight);
             sum.weight += weight;
             sum.total += weight * span_part(within, span);
-            sum.span = sum.span.map_or(Some(span), |all| Some((all.0.min(span.0), all.1.max(span.1))));
+            sum.span =
+                sum.span.map_or(Some(span), |all| Some((all.0.min(span.0), all.1.max(span.1))));
         }
         sum
     }
 
-    /// A slot that plays within a span, or in place of a machine's the one that it stands for, and when it does.
+    /// A slot that plays within a span, or in place of a machine's the one that it stands for, and
+    /// when it does.
     fn slot_within(&self, slot: &Slot, within: Span) -> Option<(Slot, Span)> {
         let span = span_of(slot, within)?;
         if slot.mode() != SLOT_MACHINE {
@@ -267,13 +277,15 @@ impl Steering<'_> {
         Some((slot, span_of(&slot, span)?))
     }
 
-    /// How far a slot's clip moves its own body from one time of the clock to another, seen from where it had it.
+    /// How far a slot's clip moves its own body from one time of the clock to another, seen from
+    /// where it had it.
     fn move_of_slot(&self, slot: &Slot, bound: &BoundClip, (from_tick, until): Span) -> Move {
         let clip = &self.tables.clips().as_slice()[bound.clip as usize];
         if clip.motion_count == 0 || !matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE) {
             return Move::NONE;
         }
-        let at = |tick| self.motion_at(clip, slot.time_at(tick, clip.start_secs, clip.duration_secs));
+        let at =
+            |tick| self.motion_at(clip, slot.time_at(tick, clip.start_secs, clip.duration_secs));
         let (from, to) = (at(from_tick), at(until));
         let cycle = self.motion_at(clip, clip.start_secs + clip.duration_secs);
         let whole = match (slot.cycles_between(from_tick, until), slot.phase_rate >> 63 != 0) {
@@ -288,7 +300,11 @@ impl Steering<'_> {
         let last = (clip.motion_count - 1) as f32;
         let place = (secs - clip.start_secs) * clip.motion_rows_per_sec;
         let place = if place > 0.0 { if place < last { place } else { last } } else { 0.0 };
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "held to the rows")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "held to the rows"
+        )]
         let row = place as u32;
         let rows = self.tables.motions().as_slice();
         let at = |row: u32| {

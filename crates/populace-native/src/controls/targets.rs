@@ -16,7 +16,8 @@ impl Steering<'_> {
         &self.tables.targets().as_slice()[first..first + constraint.target_count as usize]
     }
 
-    /// Where a target is in model space, seen from a point there, and what it weighs now: nothing before it was ever seen.
+    /// Where a target is in model space, seen from a point there, and what it weighs now: nothing
+    /// before it was ever seen.
     pub(super) fn sight(&self, target: &Target, from: [f32; 3]) -> ([f32; 3], f32) {
         let weight = target.weight_at(self.tick);
         let point = target.point.xyz();
@@ -29,11 +30,14 @@ impl Steering<'_> {
             }
             TARGET_WATCHED => {
                 let first = (target.watched * WATCHED_ELEMENTS) as usize;
-                let rows = self.keeping.before.watched.get(first..first + WATCHED_ELEMENTS as usize);
-                let [a, b, c] = rows.map_or([[0.0; 4]; 3], |rows| [rows[0].0, rows[1].0, rows[2].0]);
+                let rows =
+                    self.keeping.before.watched.get(first..first + WATCHED_ELEMENTS as usize);
+                let [a, b, c] =
+                    rows.map_or([[0.0; 4]; 3], |rows| [rows[0].0, rows[1].0, rows[2].0]);
                 let place = vec3::add([a[3], b[3], c[3]], point);
                 // Written so that what is not finite counts as never seen.
-                let seen = a[0] * a[0] + a[1] * a[1] + a[2] * a[2] > 0.0 && vec3::dot(place, place) < 1e30;
+                let seen =
+                    a[0] * a[0] + a[1] * a[1] + a[2] * a[2] > 0.0 && vec3::dot(place, place) < 1e30;
                 if seen { (self.to_model(place), weight) } else { (from, 0.0) }
             }
             _ => (point, weight),

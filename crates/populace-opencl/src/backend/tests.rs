@@ -7,14 +7,16 @@ use super::*;
 /// One context for all tests of this process.
 fn device() -> Arc<OpenClDevice> {
     static DEVICE: OnceLock<Arc<OpenClDevice>> = OnceLock::new();
-    let open = || OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without");
+    let open =
+        || OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without");
     Arc::clone(DEVICE.get_or_init(open))
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn shared_structs_are_laid_out_alike() {
-    // A kernel that returns each struct's size and field offsets, as the device's compiler sees them.
+    // A kernel that returns each struct's size and field offsets, as the device's compiler sees
+    // them.
     let structs = device_structs();
     let mut body = String::new();
     let mut expected = Vec::new();
@@ -22,16 +24,22 @@ fn shared_structs_are_laid_out_alike() {
         body += &format!("*out++ = sizeof({});\n", layout.name);
         expected.push(u32::try_from(layout.size).unwrap());
         for (field, offset) in layout.fields {
-            body += &format!("{{ {0} x; *out++ = (uint)((char *)&x.{field} - (char *)&x); }}\n", layout.name);
+            body += &format!(
+                "{{ {0} x; *out++ = (uint)((char *)&x.{field} - (char *)&x); }}\n",
+                layout.name
+            );
             expected.push(u32::try_from(*offset).unwrap());
         }
     }
-    let source =
-        format!("{}\n__kernel void probe(__global uint *out) {{\n{body}}}\n", Form::Staged.source(""));
+    let source = format!(
+        "{}\n__kernel void probe(__global uint *out) {{\n{body}}}\n",
+        Form::Staged.source("")
+    );
     let device = device();
     let program = device.build(&source).unwrap();
     let (kernel, queue) = (Kernel::create(&program, "probe").unwrap(), device.queue().unwrap());
-    let out = crate::buffer::Buffer::<u32>::new(&device, expected.len(), "the probe's answers").unwrap();
+    let out =
+        crate::buffer::Buffer::<u32>::new(&device, expected.len(), "the probe's answers").unwrap();
     Launch::of(&kernel).buffer("out", &out).run(&queue, [1, 1], [1, 1]).unwrap();
     let mut answers = vec![0; expected.len()];
     out.read(&queue, 0, &mut answers).unwrap();
@@ -42,7 +50,9 @@ fn shared_structs_are_laid_out_alike() {
 #[test]
 fn past_the_end_is_an_error() {
     let mut backend = OpenClBackend::new(&device(), Schedule::Staged).unwrap();
-    assert!(backend.read(&Tables::new(1), StageBuffer::Palette, 0, &mut [Float4::default()]).is_err());
+    assert!(
+        backend.read(&Tables::new(1), StageBuffer::Palette, 0, &mut [Float4::default()]).is_err()
+    );
     assert!(backend.write(StageBuffer::Scales, 9, &[Float4::default()]).is_err());
     assert!(backend.with_page(0, &mut |_| ()).is_err());
 }
@@ -89,14 +99,20 @@ fn parts_of_a_device_share_its_compute_units_and_there_are_no_more() {
         (0, 2, "there is no part 0"),
     ] {
         let error = OpenClDevice::open_part(0, crate::DevicePart { part, parts }).unwrap_err();
-        assert!(matches!(error, BackendError::NoPart { .. }) && error.to_string().contains(words), "{error}");
+        assert!(
+            matches!(error, BackendError::NoPart { .. }) && error.to_string().contains(words),
+            "{error}"
+        );
     }
 }
 
 mod conformance_of_a_part {
     populace_testkit::fused_conformance!(
-        super::OpenClBackend::new(&super::half(2).expect("a second half"), super::Schedule::FusedWide)
-            .expect("a backend"),
+        super::OpenClBackend::new(
+            &super::half(2).expect("a second half"),
+            super::Schedule::FusedWide
+        )
+        .expect("a backend"),
         cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
     );
 }
@@ -106,7 +122,8 @@ mod conformance_of_a_part {
 struct NoContext;
 
 #[expect(unsafe_code, reason = "a promise about handles that are refused before anybody uses them")]
-// SAFETY: `OpenClDevice::open_for_gl` and `OpenClBackend::refuses` use no handle where the extension is missing.
+// SAFETY: `OpenClDevice::open_for_gl` and `OpenClBackend::refuses` use no handle where the
+// extension is missing.
 unsafe impl GlContext for NoContext {
     fn handles(&self) -> populace_core::EglHandles {
         populace_core::EglHandles { display: 0, context: 0 }
@@ -142,7 +159,8 @@ mod conformance_fused_wide {
 
 mod conformance_fused_grouped {
     populace_testkit::fused_conformance!(
-        super::OpenClBackend::new(&super::device(), super::Schedule::FusedGrouped).expect("a backend"),
+        super::OpenClBackend::new(&super::device(), super::Schedule::FusedGrouped)
+            .expect("a backend"),
         cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
     );
 }
@@ -169,8 +187,12 @@ fn small_groups() -> Shape {
 /// The shape for GPUs, on whatever device there is.
 mod conformance_of_the_gpu_shape {
     populace_testkit::backend_conformance!(
-        super::OpenClBackend::with_shape(&super::device(), super::Schedule::Staged, super::GPU_SHAPE)
-            .expect("a backend"),
+        super::OpenClBackend::with_shape(
+            &super::device(),
+            super::Schedule::Staged,
+            super::GPU_SHAPE
+        )
+        .expect("a backend"),
         cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
     );
 }
@@ -178,8 +200,11 @@ mod conformance_of_the_gpu_shape {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn tables_that_grew_since_the_update_are_refused() {
-    let joint =
-        populace_core::JointSource { name: "root".into(), parent: None, rest: populace_core::Trs::IDENTITY };
+    let joint = populace_core::JointSource {
+        name: "root".into(),
+        parent: None,
+        rest: populace_core::Trs::IDENTITY,
+    };
     let mut tables = Tables::new(1);
     let body = tables.add_body(&populace_core::Skeleton::new(&[joint]).unwrap(), &[]).unwrap();
     let mut backend = OpenClBackend::new(&device(), Schedule::Staged).unwrap();
@@ -265,7 +290,8 @@ fn a_frame_of_some_members_leaves_the_others_palettes_alone() {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn a_body_past_local_memory_is_an_error_that_names_it_and_the_remedy() {
-    // Three rows of 16 bytes for each joint of the largest body, padded: 64 fit, and what the group plays and hands down; 80 do not.
+    // Three rows of 16 bytes for each joint of the largest body, padded: 64 fit, and what the group
+    // plays and hands down; 80 do not.
     let (rows_of_64, rows_of_80) = (3 * 16 * (64 + 3), 3 * 16 * (80 + 3));
     let available = rows_of_64 + 1000;
     let device = device_that_claims(|info| info.local_memory_bytes = available);
@@ -282,7 +308,9 @@ fn a_body_past_local_memory_is_an_error_that_names_it_and_the_remedy() {
     let error = backend.update(&too_large).unwrap_err();
     let BackendError::BodyTooLarge { joints: 65, bytes, .. } = error else { panic!("{error}") };
     assert!((rows_of_80..rows_of_80 + 1000).contains(&bytes), "{error}");
-    let said = format!("has {available} bytes of local memory, and a body of 65 joints takes {bytes} bytes");
+    let said = format!(
+        "has {available} bytes of local memory, and a body of 65 joints takes {bytes} bytes"
+    );
     assert!(error.to_string().contains(&said), "{error}");
     assert!(error.to_string().contains("--schedule staged"), "{error}");
     let error = backend.run(&too_large, Frame::of_all(0)).unwrap_err();
@@ -305,11 +333,14 @@ fn a_crowd_without_room_says_so_and_goes_on_once_members_have_left() {
         joint_from_bind: populace_core::Affine::IDENTITY,
     };
     let mut tables = Tables::new(4);
-    let body =
-        tables.add_body(&populace_core::Skeleton::new(&[joint("root")]).unwrap(), &[entry; 6]).unwrap();
-    let mut backend =
-        OpenClBackend::new(&device_that_claims(|info| info.max_allocation_bytes = 200_000), Schedule::Staged)
-            .unwrap();
+    let body = tables
+        .add_body(&populace_core::Skeleton::new(&[joint("root")]).unwrap(), &[entry; 6])
+        .unwrap();
+    let mut backend = OpenClBackend::new(
+        &device_that_claims(|info| info.max_allocation_bytes = 200_000),
+        Schedule::Staged,
+    )
+    .unwrap();
     let frame = Frame::of_all(0);
     let mut taken: Vec<u32> = (0..10).map(|_| tables.add_member(body).unwrap()).collect();
     // Too much for slots, for what joints need, and for palettes.
@@ -343,7 +374,8 @@ fn writes(number: u32) -> String {
     format!("__kernel void number(__global uint *out) {{ *out = {number}u; }}")
 }
 
-/// Builds the source of a number on a device with a cache in a folder, and asks its kernel for the number.
+/// Builds the source of a number on a device with a cache in a folder, and asks its kernel for the
+/// number.
 fn number_by(folder: &std::path::Path, source: &str) -> u32 {
     let mut device = Arc::into_inner(OpenClDevice::open(0).unwrap()).unwrap();
     device.cache = Some(crate::cache::Cache::in_folder(folder));
@@ -390,7 +422,12 @@ fn what_the_driver_refuses_is_built_and_replaced() {
     for bad in [no_program, good[..good.len() / 2].to_vec(), Vec::new()] {
         std::fs::write(&file, &bad).unwrap();
         assert_eq!(number_by(folder.path(), &writes(3)), 3);
-        assert_ne!(std::fs::read(&file).unwrap(), bad, "the bad entry of {} bytes stayed", bad.len());
+        assert_ne!(
+            std::fs::read(&file).unwrap(),
+            bad,
+            "the bad entry of {} bytes stayed",
+            bad.len()
+        );
     }
 }
 
@@ -430,5 +467,9 @@ fn a_buffer_that_grows_keeps_its_elements_and_ends_in_zeros() {
     buffer.grow(&device, &queue, count, "a test").unwrap();
     let mut elements = vec![1; buffer.len()];
     buffer.read(&queue, 0, &mut elements).unwrap();
-    assert!(elements.len() >= count && elements[..3] == [7, 8, 9] && elements[3..].iter().all(|e| *e == 0));
+    assert!(
+        elements.len() >= count
+            && elements[..3] == [7, 8, 9]
+            && elements[3..].iter().all(|e| *e == 0)
+    );
 }

@@ -18,8 +18,13 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
-    pub(super) fn new(device: &OpenClDevice, host: &Tables, place: u32) -> Result<Self, BackendError> {
-        let body = host.bodies().as_slice()[host.members().as_slice()[place as usize].body as usize];
+    pub(super) fn new(
+        device: &OpenClDevice,
+        host: &Tables,
+        place: u32,
+    ) -> Result<Self, BackendError> {
+        let body =
+            host.bodies().as_slice()[host.members().as_slice()[place as usize].body as usize];
         let padded = body.padded_count as usize;
         Ok(Self {
             samples: Buffer::new(device, host.slots_per_member(), "a member's samples")?,
@@ -30,7 +35,12 @@ impl Sheet {
     }
 
     /// Waits until it is written.
-    pub(super) fn read(&self, on: &On, device: &OpenClDevice, place: u32) -> Result<Reading, BackendError> {
+    pub(super) fn read(
+        &self,
+        on: &On,
+        device: &OpenClDevice,
+        place: u32,
+    ) -> Result<Reading, BackendError> {
         let mut reading = Reading {
             place,
             samples: vec![SlotSample::default(); self.samples.len()],

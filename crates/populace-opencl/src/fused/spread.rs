@@ -11,19 +11,19 @@ use crate::buffer::Buffer;
 use crate::launch::Launch;
 use crate::tables::DeviceTables;
 
-/// Desks for each core, where the matrices of one member lie: enough work-items to even out their work, few enough that
-/// their matrices take little memory.
+/// Desks for each core, where the matrices of one member lie: enough work-items to even out their
+/// work, few enough that their matrices take little memory.
 const DESKS_PER_CORE: usize = 32;
 /// The same where members wait for each other: twice as many for a fourth of the work-items.
 const DESKS_ABREAST: usize = 2 * DESKS_PER_CORE;
-/// What rows of matrices in local memory are longer than the largest body by. Bodies are padded to 16, so that the first
-/// rows of the three arrays stand three times 16 bytes apart, modulo 128: the eight rows of the palette that are computed
-/// at once then come out of all 32 banks.
+/// What rows of matrices in local memory are longer than the largest body by. Bodies are padded to
+/// 16, so that the first rows of the three arrays stand three times 16 bytes apart, modulo 128: the
+/// eight rows of the palette that are computed at once then come out of all 32 banks.
 const STRIDE_PAST_BODY: usize = 3;
 
 pub(super) enum Spread {
-    /// `fused_wide.cl`: each of some work-items for each core takes a run of members; the matrices of those that it is at are
-    /// in global memory.
+    /// `fused_wide.cl`: each of some work-items for each core takes a run of members; the matrices
+    /// of those that it is at are in global memory.
     Wide { cores: usize, matrices: Buffer<Float4> },
     /// `fused_grouped.cl`: a work-group for each member; matrices are in local memory.
     Grouped {
@@ -51,18 +51,27 @@ impl Spread {
         group: usize,
     ) -> Result<Self, BackendError> {
         let beside_bytes = kernel.get_local_mem_size(device.device.id());
-        let beside_bytes = beside_bytes.map_err(|e| device.failed("tell a kernel's local memory", &e))?;
+        let beside_bytes =
+            beside_bytes.map_err(|e| device.failed("tell a kernel's local memory", &e))?;
         Ok(Self::Grouped { group, stride: 0, beside_bytes })
     }
 
     /// Makes room for the matrices of the largest body.
-    pub(super) fn update(&mut self, device: &OpenClDevice, tables: &Tables) -> Result<(), BackendError> {
+    pub(super) fn update(
+        &mut self,
+        device: &OpenClDevice,
+        tables: &Tables,
+    ) -> Result<(), BackendError> {
         if self.holds(tables) {
             return Ok(());
         }
         match self {
             Self::Wide { cores, matrices } => {
-                *matrices = Buffer::new(device, room_for(*cores, tables), "the matrices of members at work")?;
+                *matrices = Buffer::new(
+                    device,
+                    room_for(*cores, tables),
+                    "the matrices of members at work",
+                )?;
             }
             Self::Grouped { stride, beside_bytes, .. } => {
                 let wished = stride_for(tables);
@@ -105,14 +114,19 @@ impl Spread {
             Self::Wide { .. } => launch
                 .buffer("sources", &tables.sources.buffer)
                 .buffer("source_lanes", &tables.source_lanes.buffer),
-            Self::Grouped { .. } => {
-                launch.buffer("levels", &tables.levels.buffer).buffer("joint_maps", &tables.joint_maps.buffer)
-            }
+            Self::Grouped { .. } => launch
+                .buffer("levels", &tables.levels.buffer)
+                .buffer("joint_maps", &tables.joint_maps.buffer),
         }
     }
 
     /// Sets what the frame's kernel works in for so many members.
-    pub(super) fn frame<'a>(&self, launch: Launch<'a>, host: &Tables, members: usize) -> (Launch<'a>, Range) {
+    pub(super) fn frame<'a>(
+        &self,
+        launch: Launch<'a>,
+        host: &Tables,
+        members: usize,
+    ) -> (Launch<'a>, Range) {
         match self {
             Self::Wide { cores, matrices } => {
                 let (desks, abreast) = desks(host);
@@ -129,19 +143,23 @@ impl Spread {
         }
     }
 
-    /// Sets what a kernel works in that takes a work-item or a work-group for each of so many members.
+    /// Sets what a kernel works in that takes a work-item or a work-group for each of so many
+    /// members.
     pub(super) fn member<'a>(&self, launch: Launch<'a>, members: usize) -> (Launch<'a>, Range) {
         match self {
             Self::Wide { .. } => (launch, ([members, 1], [1, 1])),
             Self::Grouped { group, stride, .. } => {
-                let launch = launch.uint("stride", narrow(*stride)).local::<Float4>("model_rows", 3 * stride);
+                let launch = launch
+                    .uint("stride", narrow(*stride))
+                    .local::<Float4>("model_rows", 3 * stride);
                 (launch, ([members * group, 1], [*group, 1]))
             }
         }
     }
 }
 
-/// Desks for each core, and how many of them a work-item has: members that nothing but clips moves never wait for others.
+/// Desks for each core, and how many of them a work-item has: members that nothing but clips moves
+/// never wait for others.
 fn desks(tables: &Tables) -> (usize, usize) {
     if tables.controls().as_slice().is_empty() {
         (DESKS_PER_CORE, 1)

@@ -25,8 +25,8 @@ impl Device {
     }
 
     fn with_room(bytes: u64) -> Self {
-        let mut device =
-            OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without");
+        let mut device = OpenClDevice::open(0)
+            .expect("an OpenCL device; set POPULACE_SKIP=opencl to go without");
         let info = &mut Arc::get_mut(&mut device).unwrap().info;
         info.max_allocation_bytes = info.max_allocation_bytes.min(bytes);
         Self {
@@ -40,7 +40,8 @@ impl Device {
     }
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        let copies: &mut [&mut dyn Copies] = &mut [&mut self.tables, &mut self.blocks, &mut self.pages];
+        let copies: &mut [&mut dyn Copies] =
+            &mut [&mut self.tables, &mut self.blocks, &mut self.pages];
         self.uploader.update(&self.device, &self.queue, tables, copies)
     }
 
@@ -103,7 +104,8 @@ fn change(tables: &mut Tables, taken: &mut Vec<u32>, rng: &mut Rng, step: u64) {
             tables.set_layer(taken[one], index, Layer::new(settings, None)).unwrap();
         }
         _ => {
-            let slot = Slot { start_tick: step, weight_tick: !step, bound_clip: NONE, ..Slot::default() };
+            let slot =
+                Slot { start_tick: step, weight_tick: !step, bound_clip: NONE, ..Slot::default() };
             let index = rng.below(tables.slots_per_member());
             tables.set_slot(taken[one], index, slot.on_layer(1)).unwrap();
         }
@@ -122,7 +124,8 @@ fn what_devices_hold_is_what_the_host_holds_whatever_changes() {
     for frame in 0..300 {
         // Few changes, many, and now and then none.
         let changes = [1, 5, 40, 600, 0][rng.below(5)];
-        (0..changes).for_each(|step| change(&mut tables, &mut taken, &mut rng, frame * 1000 + step));
+        (0..changes)
+            .for_each(|step| change(&mut tables, &mut taken, &mut rng, frame * 1000 + step));
         devices.iter_mut().for_each(|d| d.update(&tables).unwrap());
         if frame % 7 == 0 {
             devices[0].assert_holds(&tables);

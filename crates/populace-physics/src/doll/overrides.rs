@@ -41,9 +41,15 @@ impl Doll {
         Ok(())
     }
 
-    /// Joints turn against their parents, keep the place and the scale that they had there, and so never come apart. Only
-    /// where no body carries the parent is a joint told in model space.
-    fn told(&self, world: &World, place: &Placement, carried: &Carried, weight: f32) -> JointOverride {
+    /// Joints turn against their parents, keep the place and the scale that they had there, and so
+    /// never come apart. Only where no body carries the parent is a joint told in model space.
+    fn told(
+        &self,
+        world: &World,
+        place: &Placement,
+        carried: &Carried,
+        weight: f32,
+    ) -> JointOverride {
         let pose = self.pose(world, carried.body);
         let turn = pose.rotation * carried.body_from_joint;
         let joint = joint_index(carried.joint);
@@ -51,8 +57,11 @@ impl Doll {
             let world_from_model = place.world_from_model();
             let at = point_before(&world_from_model, pose.transform_point(carried.place_in_body));
             let rotation = (heading(place).inverse() * turn * carried.turn_to_model).normalize();
-            let transform =
-                Trs { translation: at.to_array(), rotation: rotation.to_array(), scale: carried.start.scale };
+            let transform = Trs {
+                translation: at.to_array(),
+                rotation: rotation.to_array(),
+                scale: carried.start.scale,
+            };
             return JointOverride { joint, space: carried.space(), transform, weight };
         };
         let mut transform = carried.start;
@@ -63,15 +72,18 @@ impl Doll {
         JointOverride { joint, space: carried.space(), transform, weight }
     }
 
-    /// The same joints once more, in model space: that is the last word, so that no constraint plants a limp foot. It gives
-    /// way soon when the member gets up, since joints blend well in local space alone. Sheared ones cannot be told so.
+    /// The same joints once more, in model space: that is the last word, so that no constraint
+    /// plants a limp foot. It gives way soon when the member gets up, since joints blend well in
+    /// local space alone. Sheared ones cannot be told so.
     fn last_words(&self, told: &[JointOverride]) -> Vec<JointOverride> {
         let weight = self.fade.map_or(1.0, |fade| fade.grip());
         let mut models: Vec<Affine> = Vec::with_capacity(told.len());
         let mut words = Vec::with_capacity(told.len());
         for (carried, given) in self.carried.iter().zip(told) {
             let own = Affine::from_trs(&given.transform);
-            let parent = carried.parent.and_then(|p| self.carried.binary_search_by_key(&p, |c| c.joint).ok());
+            let parent = carried
+                .parent
+                .and_then(|p| self.carried.binary_search_by_key(&p, |c| c.joint).ok());
             let model = parent.map_or(own, |at| models[at].mul(&own));
             models.push(model);
             let transform = trs(&model);
@@ -99,5 +111,7 @@ impl Doll {
 fn is_near(a: &Affine, b: &Affine) -> bool {
     let both = a.rows.iter().flatten().zip(b.rows.iter().flatten());
     let largest = a.rows.iter().flat_map(|row| &row[..3]).fold(0.0f32, |most, v| most.max(v.abs()));
-    both.enumerate().filter(|(at, _)| at % 4 != 3).all(|(_, (a, b))| (a - b).abs() <= 1e-3 * largest)
+    both.enumerate()
+        .filter(|(at, _)| at % 4 != 3)
+        .all(|(_, (a, b))| (a - b).abs() <= 1e-3 * largest)
 }

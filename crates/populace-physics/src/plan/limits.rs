@@ -75,7 +75,9 @@ impl<'a> Anatomy<'a> {
     fn to_end(&self, body: usize) -> Vec<usize> {
         let mut limb = vec![body];
         let mut at = body;
-        while let Some(next) = (at + 1..self.bodies.len()).find(|&b| self.bodies[b].parent == Some(at)) {
+        while let Some(next) =
+            (at + 1..self.bodies.len()).find(|&b| self.bodies[b].parent == Some(at))
+        {
             limb.push(next);
             at = next;
         }
@@ -88,7 +90,8 @@ impl<'a> Anatomy<'a> {
             first = parent;
         }
         let limb = self.to_end(body);
-        let end = limb.last().map_or(f32::MAX, |&b| self.capsules[b].from.y.min(self.capsules[b].to.y));
+        let end =
+            limb.last().map_or(f32::MAX, |&b| self.capsules[b].from.y.min(self.capsules[b].to.y));
         if end < self.low + 0.12 * (self.high - self.low) {
             return Limb::Leg;
         }
@@ -104,7 +107,8 @@ impl<'a> Anatomy<'a> {
     /// Whether another limb of the same length begins at the same body.
     fn has_twin(&self, first: usize) -> bool {
         let length = self.to_end(first).len();
-        let siblings = (0..self.bodies.len()).filter(|&b| self.bodies[b].parent == self.bodies[first].parent);
+        let siblings =
+            (0..self.bodies.len()).filter(|&b| self.bodies[b].parent == self.bodies[first].parent);
         let mut twins = siblings.filter(|&b| b != first && !self.is_trunk[b]);
         twins.any(|b| self.to_end(b).len() == length)
     }
@@ -116,7 +120,8 @@ impl<'a> Anatomy<'a> {
 
     fn upper_bone(&self, body: usize) -> Vector {
         let parent = self.bodies[body].parent.unwrap_or(0);
-        let span = self.rest.places[self.bodies[body].head] - self.rest.places[self.bodies[parent].head];
+        let span =
+            self.rest.places[self.bodies[body].head] - self.rest.places[self.bodies[parent].head];
         span.normalize_or(Vector::Y)
     }
 
@@ -136,7 +141,9 @@ impl<'a> Anatomy<'a> {
         };
         // Animals' forelegs carry the names of arms, but stand on the ground.
         match (named, shaped) {
-            (Some(Word::Elbow), Some(Word::Knee)) | (Some(Word::Shoulder), Some(Word::Hip)) => shaped,
+            (Some(Word::Elbow), Some(Word::Knee)) | (Some(Word::Shoulder), Some(Word::Hip)) => {
+                shaped
+            }
             (Some(Word::Wrist), Some(Word::Ankle)) => shaped,
             _ => named.or(shaped),
         }
@@ -149,15 +156,18 @@ impl<'a> Anatomy<'a> {
         let side = (away - self.front * away.dot(self.front)) * Vector::new(1.0, 0.0, 1.0);
         let side = side.normalize_or(Vector::ZERO);
         let degrees = |d: f32| d.to_radians();
-        let cone =
-            |centre: Vector, swing: f32, twist: f32| self.cone(body, centre, degrees(swing), degrees(twist));
+        let cone = |centre: Vector, swing: f32, twist: f32| {
+            self.cone(body, centre, degrees(swing), degrees(twist))
+        };
         if self.is_trunk[body] {
             return cone(bone, 25.0, 25.0);
         }
         match self.what(body) {
             Some(Word::Knee) => self.hinge(body, self.upper_bone(body).cross(-self.front)),
             Some(Word::Elbow) => self.hinge(body, self.upper_bone(body).cross(self.front)),
-            Some(Word::Hip) => cone((self.front * 0.6 + side * 0.15 - Vector::Y).normalize(), 55.0, 35.0),
+            Some(Word::Hip) => {
+                cone((self.front * 0.6 + side * 0.15 - Vector::Y).normalize(), 55.0, 35.0)
+            }
             Some(Word::Shoulder) => {
                 cone((side * 0.7 + self.front * 0.5 - Vector::Y * 0.5).normalize(), 80.0, 60.0)
             }
@@ -169,7 +179,8 @@ impl<'a> Anatomy<'a> {
 
     fn cone(&self, body: usize, centre: Vector, swing: f32, twist: f32) -> Hold {
         let bone = self.bone(body);
-        // A body that rests far from where people's do, such as an animal's, swings about its own rest.
+        // A body that rests far from where people's do, such as an animal's, swings about its own
+        // rest.
         let is_within = centre.angle_between(bone) < swing - 0.15;
         let centre = if is_within { centre } else { bone };
         let frame = Rotation::from_rotation_arc(Vector::X, centre);

@@ -1,9 +1,10 @@
 //! What names tell, where they tell anything: geometry decides the rest.
 
-/// Things that a body carries, and joints that only steer others. Their subtrees stay with the body that they hang on.
+/// Things that a body carries, and joints that only steer others. Their subtrees stay with the body
+/// that they hang on.
 const PROPS: &[&str] = &[
-    "sword", "shield", "cape", "weapon", "prop", "helmet", "hat", "axe", "staff", "wand", "book", "dagger",
-    "gun", "bow", "control", "ctrl", "pole", "target",
+    "sword", "shield", "cape", "weapon", "prop", "helmet", "hat", "axe", "staff", "wand", "book",
+    "dagger", "gun", "bow", "control", "ctrl", "pole", "target",
 ];
 
 /// Joints along a bone: never bodies of their own.
@@ -40,7 +41,8 @@ fn words(name: &str) -> Vec<String> {
 }
 
 pub(super) fn is_prop(name: &str) -> bool {
-    let is_prop = |word: String| word == "ik" || word.ends_with("slot") || PROPS.contains(&word.as_str());
+    let is_prop =
+        |word: String| word == "ik" || word.ends_with("slot") || PROPS.contains(&word.as_str());
     name.contains("IK") || words(name).into_iter().any(is_prop)
 }
 

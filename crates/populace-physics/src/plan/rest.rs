@@ -87,7 +87,8 @@ impl<'a> Rest<'a> {
 
     fn measure(&mut self) {
         let count = self.places.len();
-        let fleshy = (0..count).filter(|&j| self.flesh[j] > 0 && (!self.knows_reach || self.reach[j] > 0.0));
+        let fleshy =
+            (0..count).filter(|&j| self.flesh[j] > 0 && (!self.knows_reach || self.reach[j] > 0.0));
         let mut low = Vector::MAX;
         let mut high = Vector::MIN;
         for joint in fleshy {
@@ -130,9 +131,11 @@ impl<'a> Rest<'a> {
         self.children[joint].iter().copied().filter(|&c| self.flesh[c] > 0)
     }
 
-    /// The length of a joint's own bone: as far as the child with the largest subtree, 0 for a leaf.
+    /// The length of a joint's own bone: as far as the child with the largest subtree, 0 for a
+    /// leaf.
     pub(super) fn bone(&self, joint: usize) -> f32 {
-        let main = self.fleshy_children(joint).max_by(|&a, &b| self.extent[a].total_cmp(&self.extent[b]));
+        let main =
+            self.fleshy_children(joint).max_by(|&a, &b| self.extent[a].total_cmp(&self.extent[b]));
         main.map_or(0.0, |child| self.places[child].distance(self.places[joint]))
     }
 }

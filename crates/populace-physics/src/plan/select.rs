@@ -3,11 +3,13 @@
 use super::names;
 use super::rest::Rest;
 
-/// A joint nearer than this part of the body's size to the head of the body above it moves with that body.
+/// A joint nearer than this part of the body's size to the head of the body above it moves with
+/// that body.
 const APART: f32 = 0.1;
 /// The same for joints without children.
 const LEAF_APART: f32 = 0.12;
-/// A bone as long as this part of the size is a body wherever it begins: thighs begin near the hips' own joint.
+/// A bone as long as this part of the size is a body wherever it begins: thighs begin near the
+/// hips' own joint.
 const LONG: f32 = 0.18;
 /// A subtree smaller than this part of the size is no body.
 const SMALL: f32 = 0.06;
@@ -37,7 +39,8 @@ pub(super) fn select(rest: &Rest) -> (Vec<Chosen>, Vec<Option<usize>>) {
     (bodies, body_of)
 }
 
-/// Flesh outside the trunk's subtree, such as feet that only constraints hold to their legs, hangs on what is nearest.
+/// Flesh outside the trunk's subtree, such as feet that only constraints hold to their legs, hangs
+/// on what is nearest.
 fn select_beside(rest: &Rest, bodies: &mut Vec<Chosen>, body_of: &mut [Option<usize>]) {
     let inside: Vec<usize> = (0..body_of.len()).filter(|&j| body_of[j].is_some()).collect();
     for joint in 0..body_of.len() {
@@ -47,7 +50,10 @@ fn select_beside(rest: &Rest, bodies: &mut Vec<Chosen>, body_of: &mut [Option<us
         if let Some(body) = rest.parents[joint].and_then(|p| body_of[p]) {
             let starts = starts_a_body(rest, joint, bodies[body].head);
             body_of[joint] = Some(if starts { add(bodies, joint, body) } else { body });
-        } else if rest.knows_reach && rest.flesh[joint] > 0 && rest.reach[joint] > TRUNK_REACH * rest.size {
+        } else if rest.knows_reach
+            && rest.flesh[joint] > 0
+            && rest.reach[joint] > TRUNK_REACH * rest.size
+        {
             let far = |&a: &usize| rest.places[a].distance(rest.places[joint]);
             let nearest = inside.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
             let Some(body) = nearest.and_then(|j| body_of[j]) else { continue };
@@ -68,8 +74,11 @@ fn root(rest: &Rest) -> usize {
     let mut joint = roots.max_by_key(|&j| (rest.flesh[j], usize::MAX - j)).unwrap_or(0);
     while !rest.knows_reach || rest.reach[joint] <= TRUNK_REACH * rest.size {
         let children: Vec<usize> = rest.fleshy_children(joint).collect();
-        let Some(&main) = children.iter().max_by_key(|&&c| (rest.flesh[c], usize::MAX - c)) else { break };
-        let leads_there = children.len() == 1 && (rest.knows_reach || rest.bone(joint) < APART * rest.size);
+        let Some(&main) = children.iter().max_by_key(|&&c| (rest.flesh[c], usize::MAX - c)) else {
+            break;
+        };
+        let leads_there =
+            children.len() == 1 && (rest.knows_reach || rest.bone(joint) < APART * rest.size);
         let is_far = rest.places[main].distance(rest.places[joint]) >= APART * rest.size;
         let is_main = rest.knows_reach && is_far && 2 * rest.flesh[main] >= rest.flesh[joint];
         if !leads_there && !is_main {
@@ -86,7 +95,8 @@ fn starts_a_body(rest: &Rest, joint: usize, head: usize) -> bool {
         return false;
     }
     let apart = rest.places[joint].distance(rest.places[head]);
-    let main = rest.fleshy_children(joint).max_by(|&a, &b| rest.extent[a].total_cmp(&rest.extent[b]));
+    let main =
+        rest.fleshy_children(joint).max_by(|&a, &b| rest.extent[a].total_cmp(&rest.extent[b]));
     let Some(main) = main else { return apart >= LEAF_APART * rest.size };
     let bone = rest.bone(joint);
     if names::is_girdle(name) && bone < 0.9 * rest.bone(main) {

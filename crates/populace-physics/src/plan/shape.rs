@@ -24,8 +24,8 @@ impl Capsule {
     }
 }
 
-/// Which bodies form the trunk: the first one, those that several hang on, and those between. A body with a twin on the
-/// other side is a limb, whatever hangs on it.
+/// Which bodies form the trunk: the first one, those that several hang on, and those between. A
+/// body with a twin on the other side is a limb, whatever hangs on it.
 pub(super) fn trunk(rest: &Rest, bodies: &[Chosen]) -> Vec<bool> {
     let mut forks = vec![false; bodies.len()];
     let mut hanging = vec![0; bodies.len()];
@@ -46,7 +46,8 @@ pub(super) fn trunk(rest: &Rest, bodies: &[Chosen]) -> Vec<bool> {
     let mut is_trunk = vec![true; bodies.len()];
     for index in 1..bodies.len() {
         let parent_is = bodies[index].parent.is_some_and(|p| is_trunk[p]);
-        is_trunk[index] = parent_is && forks[index] && !(1..bodies.len()).any(|other| is_twin(index, other));
+        is_trunk[index] =
+            parent_is && forks[index] && !(1..bodies.len()).any(|other| is_twin(index, other));
     }
     is_trunk
 }
@@ -59,8 +60,11 @@ pub(super) fn capsules(
 ) -> Vec<Capsule> {
     let one = |(index, body): (usize, &Chosen)| {
         let from = rest.places[body.head];
-        let hanging: Vec<Vector> =
-            bodies.iter().filter(|b| b.parent == Some(index)).map(|b| rest.places[b.head]).collect();
+        let hanging: Vec<Vector> = bodies
+            .iter()
+            .filter(|b| b.parent == Some(index))
+            .map(|b| rest.places[b.head])
+            .collect();
         let reach = if rest.knows_reach { rest.reach[body.head] } else { 0.1 * rest.size };
         let radius = if is_trunk[index] {
             (0.6 * reach).clamp(0.045 * rest.size, 0.075 * rest.size)
@@ -79,12 +83,14 @@ pub(super) fn capsules(
     bodies.iter().enumerate().map(one).collect()
 }
 
-/// The last body of a limb goes to its farthest joint and on, or straight on where it has no more joints.
+/// The last body of a limb goes to its farthest joint and on, or straight on where it has no more
+/// joints.
 fn leaf(rest: &Rest, index: usize, bodies: &[Chosen], body_of: &[Option<usize>]) -> Capsule {
     let body = &bodies[index];
     let from = rest.places[body.head];
     let own = (0..body_of.len()).filter(|&j| body_of[j] == Some(index) && rest.flesh[j] > 0);
-    let far = own.max_by(|&a, &b| rest.places[a].distance(from).total_cmp(&rest.places[b].distance(from)));
+    let far = own
+        .max_by(|&a, &b| rest.places[a].distance(from).total_cmp(&rest.places[b].distance(from)));
     let far = far.unwrap_or(body.head);
     let reach = if rest.knows_reach { rest.reach[far] } else { 0.1 * rest.size };
     let span = rest.places[far] - from;
@@ -95,15 +101,22 @@ fn leaf(rest: &Rest, index: usize, bodies: &[Chosen], body_of: &[Option<usize>])
     Capsule { from, to, radius }
 }
 
-/// Masses in kg, shared out by volume. What is light between heavy parts would tremble, so short bodies of the trunk weigh
-/// something all the same, and none weighs less than one that hangs on it.
-pub(super) fn masses(rest: &Rest, bodies: &[Chosen], capsules: &[Capsule], is_trunk: &[bool]) -> Vec<f32> {
+/// Masses in kg, shared out by volume. What is light between heavy parts would tremble, so short
+/// bodies of the trunk weigh something all the same, and none weighs less than one that hangs on
+/// it.
+pub(super) fn masses(
+    rest: &Rest,
+    bodies: &[Chosen],
+    capsules: &[Capsule],
+    is_trunk: &[bool],
+) -> Vec<f32> {
     let tall = HEIGHT_FROM_SIZE * rest.size / PERSON_M;
     let total = PERSON_KG * tall * tall * tall;
     let volume: f32 = capsules.iter().map(Capsule::volume).sum();
     let least = |is_trunk: bool| if is_trunk { 0.06 } else { 0.008 };
     let parts = capsules.iter().zip(is_trunk);
-    let mut shares: Vec<f32> = parts.map(|(c, &trunk)| (c.volume() / volume).max(least(trunk))).collect();
+    let mut shares: Vec<f32> =
+        parts.map(|(c, &trunk)| (c.volume() / volume).max(least(trunk))).collect();
     for index in (1..bodies.len()).rev() {
         if let Some(parent) = bodies[index].parent {
             shares[parent] = shares[parent].max(shares[index]);

@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use populace::core::{Affine, Character, CharacterSource, JointSource, PaletteEntry, Skeleton, Trs};
+use populace::core::{
+    Affine, Character, CharacterSource, JointSource, PaletteEntry, Skeleton, Trs,
+};
 use populace::{CharacterId, Crowd, Device, JointIndex, Member, Placement, Play};
 use populace_physics::{Bend, Limits, RagdollPlan, Ragdolls};
 
@@ -28,8 +30,10 @@ impl Stage {
             let clip = crowd.clip(character, clip).unwrap();
             crowd.play(member, clip, Play::looping().phase(0.2)).unwrap();
         }
-        let plan = Arc::new(RagdollPlan::from_skeleton(&crowd.character(character).unwrap().skeleton));
-        let mut stage = Self { crowd, ragdolls: Ragdolls::new(GRAVITY).unwrap(), plan, character, member };
+        let plan =
+            Arc::new(RagdollPlan::from_skeleton(&crowd.character(character).unwrap().skeleton));
+        let mut stage =
+            Self { crowd, ragdolls: Ragdolls::new(GRAVITY).unwrap(), plan, character, member };
         stage.crowd.update(0.3).unwrap();
         stage
     }

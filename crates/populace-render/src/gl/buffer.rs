@@ -42,7 +42,12 @@ impl<T: bytemuck::Pod> Buffer<T> {
     }
 
     /// A buffer that holds `data`.
-    pub(crate) fn with(gl: &Rc<Gl>, usage: BufferUse, data: &[T], what: &str) -> Result<Self, Error> {
+    pub(crate) fn with(
+        gl: &Rc<Gl>,
+        usage: BufferUse,
+        data: &[T],
+        what: &str,
+    ) -> Result<Self, Error> {
         let mut buffer = Self::new(gl, usage)?;
         buffer.fill(data, what)?;
         Ok(buffer)
@@ -53,8 +58,8 @@ impl<T: bytemuck::Pod> Buffer<T> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let functions = &self.gl.functions;
         let fits = data.len() <= self.capacity && !data.is_empty();
-        // SAFETY: the context is current; the slice says how much is read, and `capacity`, which the driver confirmed,
-        // that there is room for it.
+        // SAFETY: the context is current; the slice says how much is read, and `capacity`, which
+        // the driver confirmed, that there is room for it.
         unsafe {
             functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(self.raw));
             if fits {
@@ -83,9 +88,14 @@ impl<T: bytemuck::Pod> Buffer<T> {
 
     /// Binds the whole buffer as the storage block of a binding point.
     pub(crate) fn bind_storage(&self, binding: u32) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and ours are below.
+        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and ours are
+        // below.
         unsafe {
-            self.gl.functions.bind_buffer_base(glow::SHADER_STORAGE_BUFFER, binding, Some(self.raw));
+            self.gl.functions.bind_buffer_base(
+                glow::SHADER_STORAGE_BUFFER,
+                binding,
+                Some(self.raw),
+            );
         }
     }
 }
@@ -93,7 +103,8 @@ impl<T: bytemuck::Pod> Buffer<T> {
 impl<T: UniformBlock> Buffer<T> {
     /// Binds the buffer as the uniform block that `T` is.
     pub(crate) fn bind_uniform(&self) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 36 binding points, and ours are below.
+        // SAFETY: the context is current; OpenGL 4.3 has at least 36 binding points, and ours are
+        // below.
         unsafe {
             self.gl.functions.bind_buffer_base(glow::UNIFORM_BUFFER, T::BINDING, Some(self.raw));
         }

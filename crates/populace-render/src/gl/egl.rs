@@ -26,8 +26,8 @@ pub(crate) struct Context {
 }
 
 impl Context {
-    /// Tries, in this order: graphics devices that are no software, those that are, Mesa without a surface, and the
-    /// default display. The first that gives a context is taken.
+    /// Tries, in this order: graphics devices that are no software, those that are, Mesa without a
+    /// surface, and the default display. The first that gives a context is taken.
     pub(super) fn headless() -> Result<Self, Error> {
         let egl = library().map_err(|cause| no_gl(format!("libEGL: {cause}")))?;
         let mut tried = Vec::new();
@@ -44,7 +44,8 @@ impl Context {
         let say = |what: &'static str| move |cause: egl::Error| format!("{what} failed, {cause}");
         egl.initialize(display).map_err(say("eglInitialize"))?;
         egl.bind_api(egl::OPENGL_API).map_err(say("eglBindAPI"))?;
-        let wanted = [egl::SURFACE_TYPE, egl::PBUFFER_BIT, egl::RENDERABLE_TYPE, egl::OPENGL_BIT, egl::NONE];
+        let wanted =
+            [egl::SURFACE_TYPE, egl::PBUFFER_BIT, egl::RENDERABLE_TYPE, egl::OPENGL_BIT, egl::NONE];
         let config = egl
             .choose_first_config(display, &wanted)
             .map_err(say("eglChooseConfig"))?
@@ -106,18 +107,21 @@ impl fmt::Debug for Context {
     }
 }
 
-// SAFETY: the handles are those of the display and the context that `on` made; the context is destroyed when `self` is
-// dropped, and the display never.
+// SAFETY: the handles are those of the display and the context that `on` made; the context is
+// destroyed when `self` is dropped, and the display never.
 unsafe impl GlContext for Context {
     fn handles(&self) -> EglHandles {
-        EglHandles { display: self.display.as_ptr() as usize, context: self.context.as_ptr() as usize }
+        EglHandles {
+            display: self.display.as_ptr() as usize,
+            context: self.context.as_ptr() as usize,
+        }
     }
 }
 
 impl Drop for Context {
     fn drop(&mut self) {
-        // Failures are of no use to anybody now. The display stays initialised: EGL hands the same one to every
-        // context of the process, and terminating it would end them all.
+        // Failures are of no use to anybody now. The display stays initialised: EGL hands the same
+        // one to every context of the process, and terminating it would end them all.
         self.release_current();
         let _ = self.egl.destroy_context(self.display, self.context);
         if let Some(surface) = self.surface {
@@ -130,13 +134,14 @@ fn no_gl(tried: String) -> Error {
     Error::NoGl { tried, remedy: REMEDY }
 }
 
-/// Loads libEGL once per process, and never unloads it: drivers leave threads and thread-local destructors behind.
+/// Loads libEGL once per process, and never unloads it: drivers leave threads and thread-local
+/// destructors behind.
 fn library() -> Result<&'static Egl, String> {
     static LIBRARY: OnceLock<Result<Egl, String>> = OnceLock::new();
     LIBRARY
         .get_or_init(|| {
-            // SAFETY: loading runs the library's initialisers; libEGL is the system's, and keeps to the EGL
-            // specification, which the function types of khronos-egl follow.
+            // SAFETY: loading runs the library's initialisers; libEGL is the system's, and keeps to
+            // the EGL specification, which the function types of khronos-egl follow.
             unsafe { Egl::load_required() }.map_err(|error| match error {
                 egl::LoadError::Library(cause) => cause.to_string(),
                 egl::LoadError::InvalidVersion { provided, .. } => {
@@ -162,7 +167,8 @@ fn candidates(egl: &'static Egl) -> Vec<(String, Open)> {
         }
     }
     if has_extension(egl, None, "EGL_MESA_platform_surfaceless") {
-        let open = Box::new(move || platform_display(egl, PLATFORM_SURFACELESS, std::ptr::null_mut()));
+        let open =
+            Box::new(move || platform_display(egl, PLATFORM_SURFACELESS, std::ptr::null_mut()));
         list.push(("Mesa without a surface".into(), open));
     }
     let open = Box::new(move || {
@@ -188,11 +194,13 @@ fn devices(egl: &Egl) -> Vec<Device> {
     type QueryDevices = extern "system" fn(i32, *mut *mut c_void, *mut i32) -> u32;
     type QueryDeviceString = extern "system" fn(*mut c_void, i32) -> *const std::ffi::c_char;
     let query = egl.get_proc_address("eglQueryDevicesEXT");
-    let (Some(query), Some(query_string)) = (query, egl.get_proc_address("eglQueryDeviceStringEXT")) else {
+    let (Some(query), Some(query_string)) =
+        (query, egl.get_proc_address("eglQueryDeviceStringEXT"))
+    else {
         return Vec::new();
     };
-    // SAFETY: EGL_EXT_device_enumeration and EGL_EXT_device_query give these names these types (EGLint is 32 bits,
-    // EGLBoolean an unsigned int).
+    // SAFETY: EGL_EXT_device_enumeration and EGL_EXT_device_query give these names these types
+    // (EGLint is 32 bits, EGLBoolean an unsigned int).
     let (query, query_string) = unsafe {
         (
             std::mem::transmute::<extern "system" fn(), QueryDevices>(query),
@@ -207,18 +215,30 @@ fn devices(egl: &Egl) -> Vec<Device> {
     let count = usize::try_from(count).unwrap_or(0).min(handles.len());
     let is_software = |handle| {
         let extensions = query_string(handle, egl::EXTENSIONS);
-        // SAFETY: for a handle that eglQueryDevicesEXT gave, the string is null or ends in a zero and is never freed.
+        // SAFETY: for a handle that eglQueryDevicesEXT gave, the string is null or ends in a zero
+        // and is never freed.
         !extensions.is_null()
-            && unsafe { CStr::from_ptr(extensions) }.to_string_lossy().contains("EGL_MESA_device_software")
+            && unsafe { CStr::from_ptr(extensions) }
+                .to_string_lossy()
+                .contains("EGL_MESA_device_software")
     };
-    handles[..count].iter().map(|&handle| Device { handle, software: is_software(handle) }).collect()
+    handles[..count]
+        .iter()
+        .map(|&handle| Device { handle, software: is_software(handle) })
+        .collect()
 }
 
-/// `eglGetPlatformDisplay`, by hand: khronos-egl's panics where a driver gives neither display nor error.
-fn platform_display(egl: &Egl, platform: egl::Enum, native: *mut c_void) -> Result<egl::Display, String> {
+/// `eglGetPlatformDisplay`, by hand: khronos-egl's panics where a driver gives neither display nor
+/// error.
+fn platform_display(
+    egl: &Egl,
+    platform: egl::Enum,
+    native: *mut c_void,
+) -> Result<egl::Display, String> {
     type GetPlatformDisplay =
         extern "system" fn(egl::Enum, *mut c_void, *const egl::Attrib) -> egl::EGLDisplay;
-    let get = egl.get_proc_address("eglGetPlatformDisplay").ok_or("eglGetPlatformDisplay is missing")?;
+    let get =
+        egl.get_proc_address("eglGetPlatformDisplay").ok_or("eglGetPlatformDisplay is missing")?;
     // SAFETY: EGL 1.5, which `library` asked for, gives this name this type.
     let get = unsafe { std::mem::transmute::<extern "system" fn(), GetPlatformDisplay>(get) };
     let display = get(platform, native, std::ptr::null());

@@ -1,9 +1,13 @@
 //! The boundary to EGL and OpenGL: the only module with `unsafe` code.
 //!
-//! Everything here is a safe wrapper for the rest of the crate. Objects hold the context they belong to, make it
-//! current before they are touched, and delete themselves. What the compiler cannot know, that ranges drawn lie within
-//! buffers, is checked here or named as a duty of the caller in the `SAFETY` lines.
-#![expect(unsafe_code, reason = "EGL and OpenGL are C; this module is the crate's only boundary to them")]
+//! Everything here is a safe wrapper for the rest of the crate. Objects hold the context they
+//! belong to, make it current before they are touched, and delete themselves. What the compiler
+//! cannot know, that ranges drawn lie within buffers, is checked here or named as a duty of the
+//! caller in the `SAFETY` lines.
+#![expect(
+    unsafe_code,
+    reason = "EGL and OpenGL are C; this module is the crate's only boundary to them"
+)]
 
 mod buffer;
 mod egl;
@@ -88,14 +92,17 @@ impl Gl {
     /// Opens a context without a window.
     pub(crate) fn headless() -> Result<Rc<Self>, Error> {
         let context = Arc::new(egl::Context::headless()?);
-        // SAFETY: `egl::Context::headless` made the context current on this thread, and the loader returns addresses
-        // of that context's functions or null, which glow checks before each call.
-        let functions = unsafe { glow::Context::from_loader_function(|name| context.proc_address(name)) };
+        // SAFETY: `egl::Context::headless` made the context current on this thread, and the loader
+        // returns addresses of that context's functions or null, which glow checks before each
+        // call.
+        let functions =
+            unsafe { glow::Context::from_loader_function(|name| context.proc_address(name)) };
         let limits = Limits::of(&functions)?;
         // SAFETY: the context is current; both are strings of core OpenGL.
-        let [renderer, version] =
-            [glow::RENDERER, glow::VERSION].map(|name| unsafe { functions.get_parameter_string(name) });
-        let gl = Self { functions, limits, driver: format!("{renderer}, OpenGL {version}"), context };
+        let [renderer, version] = [glow::RENDERER, glow::VERSION]
+            .map(|name| unsafe { functions.get_parameter_string(name) });
+        let gl =
+            Self { functions, limits, driver: format!("{renderer}, OpenGL {version}"), context };
         gl.check("start")?;
         Ok(Rc::new(gl))
     }
@@ -113,8 +120,8 @@ impl Gl {
         &self.driver
     }
 
-    /// Makes the context current on this thread. Each public entry point of the crate calls this first; that is what
-    /// the `SAFETY` lines of this module mean by "the context is current".
+    /// Makes the context current on this thread. Each public entry point of the crate calls this
+    /// first; that is what the `SAFETY` lines of this module mean by "the context is current".
     pub(crate) fn make_current(&self) -> Result<(), Error> {
         self.context.make_current()
     }
@@ -145,7 +152,8 @@ impl Gl {
     pub(crate) fn set_state(&self, state: DrawState) {
         let gl = &self.functions;
         let switch = |capability, on| {
-            // SAFETY: the context is current; each capability named below is one of core OpenGL 4.3.
+            // SAFETY: the context is current; each capability named below is one of core OpenGL
+            // 4.3.
             unsafe { if on { gl.enable(capability) } else { gl.disable(capability) } }
         };
         switch(glow::CULL_FACE, matches!(state.cull, Cull::Back | Cull::BackMirrored));
@@ -172,11 +180,16 @@ impl Gl {
     }
 
     /// Draws vertices that a shader makes up from their numbers: a strip of triangles.
-    pub(crate) fn draw_strip(&self, program: &Program, vertex_array: &VertexArray, vertex_count: u16) {
+    pub(crate) fn draw_strip(
+        &self,
+        program: &Program,
+        vertex_array: &VertexArray,
+        vertex_count: u16,
+    ) {
         program.bind();
         vertex_array.bind();
-        // SAFETY: the context is current; `vertex_array` has no attribute that could be read past its end, see
-        // `VertexArray::empty`.
+        // SAFETY: the context is current; `vertex_array` has no attribute that could be read past
+        // its end, see `VertexArray::empty`.
         unsafe {
             self.functions.draw_arrays(glow::TRIANGLE_STRIP, 0, i32::from(vertex_count));
         }
@@ -184,7 +197,8 @@ impl Gl {
 }
 
 impl Drop for Gl {
-    /// A context that lent its memory lives on, but not on this thread: it may have to go on another one.
+    /// A context that lent its memory lives on, but not on this thread: it may have to go on
+    /// another one.
     fn drop(&mut self) {
         self.context.release_current();
     }
@@ -192,8 +206,8 @@ impl Drop for Gl {
 
 impl Limits {
     fn of(functions: &glow::Context) -> Result<Self, Error> {
-        // SAFETY: the context is current; each parameter asked for below is one integer of OpenGL 4.3, which
-        // `egl::Context::headless` asked for.
+        // SAFETY: the context is current; each parameter asked for below is one integer of OpenGL
+        // 4.3, which `egl::Context::headless` asked for.
         let get = |name| u32::try_from(unsafe { functions.get_parameter_i32(name) }).unwrap_or(0);
         if get(glow::MAX_VERTEX_SHADER_STORAGE_BLOCKS) == 0 {
             return Err(Error::NoGl {
@@ -205,12 +219,14 @@ impl Limits {
         // SAFETY: the context is current; this parameter is two integers, for which there is room.
         unsafe { functions.get_parameter_i32_slice(glow::MAX_VIEWPORT_DIMS, &mut viewport) }
         let viewport = viewport.map(|side| u32::try_from(side).unwrap_or(0));
-        let anisotropic = ["GL_ARB_texture_filter_anisotropic", "GL_EXT_texture_filter_anisotropic"]
-            .iter()
-            .any(|name| functions.supported_extensions().contains(*name));
+        let anisotropic =
+            ["GL_ARB_texture_filter_anisotropic", "GL_EXT_texture_filter_anisotropic"]
+                .iter()
+                .any(|name| functions.supported_extensions().contains(*name));
         // SAFETY: the context is current; this is a string of core OpenGL.
         let renderer = unsafe { functions.get_parameter_string(glow::RENDERER) };
-        let software = ["llvmpipe", "softpipe", "swrast"].iter().any(|name| renderer.contains(name));
+        let software =
+            ["llvmpipe", "softpipe", "swrast"].iter().any(|name| renderer.contains(name));
         // A processor takes three times as long for a whole picture with it.
         let anisotropy = if anisotropic && !software {
             // SAFETY: the context is current and has the extension that defines the parameter.

@@ -45,16 +45,20 @@ struct SharedLoan {
 
 impl Page {
     /// A page that stays mapped, of zeros, and its memory.
-    pub(crate) fn mapped(gl: &Rc<Gl>, elements: usize) -> Result<(Self, Box<dyn MappedPage>), Error> {
+    pub(crate) fn mapped(
+        gl: &Rc<Gl>,
+        elements: usize,
+    ) -> Result<(Self, Box<dyn MappedPage>), Error> {
         let (page, bytes) = Self::new(gl, elements)?;
-        // SAFETY: the context is current and offers buffer storage, which `Limits::maps_buffers` told the caller; the
-        // buffer is bound, and what is refused shows in `check`.
+        // SAFETY: the context is current and offers buffer storage, which `Limits::maps_buffers`
+        // told the caller; the buffer is bound, and what is refused shows in `check`.
         let address = unsafe {
             gl.functions.buffer_storage(glow::COPY_WRITE_BUFFER, bytes, None, MAPPED);
             gl.functions.map_buffer_range(glow::COPY_WRITE_BUFFER, 0, bytes, MAPPED)
         };
         gl.check("map a page of palettes")?;
-        let Some(address) = NonNull::new(address.cast::<Float4>()).filter(|a| a.is_aligned()) else {
+        let Some(address) = NonNull::new(address.cast::<Float4>()).filter(|a| a.is_aligned())
+        else {
             let (operation, code) = ("map a page of palettes".into(), "no address".into());
             return Err(Error::GlError { operation, code });
         };
@@ -65,12 +69,18 @@ impl Page {
     }
 
     /// A page that OpenCL takes over as a buffer of its own.
-    pub(crate) fn shared(gl: &Rc<Gl>, elements: usize) -> Result<(Self, Box<dyn SharedPage>), Error> {
+    pub(crate) fn shared(
+        gl: &Rc<Gl>,
+        elements: usize,
+    ) -> Result<(Self, Box<dyn SharedPage>), Error> {
         let (page, bytes) = Self::new(gl, elements)?;
         // SAFETY: the context is current and the buffer bound; what is refused shows in `check`.
-        unsafe { gl.functions.buffer_data_size(glow::COPY_WRITE_BUFFER, bytes, glow::DYNAMIC_COPY) };
+        unsafe {
+            gl.functions.buffer_data_size(glow::COPY_WRITE_BUFFER, bytes, glow::DYNAMIC_COPY)
+        };
         gl.check("make a page of palettes")?;
-        // SAFETY: the context is current. OpenCL asks that OpenGL be done with a buffer before it takes it over.
+        // SAFETY: the context is current. OpenCL asks that OpenGL be done with a buffer before it
+        // takes it over.
         unsafe { gl.functions.finish() };
         let (buffer, loan) = (page.raw.0, page.loan(elements));
         Ok((page, Box::new(SharedLoan { buffer, loan })))
@@ -81,7 +91,8 @@ impl Page {
         let size = (elements * size_of::<Float4>()) as u64;
         let limit = gl.limits().storage_bytes.min(i32::MAX as u64);
         let bytes = i32::try_from(size).ok().filter(|_| size <= limit);
-        let bytes = bytes.ok_or(Error::TooLarge { what: "the size in bytes of a page", size, limit })?;
+        let bytes =
+            bytes.ok_or(Error::TooLarge { what: "the size in bytes of a page", size, limit })?;
         // SAFETY: the context is current.
         let raw = unsafe { gl.functions.create_buffer() }
             .map_err(|code| Error::GlError { operation: "create a buffer".into(), code })?;
@@ -96,9 +107,14 @@ impl Page {
 
     /// Binds the whole page as the storage block of a binding point.
     pub(crate) fn bind_storage(&self, binding: u32) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and ours are below.
+        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and ours are
+        // below.
         unsafe {
-            self.gl.functions.bind_buffer_base(glow::SHADER_STORAGE_BUFFER, binding, Some(self.raw));
+            self.gl.functions.bind_buffer_base(
+                glow::SHADER_STORAGE_BUFFER,
+                binding,
+                Some(self.raw),
+            );
         }
     }
 }
@@ -107,7 +123,8 @@ impl Drop for Page {
     fn drop(&mut self) {
         // While the loan lasts the buffer stays, and goes with its context, which the loan keeps.
         if Arc::get_mut(&mut self.loan).is_some() && self.gl.make_current().is_ok() {
-            // SAFETY: the context is current, the name is ours alone, and nobody has the address any more.
+            // SAFETY: the context is current, the name is ours alone, and nobody has the address
+            // any more.
             unsafe { self.gl.functions.delete_buffer(self.raw) }
         }
     }
@@ -118,20 +135,21 @@ impl Drop for Page {
 // 6.3); the loan keeps buffer and context.
 unsafe impl Send for MappedLoan {}
 
-// SAFETY: the address and length are those of one mapping, made by `Page::mapped`, which returned the only loan of it.
-// The mapping lasts until the buffer is deleted, which `Page` does not do before the loan is gone, or until the context
-// is destroyed, which the loan holds. OpenGL only reads it, as a shader's read-only block.
+// SAFETY: the address and length are those of one mapping, made by `Page::mapped`, which returned
+// the only loan of it. The mapping lasts until the buffer is deleted, which `Page` does not do
+// before the loan is gone, or until the context is destroyed, which the loan holds. OpenGL only
+// reads it, as a shader's read-only block.
 unsafe impl MappedPage for MappedLoan {
     fn elements(&mut self) -> &mut [Float4] {
-        // SAFETY: as above, and borrowing `self` mutably keeps others out; the memory was zeroed, and any bytes are
-        // floats.
+        // SAFETY: as above, and borrowing `self` mutably keeps others out; the memory was zeroed,
+        // and any bytes are floats.
         unsafe { std::slice::from_raw_parts_mut(self.address.as_ptr(), self.loan.len) }
     }
 }
 
-// SAFETY: the buffer has storage for `len` elements, made by `Page::shared`, which waited for it. It is never resized;
-// it lasts until it is deleted, which `Page` does not do before the loan is gone, or until the context is destroyed,
-// which the loan holds.
+// SAFETY: the buffer has storage for `len` elements, made by `Page::shared`, which waited for it.
+// It is never resized; it lasts until it is deleted, which `Page` does not do before the loan is
+// gone, or until the context is destroyed, which the loan holds.
 unsafe impl SharedPage for SharedLoan {
     fn buffer(&self) -> NonZeroU32 {
         self.buffer
@@ -165,7 +183,8 @@ impl Fence {
     #[cfg(test)]
     pub(crate) fn is_reached(&self) -> bool {
         // SAFETY: the context is current, the fence exists, and the parameter is one integer.
-        let status = unsafe { self.gl.functions.get_sync_parameter_i32(self.raw, glow::SYNC_STATUS) };
+        let status =
+            unsafe { self.gl.functions.get_sync_parameter_i32(self.raw, glow::SYNC_STATUS) };
         status == glow::SIGNALED.cast_signed()
     }
 
@@ -174,10 +193,15 @@ impl Fence {
         const NANOSECS_PER_WAIT: i32 = 1_000_000_000;
         const WAITS: usize = 20;
         for _ in 0..WAITS {
-            // SAFETY: the context is current, the fence exists; flushing makes sure that it is reached at all.
+            // SAFETY: the context is current, the fence exists; flushing makes sure that it is
+            // reached at all.
             let answer = unsafe {
                 let functions = &self.gl.functions;
-                functions.client_wait_sync(self.raw, glow::SYNC_FLUSH_COMMANDS_BIT, NANOSECS_PER_WAIT)
+                functions.client_wait_sync(
+                    self.raw,
+                    glow::SYNC_FLUSH_COMMANDS_BIT,
+                    NANOSECS_PER_WAIT,
+                )
             };
             match answer {
                 glow::TIMEOUT_EXPIRED => {}

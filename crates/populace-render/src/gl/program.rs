@@ -15,7 +15,12 @@ pub(crate) struct Program {
 
 impl Program {
     /// Compiles and links; `name` is for error messages.
-    pub(crate) fn new(gl: &Rc<Gl>, name: &str, vertex: &str, fragment: &str) -> Result<Self, Error> {
+    pub(crate) fn new(
+        gl: &Rc<Gl>,
+        name: &str,
+        vertex: &str,
+        fragment: &str,
+    ) -> Result<Self, Error> {
         let functions = &gl.functions;
         let fail = |log: String| Error::Shader { name: name.to_owned(), log };
         // SAFETY: the context is current.
@@ -24,14 +29,16 @@ impl Program {
         for (stage, extension, text) in
             [(glow::VERTEX_SHADER, "vert", vertex), (glow::FRAGMENT_SHADER, "frag", fragment)]
         {
-            // SAFETY: the context is current; the shader is deleted once the program lets go of it, at link's end.
+            // SAFETY: the context is current; the shader is deleted once the program lets go of it,
+            // at link's end.
             let log = unsafe {
                 let shader = functions.create_shader(stage).map_err(fail)?;
                 functions.shader_source(shader, text);
                 functions.compile_shader(shader);
                 functions.attach_shader(raw, shader);
                 functions.delete_shader(shader);
-                (!functions.get_shader_compile_status(shader)).then(|| functions.get_shader_info_log(shader))
+                (!functions.get_shader_compile_status(shader))
+                    .then(|| functions.get_shader_info_log(shader))
             };
             if let Some(log) = log {
                 return Err(Error::Shader { name: format!("{name}.{extension}"), log });
@@ -56,7 +63,8 @@ impl Program {
         unsafe { self.gl.functions.use_program(Some(self.raw)) }
     }
 
-    /// Byte offsets that the driver gives to fields of uniform blocks; -1 for a field that the shader never reads.
+    /// Byte offsets that the driver gives to fields of uniform blocks; -1 for a field that the
+    /// shader never reads.
     #[cfg(test)]
     pub(crate) fn field_offsets(&self, names: &[&str]) -> Vec<i32> {
         let functions = &self.gl.functions;

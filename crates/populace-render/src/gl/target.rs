@@ -32,17 +32,30 @@ impl Target {
         unsafe { self.gl.functions.bind_framebuffer(target, Some(self.framebuffer)) }
     }
 
-    fn attach(&mut self, attachment: u32, format: u32, samples: i32, size: [i32; 2]) -> Result<(), Error> {
+    fn attach(
+        &mut self,
+        attachment: u32,
+        format: u32,
+        samples: i32,
+        size: [i32; 2],
+    ) -> Result<(), Error> {
         let functions = &self.gl.functions;
         self.bind(glow::FRAMEBUFFER);
         // SAFETY: the context is current.
         let renderbuffer = unsafe { functions.create_renderbuffer() }
             .map_err(|code| Error::GlError { operation: "create a renderbuffer".into(), code })?;
         self.renderbuffers.push(renderbuffer);
-        // SAFETY: the context is current, the framebuffer bound; a size or count that is refused shows in `check`.
+        // SAFETY: the context is current, the framebuffer bound; a size or count that is refused
+        // shows in `check`.
         unsafe {
             functions.bind_renderbuffer(glow::RENDERBUFFER, Some(renderbuffer));
-            functions.renderbuffer_storage_multisample(glow::RENDERBUFFER, samples, format, size[0], size[1]);
+            functions.renderbuffer_storage_multisample(
+                glow::RENDERBUFFER,
+                samples,
+                format,
+                size[0],
+                size[1],
+            );
             functions.framebuffer_renderbuffer(
                 glow::FRAMEBUFFER,
                 attachment,
@@ -83,7 +96,8 @@ impl Drop for Target {
     }
 }
 
-/// The picture: sRGB colour and depth, with several samples per pixel where there are, and a resolved copy to read.
+/// The picture: sRGB colour and depth, with several samples per pixel where there are, and a
+/// resolved copy to read.
 pub(crate) struct PictureTarget {
     drawn: Target,
     resolved: Target,
@@ -98,7 +112,8 @@ impl PictureTarget {
             return Err(Error::EmptyPicture { width, height });
         }
         let limit = gl.limits().picture_size;
-        let (Ok(w), Ok(h), true) = (i32::try_from(width), i32::try_from(height), width.max(height) <= limit)
+        let (Ok(w), Ok(h), true) =
+            (i32::try_from(width), i32::try_from(height), width.max(height) <= limit)
         else {
             let (size, limit) = (u64::from(width.max(height)), u64::from(limit));
             return Err(Error::TooLarge { what: "a picture's side", size, limit });
@@ -148,8 +163,8 @@ impl PictureTarget {
         let mut rgba = vec![0; row_bytes * self.size[1].unsigned_abs() as usize];
         self.drawn.bind(glow::READ_FRAMEBUFFER);
         self.resolved.bind(glow::DRAW_FRAMEBUFFER);
-        // SAFETY: the context is current and both framebuffers of `size`; the driver writes width x height x 4 bytes,
-        // which `rgba` has: rows of 4-byte pixels need no padding.
+        // SAFETY: the context is current and both framebuffers of `size`; the driver writes width x
+        // height x 4 bytes, which `rgba` has: rows of 4-byte pixels need no padding.
         unsafe {
             let functions = &gl.functions;
             functions.enable(glow::FRAMEBUFFER_SRGB);
@@ -208,8 +223,8 @@ impl ShadowTarget {
             (glow::TEXTURE_COMPARE_FUNC, glow::LEQUAL),
         ];
         target.bind(glow::FRAMEBUFFER);
-        // SAFETY: the context is current, the framebuffer bound; a size that is refused shows in `complete`. Without
-        // colour attachments the framebuffer may draw to none.
+        // SAFETY: the context is current, the framebuffer bound; a size that is refused shows in
+        // `complete`. Without colour attachments the framebuffer may draw to none.
         unsafe {
             functions.active_texture(glow::TEXTURE0);
             functions.bind_texture(glow::TEXTURE_2D, Some(texture));
@@ -217,7 +232,11 @@ impl ShadowTarget {
             for (name, value) in parameters {
                 functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
             }
-            functions.tex_parameter_f32_slice(glow::TEXTURE_2D, glow::TEXTURE_BORDER_COLOR, &[1.0; 4]);
+            functions.tex_parameter_f32_slice(
+                glow::TEXTURE_2D,
+                glow::TEXTURE_BORDER_COLOR,
+                &[1.0; 4],
+            );
             functions.framebuffer_texture_2d(
                 glow::FRAMEBUFFER,
                 glow::DEPTH_ATTACHMENT,

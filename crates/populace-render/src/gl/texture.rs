@@ -40,8 +40,9 @@ impl Texture {
             .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
         let texture = Self { gl: Rc::clone(gl), raw };
         texture.bind(0);
-        // SAFETY: the context is current and the texture bound; the driver reads width x height x 4 bytes, which is
-        // what `populace_core::Character::new` makes sure `rgba` holds. Rows of 4-byte pixels need no padding.
+        // SAFETY: the context is current and the texture bound; the driver reads width x height x 4
+        // bytes, which is what `populace_core::Character::new` makes sure `rgba` holds. Rows of
+        // 4-byte pixels need no padding.
         unsafe {
             let pixels = glow::PixelUnpackData::Slice(Some(&image.rgba));
             let functions = &gl.functions;
@@ -83,7 +84,9 @@ impl Texture {
         ];
         for (name, value) in parameters {
             // SAFETY: the context is current and the texture bound; enumerants are below 2^31.
-            unsafe { self.gl.functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed()) }
+            unsafe {
+                self.gl.functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed())
+            }
         }
         let anisotropy = self.gl.limits().anisotropy.min(ANISOTROPY);
         if anisotropy > 1.0 && sampling.filter == TextureFilter::Linear {

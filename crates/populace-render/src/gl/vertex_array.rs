@@ -46,7 +46,8 @@ impl VertexArray {
             (INFLUENCES, I::ATTRIBUTES),
             (INSTANCES, InstanceData::ATTRIBUTES),
         ];
-        let attributes = bindings.iter().flat_map(|(binding, list)| list.iter().map(move |a| (*binding, a)));
+        let attributes =
+            bindings.iter().flat_map(|(binding, list)| list.iter().map(move |a| (*binding, a)));
         for (location, (binding, attribute)) in (0..).zip(attributes) {
             array.declare(location, binding, attribute);
         }
@@ -60,8 +61,8 @@ impl VertexArray {
         let functions = &self.gl.functions;
         let count = i32::from(attribute.component_count);
         let offset = u32::try_from(attribute.offset_bytes).unwrap_or(u32::MAX);
-        // SAFETY: the context is current and the vertex array bound; there are at most 13 attributes, OpenGL 4.3 has
-        // at least 16.
+        // SAFETY: the context is current and the vertex array bound; there are at most 13
+        // attributes, OpenGL 4.3 has at least 16.
         unsafe {
             functions.enable_vertex_attrib_array(location);
             functions.vertex_attrib_binding(location, binding);
@@ -70,7 +71,12 @@ impl VertexArray {
                     functions.vertex_attrib_format_f32(location, count, glow::FLOAT, false, offset);
                 }
                 Component::U16 => {
-                    functions.vertex_attrib_format_i32(location, count, glow::UNSIGNED_SHORT, offset);
+                    functions.vertex_attrib_format_i32(
+                        location,
+                        count,
+                        glow::UNSIGNED_SHORT,
+                        offset,
+                    );
                 }
                 Component::U32 => {
                     functions.vertex_attrib_format_i32(location, count, glow::UNSIGNED_INT, offset);
@@ -84,8 +90,8 @@ impl VertexArray {
         unsafe { self.gl.functions.bind_vertex_array(Some(self.raw)) }
     }
 
-    /// Draws with the program, the blocks and the textures that are bound. A run past the end of the instances is
-    /// not drawn; nor is one whose buffers differ in length.
+    /// Draws with the program, the blocks and the textures that are bound. A run past the end of
+    /// the instances is not drawn; nor is one whose buffers differ in length.
     pub(crate) fn draw<I: VertexStruct>(&self, range: &DrawRange<'_, I>) {
         let end = range.first_instance as usize + range.instance_count as usize;
         let counts = (i32::try_from(range.indices.len()), i32::try_from(range.instance_count));
@@ -99,8 +105,9 @@ impl VertexArray {
         let stride = |bytes: usize| i32::try_from(bytes).unwrap_or(0);
         let functions = &self.gl.functions;
         // SAFETY: the context is current. Indices lie below the number of vertices because
-        // `populace_core::Character::new` checked them and `model.rs` uploads them unchanged; instances were checked
-        // above. Palette reads lie within the bound page because `batch.rs` checks each instance against it.
+        // `populace_core::Character::new` checked them and `model.rs` uploads them unchanged;
+        // instances were checked above. Palette reads lie within the bound page because `batch.rs`
+        // checks each instance against it.
         unsafe {
             functions.bind_vertex_buffer(
                 VERTICES,
@@ -108,9 +115,19 @@ impl VertexArray {
                 0,
                 stride(size_of::<Vertex>()),
             );
-            functions.bind_vertex_buffer(INFLUENCES, Some(range.influences.raw()), 0, stride(size_of::<I>()));
+            functions.bind_vertex_buffer(
+                INFLUENCES,
+                Some(range.influences.raw()),
+                0,
+                stride(size_of::<I>()),
+            );
             let instances = Some(range.instances.raw());
-            functions.bind_vertex_buffer(INSTANCES, instances, 0, stride(size_of::<InstanceData>()));
+            functions.bind_vertex_buffer(
+                INSTANCES,
+                instances,
+                0,
+                stride(size_of::<InstanceData>()),
+            );
             functions.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(range.indices.raw()));
             functions.draw_elements_instanced_base_vertex_base_instance(
                 glow::TRIANGLES,

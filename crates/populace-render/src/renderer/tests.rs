@@ -1,8 +1,9 @@
 use std::time::Duration;
 
 use populace_core::{
-    Affine, AlphaMode, BackendError, CharacterSource, HandedOver, Influences, JointIndex, JointSource,
-    Material, Mesh, PaletteEntry, PaletteTarget, PaletteWay, Skeleton, TargetMark, Trs,
+    Affine, AlphaMode, BackendError, CharacterSource, HandedOver, Influences, JointIndex,
+    JointSource, Material, Mesh, PaletteEntry, PaletteTarget, PaletteWay, Skeleton, TargetMark,
+    Trs,
 };
 
 use super::*;
@@ -26,10 +27,16 @@ impl PaletteSource for Still {
         (way != PaletteWay::Mapped).then(|| "this test is about mapped memory".into())
     }
 
-    fn set_target(&mut self, mut target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+    fn set_target(
+        &mut self,
+        mut target: PaletteTarget,
+        mark: &TargetMark,
+    ) -> Result<(), BackendError> {
         if let PaletteTarget::Mapped(sets) = &mut target {
             let pages = sets.iter_mut().flatten();
-            pages.for_each(|page| page.elements()[..3].copy_from_slice(&Affine::IDENTITY.rows.map(Float4)));
+            pages.for_each(|page| {
+                page.elements()[..3].copy_from_slice(&Affine::IDENTITY.rows.map(Float4))
+            });
         }
         (self.mark, self.target) = (mark.clone(), target);
         Ok(())
@@ -63,7 +70,13 @@ fn glass() -> Character {
         name: "glass".into(),
         skeleton: Skeleton::new(&[joint]).unwrap(),
         palette: vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }],
-        parts: vec![Part { node: 0, node_name: "pane".into(), primitive: 0, material: Some(0), mesh }],
+        parts: vec![Part {
+            node: 0,
+            node_name: "pane".into(),
+            primitive: 0,
+            material: Some(0),
+            mesh,
+        }],
         materials: vec![Material { alpha: AlphaMode::Blend, ..Material::default() }],
         images: Vec::new(),
         skins: Vec::new(),

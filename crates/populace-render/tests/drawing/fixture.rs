@@ -2,8 +2,8 @@
 
 use populace_core::layout::Float4;
 use populace_core::{
-    Affine, Character, CharacterSource, Influences, JointIndex, JointSource, Material, Mesh, PaletteEntry,
-    Part, Skeleton, Trs,
+    Affine, Character, CharacterSource, Influences, JointIndex, JointSource, Material, Mesh,
+    PaletteEntry, Part, Skeleton, Trs,
 };
 
 /// A rotation about an axis along z, then a translation, at a scale.
@@ -28,10 +28,15 @@ pub(crate) fn box_mesh(low: [f32; 3], high: [f32; 3], entry: u16) -> Mesh {
     (mesh.positions, mesh.normals, mesh.indices) = (Vec::new(), Vec::new(), Vec::new());
     for axis in 0..3 {
         for (side, sign) in [(low, -1.0), (high, 1.0)] {
-            let (u, v) =
-                if sign > 0.0 { ((axis + 1) % 3, (axis + 2) % 3) } else { ((axis + 2) % 3, (axis + 1) % 3) };
+            let (u, v) = if sign > 0.0 {
+                ((axis + 1) % 3, (axis + 2) % 3)
+            } else {
+                ((axis + 2) % 3, (axis + 1) % 3)
+            };
             let first = u32::try_from(mesh.positions.len()).unwrap();
-            for (at_u, at_v) in [(low[u], low[v]), (high[u], low[v]), (high[u], high[v]), (low[u], high[v])] {
+            for (at_u, at_v) in
+                [(low[u], low[v]), (high[u], low[v]), (high[u], high[v]), (low[u], high[v])]
+            {
                 let mut position = side;
                 (position[u], position[v]) = (at_u, at_v);
                 mesh.positions.push(position);
@@ -77,10 +82,16 @@ pub(crate) fn plain(base_color: [f32; 4]) -> Material {
 }
 
 /// A character of these parts on `entry_count` joints of their own, all at the origin.
-pub(crate) fn source(parts: Vec<Part>, materials: Vec<Material>, entry_count: u32) -> CharacterSource {
-    let joint = |index| JointSource { name: format!("joint {index}"), parent: None, rest: Trs::IDENTITY };
+pub(crate) fn source(
+    parts: Vec<Part>,
+    materials: Vec<Material>,
+    entry_count: u32,
+) -> CharacterSource {
+    let joint =
+        |index| JointSource { name: format!("joint {index}"), parent: None, rest: Trs::IDENTITY };
     let joints: Vec<_> = (0..entry_count).map(joint).collect();
-    let entry = |index| PaletteEntry { joint: JointIndex(index), joint_from_bind: Affine::IDENTITY };
+    let entry =
+        |index| PaletteEntry { joint: JointIndex(index), joint_from_bind: Affine::IDENTITY };
     CharacterSource {
         name: "fixture".into(),
         skeleton: Skeleton::new(&joints).unwrap(),

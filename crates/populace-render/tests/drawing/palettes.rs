@@ -39,7 +39,10 @@ fn each_part_follows_its_palette_entry() {
 fn a_palette_rotates_and_scales_about_the_models_origin() {
     let mut rig = Rig::new();
     let person = rig.add(&red_and_green());
-    rig.upload(&[place([0.0; 3], std::f32::consts::FRAC_PI_2, [1.0; 3]), place([0.0; 3], 0.0, [0.5; 3])]);
+    rig.upload(&[
+        place([0.0; 3], std::f32::consts::FRAC_PI_2, [1.0; 3]),
+        place([0.0; 3], 0.0, [0.5; 3]),
+    ]);
     let drawn = rig.draw(&[instance(person, Affine::IDENTITY, 0)]);
     drawn.expect(-1.1, 0.0, RED);
     drawn.expect(0.0, 0.8, GREEN);
@@ -105,12 +108,16 @@ fn all_influences_of_a_vertex_count() {
             entries: (0..width).collect::<Vec<_>>().repeat(4),
             weights: vec![share; 4 * usize::from(width)],
         };
-        let character =
-            Character::new(source(vec![part("quad", 0, mesh)], vec![plain([1.0; 4])], u32::from(width)))
-                .unwrap();
+        let character = Character::new(source(
+            vec![part("quad", 0, mesh)],
+            vec![plain([1.0; 4])],
+            u32::from(width),
+        ))
+        .unwrap();
         let mut rig = Rig::new();
         let quad = rig.add(&character);
-        // Shrunk to a tenth. Each entry moves it by 0.8 m, in pairs along different ways: +x, +y, -x twice, -y twice.
+        // Shrunk to a tenth. Each entry moves it by 0.8 m, in pairs along different ways: +x, +y,
+        // -x twice, -y twice.
         let steps = [
             [8.0, 0.0],
             [0.0, 4.0],
@@ -122,14 +129,16 @@ fn all_influences_of_a_vertex_count() {
             [-8.0, 0.0],
         ];
         let steps = &steps[..usize::from(width)];
-        let entries: Vec<_> = steps.iter().map(|[x, y]| place([*x, *y, 0.0], 0.0, [0.1; 3])).collect();
+        let entries: Vec<_> =
+            steps.iter().map(|[x, y]| place([*x, *y, 0.0], 0.0, [0.1; 3])).collect();
         rig.upload(&entries);
         let mean = |axis: usize| steps.iter().map(|step| step[axis]).sum::<f32>() * share;
         let drawn = rig.draw(&[instance(quad, at(0.0, 0.0, 0.0), 0)]);
         let (x, y) = (mean(0), mean(1));
         assert_ne!((x, y), (0.0, 0.0));
         // Off the picture for four influences, so it is brought back by the instance.
-        let drawn = if width == 4 { rig.draw(&[instance(quad, at(-x, -y, 0.0), 0)]) } else { drawn };
+        let drawn =
+            if width == 4 { rig.draw(&[instance(quad, at(-x, -y, 0.0), 0)]) } else { drawn };
         let (x, y) = if width == 4 { (0.0, 0.0) } else { (x, y) };
         drawn.expect(x, y, [255; 3]);
         drawn.expect(x + 0.3, y, NOTHING);
@@ -141,7 +150,8 @@ fn all_influences_of_a_vertex_count() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn hidden_parts_are_gone() {
     let mut rig = Rig::new();
-    let headless = rig.renderer.add_character(&red_and_green(), &|part| part.node_name == "head").unwrap();
+    let headless =
+        rig.renderer.add_character(&red_and_green(), &|part| part.node_name == "head").unwrap();
     rig.upload(&[Affine::IDENTITY; 2]);
     let drawn = rig.draw(&[instance(headless, Affine::IDENTITY, 0)]);
     drawn.expect(0.0, 1.6, NOTHING);
@@ -156,9 +166,10 @@ fn the_nearer_one_hides_the_farther_in_any_order() {
     let green = rig.add(&person([0.0, 1.0, 0.0], [0.0, 1.0, 0.0]));
     rig.upload(&[Affine::IDENTITY; 2]);
     let (near, far) = (at(0.0, 0.0, 1.0), at(0.0, 0.0, -1.0));
-    for list in
-        [[instance(red, near, 0), instance(green, far, 0)], [instance(green, far, 0), instance(red, near, 0)]]
-    {
+    for list in [
+        [instance(red, near, 0), instance(green, far, 0)],
+        [instance(green, far, 0), instance(red, near, 0)],
+    ] {
         rig.draw(&list).expect(0.0, 1.1, RED);
     }
     rig.draw(&[instance(red, far, 0), instance(green, near, 0)]).expect(0.0, 1.1, GREEN);

@@ -31,7 +31,8 @@ fn pictures_have_at_least_one_pixel_and_no_more_than_the_driver_takes() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn pages_are_whole_matrices_within_the_limits() {
     let mut rig = Rig::new();
-    let page = |rig: &mut Rig, page, len| rig.renderer.upload_page(page, &vec![Float4::default(); len]);
+    let page =
+        |rig: &mut Rig, page, len| rig.renderer.upload_page(page, &vec![Float4::default(); len]);
     let error = page(&mut rig, 0, 4).unwrap_err();
     assert!(matches!(error, Error::PartialMatrix { len: 4 }), "{error}");
     let error = page(&mut rig, 4096, 3).unwrap_err();
@@ -53,7 +54,10 @@ fn members_need_a_character_and_a_palette() {
     assert!(matches!(error, Error::NoPalette { available: 0, count: 2, .. }), "{error}");
     rig.upload(&[Affine::IDENTITY; 3]);
     let error = rig.try_draw(&[one, instance(here, Affine::IDENTITY, 2)]).err().unwrap();
-    assert!(matches!(error, Error::NoPalette { instance: 1, first: 2, available: 3, .. }), "{error}");
+    assert!(
+        matches!(error, Error::NoPalette { instance: 1, first: 2, available: 3, .. }),
+        "{error}"
+    );
     rig.draw(&[one]).expect(0.0, 1.1, [255; 3]);
 }
 
@@ -73,8 +77,12 @@ fn handles_of_another_renderer_are_refused() {
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn textures_past_the_drivers_limit_are_refused() {
-    let texture =
-        Texture { image: 0, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat, filter: TextureFilter::Linear };
+    let texture = Texture {
+        image: 0,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        filter: TextureFilter::Linear,
+    };
     let material = Material { base_color_texture: Some(texture), ..Material::default() };
     let mut pieces = source(vec![part("quad", 0, quad_mesh(0))], vec![material], 1);
     pieces.images = vec![Image { width: 1 << 20, height: 1, rgba: vec![255; 4 << 20] }];
@@ -105,7 +113,9 @@ fn cameras_and_scenes_must_make_sense() {
         assert!(matches!(error, Error::BadCamera { .. }), "{error}");
     }
     let spoilers: [&dyn Fn(&mut Scene); 3] =
-        [&|s| s.sun.to_sun = [0.0; 3], &|s| s.sun.color[1] = f32::INFINITY, &|s| s.sky.horizon[2] = f32::NAN];
+        [&|s| s.sun.to_sun = [0.0; 3], &|s| s.sun.color[1] = f32::INFINITY, &|s| {
+            s.sky.horizon[2] = f32::NAN
+        }];
     for spoil in spoilers {
         rig.scene = good;
         spoil(&mut rig.scene);

@@ -1,5 +1,5 @@
-//! A renderer whose pictures can be reckoned by hand: light is 1 everywhere unless a test lights it, a metre at z = 0
-//! is 32 pixels, and the world's origin is in the middle.
+//! A renderer whose pictures can be reckoned by hand: light is 1 everywhere unless a test lights
+//! it, a metre at z = 0 is 32 pixels, and the world's origin is in the middle.
 
 use populace_core::{Affine, Character, Image};
 use populace_render::{
@@ -61,7 +61,11 @@ pub(crate) fn flat_scene() -> Scene {
 }
 
 /// An instance that is not tinted.
-pub(crate) fn instance(character: CharacterHandle, world_from_model: Affine, palette_first: u32) -> Instance {
+pub(crate) fn instance(
+    character: CharacterHandle,
+    world_from_model: Affine,
+    palette_first: u32,
+) -> Instance {
     Instance { character, world_from_model, moved: [0.0; 3], palette_first, tint: [1.0; 3] }
 }
 
@@ -92,8 +96,13 @@ impl Picture {
 
 /// How a linear value is stored (IEC 61966-2-1).
 pub(crate) fn srgb(linear: f64) -> u8 {
-    let stored = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
+    let stored =
+        if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a byte"
+    )]
     let byte = (stored.clamp(0.0, 1.0) * 255.0).round() as u8;
     byte
 }

@@ -1,6 +1,8 @@
 //! Colours, textures, alpha, winding and normals.
 
-use populace_core::{Affine, AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap};
+use populace_core::{
+    Affine, AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap,
+};
 use populace_render::{Ambient, Highlights};
 
 use crate::fixture::{at, part, place, plain, quad_mesh, source};
@@ -27,7 +29,8 @@ fn textured(image: Image, filter: TextureFilter) -> Character {
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn textures_stand_upright_and_are_srgb() {
-    let rgba = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [128, 128, 128, 255]].concat();
+    let rgba =
+        [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [128, 128, 128, 255]].concat();
     let mut rig = Rig::new();
     let quad = rig.add(&textured(Image { width: 2, height: 2, rgba }, TextureFilter::Nearest));
     rig.upload(&[Affine::IDENTITY]);
@@ -41,7 +44,9 @@ fn textures_stand_upright_and_are_srgb() {
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn smaller_mip_levels_average_light_not_bytes() {
-    let rgba = (0..64 * 64).flat_map(|i| [if (i / 64 + i) % 2 == 0 { 255 } else { 0 }, 0, 0, 255]).collect();
+    let rgba = (0..64 * 64)
+        .flat_map(|i| [if (i / 64 + i) % 2 == 0 { 255 } else { 0 }, 0, 0, 255])
+        .collect();
     let mut rig = Rig::new();
     let quad = rig.add(&textured(Image { width: 64, height: 64, rgba }, TextureFilter::Linear));
     rig.upload(&[Affine::IDENTITY]);
@@ -158,19 +163,26 @@ fn masks_leave_pixels_out_and_blends_mix() {
     rig.draw(&[instance(kept, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
     rig.draw(&[instance(opaque, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
 
-    let half = |[r, g, b]: [f32; 3]| quad_of(Material { alpha: AlphaMode::Blend, ..plain([r, g, b, 0.5]) });
+    let half = |[r, g, b]: [f32; 3]| {
+        quad_of(Material { alpha: AlphaMode::Blend, ..plain([r, g, b, 0.5]) })
+    };
     let red = rig.add(&half([1.0, 0.0, 0.0]));
     let green = rig.add(&half([0.0, 1.0, 0.0]));
     let (near, far) = (at(0.0, 0.0, 1.0), at(0.0, 0.0, 0.0));
     let wanted = [srgb(0.5), srgb(0.25), 0];
-    for list in
-        [[instance(red, near, 0), instance(green, far, 0)], [instance(green, far, 0), instance(red, near, 0)]]
-    {
+    for list in [
+        [instance(red, near, 0), instance(green, far, 0)],
+        [instance(green, far, 0), instance(red, near, 0)],
+    ] {
         rig.draw(&list).expect(0.0, 0.0, wanted);
     }
     // Opaque ones behind show through although they are of a later character.
     let blue = rig.add(&quad_of(plain([0.0, 0.0, 1.0, 1.0])));
-    rig.draw(&[instance(red, near, 0), instance(blue, far, 0)]).expect(0.0, 0.0, [srgb(0.5), 0, srgb(0.5)]);
+    rig.draw(&[instance(red, near, 0), instance(blue, far, 0)]).expect(
+        0.0,
+        0.0,
+        [srgb(0.5), 0, srgb(0.5)],
+    );
 }
 
 #[test]
@@ -184,7 +196,11 @@ fn highlights_near_white_without_reaching_it() {
         rig.scene.ambient = Ambient { sky: [light; 3], ground: [light; 3] };
         rig.draw(&[instance(quad, Affine::IDENTITY, 0)]).at(0.0, 0.0)[0]
     };
-    assert_eq!(shade(0.5, Highlights::Shoulder), shade(0.5, Highlights::Clipped), "linear below the knee");
+    assert_eq!(
+        shade(0.5, Highlights::Shoulder),
+        shade(0.5, Highlights::Clipped),
+        "linear below the knee"
+    );
     let (bright, brighter) = (shade(1.0, Highlights::Shoulder), shade(1.5, Highlights::Shoulder));
     assert!(bright < brighter && brighter < 255, "{bright} {brighter}");
     assert_eq!((shade(1.0, Highlights::Clipped), shade(1.5, Highlights::Clipped)), (255, 255));

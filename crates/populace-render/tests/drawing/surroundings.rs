@@ -50,12 +50,17 @@ fn paving_shows_lines_every_metre() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [0.5; 3], line_color: [0.0; 3] });
     // From right above; up in the picture is -Z.
-    rig.scene.camera =
-        Camera { eye: [0.5, 10.0, 0.5], target: [0.5, 0.0, 0.5], up: [0.0, 0.0, -1.0], ..rig.scene.camera };
+    rig.scene.camera = Camera {
+        eye: [0.5, 10.0, 0.5],
+        target: [0.5, 0.0, 0.5],
+        up: [0.0, 0.0, -1.0],
+        ..rig.scene.camera
+    };
     let drawn = rig.draw(&[]);
     drawn.expect(0.0, 0.0, [srgb(0.5); 3]);
     drawn.expect(0.9, 0.9, [srgb(0.5); 3]);
-    let darkest = |x: f32| (0..5).map(|i| drawn.at(x + 0.02 * (i as f32 - 2.0), 0.0)[0]).min().unwrap();
+    let darkest =
+        |x: f32| (0..5).map(|i| drawn.at(x + 0.02 * (i as f32 - 2.0), 0.0)[0]).min().unwrap();
     assert!(darkest(0.5) < srgb(0.4), "a line at x = 1");
     assert!(darkest(-0.5) < darkest(0.5), "a wider one at x = 0");
 }
@@ -68,8 +73,12 @@ fn members_throw_shadows_on_the_ground_and_on_each_other() {
     rig.scene.ambient.sky = [0.1; 3];
     rig.scene.ambient.ground = [0.1; 3];
     rig.scene.sun.color = [0.5; 3];
-    rig.scene.camera =
-        Camera { eye: [0.0, 10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, -1.0], ..rig.scene.camera };
+    rig.scene.camera = Camera {
+        eye: [0.0, 10.0, 0.0],
+        target: [0.0; 3],
+        up: [0.0, 0.0, -1.0],
+        ..rig.scene.camera
+    };
     let white = rig.add(&person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY; 2]);
     // From the left at 45 degrees: the shadow reaches 1.75 m to the right.
@@ -102,7 +111,8 @@ fn lit_surfaces_do_not_shade_themselves() {
     let white = rig.add(&person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY; 2]);
     // A crowd wide enough for coarse texels, one of them in front of the camera.
-    let list: Vec<_> = (0..41).map(|i| instance(white, at((i as f32 - 20.0) * 1.5, 0.0, 0.0), 0)).collect();
+    let list: Vec<_> =
+        (0..41).map(|i| instance(white, at((i as f32 - 20.0) * 1.5, 0.0, 0.0), 0)).collect();
     let drawn = rig.draw(&list);
     let lit = [srgb(0.9 * f64::sqrt(0.5)); 3];
     for y in [0.1, 0.3, 0.5, 0.9, 1.0, 1.1, 1.2, 1.3] {

@@ -10,8 +10,8 @@ use crate::scenes::Scene;
 use crate::tolerance::{LOCAL_CAP, SampleBound};
 use crate::{MemberPlan, MemberReading, Rng, TestCrowd};
 
-/// Given the same local transforms, Transform and Write-back give the same bits: both only add and multiply. Pose
-/// agrees within what rounding allows each of the two.
+/// Given the same local transforms, Transform and Write-back give the same bits: both only add and
+/// multiply. Pose agrees within what rounding allows each of the two.
 ///
 /// # Panics
 ///
@@ -21,8 +21,8 @@ pub fn check_agreement(a: &mut dyn Backend, b: &mut dyn Backend) {
     same_pose(a, b);
 }
 
-/// Whole frames of all skeletons, clips and layers give the same palettes, bit for bit: schedules on one device, and
-/// devices that round quotients correctly, compute the same in the same order.
+/// Whole frames of all skeletons, clips and layers give the same palettes, bit for bit: schedules
+/// on one device, and devices that round quotients correctly, compute the same in the same order.
 ///
 /// # Panics
 ///
@@ -76,8 +76,16 @@ fn same_bits(a: &mut dyn Backend, b: &mut dyn Backend) {
     };
     let (one, other) = (from_locals(a), from_locals(b));
     for (member, (one, other)) in one.iter().zip(&other).enumerate() {
-        judge.same_matrices(&format!("member {member} model_from_joint"), &other.models, &one.models);
-        judge.same_matrices(&format!("member {member} palette entry"), &other.palette, &one.palette);
+        judge.same_matrices(
+            &format!("member {member} model_from_joint"),
+            &other.models,
+            &one.models,
+        );
+        judge.same_matrices(
+            &format!("member {member} palette entry"),
+            &other.palette,
+            &one.palette,
+        );
     }
     judge.done();
 }
@@ -96,7 +104,9 @@ fn same_pose(a: &mut dyn Backend, b: &mut dyn Backend) {
     let one = run(a, &mut crowd);
     let other = run(b, &mut plans::crowd(&scene, 8, plans));
     for (member, _, plan) in crowd.members() {
-        let jumps = plan.shown(tick).any(|(p, tick)| p.timing.is_near_jump(tick, &scene.clips[p.clip].clip));
+        let jumps = plan
+            .shown(tick)
+            .any(|(p, tick)| p.timing.is_near_jump(tick, &scene.clips[p.clip].clip));
         if jumps {
             judge.leave_out(10 * one[member].rotations.len());
             continue;
@@ -111,7 +121,13 @@ fn same_pose(a: &mut dyn Backend, b: &mut dyn Backend) {
 }
 
 /// Local transforms of one member from both sides; each side may be off by its bound.
-fn pair_up(judge: &mut Judge, member: usize, got: &MemberReading, with: &MemberReading, wanted: &Expected) {
+fn pair_up(
+    judge: &mut Judge,
+    member: usize,
+    got: &MemberReading,
+    with: &MemberReading,
+    wanted: &Expected,
+) {
     for (joint, bound) in wanted.locals.iter().enumerate() {
         let mut pair = |what: &str, got: &[f32], with: &[f32], bound: f64| {
             let side: f32 = got.iter().zip(with).map(|(g, w)| g * w).sum();

@@ -11,8 +11,8 @@ use crate::{MemberPlan, Play, Rng, single};
 /// A time at which all random plays have begun.
 const LATER_SECS: f64 = 6.125;
 
-/// One to eight clips mixed, on every body; and clips between rows far apart, where a rotation has lost length and must
-/// not lose weight with it.
+/// One to eight clips mixed, on every body; and clips between rows far apart, where a rotation has
+/// lost length and must not lose weight with it.
 ///
 /// # Panics
 ///
@@ -29,7 +29,8 @@ pub fn check_blends(backend: &mut dyn Backend) {
     }
     for n in 0..16 {
         let clips = [clip::LEAVES, clip::LEAVES, clip::EVEN, clip::LINEAR_AND_STEPS];
-        let plays = clips[..2 + n % 3].iter().map(|&clip| plans::held_exactly(&mut rng, &scene, clip));
+        let plays =
+            clips[..2 + n % 3].iter().map(|&clip| plans::held_exactly(&mut rng, &scene, clip));
         crowd.add(MemberPlan::plain(body::SMALL, plays.collect()));
     }
     for step in 0..5 {
@@ -38,7 +39,8 @@ pub fn check_blends(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// The same slots in another order give the same pose within rounding, which the oracle's bound is twice of.
+/// The same slots in another order give the same pose within rounding, which the oracle's bound is
+/// twice of.
 ///
 /// # Panics
 ///
@@ -66,8 +68,9 @@ pub fn check_slot_order(backend: &mut dyn Backend) {
         for (joint, bound) in wanted.locals.iter().enumerate() {
             let mut pair = |got: &[f32], with: &[f32], bound: f64| {
                 for (c, (got, with)) in got.iter().zip(with).enumerate() {
-                    let place =
-                        || format!("member {} joint {joint} number {c} in reversed order", member + 1);
+                    let place = || {
+                        format!("member {} joint {joint} number {c} in reversed order", member + 1)
+                    };
                     judge.number(*got, f64::from(*with), 2.0 * bound, 2.0 * LOCAL_CAP, place);
                 }
             };
@@ -79,7 +82,8 @@ pub fn check_slot_order(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Slots of weight 0, or below, change nothing, bit for bit: first, between and last, on every layer.
+/// Slots of weight 0, or below, change nothing, bit for bit: first, between and last, on every
+/// layer.
 ///
 /// # Panics
 ///
@@ -112,8 +116,8 @@ pub fn check_zero_weights(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Layer 0 is divided by its total weight however small, down to 1e-3; below that, and with nothing playing, the rest
-/// pose shows.
+/// Layer 0 is divided by its total weight however small, down to 1e-3; below that, and with nothing
+/// playing, the rest pose shows.
 ///
 /// # Panics
 ///
@@ -130,7 +134,10 @@ pub fn check_small_totals(backend: &mut dyn Backend) {
         let two = [play.weighing(half), Play::held(clip::STILL, 0.0).weighing(half)];
         plans.push(MemberPlan::plain(body::SMALL, two.to_vec()));
     }
-    plans.push(MemberPlan::plain(body::SMALL, vec![Play::held(clip::LINEAR_AND_STEPS, 0.8).weighing(0.01)]));
+    plans.push(MemberPlan::plain(
+        body::SMALL,
+        vec![Play::held(clip::LINEAR_AND_STEPS, 0.8).weighing(0.01)],
+    ));
     let mut crowd = plans::crowd(&scene, 2, plans);
     judge.frame(backend, &mut crowd, 0);
     judge.done();

@@ -14,7 +14,8 @@ use crate::{MemberPlan, Play, Rng};
 const CLOCKS: [usize; 6] =
     [clip::EVEN, clip::UNEVEN, clip::SCALED, clip::STEPS, clip::LINEAR_AND_STEPS, clip::STILL];
 
-/// Loops, single runs and held times, forwards, backwards, slow and fast, at many readings of the clock.
+/// Loops, single runs and held times, forwards, backwards, slow and fast, at many readings of the
+/// clock.
 ///
 /// # Panics
 ///
@@ -27,7 +28,8 @@ pub fn check_clock(backend: &mut dyn Backend) {
         for speed in [1.0, -1.0, 0.37, -2.3, 4.0, 0.0] {
             let start_tick = ticks_from_secs(0.25);
             let phase = if speed < 0.0 { 0.8 } else { 0.15 };
-            let timings = [Timing::Loop { start_tick, phase, speed }, Timing::Once { start_tick, speed }];
+            let timings =
+                [Timing::Loop { start_tick, phase, speed }, Timing::Once { start_tick, speed }];
             members.extend(timings.map(|timing| (clip, timing)));
         }
         members.push((clip, Timing::Held { secs: 0.6 }));
@@ -46,8 +48,8 @@ pub fn check_clock(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Weights that stand and that run, up, down and long done; empty slots weigh nothing. The poses of clips fading into
-/// each other follow.
+/// Weights that stand and that run, up, down and long done; empty slots weigh nothing. The poses of
+/// clips fading into each other follow.
 ///
 /// # Panics
 ///
@@ -55,8 +57,12 @@ pub fn check_clock(backend: &mut dyn Backend) {
 pub fn check_weights(backend: &mut dyn Backend) {
     let scene = Scene::new();
     let mut judge = Judge::new("weights");
-    let ramp =
-        |secs_from: f64, from, to, secs| Weighting::Ramp { tick: ticks_from_secs(secs_from), from, to, secs };
+    let ramp = |secs_from: f64, from, to, secs| Weighting::Ramp {
+        tick: ticks_from_secs(secs_from),
+        from,
+        to,
+        secs,
+    };
     let fades = [
         [ramp(0.0, 0.0, 1.0, 0.5), ramp(0.0, 1.0, 0.0, 0.5)],
         [ramp(0.1, 0.2, 0.9, 3.0), Weighting::Constant(0.5)],
@@ -65,7 +71,8 @@ pub fn check_weights(backend: &mut dyn Backend) {
     ];
     let plan = |weightings: [Weighting; 2]| {
         let held = [Play::held(clip::EVEN, 0.5), Play::held(clip::LINEAR_AND_STEPS, 1.2)];
-        let plays = held.into_iter().zip(weightings).map(|(play, weighting)| Play { weighting, ..play });
+        let plays =
+            held.into_iter().zip(weightings).map(|(play, weighting)| Play { weighting, ..play });
         MemberPlan::plain(scene.clips[clip::EVEN].body, plays.collect())
     };
     let mut crowd = plans::crowd(&scene, 4, fades.map(plan));

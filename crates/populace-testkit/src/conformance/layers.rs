@@ -7,8 +7,8 @@ use crate::compare::Judge;
 use crate::scenes::{Scene, body, clip};
 use crate::{LayerPlan, MemberPlan, Play, Rng, single};
 
-/// Override layers: weights, masks, totals below and above 1, layers without slots; what layer 0 says of itself is not
-/// looked at.
+/// Override layers: weights, masks, totals below and above 1, layers without slots; what layer 0
+/// says of itself is not looked at.
 ///
 /// # Panics
 ///
@@ -32,16 +32,19 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
     let clips = scene.tight_clips();
     let mut rng = Rng::new(seed);
     let mut plans = Vec::new();
-    // The first 60 play up to eight clips; what rows are off by adds up, so of those some joints are left out.
+    // The first 60 play up to eight clips; what rows are off by adds up, so of those some joints
+    // are left out.
     for n in 0..96 {
         let body = n % scene.bodies.len();
         let joints = scene.bodies[body].joints.len();
-        let mut layers: Vec<LayerPlan> = (0..1 + n % 4).map(|_| plans::layer(&mut rng, joints)).collect();
+        let mut layers: Vec<LayerPlan> =
+            (0..1 + n % 4).map(|_| plans::layer(&mut rng, joints)).collect();
         layers.iter_mut().for_each(|layer| layer.mode = mode);
         if n % 5 == 0 {
             // At the ends of their ranges; layer 0's are not looked at.
             layers.iter_mut().for_each(|layer| layer.weight = 1.0);
-            layers[0] = LayerPlan { mode: LayerMode::Additive, weight: 0.0, mask: Some(vec![0.0; joints]) };
+            layers[0] =
+                LayerPlan { mode: LayerMode::Additive, weight: 0.0, mask: Some(vec![0.0; joints]) };
         }
         let count = rng.below(if n < 60 { 9 } else { 4 });
         let plays = (0..count).map(|_| {
@@ -59,8 +62,9 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
     judge.done();
 }
 
-/// Turns of all widths, which leave the hemisphere of the rest rotation, added and overridden, beneath a layer that
-/// overrides them again. They are sensitive, so the caps of this check are wide.
+/// Turns of all widths, which leave the hemisphere of the rest rotation, added and overridden,
+/// beneath a layer that overrides them again. They are sensitive, so the caps of this check are
+/// wide.
 ///
 /// # Panics
 ///

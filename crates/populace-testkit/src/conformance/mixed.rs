@@ -10,7 +10,12 @@ use crate::{MemberPlan, Rng};
 type Palette = Vec<[f32; 12]>;
 
 /// What a member gets in a crowd of its own.
-fn alone(make: &mut dyn FnMut() -> Box<dyn Backend>, scene: &Scene, plan: &MemberPlan, tick: u64) -> Palette {
+fn alone(
+    make: &mut dyn FnMut() -> Box<dyn Backend>,
+    scene: &Scene,
+    plan: &MemberPlan,
+    tick: u64,
+) -> Palette {
     let mut backend = make();
     let mut crowd = plans::crowd(scene, 8, [plan.clone()]);
     crowd.run(&mut *backend, tick);
@@ -22,8 +27,8 @@ fn any_members(seed: u64, scene: &Scene, count: usize) -> Vec<MemberPlan> {
     plans::members(seed, scene, &clips, count, 8)
 }
 
-/// All skeletons, clips and layers in one crowd: every member gets, bit for bit, what it gets alone, in whatever order
-/// the members came.
+/// All skeletons, clips and layers in one crowd: every member gets, bit for bit, what it gets
+/// alone, in whatever order the members came.
 ///
 /// # Panics
 ///

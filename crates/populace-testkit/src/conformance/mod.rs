@@ -1,7 +1,9 @@
-//! The suite that every device and schedule passes, and that is seen to fail on a [`Broken`](crate::Broken) twin.
+//! The suite that every device and schedule passes, and that is seen to fail on a
+//! [`Broken`](crate::Broken) twin.
 //!
-//! Each check panics with a message that says which member, joint and number is off, and by how much.
-//! [`backend_conformance!`](crate::backend_conformance) makes a test of each check and of each twin.
+//! Each check panics with a message that says which member, joint and number is off, and by how
+//! much. [`backend_conformance!`](crate::backend_conformance) makes a test of each check and of
+//! each twin.
 
 mod agreement;
 mod blend;
@@ -22,14 +24,18 @@ pub use layers::{check_additive_layers, check_far_turns, check_override_layers};
 pub use mixed::{check_churn, check_mixed_dispatch};
 pub use retarget::check_retarget;
 pub use running::{check_growth, check_long_run};
-pub use sampling::{check_sampling_at_keys, check_sampling_between_keys, check_sampling_within_clip_bounds};
+pub use sampling::{
+    check_sampling_at_keys, check_sampling_between_keys, check_sampling_within_clip_bounds,
+};
 pub use settle::check_settling;
 pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
 
-/// Expands to one `#[test]` for each check of the conformance suite, run on the staged backend that the expression makes,
-/// and one for its twin, which must fail. The expression is evaluated anew for each test, and for some several times.
+/// Expands to one `#[test]` for each check of the conformance suite, run on the staged backend that
+/// the expression makes, and one for its twin, which must fail. The expression is evaluated anew
+/// for each test, and for some several times.
 ///
-/// What follows the expression, such as `cfg_attr(no_device, ignore = "why")`, becomes attributes of all tests.
+/// What follows the expression, such as `cfg_attr(no_device, ignore = "why")`, becomes attributes
+/// of all tests.
 #[macro_export]
 macro_rules! backend_conformance {
     ($backend:expr $(, $attribute:meta)* $(,)?) => {
@@ -41,7 +47,8 @@ macro_rules! backend_conformance {
     };
 }
 
-/// The same for a backend of a fused schedule: all checks but those that run one stage alone, which it does not have.
+/// The same for a backend of a fused schedule: all checks but those that run one stage alone, which
+/// it does not have.
 #[macro_export]
 macro_rules! fused_conformance {
     ($backend:expr $(, $attribute:meta)* $(,)?) => {
@@ -102,8 +109,8 @@ macro_rules! fused_conformance {
     };
 }
 
-/// Expands to a test that two backends, made by the two expressions, agree, and to one that they are seen to differ
-/// where one is broken. What follows becomes attributes of both.
+/// Expands to a test that two backends, made by the two expressions, agree, and to one that they
+/// are seen to differ where one is broken. What follows becomes attributes of both.
 #[macro_export]
 macro_rules! backends_agree {
     ($first:expr, $second:expr $(, $attribute:meta)* $(,)?) => {

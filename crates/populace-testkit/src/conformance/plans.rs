@@ -23,7 +23,8 @@ pub(super) fn play(rng: &mut Rng, clips: &[usize]) -> Play {
     }
 }
 
-/// A clip held at a time at which its rows are exact, so that even wide turns can be held to rounding.
+/// A clip held at a time at which its rows are exact, so that even wide turns can be held to
+/// rounding.
 pub(super) fn held_exactly(rng: &mut Rng, scene: &Scene, clip: usize) -> Play {
     let times = &scene.clips[clip].exact_times;
     let weight = single(rng.between(0.2, 1.0));
@@ -46,7 +47,13 @@ pub(super) fn mask(rng: &mut Rng, joints: usize) -> Vec<f32> {
 }
 
 /// A member of a body with up to `most` slots on up to four layers.
-pub(super) fn member(rng: &mut Rng, scene: &Scene, body: usize, clips: &[usize], most: usize) -> MemberPlan {
+pub(super) fn member(
+    rng: &mut Rng,
+    scene: &Scene,
+    body: usize,
+    clips: &[usize],
+    most: usize,
+) -> MemberPlan {
     let joints = scene.bodies[body].joints.len();
     let mut layers = vec![LayerPlan::default()];
     for _ in 0..rng.below(4) {

@@ -7,7 +7,8 @@ use crate::compare::Judge;
 use crate::scenes::Scene;
 use crate::{LayerPlan, MemberPlan, Play, Rng};
 
-/// Every clip on every other body at keys, alone, mixed with the body's own clip, and on an additive layer above it.
+/// Every clip on every other body at keys, alone, mixed with the body's own clip, and on an
+/// additive layer above it.
 ///
 /// # Panics
 ///
@@ -26,7 +27,8 @@ pub(super) fn plans(rng: &mut Rng, scene: &Scene) -> Vec<MemberPlan> {
     let mut plans = Vec::new();
     for body in 0..scene.bodies.len() {
         for clip in (0..scene.clips.len()).filter(|&clip| scene.clips[clip].body != body) {
-            let own = scene.clips.iter().position(|c| c.body == body).expect("each body has a clip");
+            let own =
+                scene.clips.iter().position(|c| c.body == body).expect("each body has a clip");
             for n in 0..4 {
                 let other = plans::held_exactly(rng, scene, clip);
                 let mut layers = vec![LayerPlan::default()];
@@ -34,7 +36,8 @@ pub(super) fn plans(rng: &mut Rng, scene: &Scene) -> Vec<MemberPlan> {
                     0 | 1 => vec![other],
                     2 => vec![other, plans::held_exactly(rng, scene, own)],
                     _ => {
-                        layers.push(LayerPlan { mode: LayerMode::Additive, ..LayerPlan::default() });
+                        layers
+                            .push(LayerPlan { mode: LayerMode::Additive, ..LayerPlan::default() });
                         vec![plans::held_exactly(rng, scene, own), other.on_layer(1)]
                     }
                 };

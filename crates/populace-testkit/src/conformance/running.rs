@@ -8,7 +8,8 @@ use crate::plan::FRAME_TICKS;
 use crate::scenes::{Scene, body};
 use crate::{LayerPlan, MemberPlan, Play, Rng};
 
-/// Clips, members and masks that come while the crowd runs, so that every table grows between frames.
+/// Clips, members and masks that come while the crowd runs, so that every table grows between
+/// frames.
 ///
 /// # Panics
 ///
@@ -24,7 +25,8 @@ pub fn check_growth(backend: &mut dyn Backend) {
         let joints = scene.bodies[body].joints.len();
         let play = plans::play(&mut rng, &[clip]);
         let mut plan = MemberPlan::plain(body, vec![play, Play { layer: 1, ..play }]);
-        plan.layers.push(LayerPlan { mask: Some(plans::mask(&mut rng, joints)), ..LayerPlan::default() });
+        plan.layers
+            .push(LayerPlan { mask: Some(plans::mask(&mut rng, joints)), ..LayerPlan::default() });
         crowd.add(plan);
         // The first member changes over to the clip just added.
         crowd.direct(0, MemberPlan::plain(body::SMALL, vec![plans::play(&mut rng, &[clip])]));

@@ -9,8 +9,8 @@ use crate::expected::Expected;
 use crate::scenes::{Scene, SceneClip, body};
 use crate::{MemberPlan, MemberReading, Play, Rng, TestCrowd, single};
 
-/// Every clip exactly at keys (a STEP key's own value counts from its time on), before the first, after the last and a
-/// hair before a key; on its own body and on another.
+/// Every clip exactly at keys (a STEP key's own value counts from its time on), before the first,
+/// after the last and a hair before a key; on its own body and on another.
 ///
 /// # Panics
 ///
@@ -38,7 +38,8 @@ pub fn check_sampling_at_keys(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Clips of STEP tracks, and of LINEAR tracks whose keys are near, at times between their keys, held to rounding.
+/// Clips of STEP tracks, and of LINEAR tracks whose keys are near, at times between their keys,
+/// held to rounding.
 ///
 /// # Panics
 ///
@@ -51,8 +52,8 @@ pub fn check_sampling_between_keys(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Every clip at times between its keys, wide turns and splines too, held to the bound that the clip states, at points
-/// around each joint of its own body.
+/// Every clip at times between its keys, wide turns and splines too, held to the bound that the
+/// clip states, at points around each joint of its own body.
 ///
 /// # Panics
 ///

@@ -10,8 +10,9 @@ use crate::{MemberPlan, Play, Rng, Settling, single};
 /// The clock when the last of them are left.
 const LEFT_SECS: f64 = 6.0;
 
-/// What settles in layers of all kinds, of one start and of several that interrupt each other: at the start, on the way,
-/// and when some and all of it is over. It magnifies what samples are off by, so the caps of this check are wide.
+/// What settles in layers of all kinds, of one start and of several that interrupt each other: at
+/// the start, on the way, and when some and all of it is over. It magnifies what samples are off
+/// by, so the caps of this check are wide.
 ///
 /// # Panics
 ///

@@ -114,8 +114,9 @@ fn write_models(
     for (buffer, row) in buffers.into_iter().zip(&rows) {
         crowd.write_joints(backend, member, buffer, row);
     }
-    let column =
-        |joint: usize, c: usize| DVec3::from_array([0, 1, 2].map(|r: usize| f64::from(rows[r][joint][c])));
+    let column = |joint: usize, c: usize| {
+        DVec3::from_array([0, 1, 2].map(|r: usize| f64::from(rows[r][joint][c])))
+    };
     (0..count)
         .map(|joint| DAffine3 {
             matrix3: DMat3::from_cols(column(joint, 0), column(joint, 1), column(joint, 2)),
@@ -154,7 +155,11 @@ pub fn check_pages(backend: &mut dyn Backend) {
     for (page, length) in crowd.tables.page_lengths().enumerate() {
         let mut copy = Vec::new();
         backend.with_page(page, &mut |elements| copy = elements.to_vec()).expect("the page exists");
-        assert!(copy.len() >= 3 * length, "page {page} is off by {} elements", 3 * length - copy.len());
+        assert!(
+            copy.len() >= 3 * length,
+            "page {page} is off by {} elements",
+            3 * length - copy.len()
+        );
         copy.truncate(3 * length);
         pages.push(copy);
     }
@@ -164,7 +169,9 @@ pub fn check_pages(backend: &mut dyn Backend) {
         for (entry, matrix) in crowd.read_palette(backend, member).iter().enumerate() {
             for (element, value) in matrix.iter().enumerate() {
                 let in_page = all[first + 3 * entry + element / 4].0[element % 4];
-                let place = || format!("member {member} palette entry {entry} element {element} in its page");
+                let place = || {
+                    format!("member {member} palette entry {entry} element {element} in its page")
+                };
                 judge.bits(in_page, *value, place);
             }
         }

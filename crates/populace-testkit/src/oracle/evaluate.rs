@@ -66,16 +66,16 @@ impl Timing {
         match *self {
             Self::Loop { speed, .. } => f64::from(speed),
             Self::Once { start_tick, speed } => {
-                let goes =
-                    elapsed_secs(start_tick, tick) * f64::from(speed.abs()) < f64::from(clip.duration_secs());
+                let goes = elapsed_secs(start_tick, tick) * f64::from(speed.abs())
+                    < f64::from(clip.duration_secs());
                 if goes { f64::from(speed) } else { 0.0 }
             }
             Self::Held { .. } => 0.0,
         }
     }
 
-    /// Whether the value jumps so near to that time that single precision may see the other side: at the seam of a
-    /// loop and at STEP keys. A held time is exact, so it never is.
+    /// Whether the value jumps so near to that time that single precision may see the other side:
+    /// at the seam of a loop and at STEP keys. A held time is exact, so it never is.
     ///
     /// # Panics
     ///
@@ -88,7 +88,9 @@ impl Timing {
         let (time, near) = (self.time_secs(tick, clip), tolerance::time_error_secs(clip));
         let (start, duration) = (f64::from(clip.start_secs()), f64::from(clip.duration_secs()));
         let seam = matches!(self, Self::Loop { .. }) && duration > 0.0;
-        let jumps = |track: &&populace_core::Track| track.interpolation == populace_core::Interpolation::Step;
+        let jumps = |track: &&populace_core::Track| {
+            track.interpolation == populace_core::Interpolation::Step
+        };
         let steps = clip.source().tracks.iter().filter(jumps).flat_map(|t| &t.times[1..]);
         (seam && (time - start < near || start + duration - time < near))
             || steps.map(|t| f64::from(*t)).any(|t| (t - time).abs() < near)

@@ -1,7 +1,9 @@
-//! The oracle: what a character looks like at a time, in double precision, from source curves and equations.
+//! The oracle: what a character looks like at a time, in double precision, from source curves and
+//! equations.
 //!
-//! One file per stage, named after it: `evaluate.rs`, `pose.rs` (with `sample.rs`, the curves), `transform.rs` and
-//! `write_back.rs`. Joints are in the order of the source list, not in level order; nothing is flattened or packed.
+//! One file per stage, named after it: `evaluate.rs`, `pose.rs` (with `sample.rs`, the curves),
+//! `transform.rs` and `write_back.rs`. Joints are in the order of the source list, not in level
+//! order; nothing is flattened or packed.
 
 mod evaluate;
 mod pose;
@@ -102,7 +104,8 @@ pub struct OracleSlot<'a> {
     pub weight: f64,
     /// The layer that the slot is mixed in.
     pub layer: usize,
-    /// How the clip moves a body that it was not made for; else it moves the joints whose names it knows.
+    /// How the clip moves a body that it was not made for; else it moves the joints whose names it
+    /// knows.
     pub retarget: Option<&'a OracleRetarget>,
 }
 
@@ -136,7 +139,8 @@ pub struct OraclePose {
     pub palette: Vec<[f64; 12]>,
 }
 
-/// A character's pose. `layers` are all layers in use, in order; without any, slots of layer 0 are mixed.
+/// A character's pose. `layers` are all layers in use, in order; without any, slots of layer 0 are
+/// mixed.
 ///
 /// # Panics
 ///

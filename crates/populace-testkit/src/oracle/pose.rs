@@ -5,15 +5,19 @@ use populace_core::{ClipSource, LayerMode};
 
 use super::sample::TracksByJoint;
 use super::settle::{Remains, settle};
-use super::{Local, OracleBody, OracleLayer, OracleRetarget, OracleSettling, OracleSlot, OracleStand};
+use super::{
+    Local, OracleBody, OracleLayer, OracleRetarget, OracleSettling, OracleSlot, OracleStand,
+};
 
 /// Layer 0 is divided by its total weight above this, else the rest pose shows.
 const LEAST_TOTAL: f64 = 1e-3;
-/// A quaternion this near to the border of its hemisphere may be turned either way by single precision.
+/// A quaternion this near to the border of its hemisphere may be turned either way by single
+/// precision.
 pub(super) const HEMISPHERE_MARGIN: f64 = 1e-4;
 
-/// How much an error in a clip's value grows on its way into a joint's local transform. Infinite where single precision
-/// may turn a rotation to the other hemisphere: then no device can be held to a value.
+/// How much an error in a clip's value grows on its way into a joint's local transform. Infinite
+/// where single precision may turn a rotation to the other hemisphere: then no device can be held
+/// to a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
     /// Of translations.
@@ -102,7 +106,8 @@ pub(super) fn pose(
 ) -> (Vec<Local>, Vec<Gain>) {
     let clips: Vec<_> = slots.iter().map(Clip::new).collect();
     let settling = settling.iter().filter(|settling| !settling.is_over());
-    let settling: Vec<_> = settling.map(|of| (of, Stand::new(&of.left), Stand::new(&of.taking))).collect();
+    let settling: Vec<_> =
+        settling.map(|of| (of, Stand::new(&of.left), Stand::new(&of.taking))).collect();
     let plain = [OracleLayer::default()];
     let layers = if layers.is_empty() { &plain } else { layers };
     let one_joint = |joint: usize| {
@@ -204,7 +209,8 @@ fn override_with(
     (local, gain)
 }
 
-/// An additive layer: each slot's difference from its clip's first pose, laid over what lies beneath.
+/// An additive layer: each slot's difference from its clip's first pose, laid over what lies
+/// beneath.
 fn add(beneath: Posed, (samples, remains): (&[Sample], &[Remains<'_>]), strength: f64) -> Posed {
     let identity = DVec4::W;
     let (below, below_gain) = beneath;
@@ -225,8 +231,8 @@ fn add(beneath: Posed, (samples, remains): (&[Sample], &[Remains<'_>]), strength
         rotation += (four(turn) - identity) * f;
         scale += (ratio - DVec3::ONE) * f;
         strengths += f;
-        ratios +=
-            f * (1.0 + ratio.abs().max_element()) / sample.reference.scale.abs().min_element().max(1e-9);
+        ratios += f * (1.0 + ratio.abs().max_element())
+            / sample.reference.scale.abs().min_element().max(1e-9);
     }
     for change in remains.iter().map(|remains| remains.change(true)) {
         translation += change.translation * strength;
@@ -244,7 +250,8 @@ fn add(beneath: Posed, (samples, remains): (&[Sample], &[Remains<'_>]), strength
         rotation: (below.rotation * unit(rotation)).normalize(),
         scale: below.scale * scale,
     };
-    // The rounding of the delta itself counts once, its sample and reference once each for each unit of strength.
+    // The rounding of the delta itself counts once, its sample and reference once each for each
+    // unit of strength.
     let gain = Gain {
         translation: below_gain.translation + 2.0 * strengths,
         rotation: if clear {
@@ -252,7 +259,8 @@ fn add(beneath: Posed, (samples, remains): (&[Sample], &[Remains<'_>]), strength
         } else {
             f64::INFINITY
         },
-        scale: below_gain.scale * scale.abs().max_element() + below.scale.abs().max_element() * ratios,
+        scale: below_gain.scale * scale.abs().max_element()
+            + below.scale.abs().max_element() * ratios,
     };
     (local, gain)
 }

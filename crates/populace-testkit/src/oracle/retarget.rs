@@ -1,4 +1,5 @@
-//! Retargeting by its definition: where every joint of either body is in model space, and from there its local transform.
+//! Retargeting by its definition: where every joint of either body is in model space, and from
+//! there its local transform.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +9,8 @@ use populace_core::{ClipSource, JointSource, Role, Side};
 use super::sample::TracksByJoint;
 use super::{Local, OracleBody};
 
-/// Feet may sink by this part of the body's size; whoever sinks deeper is lifted, by no more than that part.
+/// Feet may sink by this part of the body's size; whoever sinks deeper is lifted, by no more than
+/// that part.
 const SINKS: f64 = 0.004;
 const MOST: f64 = 0.02;
 /// Collarbones begin within this part of the way to an upper arm.
@@ -59,8 +61,10 @@ impl OracleRetarget {
     ) -> Self {
         let (source, target) = (Humanoid::new(source), Humanoid::new(target));
         let partners = partners(&source, &target);
-        let mut retarget = Self { source, target, partners, common: Vec::new(), scale: 1.0, lift: 0.0 };
-        let turns: Vec<DQuat> = (0..retarget.partners.len()).map(|j| retarget.common_turn(j)).collect();
+        let mut retarget =
+            Self { source, target, partners, common: Vec::new(), scale: 1.0, lift: 0.0 };
+        let turns: Vec<DQuat> =
+            (0..retarget.partners.len()).map(|j| retarget.common_turn(j)).collect();
         retarget.common = retarget.stand(&turns);
         let heights = |placed: &[Placed], figure: &Humanoid| {
             let y = |role| placed[figure.roles[&role]].place().y;
@@ -73,7 +77,8 @@ impl OracleRetarget {
         let common = heights(&retarget.common, &retarget.target);
         retarget.scale = (common.1 - common.0) / (source.1 - source.0);
         retarget.lift = rest.0 - common.0;
-        let depth = keys.iter().map(|&secs| retarget.depth(clip, f64::from(secs))).fold(0.0, f64::max);
+        let depth =
+            keys.iter().map(|&secs| retarget.depth(clip, f64::from(secs))).fold(0.0, f64::max);
         let size = retarget.target.size();
         retarget.lift += (depth - SINKS * size).clamp(0.0, MOST * size);
         retarget
@@ -102,8 +107,8 @@ impl OracleRetarget {
         (0..self.partners.len()).map(local).collect()
     }
 
-    /// Rotations of the source that a joint's local rotation comes from at most, and how far its place hangs on them in
-    /// metres: 0 where it keeps its local place.
+    /// Rotations of the source that a joint's local rotation comes from at most, and how far its
+    /// place hangs on them in metres: 0 where it keeps its local place.
     #[must_use]
     pub fn depends_on(&self, joint: usize) -> (Vec<usize>, f64) {
         let Some(partner) = self.partners[joint] else {
@@ -158,17 +163,21 @@ impl OracleRetarget {
                 None => role = role?.parent(),
             }
         };
-        let mut above = std::iter::successors(self.target.parent(joint), |&j| self.target.parent(j));
+        let mut above =
+            std::iter::successors(self.target.parent(joint), |&j| self.target.parent(j));
         (!above.any(|j| j == limb)).then_some(limb)
     }
 
-    /// Whether a joint's place is said in model space: the root, the hips, and what does not hang on its limb.
+    /// Whether a joint's place is said in model space: the root, the hips, and what does not hang
+    /// on its limb.
     fn is_placed(&self, joint: usize) -> bool {
         self.is_root(joint) || self.has_role(joint, Role::Hips) || self.limb(joint).is_some()
     }
 
     fn is_root(&self, joint: usize) -> bool {
-        self.partners[joint].is_some() && self.target.root() == Some(joint) && self.role(joint).is_none()
+        self.partners[joint].is_some()
+            && self.target.root() == Some(joint)
+            && self.role(joint).is_none()
     }
 
     /// The rotation of the common pose.
@@ -190,11 +199,15 @@ impl OracleRetarget {
         let direction = |figure: &Humanoid, joint: usize| {
             (figure.rest[figure.roles[&end]].place() - figure.rest[joint].place()).normalize()
         };
-        let wanted = self.partners[joint].map_or(DVec3::Y, |partner| direction(&self.source, partner));
-        DQuat::from_rotation_arc(away * direction(&self.target, joint), wanted) * away * rest[joint].turn
+        let wanted =
+            self.partners[joint].map_or(DVec3::Y, |partner| direction(&self.source, partner));
+        DQuat::from_rotation_arc(away * direction(&self.target, joint), wanted)
+            * away
+            * rest[joint].turn
     }
 
-    /// The target standing with these rotations, its local places those of rest but for what does not hang on its limb.
+    /// The target standing with these rotations, its local places those of rest but for what does
+    /// not hang on its limb.
     fn stand(&self, turns: &[DQuat]) -> Vec<Placed> {
         (0..turns.len()).map(|joint| self.stand_joint(turns, joint)).collect()
     }
@@ -228,13 +241,17 @@ impl OracleRetarget {
     fn place_joint(&self, moving: &[Placed], joint: usize) -> Placed {
         let rest = self.target.body.rest(joint);
         let parent = self.target.parent(joint).map(|parent| self.place_joint(moving, parent));
-        let (above, turned) = parent.map_or((DAffine3::IDENTITY, DQuat::IDENTITY), |p| (p.model, p.turn));
+        let (above, turned) =
+            parent.map_or((DAffine3::IDENTITY, DQuat::IDENTITY), |p| (p.model, p.turn));
         let turn = match self.partners[joint] {
             Some(partner) => self.away(moving, partner) * self.common[joint].turn,
             None => turned * rest.rotation,
         };
-        let trs =
-            DAffine3::from_scale_rotation_translation(rest.scale, turned.inverse() * turn, rest.translation);
+        let trs = DAffine3::from_scale_rotation_translation(
+            rest.scale,
+            turned.inverse() * turn,
+            rest.translation,
+        );
         let mut placed = Placed { turn, model: above * trs };
         let Some(partner) = self.partners[joint] else {
             return placed;
@@ -307,8 +324,9 @@ impl Humanoid {
     /// All joints as the clip moves them.
     fn moving(&self, clip: &ClipSource, time_secs: f64) -> Vec<Placed> {
         let tracks = TracksByJoint::new(clip);
-        let local =
-            |joint: usize| tracks.local(&self.body.joints[joint].name, &self.body.rest(joint), time_secs);
+        let local = |joint: usize| {
+            tracks.local(&self.body.joints[joint].name, &self.body.rest(joint), time_secs)
+        };
         let locals: Vec<Local> = (0..self.body.joints.len()).map(local).collect();
         (0..locals.len()).map(|joint| self.place(&locals, joint)).collect()
     }
@@ -322,8 +340,10 @@ impl Humanoid {
 
     fn collarbone(&self, side: Side) -> bool {
         let place = |role| self.roles.get(&role).map(|&joint| self.rest[joint].place());
-        let arms = [Role::UpperArm(Side::Left), Role::UpperArm(Side::Right), Role::UpperArm(side)].map(place);
-        let (Some(shoulder), [Some(left), Some(right), Some(arm)]) = (place(Role::Shoulder(side)), arms)
+        let arms = [Role::UpperArm(Side::Left), Role::UpperArm(Side::Right), Role::UpperArm(side)]
+            .map(place);
+        let (Some(shoulder), [Some(left), Some(right), Some(arm)]) =
+            (place(Role::Shoulder(side)), arms)
         else {
             return false;
         };

@@ -7,7 +7,8 @@ use populace_core::{ClipSource, Interpolation, Property, Track};
 
 use super::Local;
 
-/// The value of a track at a time; the fourth component of translations and scales is 0, rotations have length 1.
+/// The value of a track at a time; the fourth component of translations and scales is 0, rotations
+/// have length 1.
 ///
 /// Before the first key the first value holds, after the last the last.
 #[must_use]

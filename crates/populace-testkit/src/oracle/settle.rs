@@ -1,4 +1,5 @@
-//! Settle: what is left of clips that were left at once, in pose and in speed (Bollo, "Inertialization", GDC 2018).
+//! Settle: what is left of clips that were left at once, in pose and in speed (Bollo,
+//! "Inertialization", GDC 2018).
 
 use glam::{DQuat, DVec3, DVec4};
 use populace_core::ClipSource;
@@ -48,7 +49,8 @@ impl OracleSettling<'_> {
     }
 }
 
-/// One joint of a clip that was left, and of what took its place: there, at the far time, and at the clip's first key.
+/// One joint of a clip that was left, and of what took its place: there, at the far time, and at
+/// the clip's first key.
 pub(super) struct Remains<'a> {
     pub(super) of: &'a OracleSettling<'a>,
     pub(super) left: [Local; 3],
@@ -82,7 +84,8 @@ impl Way {
             translation: to.translation - from.translation,
             rotation: if turn.dot(side) < 0.0 { -turn } else { turn },
             scale,
-            scale_gain: (1.0 + scale.abs().max_element()) / from.scale.abs().min_element().max(1e-9),
+            scale_gain: (1.0 + scale.abs().max_element())
+                / from.scale.abs().min_element().max(1e-9),
         }
     }
 }
@@ -100,26 +103,29 @@ impl Remains<'_> {
         let (still, moving) = self.decay();
         let OracleSettling { share, share_per_sec, .. } = *self.of;
         let part = still * share + moving * share_per_sec;
-        let [went, goes] = [self.of.left.pace, self.of.taking.pace].map(|pace| moving * share * pace);
+        let [went, goes] =
+            [self.of.left.pace, self.of.taking.pace].map(|pace| moving * share * pace);
         let ([at, far, first], [taking, taking_far, taking_first]) = (&self.left, &self.taking);
         let from = if additive { first } else { taking };
         let at = Way::new(from, at, DQuat::IDENTITY);
         let far = Way::new(from, far, at.rotation);
         let mut change = Change {
             translation: at.translation * part + (far.translation - at.translation) * went,
-            rotation: (four(at.rotation) - DVec4::W) * part + (four(far.rotation) - four(at.rotation)) * went,
+            rotation: (four(at.rotation) - DVec4::W) * part
+                + (four(far.rotation) - four(at.rotation)) * went,
             scale: (at.scale - DVec3::ONE) * part + (far.scale - at.scale) * went,
             gain: 2.0 * part.abs() + 3.0 * (went.abs() + goes.abs()),
             scale_gain: at.scale_gain.max(far.scale_gain),
-            clear: at.rotation.w > HEMISPHERE_MARGIN && at.rotation.dot(far.rotation) > HEMISPHERE_MARGIN,
+            clear: at.rotation.w > HEMISPHERE_MARGIN
+                && at.rotation.dot(far.rotation) > HEMISPHERE_MARGIN,
         };
         if additive {
             let at = Way::new(taking_first, taking, DQuat::IDENTITY);
             let far = Way::new(taking_first, taking_far, at.rotation);
             let own = still * share;
             change.translation -= at.translation * own + (far.translation - at.translation) * goes;
-            change.rotation -=
-                (four(at.rotation) - DVec4::W) * own + (four(far.rotation) - four(at.rotation)) * goes;
+            change.rotation -= (four(at.rotation) - DVec4::W) * own
+                + (four(far.rotation) - four(at.rotation)) * goes;
             change.scale -= (at.scale - DVec3::ONE) * own + (far.scale - at.scale) * goes;
             change.gain += 2.0 * own;
             change.scale_gain = change.scale_gain.max(at.scale_gain).max(far.scale_gain);
@@ -166,8 +172,13 @@ fn settle_together((mean, gain): Posed, changes: impl Iterator<Item = Change>) -
     };
     let gain = Gain {
         translation: gain.translation + grows,
-        rotation: if clear { gain.rotation + (1.0 + grows) / rotation.length() } else { f64::INFINITY },
-        scale: gain.scale * scale.abs().max_element() + mean.scale.abs().max_element() * scale_grows,
+        rotation: if clear {
+            gain.rotation + (1.0 + grows) / rotation.length()
+        } else {
+            f64::INFINITY
+        },
+        scale: gain.scale * scale.abs().max_element()
+            + mean.scale.abs().max_element() * scale_grows,
     };
     (local, gain)
 }

@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DQuat;
 use populace_core::{
-    Clip, ClipSource, Interpolation, JointSource, LayerMode, PaletteEntry, Property, Skeleton, Track, Trs,
+    Clip, ClipSource, Interpolation, JointSource, LayerMode, PaletteEntry, Property, Skeleton,
+    Track, Trs,
 };
 
 use super::*;
@@ -19,7 +20,13 @@ fn four(q: DQuat) -> [f32; 4] {
 }
 
 fn track(property: Property, interpolation: Interpolation, times: &[f32], values: &[f32]) -> Track {
-    Track { joint: "a".into(), property, interpolation, times: times.to_vec(), values: values.to_vec() }
+    Track {
+        joint: "a".into(),
+        property,
+        interpolation,
+        times: times.to_vec(),
+        values: values.to_vec(),
+    }
 }
 
 fn joint(name: &str, parent: Option<usize>, rest: Trs) -> JointSource {
@@ -68,8 +75,12 @@ fn slerp_turns_at_constant_speed_along_the_shorter_arc() {
 
 #[test]
 fn linear_translations_run_straight_and_hold_at_both_ends() {
-    let track =
-        track(Property::Translation, Interpolation::Linear, &[1.0, 3.0], &[0.0, 2.0, 4.0, 4.0, 2.0, 0.0]);
+    let track = track(
+        Property::Translation,
+        Interpolation::Linear,
+        &[1.0, 3.0],
+        &[0.0, 2.0, 4.0, 4.0, 2.0, 0.0],
+    );
     assert_eq!(track_value(&track, 1.5).to_array(), [1.0, 2.0, 3.0, 0.0]);
     assert_eq!(track_value(&track, -9.0).to_array(), [0.0, 2.0, 4.0, 0.0]);
     assert_eq!(track_value(&track, 9.0).to_array(), [4.0, 2.0, 0.0, 0.0]);
@@ -109,7 +120,8 @@ fn a_spline_of_rotations_is_normalised() {
 #[test]
 fn a_rotated_child_under_nonuniform_scale_shears() {
     let parent = Trs { scale: [2.0, 1.0, 1.0], ..Trs::IDENTITY };
-    let child = Trs { translation: [1.0, 0.0, 0.0], rotation: four(about_z(45.0)), ..Trs::IDENTITY };
+    let child =
+        Trs { translation: [1.0, 0.0, 0.0], rotation: four(about_z(45.0)), ..Trs::IDENTITY };
     // The child stands before its parent in the source.
     let mut bind = [0.0; 12];
     (bind[0], bind[5], bind[10], bind[7]) = (1.0, 1.0, 1.0, 1.0);
@@ -146,8 +158,11 @@ fn slots_of_a_layer_are_divided_by_their_total() {
 fn an_override_layer_mixes_by_total_weight_and_mask() {
     let body = one_joint(Trs { translation: [8.0, 0.0, 0.0], ..Trs::IDENTITY });
     let (below, above) = (still(0.0, DQuat::IDENTITY), still(4.0, about_z(90.0)));
-    let layer =
-        |weight: f64, mask: f64| OracleLayer { weight, mask: Some(vec![mask]), ..OracleLayer::default() };
+    let layer = |weight: f64, mask: f64| OracleLayer {
+        weight,
+        mask: Some(vec![mask]),
+        ..OracleLayer::default()
+    };
     // Layer 0 says 0, which is not looked at.
     let x = |weight: f64, layer_weight: f64, mask: f64| {
         let slots = [slot(&below, 1.0, 0), slot(&above, weight, 1)];
@@ -159,7 +174,8 @@ fn an_override_layer_mixes_by_total_weight_and_mask() {
     close(x(0.0, 1.0, 1.0).translation.x, 0.0);
     same_turn_within(x(0.5, 1.0, 1.0).rotation, about_z(45.0));
     // Nothing plays beneath: the layer lies over the rest pose.
-    let over_rest = evaluate(&body, &[slot(&above, 0.5, 1)], &[layer(1.0, 1.0), layer(1.0, 1.0)]).locals[0];
+    let over_rest =
+        evaluate(&body, &[slot(&above, 0.5, 1)], &[layer(1.0, 1.0), layer(1.0, 1.0)]).locals[0];
     close(over_rest.translation.x, 6.0);
 }
 
@@ -177,8 +193,14 @@ fn an_additive_layer_adds_the_difference_from_the_first_pose() {
     };
     let body = one_joint(rest);
     let nod = clip(vec![
-        // The clip begins at 1 s; the translation's own keys come later, so its first value is the reference.
-        track(Property::Translation, Interpolation::Linear, &[2.0, 3.0], &[1.0, 0.0, 0.0, 1.5, 0.0, 0.0]),
+        // The clip begins at 1 s; the translation's own keys come later, so its first value is the
+        // reference.
+        track(
+            Property::Translation,
+            Interpolation::Linear,
+            &[2.0, 3.0],
+            &[1.0, 0.0, 0.0, 1.5, 0.0, 0.0],
+        ),
         track(
             Property::Rotation,
             Interpolation::Linear,
@@ -205,13 +227,20 @@ fn additive_slots_add_up_whatever_their_order() {
     let moves = |x: f32, turn: DQuat| {
         let rotation = [four(DQuat::IDENTITY), four(turn)].concat();
         clip(vec![
-            track(Property::Translation, Interpolation::Linear, &[0.0, 1.0], &[0.0, 0.0, 0.0, x, 0.0, 0.0]),
+            track(
+                Property::Translation,
+                Interpolation::Linear,
+                &[0.0, 1.0],
+                &[0.0, 0.0, 0.0, x, 0.0, 0.0],
+            ),
             track(Property::Rotation, Interpolation::Linear, &[0.0, 1.0], &rotation),
         ])
     };
     let (one, other) = (moves(1.0, about_z(40.0)), moves(2.0, DQuat::from_rotation_x(0.7)));
-    let layers =
-        [OracleLayer::default(), OracleLayer { mode: LayerMode::Additive, ..OracleLayer::default() }];
+    let layers = [
+        OracleLayer::default(),
+        OracleLayer { mode: LayerMode::Additive, ..OracleLayer::default() },
+    ];
     let at = |clip, weight| OracleSlot { time_secs: 1.0, ..slot(clip, weight, 1) };
     let a = evaluate(&body, &[at(&one, 0.8), at(&other, 0.9)], &layers).locals[0];
     let b = evaluate(&body, &[at(&other, 0.9), at(&one, 0.8)], &layers).locals[0];
@@ -223,8 +252,11 @@ fn additive_slots_add_up_whatever_their_order() {
 #[test]
 fn a_body_read_back_from_its_skeleton_is_in_the_order_of_the_source() {
     let rest = |x: f32| Trs { translation: [x, 0.0, 0.0], ..Trs::IDENTITY };
-    let joints =
-        [joint("hand", Some(2), rest(1.0)), joint("prop", None, rest(2.0)), joint("hips", None, rest(3.0))];
+    let joints = [
+        joint("hand", Some(2), rest(1.0)),
+        joint("prop", None, rest(2.0)),
+        joint("hips", None, rest(3.0)),
+    ];
     let skeleton = Skeleton::new(&joints).expect("sound");
     let palette = [PaletteEntry {
         joint: skeleton.joint_from_source(0),
@@ -240,8 +272,12 @@ fn a_body_read_back_from_its_skeleton_is_in_the_order_of_the_source() {
 
 #[test]
 fn time_wraps_holds_and_runs_backwards() {
-    let rises =
-        track(Property::Translation, Interpolation::Linear, &[1.0, 3.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let rises = track(
+        Property::Translation,
+        Interpolation::Linear,
+        &[1.0, 3.0],
+        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+    );
     let skeleton = Skeleton::new(&[joint("a", None, Trs::IDENTITY)]).expect("sound");
     let clip = Clip::new(clip(vec![rises]), &skeleton).expect("sound");
     let tick = |secs: f64| populace_core::ticks_from_secs(secs);

@@ -4,7 +4,8 @@ use glam::{DAffine3, DMat3};
 
 use super::{Local, OracleBody};
 
-/// `model_from_joint` of every joint: the parent's times the local `T * R * S`, as matrices, so that shear survives.
+/// `model_from_joint` of every joint: the parent's times the local `T * R * S`, as matrices, so
+/// that shear survives.
 ///
 /// # Panics
 ///

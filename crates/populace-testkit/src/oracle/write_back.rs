@@ -19,7 +19,8 @@ pub fn palettes(body: &OracleBody, model_from_joint: &[DAffine3]) -> Vec<[f64; 1
 
 /// The 4x4 matrix of a 3x4 one that is row-major.
 fn square(rows: &[f64; 12]) -> DMat4 {
-    let [a, b, c] = [0, 4, 8].map(|first| [rows[first], rows[first + 1], rows[first + 2], rows[first + 3]]);
+    let [a, b, c] =
+        [0, 4, 8].map(|first| [rows[first], rows[first + 1], rows[first + 2], rows[first + 3]]);
     DMat4::from_cols_array_2d(&[a, b, c, [0.0, 0.0, 0.0, 1.0]]).transpose()
 }
 

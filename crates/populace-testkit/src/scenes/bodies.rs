@@ -7,8 +7,14 @@ use crate::oracle::OracleBody;
 use crate::{Rng, single};
 
 pub(super) fn all() -> Vec<SceneBody> {
-    let plans =
-        [(2, 1, false), (24, 1, false), (54, 2, false), (54, 1, true), (300, 1, false), (17, 1, false)];
+    let plans = [
+        (2, 1, false),
+        (24, 1, false),
+        (54, 2, false),
+        (54, 1, true),
+        (300, 1, false),
+        (17, 1, false),
+    ];
     let mut seed = 0;
     plans
         .map(|(count, roots, scaled)| {
@@ -36,20 +42,25 @@ pub(super) fn body(rng: &mut Rng, joints: Vec<JointSource>, drawn: bool) -> Scen
         let wide = std::array::from_fn(|element| f64::from(flat[element]));
         (skeleton.source_from_joint(e.joint), wide)
     };
-    let oracle = OracleBody { joints: joints.clone(), palette: palette.iter().map(entry).collect() };
+    let oracle =
+        OracleBody { joints: joints.clone(), palette: palette.iter().map(entry).collect() };
     SceneBody { joints, skeleton, palette, oracle, roles: Vec::new() }
 }
 
-/// A random tree in shuffled order. Joints of one number have one name and nearly one rest rotation on all bodies, so
-/// that a clip made for one suits the others.
+/// A random tree in shuffled order. Joints of one number have one name and nearly one rest rotation
+/// on all bodies, so that a clip made for one suits the others.
 fn joints(rng: &mut Rng, count: usize, roots: usize, scaled: bool) -> Vec<JointSource> {
     let mut place: Vec<usize> = (0..count).collect();
     rng.shuffle(&mut place);
     let mut joints: Vec<Option<JointSource>> = vec![None; count];
     for number in 0..count {
-        let parent = (number >= roots).then(|| place[number - 1 - rng.below(number.min((count / 7).max(3)))]);
-        joints[place[number]] =
-            Some(JointSource { name: format!("joint {number}"), parent, rest: rest(rng, number, scaled) });
+        let parent = (number >= roots)
+            .then(|| place[number - 1 - rng.below(number.min((count / 7).max(3)))]);
+        joints[place[number]] = Some(JointSource {
+            name: format!("joint {number}"),
+            parent,
+            rest: rest(rng, number, scaled),
+        });
     }
     joints.into_iter().flatten().collect()
 }
@@ -60,5 +71,9 @@ fn rest(rng: &mut Rng, number: usize, scaled: bool) -> Trs {
     let rotation = common * rng.turn(angle);
     let translation = rng.direction() * length;
     let scale = if scaled { rng.vector(0.85, 1.2).to_array().map(single) } else { [1.0; 3] };
-    Trs { translation: translation.to_array().map(single), rotation: rotation.to_array().map(single), scale }
+    Trs {
+        translation: translation.to_array().map(single),
+        rotation: rotation.to_array().map(single),
+        scale,
+    }
 }

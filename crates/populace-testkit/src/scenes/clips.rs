@@ -29,8 +29,10 @@ const CLIPS: [(&str, usize); 15] = [
 pub(super) fn all(bodies: &[SceneBody]) -> Vec<SceneClip> {
     let mut rng = Rng::new(77);
     let mut clip = |(index, (name, body)): (usize, (&str, usize))| {
-        let source =
-            ClipSource { name: name.to_owned(), tracks: tracks(index, &mut rng, &bodies[body].joints) };
+        let source = ClipSource {
+            name: name.to_owned(),
+            tracks: tracks(index, &mut rng, &bodies[body].joints),
+        };
         let clip = SceneClip::new(source, &bodies[body], body);
         if index == clip::LEAVES { clip.with_halves() } else { clip }
     };
@@ -61,7 +63,8 @@ fn tracks(index: usize, rng: &mut Rng, joints: &[JointSource]) -> Vec<Track> {
     }
 }
 
-/// Swings and waves with LINEAR keys; some tracks have every second key only. `share` of the joints moves.
+/// Swings and waves with LINEAR keys; some tracks have every second key only. `share` of the joints
+/// moves.
 fn gentle(rng: &mut Rng, joints: &[JointSource], share: f64, times: &[f32]) -> Vec<Track> {
     let seconds: Vec<f32> = times.iter().copied().step_by(2).collect();
     let mut tracks = Vec::new();

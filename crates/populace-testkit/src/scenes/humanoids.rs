@@ -63,14 +63,23 @@ const BUILDS: [Build; 4] = [
         root: false,
         ..PLAIN
     },
-    Build { height_m: 3.0, thigh: 0.45, arms_rad: 0.3, back: 2, loose_feet: true, extra: true, ..PLAIN },
+    Build {
+        height_m: 3.0,
+        thigh: 0.45,
+        arms_rad: 0.3,
+        back: 2,
+        loose_feet: true,
+        extra: true,
+        ..PLAIN
+    },
     Build { height_m: 1.6, arms_rad: 0.5, back: 2, extra: true, scale: 0.01, ..PLAIN },
 ];
 
 impl Scene {
-    /// Four humanoid bodies, each with a clip that moves all its joints, to be retargeted to the others: backs of one to
-    /// three joints, with and without neck, collarbones and root, feet that hang on the root, joints between those of
-    /// limbs, arms at various angles, joints turned any way at rest, in any order.
+    /// Four humanoid bodies, each with a clip that moves all its joints, to be retargeted to the
+    /// others: backs of one to three joints, with and without neck, collarbones and root, feet that
+    /// hang on the root, joints between those of limbs, arms at various angles, joints turned any
+    /// way at rest, in any order.
     ///
     /// # Panics
     ///
@@ -91,10 +100,20 @@ impl Scene {
             for joint in &body.joints {
                 tracks.push(swing(&mut rng, joint, Interpolation::Linear, &times));
                 if rng.chance(0.5) || joint.name.ends_with("hips") || joint.name.ends_with("root") {
-                    tracks.push(wave(&mut rng, joint, Property::Translation, Interpolation::Linear, &times));
+                    tracks.push(wave(
+                        &mut rng,
+                        joint,
+                        Property::Translation,
+                        Interpolation::Linear,
+                        &times,
+                    ));
                 }
             }
-            clips.push(SceneClip::new(ClipSource { name: format!("of {index}"), tracks }, &body, index));
+            clips.push(SceneClip::new(
+                ClipSource { name: format!("of {index}"), tracks },
+                &body,
+                index,
+            ));
             all.push(body);
         }
         let mut retargets = HashMap::new();
@@ -103,7 +122,8 @@ impl Scene {
                 let (from, source) = (&all[made.body], made.clip.source());
                 let of = |body: &super::SceneBody| (body.oracle.clone(), body.roles.clone());
                 let ((a, a_roles), (b, b_roles)) = (of(from), of(onto));
-                let retarget = OracleRetarget::new(source, &made.exact_times, (&a, &a_roles), (&b, &b_roles));
+                let retarget =
+                    OracleRetarget::new(source, &made.exact_times, (&a, &a_roles), (&b, &b_roles));
                 retargets.insert((clip, body), retarget);
             }
         }
@@ -112,8 +132,8 @@ impl Scene {
 }
 
 impl Scene {
-    /// The same with soles beneath feet and toes, so that feet of retargeted clips roll where they would sink; the oracle
-    /// does not.
+    /// The same with soles beneath feet and toes, so that feet of retargeted clips roll where they
+    /// would sink; the oracle does not.
     #[must_use]
     pub fn on_soles(mut self) -> Self {
         for body in &mut self.bodies {
@@ -154,14 +174,17 @@ impl super::SceneBody {
 fn joints(rng: &mut Rng, build: &Build, index: usize) -> (Vec<JointSource>, Vec<(Role, usize)>) {
     let planned = plan(build, index);
     let turns: Vec<DQuat> = planned.iter().map(|_| rng.rotation()).collect();
-    let find = |name: &String| planned.iter().position(|(own, ..)| own == name).expect("parents are planned");
+    let find = |name: &String| {
+        planned.iter().position(|(own, ..)| own == name).expect("parents are planned")
+    };
     let mut place: Vec<usize> = (0..planned.len()).collect();
     rng.shuffle(&mut place);
     let mut joints: Vec<Option<JointSource>> = vec![None; planned.len()];
     let mut roles = Vec::new();
     for (n, (name, parent, at, role)) in planned.iter().enumerate() {
         let parent = parent.as_ref().map(find);
-        let (above, from) = parent.map_or((DQuat::IDENTITY, DVec3::ZERO), |p| (turns[p], planned[p].2));
+        let (above, from) =
+            parent.map_or((DQuat::IDENTITY, DVec3::ZERO), |p| (turns[p], planned[p].2));
         let is_top = parent.is_none();
         let length = if is_top { 1.0 } else { 1.0 / build.scale };
         let translation = above.inverse() * (*at - from) * length;
@@ -170,7 +193,8 @@ fn joints(rng: &mut Rng, build: &Build, index: usize) -> (Vec<JointSource>, Vec<
             rotation: (above.inverse() * turns[n]).to_array().map(single),
             scale: if is_top { [single(build.scale); 3] } else { [1.0; 3] },
         };
-        joints[place[n]] = Some(JointSource { name: name.clone(), parent: parent.map(|p| place[p]), rest });
+        joints[place[n]] =
+            Some(JointSource { name: name.clone(), parent: parent.map(|p| place[p]), rest });
         roles.extend(role.map(|role| (role, place[n])));
     }
     (joints.into_iter().flatten().collect(), roles)

@@ -1,4 +1,5 @@
-//! Synthetic scenes: skeletons, palette entries and clips that cover what files may hold, the same on every machine.
+//! Synthetic scenes: skeletons, palette entries and clips that cover what files may hold, the same
+//! on every machine.
 
 mod bodies;
 mod clips;
@@ -36,9 +37,11 @@ pub struct SceneClip {
     pub body: usize,
     /// How far samples may be off at [`SceneClip::exact_times`] and outside of all keys.
     pub at_keys: SampleBound,
-    /// Times at which rows are exact: all keys, ascending, each once; and for [`clip::LEAVES`] half way between them.
+    /// Times at which rows are exact: all keys, ascending, each once; and for [`clip::LEAVES`] half
+    /// way between them.
     pub exact_times: Vec<f32>,
-    /// How far samples may be off at any time; `None` where only the clip's bound in model space holds.
+    /// How far samples may be off at any time; `None` where only the clip's bound in model space
+    /// holds.
     pub between_keys: Option<SampleBound>,
 }
 
@@ -54,7 +57,8 @@ impl SceneClip {
         }
     }
 
-    /// Half way between two keys the chord meets the arc, so rows are exact there too, however often a gap is halved.
+    /// Half way between two keys the chord meets the arc, so rows are exact there too, however
+    /// often a gap is halved.
     fn with_halves(mut self) -> Self {
         let halves: Vec<f32> = self.exact_times.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
         self.exact_times.extend(halves);
@@ -129,13 +133,15 @@ pub mod clip {
     pub const SCALED: usize = 2;
     /// STEP keys only, on [`body::TWO_ROOTS`](super::body::TWO_ROOTS).
     pub const STEPS: usize = 3;
-    /// LINEAR and STEP tracks from 0.5 s, with key times of their own, on [`body::SMALL`](super::body::SMALL).
+    /// LINEAR and STEP tracks from 0.5 s, with key times of their own, on
+    /// [`body::SMALL`](super::body::SMALL).
     pub const LINEAR_AND_STEPS: usize = 4;
     /// One key for each track: no length, on [`body::SMALL`](super::body::SMALL).
     pub const STILL: usize = 5;
     /// Drives a few joints and some that no skeleton has, on [`body::SMALL`](super::body::SMALL).
     pub const STRANGERS: usize = 6;
-    /// Up to 170 degrees between keys whose signs flip, evenly spaced, on [`body::SMALL`](super::body::SMALL).
+    /// Up to 170 degrees between keys whose signs flip, evenly spaced, on
+    /// [`body::SMALL`](super::body::SMALL).
     pub const WIDE: usize = 7;
     /// The same unevenly spaced, with scales, on [`body::SCALED`](super::body::SCALED).
     pub const WIDE_UNEVEN: usize = 8;
@@ -149,8 +155,9 @@ pub mod clip {
     pub const PAIR: usize = 12;
     /// Evenly spaced LINEAR keys, on [`body::BARE`](super::body::BARE).
     pub const BARE: usize = 14;
-    /// Joints without children turn 40 to 48 degrees between LINEAR keys, on [`body::SMALL`](super::body::SMALL): rows
-    /// so far apart that the length of a rotation between them matters.
+    /// Joints without children turn 40 to 48 degrees between LINEAR keys, on
+    /// [`body::SMALL`](super::body::SMALL): rows so far apart that the length of a rotation between
+    /// them matters.
     pub const LEAVES: usize = 13;
 }
 
@@ -170,7 +177,10 @@ mod tests {
         assert!(scene.bodies[body::BARE].palette.is_empty());
         let small = &scene.bodies[body::SMALL];
         let first_child = |(at, joint): (usize, &JointSource)| joint.parent.is_some_and(|p| p > at);
-        assert!(small.joints.iter().enumerate().any(first_child), "a child stands before its parent");
+        assert!(
+            small.joints.iter().enumerate().any(first_child),
+            "a child stands before its parent"
+        );
         let entries = |joint| small.palette.iter().filter(|e| e.joint == joint).count();
         let counts: Vec<_> = small.skeleton.joints().map(entries).collect();
         assert!(counts.contains(&0) && counts.iter().any(|&c| c > 1), "{counts:?}");

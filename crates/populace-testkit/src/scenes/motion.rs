@@ -8,7 +8,13 @@ use populace_core::{Interpolation, JointSource, Property, Track};
 use crate::{Rng, single};
 
 fn track(joint: &str, property: Property, interpolation: Interpolation, times: &[f32]) -> Track {
-    Track { joint: joint.to_owned(), property, interpolation, times: times.to_vec(), values: Vec::new() }
+    Track {
+        joint: joint.to_owned(),
+        property,
+        interpolation,
+        times: times.to_vec(),
+        values: Vec::new(),
+    }
 }
 
 fn rest_rotation(joint: &JointSource) -> DQuat {
@@ -25,7 +31,13 @@ pub(super) fn even_times(start_secs: f64, count: usize, rate: f64) -> Vec<f32> {
 }
 
 /// `count` times with gaps of `low` to `high` seconds.
-pub(super) fn uneven_times(rng: &mut Rng, start_secs: f64, count: usize, low: f64, high: f64) -> Vec<f32> {
+pub(super) fn uneven_times(
+    rng: &mut Rng,
+    start_secs: f64,
+    count: usize,
+    low: f64,
+    high: f64,
+) -> Vec<f32> {
     let mut time = start_secs;
     (0..count)
         .map(|_| {
@@ -37,7 +49,12 @@ pub(super) fn uneven_times(rng: &mut Rng, start_secs: f64, count: usize, low: f6
 }
 
 /// A slow swing around rest, at most 35 degrees to each side and 1.6 rad/s.
-pub(super) fn swing(rng: &mut Rng, joint: &JointSource, kind: Interpolation, times: &[f32]) -> Track {
+pub(super) fn swing(
+    rng: &mut Rng,
+    joint: &JointSource,
+    kind: Interpolation,
+    times: &[f32],
+) -> Track {
     let (axis, amplitude) = (rng.direction(), rng.between(0.1, 0.6));
     let (pace, phase) = (rng.between(0.1, 0.4), rng.between(0.0, 1.0));
     let mut track = track(&joint.name, Property::Rotation, kind, times);
@@ -99,7 +116,12 @@ pub(super) fn zigzag(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> Track
 }
 
 /// Jumps of a translation or scale.
-pub(super) fn jumps(rng: &mut Rng, joint: &JointSource, property: Property, times: &[f32]) -> Track {
+pub(super) fn jumps(
+    rng: &mut Rng,
+    joint: &JointSource,
+    property: Property,
+    times: &[f32],
+) -> Track {
     let mut track = track(&joint.name, property, Interpolation::Linear, times);
     for _ in times {
         let value = if property == Property::Scale {
@@ -113,7 +135,12 @@ pub(super) fn jumps(rng: &mut Rng, joint: &JointSource, property: Property, time
 }
 
 /// A spline with tangents of its own on both sides of each key.
-pub(super) fn spline(rng: &mut Rng, joint: &JointSource, property: Property, times: &[f32]) -> Track {
+pub(super) fn spline(
+    rng: &mut Rng,
+    joint: &JointSource,
+    property: Property,
+    times: &[f32],
+) -> Track {
     let mut track = track(&joint.name, property, Interpolation::CubicSpline, times);
     for _ in times {
         let (reach, value) = match property {
@@ -130,8 +157,9 @@ pub(super) fn spline(rng: &mut Rng, joint: &JointSource, property: Property, tim
                 (0.8, (rest_rotation(joint) * rng.turn(angle)).to_array().to_vec())
             }
         };
-        let tangent =
-            |rng: &mut Rng| -> Vec<f64> { value.iter().map(|_| rng.between(-reach, reach)).collect() };
+        let tangent = |rng: &mut Rng| -> Vec<f64> {
+            value.iter().map(|_| rng.between(-reach, reach)).collect()
+        };
         let (into, out) = (tangent(rng), tangent(rng));
         track.values.extend([into, value, out].concat().into_iter().map(single));
     }

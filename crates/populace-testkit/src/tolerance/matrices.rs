@@ -27,9 +27,9 @@ impl AffineBound {
         self.linear * reach_m + self.translation
     }
 
-    /// Of the product of `a`, known within `bound_a`, and `b`, known within `bound_b`. Each element of the product
-    /// rounds three times and its sum over three terms twice, 5 `u` of the product of the norms; the translation's
-    /// last sum once more.
+    /// Of the product of `a`, known within `bound_a`, and `b`, known within `bound_b`. Each element
+    /// of the product rounds three times and its sum over three terms twice, 5 `u` of the product
+    /// of the norms; the translation's last sum once more.
     fn product(a: &DAffine3, bound_a: Self, b: &Norms, bound_b: Self) -> Self {
         let a_norm = norm(&a.matrix3);
         let rounding = 6.0 * UNIT;
@@ -56,8 +56,9 @@ fn frobenius(m: &DMat3) -> f64 {
     m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// The 2-norm, how far a matrix stretches at most, or up to 2 % more: the largest eigenvalue of `b = transpose * m` is
-/// at most the 16th root of the Frobenius norm of `b^16`, and that is at most its 3^(1/32) fold.
+/// The 2-norm, how far a matrix stretches at most, or up to 2 % more: the largest eigenvalue of
+/// `b = transpose * m` is at most the 16th root of the Frobenius norm of `b^16`, and that is at
+/// most its 3^(1/32) fold.
 fn norm(m: &DMat3) -> f64 {
     let mut power = m.transpose() * *m;
     for _ in 0..4 {
@@ -68,9 +69,9 @@ fn norm(m: &DMat3) -> f64 {
 
 /// The bound of each joint's `model_from_joint`, from those of the locals.
 ///
-/// A quaternion off by `e` turns by at most `2 e`, and one whose length is off by `e` scales its matrix by at most `2 e`
-/// more: `4 e` times the largest factor. The matrix from a quaternion rounds at most 6 times an element, 18 `u` over the
-/// matrix. Then products down the hierarchy.
+/// A quaternion off by `e` turns by at most `2 e`, and one whose length is off by `e` scales its
+/// matrix by at most `2 e` more: `4 e` times the largest factor. The matrix from a quaternion
+/// rounds at most 6 times an element, 18 `u` over the matrix. Then products down the hierarchy.
 #[must_use]
 pub fn model_bounds(
     body: &OracleBody,
@@ -106,7 +107,11 @@ fn model_bound(
 
 /// The bound of each palette entry, from those of the joints' matrices. `joint_from_bind` is exact.
 #[must_use]
-pub fn palette_bounds(body: &OracleBody, models: &[DAffine3], bounds: &[AffineBound]) -> Vec<AffineBound> {
+pub fn palette_bounds(
+    body: &OracleBody,
+    models: &[DAffine3],
+    bounds: &[AffineBound],
+) -> Vec<AffineBound> {
     let bound = |(joint, bind): &(usize, [f64; 12])| {
         let row = |r: usize| &bind[4 * r..4 * r + 4];
         let sum = |take: fn(&[f64]) -> f64| (0..3).map(|r| take(row(r))).sum::<f64>().sqrt();
@@ -129,7 +134,8 @@ mod tests {
     use crate::scenes::Scene;
 
     fn wrong(rng: &mut Rng, local: &Local, bound: &LocalBound) -> Local {
-        let turn = DVec4::from((rng.direction(), rng.between(-1.0, 1.0))).normalize() * bound.rotation;
+        let turn =
+            DVec4::from((rng.direction(), rng.between(-1.0, 1.0))).normalize() * bound.rotation;
         Local {
             translation: local.translation + rng.vector(-1.0, 1.0) * bound.translation,
             rotation: local.rotation + DQuat::from_vec4(turn),

@@ -36,16 +36,18 @@ fn in_circle([a, b, c]: [Point; 3], d: Point) -> f64 {
 }
 
 impl Plane {
-    /// Joins points, which differ, to triangles: one point after the other is joined to the edges that it sees, then
-    /// edges are turned until Delaunay's condition holds.
+    /// Joins points, which differ, to triangles: one point after the other is joined to the edges
+    /// that it sees, then edges are turned until Delaunay's condition holds.
     pub(super) fn new(points: &[[f32; 2]]) -> Self {
         let spread = |axis: usize| {
             let values = points.iter().map(|p| f64::from(p[axis]));
             values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
         };
         let scale = [0, 1].map(|axis| if spread(axis) > 0.0 { 1.0 / spread(axis) } else { 1.0 });
-        let points: Vec<Point> =
-            points.iter().map(|p| [f64::from(p[0]) * scale[0], f64::from(p[1]) * scale[1]]).collect();
+        let points: Vec<Point> = points
+            .iter()
+            .map(|p| [f64::from(p[0]) * scale[0], f64::from(p[1]) * scale[1]])
+            .collect();
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_by(|&a, &b| {
             points[a][0].total_cmp(&points[b][0]).then(points[a][1].total_cmp(&points[b][1]))
@@ -99,15 +101,17 @@ impl Plane {
         };
         let Some(first) = (0..count).find(|&i| sees(i) && !sees(i + count - 1)) else { return };
         let seen = (first..first + count).take_while(|&i| sees(i)).count();
-        let triangles: Vec<_> = (first..first + seen).map(|i| [edge(i)[1], edge(i)[0], next]).collect();
+        let triangles: Vec<_> =
+            (first..first + seen).map(|i| [edge(i)[1], edge(i)[0], next]).collect();
         self.triangles.extend(triangles);
         let kept: Vec<_> = (first + seen..=first + count).map(|i| border[i % count]).collect();
         *border = kept;
         border.push(next);
     }
 
-    /// Turns each edge within whose two triangles' circles lies the other's corner. Each turn brings the whole nearer to
-    /// Delaunay's, so this ends; the bound is for what rounding might do.
+    /// Turns each edge within whose two triangles' circles lies the other's corner. Each turn
+    /// brings the whole nearer to Delaunay's, so this ends; the bound is for what rounding might
+    /// do.
     fn turn_edges(&mut self) {
         for _ in 0..self.points.len().pow(2) {
             let Some((one, other, [a, b, c, d])) = self.edge_to_turn() else { return };
@@ -122,9 +126,13 @@ impl Plane {
         for (one, triangle) in self.triangles.iter().enumerate() {
             for turn in 0..3 {
                 let [c, a, b] = [0, 1, 2].map(|i| triangle[(i + turn) % 3]);
-                let faces = |other: &[usize; 3]| (0..3).find(|&i| other[i] == a && other[(i + 1) % 3] == c);
-                let neighbour =
-                    self.triangles.iter().enumerate().find_map(|(i, t)| Some((i, t[(faces(t)? + 2) % 3])));
+                let faces =
+                    |other: &[usize; 3]| (0..3).find(|&i| other[i] == a && other[(i + 1) % 3] == c);
+                let neighbour = self
+                    .triangles
+                    .iter()
+                    .enumerate()
+                    .find_map(|(i, t)| Some((i, t[(faces(t)? + 2) % 3])));
                 let Some((other, d)) = neighbour else { continue };
                 let convex = area(self.points[a], self.points[b], self.points[d]) > FLAT
                     && area(self.points[b], self.points[c], self.points[d]) > FLAT;
@@ -149,8 +157,11 @@ impl Plane {
             let (a, b) = (self.points[from], self.points[to]);
             let (along, offset) = ([b[0] - a[0], b[1] - a[1]], [at[0] - a[0], at[1] - a[1]]);
             let length = along[0] * along[0] + along[1] * along[1];
-            let share =
-                if length > 0.0 { (along[0] * offset[0] + along[1] * offset[1]) / length } else { 0.0 };
+            let share = if length > 0.0 {
+                (along[0] * offset[0] + along[1] * offset[1]) / length
+            } else {
+                0.0
+            };
             let share = share.clamp(0.0, 1.0);
             let off = [offset[0] - along[0] * share, offset[1] - along[1] * share];
             let distance = off[0] * off[0] + off[1] * off[1];

@@ -27,19 +27,27 @@ fn refused<T>(reason: impl Into<String>) -> Result<T, Error> {
 }
 
 impl Crowd {
-    /// Attaches a member to a joint of another, in place of what it was attached to: its model space then lies at that
-    /// joint times `offset`, scale included, where the same frame draws the joint, after all that moves it. The host reads
-    /// nothing for that. Members can be attached to attached ones, four levels deep.
+    /// Attaches a member to a joint of another, in place of what it was attached to: its model
+    /// space then lies at that joint times `offset`, scale included, where the same frame draws the
+    /// joint, after all that moves it. The host reads nothing for that. Members can be attached to
+    /// attached ones, four levels deep.
     ///
-    /// The prop's placement is its bearer's from now on, and follows it. Its joints in model space, and what it is told in
-    /// model space (targets, overrides, stages), count from that placement, not from the joint.
+    /// The prop's placement is its bearer's from now on, and follows it. Its joints in model space,
+    /// and what it is told in model space (targets, overrides, stages), count from that placement,
+    /// not from the joint.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a joint that is not there, an offset that is not finite or whose rotation is not of length 1,
-    /// or [`Error::BadAttachment`] for a member attached to itself or to its own props, past four levels, and to one
-    /// that is never drawn; all is then as it was.
-    pub fn attach(&mut self, prop: Member, to: Member, joint: JointIndex, offset: Trs) -> Result<(), Error> {
+    /// [`Error::StaleMember`], a joint that is not there, an offset that is not finite or whose
+    /// rotation is not of length 1, or [`Error::BadAttachment`] for a member attached to itself or
+    /// to its own props, past four levels, and to one that is never drawn; all is then as it was.
+    pub fn attach(
+        &mut self,
+        prop: Member,
+        to: Member,
+        joint: JointIndex,
+        offset: Trs,
+    ) -> Result<(), Error> {
         self.check(prop)?;
         self.check_bearer(prop, to)?;
         let old = self.bearer(prop);
@@ -64,9 +72,9 @@ impl Crowd {
         self.bring_props(to)
     }
 
-    /// Lets a member that is attached fall off; it stays at the placement that it has of its bearer, wherever clips have moved
-    /// that one ([`place_where_moved`](Self::place_where_moved) makes placements follow). Nothing happens to one that is not
-    /// attached.
+    /// Lets a member that is attached fall off; it stays at the placement that it has of its
+    /// bearer, wherever clips have moved that one ([`place_where_moved`](Self::place_where_moved)
+    /// makes placements follow). Nothing happens to one that is not attached.
     ///
     /// # Errors
     ///
@@ -147,7 +155,8 @@ impl Crowd {
 
     /// Levels of props on a member.
     fn levels(&self, member: Member) -> u32 {
-        let props = self.attachments.get(&member.place).into_iter().flat_map(|attached| &attached.props);
+        let props =
+            self.attachments.get(&member.place).into_iter().flat_map(|attached| &attached.props);
         props.map(|prop| 1 + self.levels(*prop)).max().unwrap_or(0)
     }
 
@@ -214,7 +223,8 @@ impl Crowd {
             attached.props.retain(|other| *other != prop);
         }
         for place in [prop.place, bearer.member.place] {
-            let is_done = |attached: &Attached| attached.bearer.is_none() && attached.props.is_empty();
+            let is_done =
+                |attached: &Attached| attached.bearer.is_none() && attached.props.is_empty();
             if self.attachments.get(&place).is_some_and(is_done) {
                 self.attachments.remove(&place);
             }

@@ -36,10 +36,16 @@ impl Crowd {
 
     /// Binds a clip to a character's body, or finds how it was bound. `partial` lets names alone
     /// bind any share of it.
-    pub(super) fn bind(&mut self, character: CharacterId, clip: ClipId, partial: bool) -> Result<u32, Error> {
+    pub(super) fn bind(
+        &mut self,
+        character: CharacterId,
+        clip: ClipId,
+        partial: bool,
+    ) -> Result<u32, Error> {
         let (state, known) = self.to_bind(character, clip)?;
         let key = (state.body, clip.index);
-        let check = |report: &BindingReport| if partial { Ok(()) } else { report.check(known.name()) };
+        let check =
+            |report: &BindingReport| if partial { Ok(()) } else { report.check(known.name()) };
         if let Some(bound) = self.bound_clips.get(&key) {
             check(&bound.report)?;
             return Ok(bound.index);
@@ -52,7 +58,11 @@ impl Crowd {
         Ok(index)
     }
 
-    fn to_bind(&self, character: CharacterId, clip: ClipId) -> Result<(&CharacterState, &Arc<Clip>), Error> {
+    fn to_bind(
+        &self,
+        character: CharacterId,
+        clip: ClipId,
+    ) -> Result<(&CharacterState, &Arc<Clip>), Error> {
         self.check_crowd("clip", clip.crowd, clip.index.0)?;
         let known = self.clips.get(clip.index);
         let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;

@@ -39,15 +39,16 @@ impl Default for CrowdBuilder {
 }
 
 impl CrowdBuilder {
-    /// The device to evaluate on. Unless one is named, [`Device::best`], or the native one where that cannot be opened;
-    /// [`Crowd::fallback`] then tells why.
+    /// The device to evaluate on. Unless one is named, [`Device::best`], or the native one where
+    /// that cannot be opened; [`Crowd::fallback`] then tells why.
     #[must_use]
     pub fn device(self, device: Device) -> Self {
         self.devices(device)
     }
 
-    /// Several devices to evaluate on at the same time, such as `[Device::native(), Device::opencl(0)]`: each takes some
-    /// of the members. The first is linked to OpenGL. Each holds the whole crowd's tables and has room for all palettes.
+    /// Several devices to evaluate on at the same time, such as
+    /// `[Device::native(), Device::opencl(0)]`: each takes some of the members. The first is linked
+    /// to OpenGL. Each holds the whole crowd's tables and has room for all palettes.
     #[must_use]
     pub fn devices(mut self, devices: impl Into<Devices>) -> Self {
         self.devices = Some(devices.into());
@@ -61,24 +62,28 @@ impl CrowdBuilder {
         self
     }
 
-    /// How stages are mapped to work-items; [`Schedule::Fused`] unless named. All give the same poses.
+    /// How stages are mapped to work-items; [`Schedule::Fused`] unless named. All give the same
+    /// poses.
     #[must_use]
     pub fn schedule(mut self, schedule: Schedule) -> Self {
         self.schedule = schedule;
         self
     }
 
-    /// The context of OpenGL's to be drawn with. A device that shares buffers with OpenGL, as graphics processors do,
-    /// then writes palettes where OpenGL draws from; others are opened as ever.
+    /// The context of OpenGL's to be drawn with. A device that shares buffers with OpenGL, as
+    /// graphics processors do, then writes palettes where OpenGL draws from; others are opened as
+    /// ever.
     ///
-    /// Call [`build`](Self::build) on the thread on which that context is current: some drivers want that.
+    /// Call [`build`](Self::build) on the thread on which that context is current: some drivers
+    /// want that.
     #[must_use]
     pub fn for_gl(mut self, context: Arc<dyn GlContext>) -> Self {
         self.gl = Some(context);
         self
     }
 
-    /// The most members there may be at once; 1,000 unless set. The device makes room for all of them with the first.
+    /// The most members there may be at once; 1,000 unless set. The device makes room for all of
+    /// them with the first.
     #[must_use]
     pub fn capacity(mut self, members: usize) -> Self {
         self.capacity = members;
@@ -100,7 +105,8 @@ impl CrowdBuilder {
     /// A number of slots that is out of its range, a device that is not there or cannot be opened,
     /// [`Error::BadDevices`] or [`Error::BadSplit`].
     pub fn build(self) -> Result<Crowd, Error> {
-        // Ids carry their crowd's number, so that those of another crowd are refused rather than mistaken.
+        // Ids carry their crowd's number, so that those of another crowd are refused rather than
+        // mistaken.
         static CROWDS: AtomicU32 = AtomicU32::new(0);
         if !(1..=MAX_SLOTS).contains(&self.slots_per_member) {
             return Err(Error::BadValue {

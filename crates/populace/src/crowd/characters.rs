@@ -13,7 +13,10 @@ impl Crowd {
     /// # Errors
     ///
     /// More data than devices can address.
-    pub fn add_character(&mut self, character: impl Into<Arc<Character>>) -> Result<CharacterId, Error> {
+    pub fn add_character(
+        &mut self,
+        character: impl Into<Arc<Character>>,
+    ) -> Result<CharacterId, Error> {
         let character = character.into();
         let body = self.tables.add_body(&character.skeleton, &character.palette)?;
         let id = CharacterId { crowd: self.number, index: u32_from(self.characters.len()) };
@@ -60,11 +63,14 @@ impl Crowd {
     /// [`Error::UnknownClip`] with the nearest names.
     pub fn clip(&self, character: CharacterId, name: &str) -> Result<ClipId, Error> {
         let state = self.character_state(character)?;
-        let named = state.clips.iter().filter_map(|id| Some((self.clips.get(id.index)?.name(), *id)));
-        named.clone().find(|(n, _)| *n == name).map(|(_, id)| id).ok_or_else(|| Error::UnknownClip {
-            character: state.character.name.clone(),
-            name: name.to_owned(),
-            nearest: nearest_names(name, named.map(|(n, _)| n)),
+        let named =
+            state.clips.iter().filter_map(|id| Some((self.clips.get(id.index)?.name(), *id)));
+        named.clone().find(|(n, _)| *n == name).map(|(_, id)| id).ok_or_else(|| {
+            Error::UnknownClip {
+                character: state.character.name.clone(),
+                name: name.to_owned(),
+                nearest: nearest_names(name, named.map(|(n, _)| n)),
+            }
         })
     }
 
@@ -80,11 +86,18 @@ impl Crowd {
 
     pub(super) fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
         self.check_crowd("character", id.crowd, id.index)?;
-        self.characters.get(id.index()).ok_or(Error::UnknownId { what: "character", index: id.index })
+        self.characters
+            .get(id.index())
+            .ok_or(Error::UnknownId { what: "character", index: id.index })
     }
 
-    pub(super) fn character_state_mut(&mut self, id: CharacterId) -> Result<&mut CharacterState, Error> {
+    pub(super) fn character_state_mut(
+        &mut self,
+        id: CharacterId,
+    ) -> Result<&mut CharacterState, Error> {
         self.check_crowd("character", id.crowd, id.index)?;
-        self.characters.get_mut(id.index()).ok_or(Error::UnknownId { what: "character", index: id.index })
+        self.characters
+            .get_mut(id.index())
+            .ok_or(Error::UnknownId { what: "character", index: id.index })
     }
 }

@@ -5,8 +5,8 @@ use std::mem::{Discriminant, discriminant};
 
 use populace_core::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
 use populace_core::{
-    Chain, Constraint, Controls, Feet, Gaze, Ground, JointIndex, JointOverride, LARGEST_SCALE, Limb, Place,
-    Skeleton, Space,
+    Chain, Constraint, Controls, Feet, Gaze, Ground, JointIndex, JointOverride, LARGEST_SCALE,
+    Limb, Place, Skeleton, Space,
 };
 
 use super::people::limb_above;
@@ -17,7 +17,8 @@ use crate::{Error, Reach, Target, Weight};
 const TARGETS: usize = LAYERS_PER_MEMBER as usize;
 /// Part of a limb's length in which it straightens.
 const SOFT: f32 = 0.03;
-/// A rest pose bends a limb where its middle joint is off the straight line by more than this part of its length.
+/// A rest pose bends a limb where its middle joint is off the straight line by more than this part
+/// of its length.
 const BENT: f32 = 0.01;
 
 /// What is watched of members, by place and joint, with how many look at it.
@@ -38,17 +39,23 @@ pub(crate) struct MemberControls {
 type Goal = (Discriminant<Constraint>, Option<JointIndex>);
 
 impl Crowd {
-    /// Gives joints of a member transforms, in place of those given before to the same joints in the same space. What hangs
-    /// on them follows; all else goes on playing. They hold until they are released.
+    /// Gives joints of a member transforms, in place of those given before to the same joints in
+    /// the same space. What hangs on them follows; all else goes on playing. They hold until they
+    /// are released.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a joint that is not there, a transform that is not finite or whose rotation is not of length
-    /// 1, or a weight that is not from 0 to 1; all is then as it was.
-    pub fn override_joints(&mut self, member: Member, overrides: &[JointOverride]) -> Result<(), Error> {
+    /// [`Error::StaleMember`], a joint that is not there, a transform that is not finite or whose
+    /// rotation is not of length 1, or a weight that is not from 0 to 1; all is then as it was.
+    pub fn override_joints(
+        &mut self,
+        member: Member,
+        overrides: &[JointOverride],
+    ) -> Result<(), Error> {
         self.change_controls(member, |controls| {
             for given in overrides {
-                let same = |o: &&mut JointOverride| o.joint == given.joint && o.space == given.space;
+                let same =
+                    |o: &&mut JointOverride| o.joint == given.joint && o.space == given.space;
                 match controls.overrides.iter_mut().find(same) {
                     Some(old) => *old = *given,
                     None => controls.overrides.push(*given),
@@ -87,13 +94,14 @@ impl Crowd {
         })
     }
 
-    /// Lets a member look at something with a chain of joints, from now on and in place of what it looked at before with the
-    /// chain's last joint: the gaze eases over, or follows where calls move its target
-    /// ([`Weight`]).
+    /// Lets a member look at something with a chain of joints, from now on and in place of what it
+    /// looked at before with the chain's last joint: the gaze eases over, or follows where calls
+    /// move its target ([`Weight`]).
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a chain that is none, or a target or weight that is out of its range.
+    /// [`Error::StaleMember`], a chain that is none, or a target or weight that is out of its
+    /// range.
     pub fn look_with(
         &mut self,
         member: Member,
@@ -109,7 +117,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a limb that is none, or a target, pole or weight that is out of its range.
+    /// [`Error::StaleMember`], a limb that is none, or a target, pole or weight that is out of its
+    /// range.
     pub fn reach(
         &mut self,
         member: Member,
@@ -120,16 +129,19 @@ impl Crowd {
         let character = self.check(member)?;
         let state = self.character_state(character)?;
         let by_roles = limb_above(state.roles.as_ref(), reach.end);
-        let limb = limb_of(&state.character.skeleton, &Reach { limb: reach.limb.or(by_roles), ..reach })?;
+        let limb =
+            limb_of(&state.character.skeleton, &Reach { limb: reach.limb.or(by_roles), ..reach })?;
         self.aim(member, target.into(), weight, &Constraint::Limb(limb))
     }
 
-    /// Lets a chain of any length reach for something with its last joint, from now on and in place of what it reached for
-    /// before: it eases over, or follows where calls move its target ([`Weight`]).
+    /// Lets a chain of any length reach for something with its last joint, from now on and in place
+    /// of what it reached for before: it eases over, or follows where calls move its target
+    /// ([`Weight`]).
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a chain that is none, or a target or weight that is out of its range.
+    /// [`Error::StaleMember`], a chain that is none, or a target or weight that is out of its
+    /// range.
     pub fn reach_with_chain(
         &mut self,
         member: Member,
@@ -172,8 +184,8 @@ impl Crowd {
         Ok(self.tables.set_ground(ground)?)
     }
 
-    /// Sets the lengths of a member's joints as factors, one for each joint in level order: each is that of the joint's
-    /// distance from its parent. All 1 is the character's own build.
+    /// Sets the lengths of a member's joints as factors, one for each joint in level order: each is
+    /// that of the joint's distance from its parent. All 1 is the character's own build.
     ///
     /// # Errors
     ///
@@ -181,7 +193,8 @@ impl Crowd {
     pub fn set_proportions(&mut self, member: Member, factors: &[f32]) -> Result<(), Error> {
         let character = self.check(member)?;
         let joints = self.character_state(character)?.character.skeleton.joint_count();
-        let good = factors.len() == joints && factors.iter().all(|f| *f > 0.0 && *f <= LARGEST_SCALE);
+        let good =
+            factors.len() == joints && factors.iter().all(|f| *f > 0.0 && *f <= LARGEST_SCALE);
         if !good {
             let rule = "one for each joint, above zero and at most 10,000";
             return Err(Error::BadValue {
@@ -190,14 +203,15 @@ impl Crowd {
                 rule,
             });
         }
-        let first = match self.proportions.get(&factors.iter().map(|f| f.to_bits()).collect::<Vec<_>>()) {
-            Some(&first) => first,
-            None => {
-                let first = self.tables.add_joint_scales(factors)?;
-                self.proportions.insert(factors.iter().map(|f| f.to_bits()).collect(), first);
-                first
-            }
-        };
+        let first =
+            match self.proportions.get(&factors.iter().map(|f| f.to_bits()).collect::<Vec<_>>()) {
+                Some(&first) => first,
+                None => {
+                    let first = self.tables.add_joint_scales(factors)?;
+                    self.proportions.insert(factors.iter().map(|f| f.to_bits()).collect(), first);
+                    first
+                }
+            };
         self.change_controls(member, |controls| {
             controls.proportions = Some(first);
             Ok(())
@@ -246,7 +260,13 @@ impl Crowd {
     }
 
     /// Adds a target to a constraint: `new`, or what there is already of its kind.
-    fn aim(&mut self, member: Member, target: Target, weight: Weight, new: &Constraint) -> Result<(), Error> {
+    fn aim(
+        &mut self,
+        member: Member,
+        target: Target,
+        weight: Weight,
+        new: &Constraint,
+    ) -> Result<(), Error> {
         target.check()?;
         weight.check()?;
         self.check(member)?;
@@ -285,9 +305,15 @@ impl Crowd {
     }
 
     /// Lets a member's joint be written for others to see, and returns where.
-    fn watch_for(&mut self, watcher: Member, other: Member, joint: JointIndex) -> Result<u32, Error> {
+    fn watch_for(
+        &mut self,
+        watcher: Member,
+        other: Member,
+        joint: JointIndex,
+    ) -> Result<u32, Error> {
         let key = (other, joint);
-        let watching = self.controls.get(&watcher.place).is_some_and(|state| state.watching.contains(&key));
+        let watching =
+            self.controls.get(&watcher.place).is_some_and(|state| state.watching.contains(&key));
         if let Some((watched, _)) = self.watches.0.get(&key).filter(|_| watching) {
             return Ok(*watched);
         }
@@ -352,13 +378,16 @@ impl Crowd {
 
     /// Ends the watches of joints that were targets of a member's constraints and are no longer.
     fn unwatch_what_no_target_names(&mut self, member: Member) {
-        let Some(state) = self.controls.get_mut(&member.place).filter(|state| !state.watching.is_empty())
+        let Some(state) =
+            self.controls.get_mut(&member.place).filter(|state| !state.watching.is_empty())
         else {
             return;
         };
         let targets = state.controls.constraints.iter_mut().flat_map(targets_of);
-        let named: Vec<u32> =
-            targets.filter(|target| target.kind == TARGET_WATCHED).map(|target| target.watched).collect();
+        let named: Vec<u32> = targets
+            .filter(|target| target.kind == TARGET_WATCHED)
+            .map(|target| target.watched)
+            .collect();
         let watches = &self.watches.0;
         let is_over = |key: &mut (Member, JointIndex)| {
             watches.get(key).is_none_or(|(watched, _)| !named.contains(watched))
@@ -372,8 +401,11 @@ impl Crowd {
     pub(super) fn stand(&mut self, member: Member) -> Result<(), Error> {
         let placement = self.members[member.place as usize].placement;
         let [cos_row, _, _] = crate::Placement { scale: 1.0, ..placement }.world_from_model().rows;
-        let place =
-            Place { position: placement.position, sin_cos: [cos_row[2], cos_row[0]], scale: placement.scale };
+        let place = Place {
+            position: placement.position,
+            sin_cos: [cos_row[2], cos_row[0]],
+            scale: placement.scale,
+        };
         Ok(self.tables.set_place(member.place, &place)?)
     }
 
@@ -405,8 +437,8 @@ fn aim_at(
         *old = old.ramped_to(tick, 0.0, weight.secs);
     }
     if targets.len() == TARGETS {
-        let weakest =
-            (0..TARGETS).min_by(|a, b| targets[*a].ramp_at(tick).total_cmp(&targets[*b].ramp_at(tick)));
+        let weakest = (0..TARGETS)
+            .min_by(|a, b| targets[*a].ramp_at(tick).total_cmp(&targets[*b].ramp_at(tick)));
         targets.remove(weakest.unwrap_or(0));
     }
     let taking = layout::Target { point: target.point, ..before };
@@ -468,7 +500,8 @@ fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
         );
         Error::from(populace_core::Error::BadConstraint { what })
     };
-    let there = |joint: JointIndex| if joint.index() < skeleton.joint_count() { Some(joint) } else { None };
+    let there =
+        |joint: JointIndex| if joint.index() < skeleton.joint_count() { Some(joint) } else { None };
     let end = there(reach.end).ok_or_else(bad)?;
     let [first, middle] = match reach.limb {
         Some(limb) => limb,

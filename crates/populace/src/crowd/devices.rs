@@ -14,8 +14,8 @@ impl Crowd {
         &self.devices
     }
 
-    /// Why the crowd is on the native device although none was named: what OpenCL lacks on this machine, for people.
-    /// `None` where devices were named, or an OpenCL one is in use.
+    /// Why the crowd is on the native device although none was named: what OpenCL lacks on this
+    /// machine, for people. `None` where devices were named, or an OpenCL one is in use.
     #[must_use]
     pub fn fallback(&self) -> Option<&str> {
         self.fallback.as_deref()
@@ -27,7 +27,8 @@ impl Crowd {
         self.opened.backend().device_name()
     }
 
-    /// The share of the members that each device takes, of 1 in all; measured ones change from frame to frame.
+    /// The share of the members that each device takes, of 1 in all; measured ones change from
+    /// frame to frame.
     #[must_use]
     pub fn shares(&self) -> Vec<f64> {
         match &self.opened.engine {
@@ -55,15 +56,15 @@ impl Crowd {
         self.opened.backend().schedule()
     }
 
-    /// Moves the crowd to another device or to several, after one was lost or to compare them. Members, clips and clock
-    /// go on. Several share the members by their measured speed, until [`set_split`](Self::set_split) says otherwise.
-    /// A driver that has to build kernels first can take seconds; [`Device::prepare`](crate::Device::prepare) does that
-    /// ahead.
+    /// Moves the crowd to another device or to several, after one was lost or to compare them.
+    /// Members, clips and clock go on. Several share the members by their measured speed, until
+    /// [`set_split`](Self::set_split) says otherwise. A driver that has to build kernels first can
+    /// take seconds; [`Device::prepare`](crate::Device::prepare) does that ahead.
     ///
     /// # Errors
     ///
-    /// A device that is not there or cannot be opened, or that cannot run a user's stage, or [`Error::BadDevices`]; the
-    /// crowd then stays where it is.
+    /// A device that is not there or cannot be opened, or that cannot run a user's stage, or
+    /// [`Error::BadDevices`]; the crowd then stays where it is.
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
         let mut opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;

@@ -1,5 +1,6 @@
-//! What happens while clips play: feet that come down, clips that end, moments that were named. Slots are closed-form, so the
-//! host knows of all of it from the clock alone: nothing is read from a device. What state machines play it does not know.
+//! What happens while clips play: feet that come down, clips that end, moments that were named.
+//! Slots are closed-form, so the host knows of all of it from the clock alone: nothing is read from
+//! a device. What state machines play it does not know.
 
 use std::sync::Arc;
 
@@ -52,7 +53,8 @@ pub(super) struct Mark {
 }
 
 impl Crowd {
-    /// Tells from the next update on what happens to a member, but for the clips that its state machines play.
+    /// Tells from the next update on what happens to a member, but for the clips that its state
+    /// machines play.
     ///
     /// # Errors
     ///
@@ -81,15 +83,21 @@ impl Crowd {
         let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
         let (start, duration) = (known.start_secs(), known.duration_secs());
         if !(start..=start + duration).contains(&secs) {
-            return Err(Error::BadValue { what: "a moment of a clip", value: secs, rule: "within the clip" });
+            return Err(Error::BadValue {
+                what: "a moment of a clip",
+                value: secs,
+                rule: "within the clip",
+            });
         }
         let phase = phase_of(secs, start, duration);
-        self.marks_of(clip.index).push(Mark { phase, kind: EventKind::Moment { name: name.into() } });
+        self.marks_of(clip.index)
+            .push(Mark { phase, kind: EventKind::Moment { name: name.into() } });
         Ok(())
     }
 
-    /// What happened in the last update to the members that are listened to, in order of time. Nothing is told of clips that
-    /// state machines play: only the device knows which, and [`state_of`](Self::state_of), which asks it, waits.
+    /// What happened in the last update to the members that are listened to, in order of time.
+    /// Nothing is told of clips that state machines play: only the device knows which, and
+    /// [`state_of`](Self::state_of), which asks it, waits.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
@@ -178,7 +186,11 @@ fn runs(slot: &Slot) -> bool {
 /// Where in a clip a moment is, in 2^-64 of its length.
 #[expect(clippy::cast_possible_truncation, reason = "a fraction of 2^64")]
 fn phase_of(secs: f32, start: f32, duration: f32) -> i128 {
-    let part = if duration > 0.0 { (f64::from(secs) - f64::from(start)) / f64::from(duration) } else { 0.0 };
+    let part = if duration > 0.0 {
+        (f64::from(secs) - f64::from(start)) / f64::from(duration)
+    } else {
+        0.0
+    };
     (part * 18_446_744_073_709_551_616.0) as i128
 }
 
@@ -214,12 +226,13 @@ impl Run {
         self.start_tick.checked_add(ticks)
     }
 
-    /// The ticks after `after` and up to `until` at which a moment is reached. A moment at which the slot begins counts as
-    /// reached a tick later.
+    /// The ticks after `after` and up to `until` at which a moment is reached. A moment at which
+    /// the slot begins counts as reached a tick later.
     fn crossings(&self, phase: i128, after: u64, until: u64) -> impl Iterator<Item = u64> + use<> {
         let at = |tick: u64| self.start + self.rate * i128::from(tick - self.start_tick);
         let (from, to) = (at(after.max(self.start_tick)), at(until.max(self.start_tick)));
-        // Forwards the moments in [from, to) are reached, backwards those in (to, from]; each turn of the clip has one.
+        // Forwards the moments in [from, to) are reached, backwards those in (to, from]; each turn
+        // of the clip has one.
         let cycles = if self.rate >= 0 {
             (from - phase + CYCLE - 1).div_euclid(CYCLE)..(to - phase + CYCLE - 1).div_euclid(CYCLE)
         } else {

@@ -31,7 +31,11 @@ impl PaletteSource for Crowd {
         Ok(handed)
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
         self.check_readable()?;
         self.opened.backend_mut().with_page(page, reader)?;
         self.look_where_moved()

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use populace_core::{
-    Clip, ClipIndex, LiveNewest, LiveRing, LiveSettings, TICKS_PER_SEC, Tables, Trs, ticks_from_secs,
+    Clip, ClipIndex, LiveNewest, LiveRing, LiveSettings, TICKS_PER_SEC, Tables, Trs,
+    ticks_from_secs,
 };
 
 use super::{CharacterId, ClipId, Crowd};
@@ -13,8 +14,8 @@ use crate::play::Mode;
 /// A stream's time runs at most this far from its first pose.
 const MAX_STREAM_SECS: f64 = 1e10;
 
-/// How far a live clip's stream has come. Its time is counted in ticks from the first pose on; rows stand at multiples of the
-/// ring's spacing, but for the newest, which is the newest pose itself.
+/// How far a live clip's stream has come. Its time is counted in ticks from the first pose on; rows
+/// stand at multiples of the ring's spacing, but for the newest, which is the newest pose itself.
 pub(crate) struct Stream {
     ring: LiveRing,
     /// The stream's own time at the first pose.
@@ -42,7 +43,8 @@ impl Stream {
         self.row_count = self.ring.rows.min(self.row_count + 1);
     }
 
-    /// Writes the rows that a pose makes known: those at multiples of the spacing since the one before, and itself.
+    /// Writes the rows that a pose makes known: those at multiples of the spacing since the one
+    /// before, and itself.
     fn take(
         &mut self,
         tables: &mut Tables,
@@ -61,7 +63,8 @@ impl Stream {
         }
         while self.next < at {
             let between = (self.next - self.newest) as f64 / (at - self.newest) as f64;
-            let row: Vec<_> = self.pose.iter().zip(&pose).map(|(a, b)| mix(a, b, between)).collect();
+            let row: Vec<_> =
+                self.pose.iter().zip(&pose).map(|(a, b)| mix(a, b, between)).collect();
             tables.set_live_row(index, clip, Some(self.row), &row)?;
             self.step();
         }
@@ -85,9 +88,10 @@ impl Stream {
 }
 
 impl Crowd {
-    /// Adds a live clip for a character: one into which [`append`](Self::append) puts poses of the character's skeleton while
-    /// members play it by [`Play::live`](crate::Play::live). Other characters can play it as any other clip. One for a skeleton
-    /// that is no character's is made by [`Clip::live`] and added by [`add_clip`](Self::add_clip).
+    /// Adds a live clip for a character: one into which [`append`](Self::append) puts poses of the
+    /// character's skeleton while members play it by [`Play::live`](crate::Play::live). Other
+    /// characters can play it as any other clip. One for a skeleton that is no character's is made
+    /// by [`Clip::live`] and added by [`add_clip`](Self::add_clip).
     ///
     /// ```
     /// # use populace::{Crowd, Device, LiveSettings, Placement, Play, Trs};
@@ -112,8 +116,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A character of another crowd, settings out of their range, names of joints that are not there, or more data than
-    /// devices can address.
+    /// A character of another crowd, settings out of their range, names of joints that are not
+    /// there, or more data than devices can address.
     pub fn add_live_clip(
         &mut self,
         character: CharacterId,
@@ -124,28 +128,33 @@ impl Crowd {
         self.add_clip(character, &Arc::new(clip))
     }
 
-    /// Takes in a pose of a live clip: local transforms of all joints of the clip's own skeleton, in its level order, metres.
-    /// `time_secs` is when it was, on the stream's own clock: any, but later than that of the pose before.
+    /// Takes in a pose of a live clip: local transforms of all joints of the clip's own skeleton,
+    /// in its level order, metres. `time_secs` is when it was, on the stream's own clock: any, but
+    /// later than that of the pose before.
     ///
-    /// The first pose is taken to be of the crowd's present, that of the last update; from then on a second of the stream is
-    /// one of the crowd's, and [`tie_live`](Self::tie_live) ties them anew. Poses may come unevenly, and several between two
-    /// updates or none: rows are interpolated between them, linearly, rotations on the shorter way. Nobody waits for a device.
+    /// The first pose is taken to be of the crowd's present, that of the last update; from then on
+    /// a second of the stream is one of the crowd's, and [`tie_live`](Self::tie_live) ties them
+    /// anew. Poses may come unevenly, and several between two updates or none: rows are
+    /// interpolated between them, linearly, rotations on the shorter way. Nobody waits for a
+    /// device.
     ///
     /// # Errors
     ///
-    /// [`populace_core::Error::BadLive`] for a clip that is not live, a time that is not after the last, another number of
-    /// joints, numbers that are not finite, or a rotation of no length.
+    /// [`populace_core::Error::BadLive`] for a clip that is not live, a time that is not after the
+    /// last, another number of joints, numbers that are not finite, or a rotation of no length.
     pub fn append(&mut self, clip: ClipId, time_secs: f64, pose: &[Trs]) -> Result<(), Error> {
         let known = self.live_clip(clip)?;
         let pose = checked(&known, pose)?;
         self.append_checked(clip.index, &known, time_secs, pose)
     }
 
-    /// As [`append`](Self::append), of the joints named alone: others stay as they last were, which is at rest to begin with.
+    /// As [`append`](Self::append), of the joints named alone: others stay as they last were, which
+    /// is at rest to begin with.
     ///
     /// # Errors
     ///
-    /// As for [`append`](Self::append), and [`populace_core::Error::UnknownJoints`] with the nearest names.
+    /// As for [`append`](Self::append), and [`populace_core::Error::UnknownJoints`] with the
+    /// nearest names.
     pub fn append_joints(
         &mut self,
         clip: ClipId,
@@ -166,21 +175,25 @@ impl Crowd {
         self.append_checked(clip.index, &known, time_secs, pose)
     }
 
-    /// Takes a live clip's `time_secs` to be the crowd's present from now on: after the crowd stood still while poses came
-    /// in, or where clocks ran apart. Who plays the clip goes over at once.
+    /// Takes a live clip's `time_secs` to be the crowd's present from now on: after the crowd stood
+    /// still while poses came in, or where clocks ran apart. Who plays the clip goes over at once.
     ///
     /// # Errors
     ///
-    /// [`populace_core::Error::BadLive`] for a clip that is not live or that nothing has come into yet, or a time that is not
-    /// finite or far from the stream's.
+    /// [`populace_core::Error::BadLive`] for a clip that is not live or that nothing has come into
+    /// yet, or a time that is not finite or far from the stream's.
     pub fn tie_live(&mut self, clip: ClipId, time_secs: f64) -> Result<(), Error> {
         let known = self.live_clip(clip)?;
         let tick = self.clock.tick;
         let Some(stream) = self.streams.get_mut(&clip.index) else {
-            return refused(&known, "has no pose yet, and is tied to the crowd's clock by its first".into());
+            return refused(
+                &known,
+                "has no pose yet, and is tied to the crowd's clock by its first".into(),
+            );
         };
         check_time(&known, time_secs, stream.first_secs)?;
-        let (after, before) = (stream.ticks_at(time_secs), ticks_from_secs(stream.first_secs - time_secs));
+        let (after, before) =
+            (stream.ticks_at(time_secs), ticks_from_secs(stream.first_secs - time_secs));
         stream.first_tick = tick.saturating_add(before).saturating_sub(after);
         stream.tell(&mut self.tables, clip.index.0)
     }
@@ -233,9 +246,13 @@ impl Crowd {
         let Some(stream) = self.streams.get(&ClipIndex(clip)) else { return 0.0 };
         let shown = self.clock.tick.saturating_sub(delay_ticks).saturating_sub(stream.first_tick);
         let row_ticks = u64::from(stream.ring.row_ticks);
-        let oldest = (stream.next + row_ticks).saturating_sub(u64::from(stream.row_count) * row_ticks);
+        let oldest =
+            (stream.next + row_ticks).saturating_sub(u64::from(stream.row_count) * row_ticks);
         let shown = shown.max(oldest).min(stream.newest);
-        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rounding to the nearest f32 is what is wanted"
+        )]
         let secs = (stream.first_secs + shown as f64 / TICKS_PER_SEC as f64) as f32;
         secs
     }
@@ -247,9 +264,10 @@ impl Crowd {
         };
         match (known.ring(), mode) {
             (None, Mode::Live { .. }) => refused(known, NOT_LIVE.into()),
-            (Some(_), Mode::Looping | Mode::Once | Mode::Held { .. }) => {
-                refused(known, "is live; it has no end and no cycle, and is played by Play::live".into())
-            }
+            (Some(_), Mode::Looping | Mode::Once | Mode::Held { .. }) => refused(
+                known,
+                "is live; it has no end and no cycle, and is played by Play::live".into(),
+            ),
             _ => Ok(()),
         }
     }
@@ -274,7 +292,9 @@ fn check_time(clip: &Clip, time_secs: f64, first_secs: f64) -> Result<(), Error>
     }
     refused(
         clip,
-        format!("got the time {time_secs} s; it must be finite and within 1e10 s of the first pose's"),
+        format!(
+            "got the time {time_secs} s; it must be finite and within 1e10 s of the first pose's"
+        ),
     )
 }
 
@@ -310,7 +330,10 @@ fn mix(a: &Trs, b: &Trs, between: f64) -> Trs {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is what is wanted")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
 fn single(x: f64) -> f32 {
     x as f32
 }

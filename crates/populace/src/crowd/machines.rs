@@ -32,7 +32,8 @@ pub(super) struct Machines {
 }
 
 impl Machines {
-    /// Lets machines be bound anew once somebody runs them: clips are to move bodies in another way.
+    /// Lets machines be bound anew once somebody runs them: clips are to move bodies in another
+    /// way.
     pub(super) fn unbind(&mut self) {
         self.bound.clear();
     }
@@ -48,9 +49,10 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::BadStateMachine`] for one without states, with more than 8 parameters, with two of a name, with a state or
-    /// parameter that is not there, or that waits for the end of a clip that has none; a clip of another crowd; a number that
-    /// is not finite; a live clip that is not played as one.
+    /// [`Error::BadStateMachine`] for one without states, with more than 8 parameters, with two of
+    /// a name, with a state or parameter that is not there, or that waits for the end of a clip
+    /// that has none; a clip of another crowd; a number that is not finite; a live clip that is not
+    /// played as one.
     pub fn add_machine(&mut self, machine: &StateMachine) -> Result<MachineId, Error> {
         let compiled = machine.compile(|clip, mode| {
             self.check_crowd("clip", clip.crowd, clip.index.0)?;
@@ -63,24 +65,33 @@ impl Crowd {
         Ok(id)
     }
 
-    /// The layer runs a state machine from its first state on; what it played before fades out as this fades in. It is ended
-    /// by whatever else the layer is given to play, and by [`stop`](Self::stop).
+    /// The layer runs a state machine from its first state on; what it played before fades out as
+    /// this fades in. It is ended by whatever else the layer is given to play, and by
+    /// [`stop`](Self::stop).
     ///
-    /// It takes two slots. `play` tells layer, weight, fade and delay; speed and phase are the states' own. A member can run
-    /// one in each layer. What it plays only the device knows: [`playing`](Self::playing) and [`events`](Self::events) tell
-    /// nothing of it.
+    /// It takes two slots. `play` tells layer, weight, fade and delay; speed and phase are the
+    /// states' own. A member can run one in each layer. What it plays only the device knows:
+    /// [`playing`](Self::playing) and [`events`](Self::events) tell nothing of it.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a machine of another crowd, a setting that is out of its range, [`Error::BadStateMachine`] for
-    /// members of one slot and for a speed or phase, or a clip that can move nothing of the member's body.
-    pub fn run_machine(&mut self, member: Member, machine: MachineId, play: Play) -> Result<PlayId, Error> {
+    /// [`Error::StaleMember`], a machine of another crowd, a setting that is out of its range,
+    /// [`Error::BadStateMachine`] for members of one slot and for a speed or phase, or a clip that
+    /// can move nothing of the member's body.
+    pub fn run_machine(
+        &mut self,
+        member: Member,
+        machine: MachineId,
+        play: Play,
+    ) -> Result<PlayId, Error> {
         let character = self.check(member)?;
         self.check_crowd("state machine", machine.crowd, machine.index)?;
         play.check()?;
         let Play { mode, speed, phase, .. } = Play::looping();
         if play != (Play { mode, speed, phase, ..play }) {
-            return Err(bad("runs at its states' own speeds and phases; give it Play::looping() as it is"));
+            return Err(bad(
+                "runs at its states' own speeds and phases; give it Play::looping() as it is",
+            ));
         }
         if self.tables.slots_per_member() < 2 {
             return Err(bad("takes 2 slots, and members have 1: see slots_per_member"));
@@ -95,13 +106,13 @@ impl Crowd {
         self.begin_after(member, start, play.after_secs)
     }
 
-    /// Sets a parameter of all state machines that the member runs, or is to run, and that have one of this name. It costs no
-    /// more than its 4 bytes on their way to the device.
+    /// Sets a parameter of all state machines that the member runs, or is to run, and that have one
+    /// of this name. It costs no more than its 4 bytes on their way to the device.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a value that is not finite, or [`Error::BadStateMachine`] where the member runs no machine
-    /// with such a parameter.
+    /// [`Error::StaleMember`], a value that is not finite, or [`Error::BadStateMachine`] where the
+    /// member runs no machine with such a parameter.
     pub fn set_parameter(&mut self, member: Member, name: &str, value: f32) -> Result<(), Error> {
         self.check(member)?;
         bounded("a parameter of a state machine", &[value])?;
@@ -134,30 +145,37 @@ impl Crowd {
         let states = runners.filter_map(|runner| Some(self.tables.runner(runner).ok()?.state));
         let all = states.chain(self.waiting.of(place).filter_map(|(_, start)| start.machine()));
         let machines: Vec<_> = all.filter_map(|state| self.machines.of_state(state)).collect();
-        let names = machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
+        let names =
+            machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
         match find("parameter", name, names) {
             Err(error) if !machines.is_empty() => error,
-            _ => bad("to set a parameter of is not there: the member runs none; start one by run_machine"),
+            _ => bad(
+                "to set a parameter of is not there: the member runs none; start one by run_machine",
+            ),
         }
     }
 
-    /// The name of the state in which the machine of a layer was after the last update: while a transition fades, the state
-    /// that it leads to. This waits for the device.
+    /// The name of the state in which the machine of a layer was after the last update: while a
+    /// transition fades, the state that it leads to. This waits for the device.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a layer that is not there, [`Error::BadStateMachine`] where the layer runs no machine, or one
-    /// that has not begun, or a failing device.
+    /// [`Error::StaleMember`], a layer that is not there, [`Error::BadStateMachine`] where the
+    /// layer runs no machine, or one that has not begun, or a failing device.
     pub fn state_of(&mut self, member: Member, layer: usize) -> Result<Arc<str>, Error> {
         self.check(member)?;
         check_layer(layer)?;
         let (tick, place) = (self.clock.tick, member.place);
         let slots = self.slots(place).iter().enumerate();
-        let running = slots.filter(|(_, slot)| slot.layer() as usize == layer && !faded_out(slot, tick));
+        let running =
+            slots.filter(|(_, slot)| slot.layer() as usize == layer && !faded_out(slot, tick));
         let runners = running.filter_map(|(index, slot)| Some((index, slot.runner()?)));
         let newest = runners.max_by_key(|(index, _)| self.started(place, *index).serial);
-        let none =
-            || bad(&format!("to ask for the state of is not there: the member runs none in layer {layer}"));
+        let none = || {
+            bad(&format!(
+                "to ask for the state of is not there: the member runs none in layer {layer}"
+            ))
+        };
         let waits = |start: &Start| start.play.layer == layer && start.machine().is_some();
         if newest.is_none() && self.waiting.of(place).any(|(_, start)| waits(start)) {
             return Err(bad(&format!(
@@ -180,7 +198,12 @@ impl Crowd {
         let mut elements = [Float4::default(); RUNNING_ELEMENTS as usize];
         if (runner as usize) < self.tables.runners().tail().start {
             let first = runner as usize * elements.len();
-            self.opened.backend_mut().read(&self.tables, StageBuffer::Running, first, &mut elements)?;
+            self.opened.backend_mut().read(
+                &self.tables,
+                StageBuffer::Running,
+                first,
+                &mut elements,
+            )?;
         }
         Ok(Running::from_elements(elements))
     }
@@ -216,7 +239,9 @@ impl Crowd {
         if secs <= 0.0 {
             self.fade_out(place, layer, 0.0, tick)?;
         }
-        let plan = |slot: &Slot, _| if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart };
+        let plan = |slot: &Slot, _| {
+            if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
+        };
         if let Some(due) = self.make_room(place, 2, secs, tick, plan)? {
             self.waiting.push(place, due, start.at_its_time());
             return Ok(());
@@ -254,7 +279,8 @@ mod tests {
         crowd.play(member, clip, Play::looping()).unwrap();
         let mut random = Rng::new(slots as u64);
         for _ in 0..6000 {
-            let secs = u8::try_from(2 + random.below(4)).map_or(0.2, |tenths| f32::from(tenths) / 10.0);
+            let secs =
+                u8::try_from(2 + random.below(4)).map_or(0.2, |tenths| f32::from(tenths) / 10.0);
             let play = Play::looping().fade_in_secs(secs);
             match random.below(20) {
                 0 => drop(crowd.play(member, clip, play).unwrap()),

@@ -15,8 +15,8 @@ pub struct Instance {
     pub character: CharacterId,
     /// Where it was placed.
     pub world_from_model: Affine,
-    /// How far from there its clips have moved it, in metres of the world, as far as was known when palettes were last taken:
-    /// the palette has it there already.
+    /// How far from there its clips have moved it, in metres of the world, as far as was known when
+    /// palettes were last taken: the palette has it there already.
     pub moved: [f32; 3],
     /// Its first palette entry: page times
     /// [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES) plus the place within the page.
@@ -39,7 +39,8 @@ impl Crowd {
         if self.members.len() <= place as usize {
             let free = MemberState { generation: 0, character: None, placement, since: 0 };
             self.members.resize(place as usize + 1, free);
-            self.started.resize(self.members.len() * self.tables.slots_per_member(), Started::default());
+            self.started
+                .resize(self.members.len() * self.tables.slots_per_member(), Started::default());
         }
         let state = &mut self.members[place as usize];
         state.character = Some(character);
@@ -79,8 +80,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a placement that is not finite, or [`Error::BadAttachment`] for a member that is attached to
-    /// another.
+    /// [`Error::StaleMember`], a placement that is not finite, or [`Error::BadAttachment`] for a
+    /// member that is attached to another.
     pub fn place(&mut self, member: Member, placement: Placement) -> Result<(), Error> {
         self.check(member)?;
         placement.check()?;
@@ -91,7 +92,8 @@ impl Crowd {
         self.bring_props(member)
     }
 
-    /// Where a member was placed; [`moved`](Self::moved) tells where its clips have moved it from there.
+    /// Where a member was placed; [`moved`](Self::moved) tells where its clips have moved it from
+    /// there.
     ///
     /// # Errors
     ///

@@ -18,14 +18,18 @@ pub(super) struct Moving {
 }
 
 impl Crowd {
-    /// Lets the root motion of its clips ([`Clip::with_root_motion`](populace_core::Clip::with_root_motion)) move a member
-    /// from where it was placed, from now on, or no longer: it then stands where it was placed.
+    /// Lets the root motion of its clips
+    /// ([`Clip::with_root_motion`](populace_core::Clip::with_root_motion)) move a member from where
+    /// it was placed, from now on, or no longer: it then stands where it was placed.
     ///
-    /// The device moves it, and nobody waits for that: [`placement`](Self::placement) still tells where it was placed, and its
-    /// joints and palette where it is. Constraints and watches see it there; what is told in model space (targets, poles, overrides)
-    /// counts from the placement. Motion is mixed as poses are, by the weights of slots and layers and what masks let through at the first joint;
-    /// layers that add move nobody. What plays for a part of an update moves it for that part, unless something else took its
-    /// slot, or a blend space that waited for one went on, within the same update. Fused schedules move those who have a mesh: others are not evaluated.
+    /// The device moves it, and nobody waits for that: [`placement`](Self::placement) still tells
+    /// where it was placed, and its joints and palette where it is. Constraints and watches see it
+    /// there; what is told in model space (targets, poles, overrides) counts from the placement.
+    /// Motion is mixed as poses are, by the weights of slots and layers and what masks let through
+    /// at the first joint; layers that add move nobody. What plays for a part of an update moves it
+    /// for that part, unless something else took its slot, or a blend space that waited for one
+    /// went on, within the same update. Fused schedules move those who have a mesh: others are not
+    /// evaluated.
     ///
     /// A member that its clips move already goes on from where they have moved it.
     ///
@@ -89,7 +93,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// How far a member, or what it is attached to, was moved by its clips when palettes were last taken.
+    /// How far a member, or what it is attached to, was moved by its clips when palettes were last
+    /// taken.
     pub(super) fn shift_of(&self, mut place: u32) -> [f32; 3] {
         loop {
             if let Some(moving) = self.moving.get(&place) {
@@ -119,8 +124,9 @@ impl Crowd {
         Ok(self.motion_of(member).is_some())
     }
 
-    /// Where a member stands after the last update, moved there from its placement by its clips; what it is attached to is not
-    /// looked at. Waits for the device; a [`watch`](Self::watch) on its root does not.
+    /// Where a member stands after the last update, moved there from its placement by its clips;
+    /// what it is attached to is not looked at. Waits for the device; a [`watch`](Self::watch) on
+    /// its root does not.
     ///
     /// # Errors
     ///
@@ -128,7 +134,8 @@ impl Crowd {
     pub fn moved(&mut self, member: Member) -> Result<Placement, Error> {
         let placement = self.placement(member)?;
         let control = self.tables.members().as_slice()[member.place as usize].control;
-        let begun = self.moving.get(&member.place).is_some_and(|moving| moving.since < self.clock.tick);
+        let begun =
+            self.moving.get(&member.place).is_some_and(|moving| moving.since < self.clock.tick);
         let Some(motion) = self.motion_of(member).filter(|_| begun && control != NONE) else {
             return Ok(placement);
         };
@@ -136,7 +143,12 @@ impl Crowd {
         let mut state = [Float4::default(); 2];
         match &self.kept {
             Some(kept) => state = kept.states(first),
-            None => self.opened.backend_mut().read(&self.tables, StageBuffer::States, first, &mut state)?,
+            None => self.opened.backend_mut().read(
+                &self.tables,
+                StageBuffer::States,
+                first,
+                &mut state,
+            )?,
         }
         let [Float4([x, y, z, begun]), Float4([sin, cos, ..])] = state;
         if begun.to_bits() != motion {
@@ -146,7 +158,8 @@ impl Crowd {
         Ok(Placement { position, yaw_rad: placement.yaw_rad + sin.atan2(cos), ..placement })
     }
 
-    /// Places a member where its clips have moved it, from where they move it on. Waits as [`moved`](Self::moved) does.
+    /// Places a member where its clips have moved it, from where they move it on. Waits as
+    /// [`moved`](Self::moved) does.
     ///
     /// # Errors
     ///

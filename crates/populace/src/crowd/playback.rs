@@ -11,12 +11,13 @@ use crate::play::{Playing, check_layer, check_secs, check_weight};
 use crate::{Error, Play};
 
 impl Crowd {
-    /// The layer plays this clip from now on, or from [`Play::after_secs`] on; what it played before fades out as this
-    /// fades in, and what was queued is forgotten.
+    /// The layer plays this clip from now on, or from [`Play::after_secs`] on; what it played
+    /// before fades out as this fades in, and what was queued is forgotten.
     ///
-    /// Where all slots of the member are taken, the weakest fades out first and this waits for it, for a small part of
-    /// its own fade, or for what still settles ([`Play::settle_in_secs`]): a pose never jumps. One that starts without a fade
-    /// takes the weakest's slot at once, and a member with one slot has nothing to fade with.
+    /// Where all slots of the member are taken, the weakest fades out first and this waits for it,
+    /// for a small part of its own fade, or for what still settles ([`Play::settle_in_secs`]): a
+    /// pose never jumps. One that starts without a fade takes the weakest's slot at once, and a
+    /// member with one slot has nothing to fade with.
     ///
     /// # Errors
     ///
@@ -38,9 +39,10 @@ impl Crowd {
         self.begin_after(member, start, play.after_secs)
     }
 
-    /// The layer plays this clip once what it plays now has ended: at the end of a clip that plays once, of a cycle of
-    /// one that loops; at once where nothing plays, or a clip is held or live. What is queued further begins after this in turn.
-    /// [`Play::after_secs`] counts from that end. The clip before holds its end while this fades in.
+    /// The layer plays this clip once what it plays now has ended: at the end of a clip that plays
+    /// once, of a cycle of one that loops; at once where nothing plays, or a clip is held or live.
+    /// What is queued further begins after this in turn. [`Play::after_secs`] counts from that end.
+    /// The clip before holds its end while this fades in.
     ///
     /// ```
     /// # use populace::{Crowd, Device, Placement, Play};
@@ -88,8 +90,8 @@ impl Crowd {
         self.play(member, clip, Play::looping().fade_in_secs(secs))
     }
 
-    /// Fades out all clips of a layer, and forgets what was queued. An empty layer 0 shows the rest pose, any other what
-    /// lies beneath. The same call repeated lets the fade go on.
+    /// Fades out all clips of a layer, and forgets what was queued. An empty layer 0 shows the rest
+    /// pose, any other what lies beneath. The same call repeated lets the fade go on.
     ///
     /// # Errors
     ///
@@ -108,8 +110,9 @@ impl Crowd {
         self.fade_out(member.place, layer, fade_out_secs, self.clock.tick)
     }
 
-    /// Lets the weight of a clip or of a state machine run to another in so many seconds. One of 0 ends it: once it is reached, the slot is free for
-    /// others. The same call repeated changes nothing: the weight goes on to where it runs.
+    /// Lets the weight of a clip or of a state machine run to another in so many seconds. One of 0
+    /// ends it: once it is reached, the slot is free for others. The same call repeated changes
+    /// nothing: the weight goes on to where it runs.
     ///
     /// # Errors
     ///
@@ -137,8 +140,9 @@ impl Crowd {
         Ok(())
     }
 
-    /// Lets a clip run at another speed from now on, from where it stands; negative runs backwards, 0 stands. What is
-    /// queued after it keeps to its new end. Held and live clips and state machines stay as they are.
+    /// Lets a clip run at another speed from now on, from where it stands; negative runs backwards,
+    /// 0 stands. What is queued after it keeps to its new end. Held and live clips and state
+    /// machines stay as they are.
     ///
     /// # Errors
     ///
@@ -162,9 +166,10 @@ impl Crowd {
         Ok(())
     }
 
-    /// What a member plays now, layer by layer, the clip that was started first in front. What waits for its time is not
-    /// among it, nor what has faded out, nor what state machines play: where those are depends on their parameters in every
-    /// frame, and only the device follows that. [`state_of`](Self::state_of) asks it, and waits.
+    /// What a member plays now, layer by layer, the clip that was started first in front. What
+    /// waits for its time is not among it, nor what has faded out, nor what state machines play:
+    /// where those are depends on their parameters in every frame, and only the device follows
+    /// that. [`state_of`](Self::state_of) asks it, and waits.
     ///
     /// # Errors
     ///
@@ -174,7 +179,8 @@ impl Crowd {
         let tick = self.clock.tick;
         let slots = self.slots(member.place).iter().enumerate();
         let told = slots.filter(|(_, slot)| !faded_out(slot, tick) && slot.runner().is_none());
-        let mut all: Vec<_> = told.map(|(index, slot)| self.playing_slot(member, index, slot)).collect();
+        let mut all: Vec<_> =
+            told.map(|(index, slot)| self.playing_slot(member, index, slot)).collect();
         all.sort_by_key(|(serial, playing)| (playing.layer, *serial));
         Ok(all.into_iter().map(|(_, playing)| playing).collect())
     }
@@ -205,7 +211,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A character of another crowd, a mask of another skeleton, or more data than devices can address.
+    /// A character of another crowd, a mask of another skeleton, or more data than devices can
+    /// address.
     pub fn add_mask(&mut self, character: CharacterId, mask: &Mask) -> Result<MaskId, Error> {
         let joints = self.character_state(character)?.character.skeleton.joint_count();
         let weights = mask.weights().len();
@@ -237,7 +244,13 @@ impl Crowd {
         Ok(self.tables.set_layer(member.place, layer, value)?)
     }
 
-    fn start_of(&mut self, member: Member, clip: ClipId, play: Play, alone: bool) -> Result<Start, Error> {
+    fn start_of(
+        &mut self,
+        member: Member,
+        clip: ClipId,
+        play: Play,
+        alone: bool,
+    ) -> Result<Start, Error> {
         let character = self.check(member)?;
         play.check()?;
         let bound = self.bind(character, clip, play.partial)?;
@@ -251,13 +264,23 @@ impl Crowd {
         self.last_serial
     }
 
-    pub(super) fn begin_after(&mut self, member: Member, start: Start, secs: f32) -> Result<PlayId, Error> {
+    pub(super) fn begin_after(
+        &mut self,
+        member: Member,
+        start: Start,
+        secs: f32,
+    ) -> Result<PlayId, Error> {
         let due = self.clock.tick.saturating_add(ticks_from_secs(f64::from(secs)));
         self.begin_or_wait(member.place, due, start)?;
         Ok(PlayId { member, serial: start.serial })
     }
 
-    pub(super) fn begin_or_wait(&mut self, place: u32, due: u64, start: Start) -> Result<(), Error> {
+    pub(super) fn begin_or_wait(
+        &mut self,
+        place: u32,
+        due: u64,
+        start: Start,
+    ) -> Result<(), Error> {
         if due > self.clock.tick {
             self.waiting.push(place, due, start);
             return Ok(());
@@ -280,7 +303,9 @@ impl Crowd {
             Action::Machine { state, parameters } => {
                 self.begin_machine(place, &start, (state, parameters), tick)
             }
-            Action::Steer { at, over_secs } => self.begin_steer(place, &start, (at, over_secs), tick),
+            Action::Steer { at, over_secs } => {
+                self.begin_steer(place, &start, (at, over_secs), tick)
+            }
         }
     }
 
@@ -297,7 +322,8 @@ impl Crowd {
         }
         let slot = start.play.slot(bound, tick, self.duration_secs(bound));
         let mut slot = slot.on_layer(u32_from(layer));
-        let settles = alone && start.play.settles && secs > 0.0 && self.can_settle(place, &slot, tick);
+        let settles =
+            alone && start.play.settles && secs > 0.0 && self.can_settle(place, &slot, tick);
         let role = |slot: &Slot, _| {
             if alone && slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
@@ -321,10 +347,11 @@ impl Crowd {
         self.fill_slot(place, slot, Started { serial: start.serial, sample: None, once }, tick)
     }
 
-    /// Whether what starts is the first to play in layer 0: it then has its weight at once, so that nobody sees the rest
-    /// pose by accident.
+    /// Whether what starts is the first to play in layer 0: it then has its weight at once, so that
+    /// nobody sees the rest pose by accident.
     pub(super) fn is_first(&self, place: u32, layer: usize, tick: u64) -> bool {
-        layer == 0 && self.slots(place).iter().all(|slot| slot.layer() != 0 || faded_out(slot, tick))
+        layer == 0
+            && self.slots(place).iter().all(|slot| slot.layer() != 0 || faded_out(slot, tick))
     }
 
     pub(super) fn duration_secs(&self, bound: u32) -> f32 {
@@ -384,19 +411,22 @@ impl Crowd {
         self.end_of(&start.play.slot(bound, due, self.duration_secs(bound)), due)
     }
 
-    /// When a slot ends, not before `tick`. One that stands at speed 0 never does, until it is set to run.
+    /// When a slot ends, not before `tick`. One that stands at speed 0 never does, until it is set
+    /// to run.
     fn end_of(&self, slot: &Slot, tick: u64) -> u64 {
         let has_end = !slot.is_tied() && self.duration_secs(slot.bound_clip) > 0.0;
         if has_end { slot.end_tick(tick).unwrap_or(u64::MAX).max(tick) } else { tick }
     }
 
-    /// Finds anew when what is queued for a member begins, after something before it changed its end.
+    /// Finds anew when what is queued for a member begins, after something before it changed its
+    /// end.
     fn time_the_queue(&mut self, place: u32) {
         let mut ends = [0, 1, 2, 3].map(|layer| self.end_of_slots(place, layer));
         let waiting: Vec<_> = self.waiting.of(place).map(|(due, start)| (due, *start)).collect();
         let mut dues = Vec::with_capacity(waiting.len());
         for (due, start) in waiting {
-            let due = start.follows_after.map_or(due, |gap| ends[start.play.layer].saturating_add(gap));
+            let due =
+                start.follows_after.map_or(due, |gap| ends[start.play.layer].saturating_add(gap));
             ends[start.play.layer] = self.end_of_start(due, &start);
             dues.push(due.max(self.clock.tick + 1));
         }

@@ -7,25 +7,30 @@ use super::{Crowd, Member};
 use crate::Error;
 
 impl Crowd {
-    /// Hands a page of palettes to `reader`, three elements for each palette entry, waiting for the last update.
-    /// Where the device shares memory with the host, nothing is copied.
+    /// Hands a page of palettes to `reader`, three elements for each palette entry, waiting for the
+    /// last update. Where the device shares memory with the host, nothing is copied.
     ///
     /// # Errors
     ///
-    /// [`BackendError::NotEvaluated`] where no update has evaluated the crowd on this device, a page that is not in use, or
-    /// a failing device.
-    pub fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), Error> {
+    /// [`BackendError::NotEvaluated`] where no update has evaluated the crowd on this device, a
+    /// page that is not in use, or a failing device.
+    pub fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), Error> {
         self.check_readable()?;
         self.opened.backend_mut().with_page(page, reader)?;
         Ok(self.look_where_moved()?)
     }
 
-    /// A member's matrix palette after the last update: `model_from_bind`, one for each palette entry. Waits for it.
+    /// A member's matrix palette after the last update: `model_from_bind`, one for each palette
+    /// entry. Waits for it.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the member on this device, or a
-    /// failing device.
+    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the
+    /// member on this device, or a failing device.
     pub fn palette(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
         let (row, body) = self.device_member(member)?;
         let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
@@ -34,15 +39,20 @@ impl Crowd {
         tables.with_taken_over(|tables| {
             opened.backend_mut().read(tables, StageBuffer::Palette, first, &mut elements)
         })?;
-        Ok(elements.as_chunks::<3>().0.iter().map(|rows| Affine { rows: rows.map(|r| r.0) }).collect())
+        Ok(elements
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .map(|rows| Affine { rows: rows.map(|r| r.0) })
+            .collect())
     }
 
     /// A member's joints in model space after the last update, in level order. Waits for it.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the member on this device, or a
-    /// failing device.
+    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the
+    /// member on this device, or a failing device.
     pub fn model_from_joints(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
         let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
         let [a, b, c] = self.read_joints(member, buffers)?;
@@ -53,27 +63,31 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the member on this device, or a
-    /// failing device.
+    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the
+    /// member on this device, or a failing device.
     pub fn local_pose(&mut self, member: Member) -> Result<Vec<Trs>, Error> {
         let buffers = [StageBuffer::Translations, StageBuffer::Rotations, StageBuffer::Scales];
         let [t, r, s] = self.read_joints(member, buffers)?;
         let joints = t.iter().zip(&r).zip(&s);
-        Ok(joints.map(|((t, r), s)| Trs { translation: t.xyz(), rotation: r.0, scale: s.xyz() }).collect())
+        Ok(joints
+            .map(|((t, r), s)| Trs { translation: t.xyz(), rotation: r.0, scale: s.xyz() })
+            .collect())
     }
 
-    /// Milliseconds that the last update took on the device, where it measures that and has finished.
+    /// Milliseconds that the last update took on the device, where it measures that and has
+    /// finished.
     pub fn frame_time_ms(&mut self) -> Option<f64> {
         self.opened.backend_mut().frame_time_ms()
     }
 
-    /// Milliseconds that each stage of the last update took on the device, where there are stages and it measures that.
+    /// Milliseconds that each stage of the last update took on the device, where there are stages
+    /// and it measures that.
     pub fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
         self.opened.backend_mut().stage_times_ms()
     }
 
-    /// Milliseconds that writing every palette with a constant takes: the floor under an update, for benchmarks. The
-    /// palettes are wrong until the next update.
+    /// Milliseconds that writing every palette with a constant takes: the floor under an update,
+    /// for benchmarks. The palettes are wrong until the next update.
     ///
     /// # Errors
     ///
@@ -88,20 +102,29 @@ impl Crowd {
         self.opened.backend().memory_bytes()
     }
 
-    fn read_joints(&mut self, member: Member, buffers: [StageBuffer; 3]) -> Result<[Vec<Float4>; 3], Error> {
+    fn read_joints(
+        &mut self,
+        member: Member,
+        buffers: [StageBuffer; 3],
+    ) -> Result<[Vec<Float4>; 3], Error> {
         let (row, body) = self.device_member(member)?;
         let mut arrays = [(); 3].map(|()| vec![Float4::default(); body.joint_count as usize]);
         let Self { tables, opened, .. } = self;
         tables.with_taken_over(|tables| {
             let mut all = buffers.into_iter().zip(&mut arrays);
             let first = row.joint_first as usize;
-            all.try_for_each(|(buffer, array)| opened.backend_mut().read(tables, buffer, first, array))
+            all.try_for_each(|(buffer, array)| {
+                opened.backend_mut().read(tables, buffer, first, array)
+            })
         })?;
         Ok(arrays)
     }
 
     /// Where a member stands on the device, if it was there at the last update.
-    fn device_member(&self, member: Member) -> Result<(populace_core::layout::Member, Body), Error> {
+    fn device_member(
+        &self,
+        member: Member,
+    ) -> Result<(populace_core::layout::Member, Body), Error> {
         self.check(member)?;
         self.check_readable()?;
         if self.members[member.place as usize].since == self.frame {

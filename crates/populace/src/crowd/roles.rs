@@ -6,7 +6,8 @@ use super::{CharacterId, ClipId, Crowd};
 use crate::Error;
 
 impl Crowd {
-    /// The humanoid roles of a character's joints: found by their names, or given; `None` where neither is the case.
+    /// The humanoid roles of a character's joints: found by their names, or given; `None` where
+    /// neither is the case.
     ///
     /// # Errors
     ///
@@ -15,8 +16,9 @@ impl Crowd {
         Ok(self.character_state(character)?.roles.as_ref())
     }
 
-    /// Says which joints of a character have which humanoid roles, in place of those found by name. Its clips then play on
-    /// other bodies by these, and theirs on it. What members already play stays bound as it was.
+    /// Says which joints of a character have which humanoid roles, in place of those found by name.
+    /// Its clips then play on other bodies by these, and theirs on it. What members already play
+    /// stays bound as it was.
     ///
     /// # Errors
     ///
@@ -55,8 +57,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// The roles of the skeleton that a clip was made for: given for it, else those of the character whose skeleton it is,
-    /// else found by name.
+    /// The roles of the skeleton that a clip was made for: given for it, else those of the
+    /// character whose skeleton it is, else found by name.
     pub(super) fn roles_of(&self, clip: &std::sync::Arc<Clip>) -> Option<RoleMap> {
         if let Some(given) = self.clips.find(clip).and_then(|index| self.clip_roles.get(&index)) {
             return Some(given.clone());

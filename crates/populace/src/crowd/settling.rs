@@ -17,18 +17,28 @@ impl Crowd {
     /// Those slots of a layer that play.
     fn weighing(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
         let slots = self.slots(place);
-        (0..slots.len()).filter(|i| slots[*i].layer() == layer && !faded_out(&slots[*i], tick)).collect()
+        (0..slots.len())
+            .filter(|i| slots[*i].layer() == layer && !faded_out(&slots[*i], tick))
+            .collect()
     }
 
     /// Those that settle in a layer since this very tick: what they settle into has not been seen.
     pub(super) fn unseen(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
-        let unseen = |slot: &Slot| slot.is_settling() && slot.layer() == layer && slot.start_tick == tick;
+        let unseen =
+            |slot: &Slot| slot.is_settling() && slot.layer() == layer && slot.start_tick == tick;
         let slots = self.slots(place);
         (0..slots.len()).filter(|index| unseen(&slots[*index])).collect()
     }
 
-    /// Lets all that a layer plays settle into what starts, and what has not been seen go. Returns what it weighed.
-    pub(super) fn settle(&mut self, place: u32, starting: &Slot, secs: f32, tick: u64) -> Result<f32, Error> {
+    /// Lets all that a layer plays settle into what starts, and what has not been seen go. Returns
+    /// what it weighed.
+    pub(super) fn settle(
+        &mut self,
+        place: u32,
+        starting: &Slot,
+        secs: f32,
+        tick: u64,
+    ) -> Result<f32, Error> {
         let (layer, ticks) = (starting.layer(), ticks_from_secs(f64::from(secs)).max(1));
         let taking = self.tables.stand(starting, tick);
         let unseen = self.unseen(place, layer, tick);

@@ -75,17 +75,19 @@ impl Crowd {
         Ok(id)
     }
 
-    /// The layer plays a blend space at a point from now on; what it played before fades out as this fades in.
+    /// The layer plays a blend space at a point from now on; what it played before fades out as
+    /// this fades in.
     ///
-    /// [`Play::speed`] is times the clips' own pace, [`Play::phase`] where the shared phase begins, [`Play::weight`] that of
-    /// all clips together. A member plays one space: another takes its place for [`steer`](Self::steer). It takes two
-    /// slots in a line and three in a plane; with twice as many one point changes over to any other at once, with fewer
-    /// some clips wait until others have faded out.
+    /// [`Play::speed`] is times the clips' own pace, [`Play::phase`] where the shared phase begins,
+    /// [`Play::weight`] that of all clips together. A member plays one space: another takes its
+    /// place for [`steer`](Self::steer). It takes two slots in a line and three in a plane; with
+    /// twice as many one point changes over to any other at once, with fewer some clips wait until
+    /// others have faded out.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a space of another crowd, a setting that is out of its range, or [`Error::BadBlendSpace`] for
-    /// a clip that is not to loop, and for members of too few slots.
+    /// [`Error::StaleMember`], a space of another crowd, a setting that is out of its range, or
+    /// [`Error::BadBlendSpace`] for a clip that is not to loop, and for members of too few slots.
     pub fn play_space(
         &mut self,
         member: Member,
@@ -104,7 +106,8 @@ impl Crowd {
         }
         let (needed, slots) = (known.space.slots_needed(), self.tables.slots_per_member());
         if needed > slots {
-            let reason = format!("takes {needed} slots, and members have {slots}: see slots_per_member");
+            let reason =
+                format!("takes {needed} slots, and members have {slots}: see slots_per_member");
             return Err(Error::BadBlendSpace { reason });
         }
         // Bound now, so that nothing can fail once its time has come.
@@ -118,15 +121,22 @@ impl Crowd {
         self.begin_or_wait(member.place, due, start)
     }
 
-    /// Takes the blend space that a member plays to another point, reached in so many seconds. The phase goes on from
-    /// where it is, at the pace of the new point. A space that is still fading in arrives no sooner than it has.
+    /// Takes the blend space that a member plays to another point, reached in so many seconds. The
+    /// phase goes on from where it is, at the pace of the new point. A space that is still fading
+    /// in arrives no sooner than it has.
     ///
     /// Steering to the point that it is at or on its way to changes nothing and costs nothing.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a value that is out of its range, or [`Error::BadBlendSpace`] where the member plays none.
-    pub fn steer(&mut self, member: Member, at: impl Into<SpacePoint>, over_secs: f32) -> Result<(), Error> {
+    /// [`Error::StaleMember`], a value that is out of its range, or [`Error::BadBlendSpace`] where
+    /// the member plays none.
+    pub fn steer(
+        &mut self,
+        member: Member,
+        at: impl Into<SpacePoint>,
+        over_secs: f32,
+    ) -> Result<(), Error> {
         self.check(member)?;
         let at = at.into().check()?;
         check_secs("the time to steer a blend space", over_secs)?;
@@ -138,10 +148,15 @@ impl Crowd {
             }
         });
         let Some(steered) = self.steered.get(&member.place) else {
-            return if waits { Ok(()) } else { Err(bad("to steer is not there: the member plays none")) };
+            return if waits {
+                Ok(())
+            } else {
+                Err(bad("to steer is not there: the member plays none"))
+            };
         };
         let (play, serial) = (steered.play, steered.serial);
-        self.waiting.retain(member.place, |waiting| !matches!(waiting.action, Action::Steer { .. }));
+        self.waiting
+            .retain(member.place, |waiting| !matches!(waiting.action, Action::Steer { .. }));
         let action = Action::Steer { at, over_secs };
         let start = Start { serial, action, play, follows_after: None };
         self.begin_steer(member.place, &start, (at, over_secs), self.clock.tick)
@@ -165,7 +180,9 @@ impl Crowd {
         if secs <= 0.0 {
             self.fade_out(place, layer, 0.0, tick)?;
         }
-        let plan = |slot: &Slot, _| if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart };
+        let plan = |slot: &Slot, _| {
+            if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
+        };
         let all = self.spaces[index as usize].space.weights_at(at);
         let weights = strongest(all, |_| false, self.room_for(place, tick, plan));
         let needed = weights.iter().filter(|(_, weight)| *weight > 0.0).count();
@@ -213,7 +230,8 @@ impl Crowd {
         (at, over_secs): (SpacePoint, f32),
         tick: u64,
     ) -> Result<(), Error> {
-        let Some(steered) = self.steered.get(&place).copied().filter(|s| s.serial == start.serial) else {
+        let Some(steered) = self.steered.get(&place).copied().filter(|s| s.serial == start.serial)
+        else {
             return Ok(()); // Something else was started meanwhile.
         };
         if steered.at == Some(at) {
@@ -233,8 +251,11 @@ impl Crowd {
             }
         };
         let is_there = |sample| self.sample_slot(place, steered.serial, sample, tick).is_some();
-        let weights =
-            if secs > 0.0 { strongest(all, is_there, self.room_for(place, tick, plan)) } else { all };
+        let weights = if secs > 0.0 {
+            strongest(all, is_there, self.room_for(place, tick, plan))
+        } else {
+            all
+        };
         let missing = weights.iter().filter(|(sample, weight)| *weight > 0.0 && !is_there(*sample));
         let needed = missing.count();
         if secs <= 0.0 {
@@ -261,7 +282,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// Takes the slots of a space, and those that it fades in over, to new weights and pace from where they are.
+    /// Takes the slots of a space, and those that it fades in over, to new weights and pace from
+    /// where they are.
     fn steer_slots(
         &mut self,
         place: u32,
@@ -303,7 +325,8 @@ impl Crowd {
         secs: f32,
         tick: u64,
     ) -> Result<(), Error> {
-        let mut slot = self.in_phase(place, steered, sample, tick).on_layer(u32_from(steered.play.layer));
+        let mut slot =
+            self.in_phase(place, steered, sample, tick).on_layer(u32_from(steered.play.layer));
         slot.ramp_weight(tick, 0.0, weight * steered.play.weight, secs);
         let sample = u16::try_from(sample).ok();
         self.fill_slot(place, slot, Started { serial: steered.serial, sample, once: false }, tick)
@@ -313,9 +336,15 @@ impl Crowd {
         let space = &self.spaces[steered.space as usize].space;
         let body = self.tables.members().as_slice()[place as usize].body;
         let key = (populace_core::BodyIndex(body), space.clips()[sample].index);
-        let bound = self.bound_clips.get(&key).map_or(populace_core::layout::NONE, |bound| bound.index);
+        let bound =
+            self.bound_clips.get(&key).map_or(populace_core::layout::NONE, |bound| bound.index);
         let offset = cycles(f64::from(space.offset(sample).rem_euclid(1.0)));
-        Slot::in_phase(bound, tick, steered.phase_at(tick).wrapping_add(offset), steered.cycles_per_sec)
+        Slot::in_phase(
+            bound,
+            tick,
+            steered.phase_at(tick).wrapping_add(offset),
+            steered.cycles_per_sec,
+        )
     }
 
     /// The slot of a space's clip, unless it has faded out.
@@ -340,7 +369,8 @@ impl Crowd {
     }
 }
 
-/// The clips that are there, and of the others as many as there is room for, but one at least; in the same proportions.
+/// The clips that are there, and of the others as many as there is room for, but one at least; in
+/// the same proportions.
 fn strongest(all: Weights, is_there: impl Fn(usize) -> bool, room: usize) -> Weights {
     let mut order = all;
     order.sort_by(|a, b| is_there(b.0).cmp(&is_there(a.0)).then(b.1.total_cmp(&a.1)));
@@ -362,7 +392,11 @@ fn weight_of(weights: &[(usize, f32); MOST], sample: u16) -> f32 {
 }
 
 /// Part of a cycle, from 0 to 1, in 2^-64 of one.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative; `as` saturates")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "not negative; `as` saturates"
+)]
 fn cycles(part: f64) -> u64 {
     (part * 18_446_744_073_709_551_616.0) as u64
 }

@@ -34,26 +34,33 @@ impl UserStages {
 }
 
 impl Crowd {
-    /// Adds a stage of the user's own to the pipeline: a function over one joint of one member, which runs for the members
-    /// that [`use_stage`](Self::use_stage) names. All others are computed as ever, to the bit.
+    /// Adds a stage of the user's own to the pipeline: a function over one joint of one member,
+    /// which runs for the members that [`use_stage`](Self::use_stage) names. All others are
+    /// computed as ever, to the bit.
     ///
-    /// For OpenCL devices the kernels are built anew, which takes up to some seconds the first time, and none where
-    /// another crowd of the process has added the same.
+    /// For OpenCL devices the kernels are built anew, which takes up to some seconds the first
+    /// time, and none where another crowd of the process has added the same.
     ///
     /// # Errors
     ///
-    /// A stage that is none or lacks the form that a device in use runs, a ninth one, or a text that does not compile: the
-    /// error holds the compiler's words, with the lines of the user's own text. The crowd is then as it was.
+    /// A stage that is none or lacks the form that a device in use runs, a ninth one, or a text
+    /// that does not compile: the error holds the compiler's words, with the lines of the user's
+    /// own text. The crowd is then as it was.
     pub fn add_stage(&mut self, after: After, stage: UserStage) -> Result<StageId, Error> {
         stage.check()?;
         let mut all = self.stages.all.clone();
         let number = all.iter().position(Option::is_none).unwrap_or(all.len());
         if number >= STAGES_MOST as usize {
-            let what = format!("the crowd has {STAGES_MOST} stages, the most there can be; remove one first");
+            let what = format!(
+                "the crowd has {STAGES_MOST} stages, the most there can be; remove one first"
+            );
             return Err(populace_core::Error::BadStage { stage: stage.name().into(), what }.into());
         }
         if let Some(other) = all.iter().flatten().find(|other| collide(other, &stage)) {
-            let what = format!("another text defines \"{}\" too; name one of them otherwise", other.name());
+            let what = format!(
+                "another text defines \"{}\" too; name one of them otherwise",
+                other.name()
+            );
             return Err(populace_core::Error::BadStage { stage: stage.name().into(), what }.into());
         }
         all.resize(all.len().max(number + 1), None);
@@ -81,7 +88,9 @@ impl Crowd {
         self.opened.backend_mut().set_stages(&all)?;
         self.stages.all = all;
         self.stages.taken[id.number as usize] = None;
-        let uses = |state: &super::MemberControls| state.controls.stages.iter().any(|u| u.stage == id.number);
+        let uses = |state: &super::MemberControls| {
+            state.controls.stages.iter().any(|u| u.stage == id.number)
+        };
         let places = self.controls.iter().filter(|(_, state)| uses(state)).map(|(place, _)| *place);
         // Sorted, so that equal calls leave equal tables.
         for place in places.collect::<BTreeSet<_>>() {
@@ -91,8 +100,9 @@ impl Crowd {
         Ok(())
     }
 
-    /// Sets the numbers that a stage finds in its `parameters`, from the next update on: at most 16, the rest becomes 0.
-    /// A change costs no more than their 64 bytes, however many members use the stage.
+    /// Sets the numbers that a stage finds in its `parameters`, from the next update on: at most
+    /// 16, the rest becomes 0. A change costs no more than their 64 bytes, however many members use
+    /// the stage.
     ///
     /// # Errors
     ///
@@ -109,12 +119,13 @@ impl Crowd {
         Ok(self.tables.set_stage_parameters(id.number, &all)?)
     }
 
-    /// Lets a stage run for joints of a member, in place of those for which it ran. Where several stages meet in a joint,
-    /// they run in the order in which the member began to use them.
+    /// Lets a stage run for joints of a member, in place of those for which it ran. Where several
+    /// stages meet in a joint, they run in the order in which the member began to use them.
     ///
     /// # Errors
     ///
-    /// [`Error::StaleMember`], a stage or joint that is not there, or a value that is not finite; all is then as it was.
+    /// [`Error::StaleMember`], a stage or joint that is not there, or a value that is not finite;
+    /// all is then as it was.
     pub fn use_stage(&mut self, member: Member, id: StageId, how: StageUse) -> Result<(), Error> {
         let after = self.stage_after(id)?;
         let character = self.check(member)?;

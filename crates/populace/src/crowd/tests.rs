@@ -3,9 +3,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use populace_core::layout::Float4;
 use populace_core::{
-    Affine, Backend, BackendError, CharacterSource, Clip, ClipSource, HandedOver, Interpolation, JointIndex,
-    JointSource, PaletteEntry, PaletteSource, PaletteTarget, PaletteWay, Property, Schedule, Skeleton, Stage,
-    StageBuffer, TargetMark, Track, Trs,
+    Affine, Backend, BackendError, CharacterSource, Clip, ClipSource, HandedOver, Interpolation,
+    JointIndex, JointSource, PaletteEntry, PaletteSource, PaletteTarget, PaletteWay, Property,
+    Schedule, Skeleton, Stage, StageBuffer, TargetMark, Track, Trs,
 };
 use populace_native::NativeBackend;
 
@@ -49,7 +49,12 @@ impl Backend for Losable {
         self.inner.update(tables)
     }
 
-    fn run_stage(&mut self, tables: &Tables, frame: Frame, stage: Stage) -> Result<(), BackendError> {
+    fn run_stage(
+        &mut self,
+        tables: &Tables,
+        frame: Frame,
+        stage: Stage,
+    ) -> Result<(), BackendError> {
         self.inner.run_stage(tables, frame, stage)
     }
 
@@ -68,7 +73,12 @@ impl Backend for Losable {
         self.inner.read(tables, buffer, first, into)
     }
 
-    fn write(&mut self, buffer: StageBuffer, first: usize, from: &[Float4]) -> Result<(), BackendError> {
+    fn write(
+        &mut self,
+        buffer: StageBuffer,
+        first: usize,
+        from: &[Float4],
+    ) -> Result<(), BackendError> {
         self.inner.write(buffer, first, from)
     }
 
@@ -114,7 +124,11 @@ impl PaletteSource for Losable {
         self.inner.hand_over()
     }
 
-    fn with_page(&mut self, page: usize, reader: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
         self.inner.with_page(page, reader)
     }
 }
@@ -130,12 +144,22 @@ pub(super) fn lift() -> Character {
         times: vec![0.0, 1.0],
         values: vec![0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
     };
-    let clip = Clip::new(ClipSource { name: "Lift".into(), tracks: vec![track] }, &skeleton).unwrap();
+    let clip =
+        Clip::new(ClipSource { name: "Lift".into(), tracks: vec![track] }, &skeleton).unwrap();
     let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
     let (name, clips) = ("lift".into(), vec![Arc::new(clip)]);
-    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
-        .unwrap()
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .unwrap()
 }
 
 fn spawn(crowd: &mut Crowd, count: u8) {

@@ -1,7 +1,7 @@
 //! What is to start later, on its tick: queued and delayed clips, and those that wait for a slot.
 //!
-//! A start that waits takes no slot. When the clock passes its tick it is carried out as of that very tick, so that
-//! the slot is the same, to the bit, as if somebody had called at that instant.
+//! A start that waits takes no slot. When the clock passes its tick it is carried out as of that
+//! very tick, so that the slot is the same, to the bit, as if somebody had called at that instant.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -128,7 +128,8 @@ mod tests {
         }
         waiting.change(1, |due, start| *due = if start.serial == 0 { 5 } else { *due });
         let taken: Vec<_> = std::iter::from_fn(|| waiting.take_due(30)).collect();
-        let order: Vec<_> = taken.iter().map(|(due, place, start)| (*due, *place, start.serial)).collect();
+        let order: Vec<_> =
+            taken.iter().map(|(due, place, start)| (*due, *place, start.serial)).collect();
         assert_eq!(order, [(5, 1, 0), (10, 2, 1), (10, 1, 2), (10, 2, 4)]);
         assert_eq!(waiting.of(3).count(), 1);
         assert!(waiting.take_due(49).is_none() && waiting.take_due(50).is_some());
@@ -140,7 +141,8 @@ mod tests {
         let mut waiting = Waiting::default();
         (0..4).for_each(|n| waiting.push(n % 2, 10, start(n, n as usize / 2)));
         waiting.retain(1, |start| start.play.layer != 1);
-        let left: Vec<_> = std::iter::from_fn(|| waiting.take_due(10)).map(|(_, _, s)| s.serial).collect();
+        let left: Vec<_> =
+            std::iter::from_fn(|| waiting.take_due(10)).map(|(_, _, s)| s.serial).collect();
         assert_eq!(left, [0, 1, 2]);
     }
 }

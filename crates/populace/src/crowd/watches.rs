@@ -6,7 +6,8 @@ use populace_core::{Affine, JointIndex, TICKS_PER_SEC};
 use super::{Crowd, FIRST_TICK, Member};
 use crate::Error;
 
-/// A joint that is brought to the host after each frame. It goes stale once it is let go of, whoever else watches the joint.
+/// A joint that is brought to the host after each frame. It goes stale once it is let go of,
+/// whoever else watches the joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Watch {
     member: Member,
@@ -30,7 +31,8 @@ impl Watch {
 }
 
 impl Crowd {
-    /// Lets a member's joint be brought to the host after each frame from the next on, without anyone waiting for it.
+    /// Lets a member's joint be brought to the host after each frame from the next on, without
+    /// anyone waiting for it.
     ///
     /// # Errors
     ///
@@ -42,8 +44,8 @@ impl Crowd {
         Ok(watch)
     }
 
-    /// Lets go of a joint that was watched; one that is watched twice is until both are let go of. A watch that was let go of
-    /// before, and one of another crowd, does nothing.
+    /// Lets go of a joint that was watched; one that is watched twice is until both are let go of.
+    /// A watch that was let go of before, and one of another crowd, does nothing.
     pub fn unwatch(&mut self, watch: Watch) {
         if self.watched_since(watch).is_some() {
             self.readers.remove(&watch.serial);
@@ -65,9 +67,10 @@ impl Crowd {
         }
     }
 
-    /// The newest that has come to the host of a joint that is watched: as of the last update on the native device, some
-    /// frames ago on others. `None` until an update has moved the clock on since the watch began and its result has come,
-    /// and once the watch was let go of or the member has left.
+    /// The newest that has come to the host of a joint that is watched: as of the last update on
+    /// the native device, some frames ago on others. `None` until an update has moved the clock on
+    /// since the watch began and its result has come, and once the watch was let go of or the
+    /// member has left.
     ///
     /// # Errors
     ///
@@ -79,8 +82,12 @@ impl Crowd {
         let first = (*watched * WATCHED_ELEMENTS) as usize;
         let fetched = self.opened.backend_mut().fetched()?;
         // Before that another joint may have had its place.
-        let Some((tick, elements)) = fetched.filter(|(tick, _)| *tick > since) else { return Ok(None) };
-        let Some(rows) = elements.get(first..first + WATCHED_ELEMENTS as usize) else { return Ok(None) };
+        let Some((tick, elements)) = fetched.filter(|(tick, _)| *tick > since) else {
+            return Ok(None);
+        };
+        let Some(rows) = elements.get(first..first + WATCHED_ELEMENTS as usize) else {
+            return Ok(None);
+        };
         let world_from_joint = Affine { rows: [rows[0].0, rows[1].0, rows[2].0] };
         // What was never written is all zeros.
         let seen = world_from_joint.rows[0][..3].iter().any(|v| *v != 0.0);
@@ -88,8 +95,9 @@ impl Crowd {
         Ok(seen.then_some(Sighting { at_secs, world_from_joint }))
     }
 
-    /// How often the host has waited for a device of the kind in use since the process began. [`update`](Self::update) does
-    /// not make it wait on one device; reading back does, but for [`sighting`](Self::sighting).
+    /// How often the host has waited for a device of the kind in use since the process began.
+    /// [`update`](Self::update) does not make it wait on one device; reading back does, but for
+    /// [`sighting`](Self::sighting).
     #[must_use]
     pub fn waits(&self) -> u64 {
         self.opened.backend().waits()

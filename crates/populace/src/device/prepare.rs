@@ -2,20 +2,24 @@
 
 use std::sync::Arc;
 
-use populace_core::{Affine, Character, CharacterSource, JointSource, PaletteEntry, Schedule, Skeleton, Trs};
+use populace_core::{
+    Affine, Character, CharacterSource, JointSource, PaletteEntry, Schedule, Skeleton, Trs,
+};
 
 use super::{Device, Devices};
 use crate::{Crowd, Error, Placement};
 
-/// Members of the crowd that a device is tried with: of fewer, a table with one change would be sent as a whole.
+/// Members of the crowd that a device is tried with: of fewer, a table with one change would be
+/// sent as a whole.
 const MEMBERS: usize = 8;
 
 impl Device {
     /// Builds what crowds of a schedule need on this device, and runs it once. A later
-    /// [`move_to`](Crowd::move_to) or [`build`](crate::CrowdBuilder::build) in this process finds it done.
+    /// [`move_to`](Crowd::move_to) or [`build`](crate::CrowdBuilder::build) in this process finds
+    /// it done.
     ///
-    /// This takes as long as the driver's compiler does: seconds, the first time. A crowd goes on elsewhere meanwhile
-    /// where this runs on a thread of its own:
+    /// This takes as long as the driver's compiler does: seconds, the first time. A crowd goes on
+    /// elsewhere meanwhile where this runs on a thread of its own:
     ///
     /// ```
     /// use populace::{Crowd, Device};
@@ -31,14 +35,15 @@ impl Device {
     /// # Ok::<(), populace::Error>(())
     /// ```
     ///
-    /// Not included are users' stages, which are built when a crowd that has them moves, and what a driver builds for a
-    /// context of OpenGL's that it shares buffers with.
+    /// Not included are users' stages, which are built when a crowd that has them moves, and what a
+    /// driver builds for a context of OpenGL's that it shares buffers with.
     ///
     /// # Errors
     ///
     /// A device that is not there, cannot be opened or fails.
     pub fn prepare(self, schedule: Schedule) -> Result<(), Error> {
-        let mut crowd = Crowd::builder().device(self).schedule(schedule).capacity(MEMBERS).build()?;
+        let mut crowd =
+            Crowd::builder().device(self).schedule(schedule).capacity(MEMBERS).build()?;
         let character = crowd.add_character(one_joint()?)?;
         let spawn = |_| crowd.spawn(character, Placement::at([0.0; 3]));
         let members = (0..MEMBERS).map(spawn).collect::<Result<Vec<_>, _>>()?;
@@ -68,6 +73,7 @@ fn one_joint() -> Result<Arc<Character>, Error> {
     let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
     let (palette, name) = (skeleton.joints().map(entry).collect(), "one joint".into());
     let (parts, materials, images, skins, clips) = (vec![], vec![], vec![], vec![], vec![]);
-    let source = CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
+    let source =
+        CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
     Ok(Arc::new(Character::new(source)?))
 }

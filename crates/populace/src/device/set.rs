@@ -10,10 +10,11 @@ use super::{Device, Engine, Opened};
 use crate::Error;
 use crate::split::SplitBackend;
 
-/// One device, or several that share a crowd: each evaluates some of its members, all at the same time.
+/// One device, or several that share a crowd: each evaluates some of its members, all at the same
+/// time.
 ///
-/// Palettes come together on the first: it is the one that is linked to OpenGL, so a graphics processor that draws them
-/// should stand first.
+/// Palettes come together on the first: it is the one that is linked to OpenGL, so a graphics
+/// processor that draws them should stand first.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Devices(Vec<Device>);
 
@@ -29,11 +30,15 @@ impl Devices {
         if self.0.is_empty() {
             return refused("there is none; name one at least".into());
         }
-        let twice = self.0.iter().enumerate().find(|(place, device)| self.0[..*place].contains(device));
-        twice.map_or(Ok(()), |(_, device)| refused(format!("{device} is named twice; name each device once")))
+        let twice =
+            self.0.iter().enumerate().find(|(place, device)| self.0[..*place].contains(device));
+        twice.map_or(Ok(()), |(_, device)| {
+            refused(format!("{device} is named twice; name each device once"))
+        })
     }
 
-    /// Opens the devices; the first for a context of OpenGL's where one is given and the device's driver takes it.
+    /// Opens the devices; the first for a context of OpenGL's where one is given and the device's
+    /// driver takes it.
     pub(crate) fn open(
         &self,
         schedule: Schedule,
@@ -103,15 +108,16 @@ impl FromStr for Devices {
     }
 }
 
-/// How several devices share a crowd's members. What a member gets does not depend on it, but for what devices differ in
-/// by themselves: native and PoCL give the same bits.
+/// How several devices share a crowd's members. What a member gets does not depend on it, but for
+/// what devices differ in by themselves: native and PoCL give the same bits.
 #[non_exhaustive]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Split {
     /// By their speeds as measured from frame to frame, so that all come to take equally long.
     #[default]
     Measured,
-    /// So many parts for each device: 60 and 40 are the same as 3 and 2. A device whose share is 0 does nothing.
+    /// So many parts for each device: 60 and 40 are the same as 3 and 2. A device whose share is 0
+    /// does nothing.
     Fixed(Vec<f64>),
 }
 
@@ -121,16 +127,21 @@ impl Split {
         let (Self::Fixed(parts), count) = (self, devices.0.len()) else { return Ok(None) };
         let refused = |reason| Err(Error::BadSplit { reason });
         if parts.len() != count {
-            let number =
-                |n: usize, what: &str| if n == 1 { format!("one {what}") } else { format!("{n} {what}s") };
+            let number = |n: usize, what: &str| {
+                if n == 1 { format!("one {what}") } else { format!("{n} {what}s") }
+            };
             let (found, wanted) = (number(parts.len(), "share"), number(count, "device"));
             return refused(format!("has {found} for {wanted}, {devices}; give each device one"));
         }
         let total: f64 = parts.iter().sum();
         match parts.iter().find(|part| !part.is_finite() || **part < 0.0) {
             Some(part) => refused(format!("has a share of {part}; shares are numbers from 0 up")),
-            None if !total.is_finite() => refused("has shares that are too large to be added up".into()),
-            None if total <= 0.0 => refused("has no share above 0; one device at least must work".into()),
+            None if !total.is_finite() => {
+                refused("has shares that are too large to be added up".into())
+            }
+            None if total <= 0.0 => {
+                refused("has no share above 0; one device at least must work".into())
+            }
             None => Ok(Some(parts.iter().map(|part| part / total).collect())),
         }
     }
@@ -170,8 +181,11 @@ mod tests {
 
     #[test]
     fn several_devices_are_joined_by_plus_and_nonsense_is_refused() {
-        let three =
-            Devices::from([Device::Native { threads: 1 }, Device::opencl(0), Device::opencl_part(1, 1, 2)]);
+        let three = Devices::from([
+            Device::Native { threads: 1 },
+            Device::opencl(0),
+            Device::opencl_part(1, 1, 2),
+        ]);
         assert_eq!(three.to_string(), "native:1+opencl:0+opencl:1:1/2");
         assert_eq!("native:1+opencl+opencl:1:1/2".parse(), Ok(three));
         assert_eq!("native".parse(), Ok(Devices::from(Device::native())));

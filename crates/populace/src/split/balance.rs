@@ -1,8 +1,8 @@
 //! Which share of the members each device takes.
 
-/// How far shares go in each frame towards what the measured speeds ask for. They come near from one side and do not
-/// swing about it, though the speeds are those of a frame before: below 3 - 2 * sqrt(2) = 0.17 not even where times grow
-/// with the square of the members.
+/// How far shares go in each frame towards what the measured speeds ask for. They come near from
+/// one side and do not swing about it, though the speeds are those of a frame before: below 3 - 2 *
+/// sqrt(2) = 0.17 not even where times grow with the square of the members.
 const PACE: f64 = 1.0 / 6.0;
 /// A device that is to be measured takes some members, however slow it was.
 const LEAST: f64 = 1.0 / 256.0;
@@ -12,7 +12,8 @@ pub(crate) struct Balance {
     shares: Vec<f64>,
     /// The speeds of each device; none where the shares are fixed.
     speeds: Vec<Speeds>,
-    /// Whether a frame was measured yet. The first touches memory that was never used, and says little.
+    /// Whether a frame was measured yet. The first touches memory that was never used, and says
+    /// little.
     is_warm: bool,
 }
 
@@ -40,7 +41,8 @@ impl Speeds {
 }
 
 impl Balance {
-    /// Fixed shares for each of `count` devices, or where there are none such that follow the measured speed.
+    /// Fixed shares for each of `count` devices, or where there are none such that follow the
+    /// measured speed.
     pub(crate) fn new(count: usize, fixed: Option<Vec<f64>>) -> Self {
         let speeds = if fixed.is_some() { Vec::new() } else { vec![Speeds::default(); count] };
         let shares = fixed.unwrap_or_else(|| vec![1.0 / count as f64; count]);
@@ -55,11 +57,12 @@ impl Balance {
         self.speeds.is_empty()
     }
 
-    /// Takes over what each device did in a frame: its members, and its milliseconds where they are known. Nothing is
-    /// learnt from a frame in which those of some device are not.
+    /// Takes over what each device did in a frame: its members, and its milliseconds where they are
+    /// known. Nothing is learnt from a frame in which those of some device are not.
     pub(crate) fn measured(&mut self, work: impl Iterator<Item = (usize, Option<f64>)> + Clone) {
         let speed = |(members, ms): (usize, Option<f64>)| Some(members as f64 / ms?);
-        let is_known = |speed: Option<f64>| speed.is_some_and(|speed| speed.is_finite() && speed > 0.0);
+        let is_known =
+            |speed: Option<f64>| speed.is_some_and(|speed| speed.is_finite() && speed > 0.0);
         if self.is_fixed() || !work.clone().map(speed).all(is_known) {
             return;
         }
@@ -93,7 +96,8 @@ mod tests {
         shares.iter().zip(ms).map(|(share, ms)| ((share * MEMBERS) as usize, Some(*ms)))
     }
 
-    /// The shares of the first device from frame to frame, where `times` says how long devices take for their shares.
+    /// The shares of the first device from frame to frame, where `times` says how long devices take
+    /// for their shares.
     fn course(frames: usize, times: &mut dyn FnMut(&[f64], usize) -> Vec<f64>) -> Vec<f64> {
         let mut balance = Balance::new(times(&[0.5, 0.5], 0).len(), None);
         (0..frames)
@@ -134,7 +138,8 @@ mod tests {
         assert_settles(&course(200, &mut |s, _| vec![s[0] * 8.0, 4.0 + s[1] * 1.0]), 5.0 / 9.0);
         // Where caches run over, as the square: 4 x^2 = (1 - x)^2.
         assert_settles(&course(90, &mut |s, _| vec![s[0] * s[0] * 4.0, s[1] * s[1]]), 1.0 / 3.0);
-        // Two on the same core: whoever has less is done after twice its time, the other when all is done.
+        // Two on the same core: whoever has less is done after twice its time, the other when all
+        // is done.
         let on_one_core = |s: &[f64], _: usize| {
             let work = [s[0] * 10.0, s[1] * 6.0];
             work.iter().map(|w| (2.0 * w).min(work[0] + work[1])).collect()
@@ -168,7 +173,9 @@ mod tests {
     fn noise_moves_shares_by_less_than_itself() {
         let mut state = 1_u64;
         let mut noise = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             1.0 + 0.1 * ((state >> 33) as f64 / f64::from(1_u32 << 31) * 2.0 - 1.0)
         };
         let course = course(400, &mut |s, _| vec![s[0] * 20.0 * noise(), s[1] * 20.0 * noise()]);
@@ -179,9 +186,11 @@ mod tests {
     #[test]
     fn what_is_not_known_moves_nothing_and_nobody_is_left_without_work() {
         let mut balance = Balance::new(2, None);
-        for work in
-            [[(5, None), (5, Some(1.0))], [(0, Some(1.0)), (5, Some(1.0))], [(5, Some(0.0)), (5, Some(1.0))]]
-        {
+        for work in [
+            [(5, None), (5, Some(1.0))],
+            [(0, Some(1.0)), (5, Some(1.0))],
+            [(5, Some(0.0)), (5, Some(1.0))],
+        ] {
             (0..5).for_each(|_| balance.measured(work.into_iter()));
         }
         assert_eq!(balance.shares(), [0.5, 0.5]);

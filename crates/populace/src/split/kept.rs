@@ -8,8 +8,8 @@ use populace_core::layout::{
 };
 use populace_core::{Backend, BackendError, StageBuffer, Tables};
 
-/// States of all controls, and what is watched; and where state machines are, which devices that share a crowd each find by
-/// themselves.
+/// States of all controls, and what is watched; and where state machines are, which devices that
+/// share a crowd each find by themselves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kept {
     states: Vec<Float4>,
@@ -18,15 +18,16 @@ pub(crate) struct Kept {
 }
 
 impl Kept {
-    /// Makes room for what devices that share a crowd do not each find; `false` where that is nothing.
+    /// Makes room for what devices that share a crowd do not each find; `false` where that is
+    /// nothing.
     pub(super) fn make_room(&mut self, tables: &Tables) -> bool {
         self.states.resize(tables.state_elements(), Float4::default());
         self.watched.resize(tables.watched_elements(), Float4::default());
         !self.states.is_empty() || !self.watched.is_empty()
     }
 
-    /// All that a device keeps, for another. One that was lost keeps nothing any more: feet then come down anew, and machines
-    /// begin anew.
+    /// All that a device keeps, for another. One that was lost keeps nothing any more: feet then
+    /// come down anew, and machines begin anew.
     pub(crate) fn read_all(backend: &mut dyn Backend, tables: &Tables) -> Self {
         let mut kept = Self::default();
         // What was added since the last update has no place there yet.
@@ -89,8 +90,13 @@ impl Kept {
         }
     }
 
-    /// Gives it to a device that took over these tables; of what they no longer hold there is nothing to give.
-    pub(crate) fn write(&self, backend: &mut dyn Backend, tables: &Tables) -> Result<(), BackendError> {
+    /// Gives it to a device that took over these tables; of what they no longer hold there is
+    /// nothing to give.
+    pub(crate) fn write(
+        &self,
+        backend: &mut dyn Backend,
+        tables: &Tables,
+    ) -> Result<(), BackendError> {
         for (buffer, all, count) in [
             (StageBuffer::States, &self.states, tables.state_elements()),
             (StageBuffer::Watched, &self.watched, tables.watched_elements()),

@@ -1,5 +1,5 @@
-//! Where members and their palettes stood in the last frame, kept by what changed: splitting and gathering then take
-//! neither the tables nor a walk over all of them.
+//! Where members and their palettes stood in the last frame, kept by what changed: splitting and
+//! gathering then take neither the tables nor a walk over all of them.
 
 use std::ops::Range;
 
@@ -74,8 +74,12 @@ impl Places {
             chunk += 1;
         }
         let first = chunk * CHUNK;
-        let taken = (first..).zip(&self.places[first..]).filter(|(_, place)| **place != Place::Free);
-        taken.map(|(place, _)| u32::try_from(place).unwrap_or(u32::MAX)).nth(members).unwrap_or(u32::MAX)
+        let taken =
+            (first..).zip(&self.places[first..]).filter(|(_, place)| **place != Place::Free);
+        taken
+            .map(|(place, _)| u32::try_from(place).unwrap_or(u32::MAX))
+            .nth(members)
+            .unwrap_or(u32::MAX)
     }
 
     /// The palettes of the members in some places, in order, neighbours joined.
@@ -97,7 +101,9 @@ impl Places {
             let first = (block.start % PAGE_ENTRIES) as usize * ENTRY;
             let elements = first..first + block.len() * ENTRY;
             match runs.last_mut() {
-                Some(run) if run.page == page && run.elements.end == first => run.elements.end = elements.end,
+                Some(run) if run.page == page && run.elements.end == first => {
+                    run.elements.end = elements.end
+                }
                 _ => runs.push(Run { page, elements }),
             }
         }
@@ -134,12 +140,16 @@ mod tests {
         let bodies = [0, 5, 40, 300_000].map(|entries| body(&mut tables, entries));
         let (mut kept, mut taken, mut state) = (Places::default(), Vec::new(), 5_u64);
         let mut random = |below: usize| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             usize::try_from(state >> 33).unwrap() % below
         };
         for step in 0..3000 {
             if random(10) < if step / 700 % 2 == 0 { 7 } else { 3 } || taken.is_empty() {
-                taken.push(tables.add_member(bodies[if random(50) == 0 { 3 } else { random(3) }]).unwrap());
+                taken.push(
+                    tables.add_member(bodies[if random(50) == 0 { 3 } else { random(3) }]).unwrap(),
+                );
             } else {
                 tables.remove_member(taken.swap_remove(random(taken.len())));
             }
@@ -152,8 +162,16 @@ mod tests {
                 let mut all = tables.clone();
                 all.mark_dirty();
                 anew.update(&all);
-                assert_eq!((&kept.places, &kept.counts), (&anew.places, &anew.counts), "step {step}");
-                assert_eq!((kept.members(), taken.len()), (anew.members(), taken.len()), "step {step}");
+                assert_eq!(
+                    (&kept.places, &kept.counts),
+                    (&anew.places, &anew.counts),
+                    "step {step}"
+                );
+                assert_eq!(
+                    (kept.members(), taken.len()),
+                    (anew.members(), taken.len()),
+                    "step {step}"
+                );
                 taken.sort_unstable();
                 let nth = random(taken.len().max(1));
                 assert_eq!(kept.place_after(nth), taken.get(nth).copied().unwrap_or(u32::MAX));
@@ -165,8 +183,10 @@ mod tests {
     #[test]
     fn neighbouring_palettes_are_one_run_and_pages_part_them() {
         let mut tables = Tables::new(1);
-        let (small, none, large) = (body(&mut tables, 3), body(&mut tables, 0), body(&mut tables, 600_000));
-        let places = [small, small, none, small, large, large, small].map(|b| tables.add_member(b).unwrap());
+        let (small, none, large) =
+            (body(&mut tables, 3), body(&mut tables, 0), body(&mut tables, 600_000));
+        let places =
+            [small, small, none, small, large, large, small].map(|b| tables.add_member(b).unwrap());
         let mut kept = Places::default();
         kept.update(&tables);
         let run = |page: usize, first: u32, end: u32| Run {

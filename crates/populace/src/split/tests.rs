@@ -15,7 +15,10 @@ fn natives(schedule: Schedule, shares: &[f64]) -> SplitBackend {
 }
 
 mod three_native_devices_staged {
-    populace_testkit::backend_conformance!(super::natives(super::Schedule::Staged, &[0.2, 0.5, 0.3]));
+    populace_testkit::backend_conformance!(super::natives(
+        super::Schedule::Staged,
+        &[0.2, 0.5, 0.3]
+    ));
 }
 
 mod one_native_device_has_all {
@@ -23,7 +26,10 @@ mod one_native_device_has_all {
 }
 
 mod neither_the_first_native_device_nor_the_last_has_any {
-    populace_testkit::fused_conformance!(super::natives(super::Schedule::Fused, &[0.0, 0.7, 0.3, 0.0]));
+    populace_testkit::fused_conformance!(super::natives(
+        super::Schedule::Fused,
+        &[0.0, 0.7, 0.3, 0.0]
+    ));
 }
 
 #[test]
@@ -39,7 +45,8 @@ fn many_native_devices_give_the_bits_of_one() {
 #[test]
 #[should_panic(expected = "off by")]
 fn a_bit_of_difference_on_the_second_device_is_found() {
-    let wrong = Broken::new(NativeBackend::new(1, Schedule::Fused).unwrap(), Corruption::palette_bit());
+    let wrong =
+        Broken::new(NativeBackend::new(1, Schedule::Fused).unwrap(), Corruption::palette_bit());
     let mut split =
         SplitBackend::new(vec![native(1, Schedule::Fused), Box::new(wrong)], Some(vec![0.5, 0.5]));
     check_same_frames(&mut NativeBackend::new(2, Schedule::Fused).unwrap(), &mut split);
@@ -57,10 +64,10 @@ mod with_opencl {
     fn opencl(which: usize, schedule: Schedule) -> Box<dyn Backend> {
         static DEVICES: OnceLock<[Arc<OpenClDevice>; 3]> = OnceLock::new();
         let open = |which| match which {
-            0 => OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without"),
-            part => {
-                OpenClDevice::open_part(0, DevicePart { part, parts: 2 }).expect("a device that can be cut")
-            }
+            0 => OpenClDevice::open(0)
+                .expect("an OpenCL device; set POPULACE_SKIP=opencl to go without"),
+            part => OpenClDevice::open_part(0, DevicePart { part, parts: 2 })
+                .expect("a device that can be cut"),
         };
         let devices = DEVICES.get_or_init(|| [0, 1, 2].map(open));
         Box::new(OpenClBackend::new(&devices[which], schedule).expect("a backend"))

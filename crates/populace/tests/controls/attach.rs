@@ -4,16 +4,19 @@ use std::cell::RefCell;
 
 use populace::core::{Character, CharacterSource, JointSource, Skeleton};
 use populace::{
-    Affine, Crowd, Device, Error, JointIndex, JointOverride, Member, Placement, Play, Reach, Space, Target,
-    Trs, Weight,
+    Affine, Crowd, Device, Error, JointIndex, JointOverride, Member, Placement, Play, Reach, Space,
+    Target, Trs, Weight,
 };
 
 use crate::body::{Stage, character, distance, everywhere, joint};
 use crate::gaze::gaze;
 
 /// Turned, moved and scaled against the joint.
-const OFFSET: Trs =
-    Trs { translation: [0.1, -0.05, 0.2], rotation: [0.48, 0.0, 0.6, 0.64], scale: [0.5, 0.5, 0.5] };
+const OFFSET: Trs = Trs {
+    translation: [0.1, -0.05, 0.2],
+    rotation: [0.48, 0.0, 0.6, 0.64],
+    scale: [0.5, 0.5, 0.5],
+};
 
 const HERE: Placement = Placement::at([0.0; 3]);
 
@@ -26,7 +29,8 @@ fn play(stage: &mut Stage, member: Member, name: &str) {
     stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
 }
 
-/// How far all joints of a prop are from where `carrier` times the offset brings those of one that plays the same.
+/// How far all joints of a prop are from where `carrier` times the offset brings those of one that
+/// plays the same.
 fn apart(stage: &mut Stage, prop: Member, alike: Member, carrier: &Affine) -> f32 {
     let from = carrier.mul(&Affine::from_trs(&OFFSET));
     let free = stage.models(alike).into_iter().map(|model| from.mul(&model));
@@ -46,33 +50,46 @@ fn a_prop_is_where_its_joint_is_in_the_same_frame() {
         let (first, alike) = (stage.member(HERE), stage.member(HERE));
         let bearer = stage.member(HERE);
         let second = stage.member(HERE);
-        for (member, clip) in [(first, "walk"), (second, "walk"), (alike, "walk"), (bearer, "sway")] {
+        for (member, clip) in [(first, "walk"), (second, "walk"), (alike, "walk"), (bearer, "sway")]
+        {
             play(stage, member, clip);
         }
         attach(stage, first, bearer, "leftHand");
         attach(stage, second, bearer, "leftHand");
         // Roots have transforms of their own.
         let transform = Trs { translation: [0.3, 0.0, 0.1], scale: [0.8, 1.1, 1.0], ..OFFSET };
-        let given = JointOverride { joint: joint("root"), space: Space::Local, transform, weight: 1.0 };
+        let given =
+            JointOverride { joint: joint("root"), space: Space::Local, transform, weight: 1.0 };
         for member in [first, second, alike] {
             stage.crowd.override_joints(member, &[given]).expect("an override");
         }
         let mut last = [0.0; 3];
         for frame in 0..12_u8 {
             let x = f32::from(frame);
-            let placement =
-                Placement::at([1000.0 + x, 0.2 * x, -3.0 * x]).facing(0.4 * x).scaled(1.0 + 0.1 * x);
+            let placement = Placement::at([1000.0 + x, 0.2 * x, -3.0 * x])
+                .facing(0.4 * x)
+                .scaled(1.0 + 0.1 * x);
             stage.crowd.place(bearer, placement).expect("a member");
             if frame > 3 {
                 let target = Target::InModel([0.3, 1.0 + 0.1 * x, 0.5]);
                 let at_once = Weight::FULL.over_secs(0.0);
-                stage.crowd.reach(bearer, Reach::with(joint("leftHand")), target, at_once).expect("an arm");
+                stage
+                    .crowd
+                    .reach(bearer, Reach::with(joint("leftHand")), target, at_once)
+                    .expect("an arm");
             }
             if frame > 6 {
-                let transform =
-                    Trs { scale: [1.5, 0.7, 1.2], translation: [0.0, 0.1 * x, 0.1], ..Trs::IDENTITY };
-                let given =
-                    JointOverride { joint: joint("spine"), space: Space::Local, transform, weight: 0.5 };
+                let transform = Trs {
+                    scale: [1.5, 0.7, 1.2],
+                    translation: [0.0, 0.1 * x, 0.1],
+                    ..Trs::IDENTITY
+                };
+                let given = JointOverride {
+                    joint: joint("spine"),
+                    space: Space::Local,
+                    transform,
+                    weight: 0.5,
+                };
                 stage.crowd.override_joints(bearer, &[given]).expect("an override");
             }
             stage.update(0.05);
@@ -114,7 +131,8 @@ fn props_hang_on_props_four_levels_deep() {
     });
 }
 
-/// Eight who sway and reach, each with somebody in the hand who looks at the next one's and has somebody on the head.
+/// Eight who sway and reach, each with somebody in the hand who looks at the next one's and has
+/// somebody on the head.
 fn jugglers(stage: &mut Stage) -> Vec<Member> {
     let hats: Vec<Member> = (0..8).map(|_| stage.member(HERE)).collect();
     let mut all = hats.clone();
@@ -125,7 +143,10 @@ fn jugglers(stage: &mut Stage) -> Vec<Member> {
         for (member, name) in [(hat, "sway"), (rider, "walk"), (bearer, "sway")] {
             let phase = n as f32 * 0.11;
             let clip = stage.clip(name);
-            stage.crowd.play(member, clip, Play::looping().phase(phase)).expect("a clip that plays");
+            stage
+                .crowd
+                .play(member, clip, Play::looping().phase(phase))
+                .expect("a clip that plays");
         }
         let target = Target::InModel([0.4, 1.2 + 0.05 * n as f32, 0.3]);
         let reach = Reach::with(joint("leftHand"));
@@ -191,7 +212,8 @@ fn props_and_bearers_may_be_on_different_devices_and_move() {
             } else {
                 stage.crowd.move_to(devices[usize::from(frame % 2)]).expect("a device");
             }
-            let (frames, wanted) = (step(&mut stage, &members, frame), step(&mut twin, &twins, frame));
+            let (frames, wanted) =
+                (step(&mut stage, &members, frame), step(&mut twin, &twins, frame));
             assert!(frames == wanted, "frame {frame}, {schedule:?}");
             let (own, other) = (stage.models(members[0]), twin.models(twins[0]));
             assert_eq!(own, other, "joints that are read in frame {frame}, {schedule:?}");
@@ -205,11 +227,15 @@ fn others_see_a_prop_where_it_is_drawn() {
         let (prop, bearer) = (stage.member(HERE), stage.member(HERE));
         play(stage, bearer, "sway");
         attach(stage, prop, bearer, "leftHand");
-        stage.crowd.place(bearer, Placement::at([5.0, 1.0, 2.0]).facing(1.0).scaled(2.0)).expect("a bearer");
+        stage
+            .crowd
+            .place(bearer, Placement::at([5.0, 1.0, 2.0]).facing(1.0).scaled(2.0))
+            .expect("a bearer");
         let watch = stage.crowd.watch(prop, joint("head")).expect("a joint");
         stage.update(0.3);
         stage.crowd.finish().expect("a device");
-        let seen = stage.crowd.sighting(watch).expect("a device").expect("it was seen").world_from_joint;
+        let seen =
+            stage.crowd.sighting(watch).expect("a device").expect("it was seen").world_from_joint;
         let of_prop = |instance: &populace::Instance| instance.member == prop;
         let instance = stage.crowd.instances().find(of_prop).expect("it is drawn");
         let drawn = instance.world_from_model.mul(&stage.models(prop)[joint("head").index()]);
@@ -270,7 +296,8 @@ fn what_cannot_be_attached_is_refused_and_all_stays() {
     let head = joint("head");
     let mut refuses = |prop: Member, to: Member, joint: JointIndex, offset: Trs, told: &str| {
         let before = [prop, to].map(|member| stage.crowd.attached_to(member));
-        let error = stage.crowd.attach(prop, to, joint, offset).expect_err("it is refused").to_string();
+        let error =
+            stage.crowd.attach(prop, to, joint, offset).expect_err("it is refused").to_string();
         assert!(error.contains(told), "{error}");
         assert_eq!([prop, to].map(|member| stage.crowd.attached_to(member)), before);
     };

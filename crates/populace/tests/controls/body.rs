@@ -1,11 +1,12 @@
-//! A body of 1.8 m, with joints turned and scaled as files have them, and the crowds that it stands in.
+//! A body of 1.8 m, with joints turned and scaled as files have them, and the crowds that it stands
+//! in.
 
 use std::sync::Arc;
 
 use populace::core::math::{quat, vec3};
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
-    Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
+    Property, Skeleton, Track,
 };
 use populace::{Affine, Crowd, Device, JointIndex, Member, Placement, Schedule, Trs};
 
@@ -70,14 +71,17 @@ pub(crate) fn joint(name: &str) -> JointIndex {
     skeleton().find(name).expect("a joint of that name")
 }
 
-/// A clip that turns some joints to and fro about an axis of model space: name, axis, radians, part of a cycle.
+/// A clip that turns some joints to and fro about an axis of model space: name, axis, radians, part
+/// of a cycle.
 pub(crate) fn swing(name: &str, secs: f32, turns: &[(&str, [f32; 3], f32, f32)]) -> ClipSource {
     const KEYS: usize = 33;
     let skeleton = skeleton();
     let track = |&(name, axis, most, begin): &(&str, [f32; 3], f32, f32)| {
         let joint = skeleton.find(name).expect("a joint of that name");
         let rest = skeleton.rest(joint).rotation;
-        let parent = skeleton.parent(joint).map_or(quat::identity(), |p| axes(skeleton.source_from_joint(p)));
+        let parent = skeleton
+            .parent(joint)
+            .map_or(quat::identity(), |p| axes(skeleton.source_from_joint(p)));
         let axis = vec3::turned(quat::conjugate(parent), axis);
         let times = (0..KEYS).map(|key| key as f32 / (KEYS - 1) as f32 * secs);
         let value = |key: usize| {
@@ -129,13 +133,23 @@ pub(crate) fn character() -> Character {
             ],
         ),
     ];
-    let clips = sources.map(|source| Arc::new(Clip::new(source, &skeleton).expect("a good clip"))).to_vec();
+    let clips =
+        sources.map(|source| Arc::new(Clip::new(source, &skeleton).expect("a good clip"))).to_vec();
     let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
     let palette = skeleton.joints().map(entry).collect();
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
     let name = "body".into();
-    Character::new(CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips })
-        .expect("a good character")
+    Character::new(CharacterSource {
+        name,
+        skeleton,
+        palette,
+        parts,
+        materials,
+        images,
+        skins,
+        clips,
+    })
+    .expect("a good character")
 }
 
 /// A crowd of that body on one device.
@@ -190,11 +204,14 @@ pub(crate) fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
 
 /// The angle in degrees between two transforms' axes.
 pub(crate) fn turn_deg(a: &Affine, b: &Affine) -> f32 {
-    let column = |m: &Affine, c: usize| vec3::unit_or([m.rows[0][c], m.rows[1][c], m.rows[2][c]], [0.0; 3]);
+    let column =
+        |m: &Affine, c: usize| vec3::unit_or([m.rows[0][c], m.rows[1][c], m.rows[2][c]], [0.0; 3]);
     let trace: f32 = (0..3).map(|c| vec3::dot(column(a, c), column(b, c))).sum();
     // For small angles the arc's cosine is too coarse: the length of the difference tells it.
     let apart: f32 = (0..3)
-        .map(|c| vec3::dot(vec3::sub(column(a, c), column(b, c)), vec3::sub(column(a, c), column(b, c))))
+        .map(|c| {
+            vec3::dot(vec3::sub(column(a, c), column(b, c)), vec3::sub(column(a, c), column(b, c)))
+        })
         .sum();
     if trace > 2.9 {
         (apart / 2.0).sqrt().to_degrees()

@@ -18,9 +18,14 @@ pub(crate) fn feet() -> Feet {
 /// Rest height of the ankle in metres.
 const ANKLE: f32 = 0.08;
 
-/// Walks a member over a ground and returns how far a foot moved at most from one frame to the next while planted, how long
-/// feet were planted, and how near the ankle came to the ground and how far from where it should be while planted.
-fn walk(stage: &mut crate::body::Stage, height: impl Fn(f32, f32) -> f32, normal_y: f32) -> (f32, u32, f32) {
+/// Walks a member over a ground and returns how far a foot moved at most from one frame to the next
+/// while planted, how long feet were planted, and how near the ankle came to the ground and how far
+/// from where it should be while planted.
+fn walk(
+    stage: &mut crate::body::Stage,
+    height: impl Fn(f32, f32) -> f32,
+    normal_y: f32,
+) -> (f32, u32, f32) {
     let speed = 0.9;
     let at = |secs: f32| {
         let (x, z) = (0.3, -1.0 + speed * secs);
@@ -46,7 +51,8 @@ fn walk(stage: &mut crate::body::Stage, height: impl Fn(f32, f32) -> f32, normal
             if is_planted {
                 planted += 1;
                 moved = moved.max(last[foot].map_or(0.0, |last| distance(last, place)));
-                lifted = lifted.max((place[1] - height(place[0], place[2]) - ANKLE / normal_y).abs());
+                lifted =
+                    lifted.max((place[1] - height(place[0], place[2]) - ANKLE / normal_y).abs());
             }
             last[foot] = is_planted.then_some(place);
         }
@@ -61,7 +67,8 @@ fn planted_feet_stay_put_on_level_ground_and_on_a_slope() {
         for slopes in [[0.0, 0.0], [0.0, slope], [0.0, -slope], [slope * 0.7, slope * 0.7]] {
             stage.crowd.set_ground(&Ground::plane(0.2, slopes).expect("a plane")).expect("ground");
             let normal = vec3::unit_or([-slopes[0], 1.0, -slopes[1]], [0.0; 3]);
-            let (moved, planted, lifted) = walk(stage, |x, z| 0.2 + slopes[0] * x + slopes[1] * z, normal[1]);
+            let (moved, planted, lifted) =
+                walk(stage, |x, z| 0.2 + slopes[0] * x + slopes[1] * z, normal[1]);
             println!(
                 "slopes {slopes:?}: {moved} m a frame in {planted} planted frames, {lifted} m off the ground"
             );
@@ -77,13 +84,16 @@ fn feet_follow_a_height_field() {
     everywhere(|stage| {
         let height = |x: f32, z: f32| 0.1 * (x * 1.3).sin() + 0.08 * (z * 1.7).cos();
         let samples = (0..200_u16).flat_map(|row| {
-            (0..60_u16).map(move |column| (f32::from(column) * 0.05 - 1.0, f32::from(row) * 0.05 - 3.0))
+            (0..60_u16)
+                .map(move |column| (f32::from(column) * 0.05 - 1.0, f32::from(row) * 0.05 - 3.0))
         });
         let heights = samples.map(|(x, z)| height(x, z)).collect();
         let ground = Ground::height_field([-1.0, -3.0], 0.05, 60, heights).expect("a height field");
         stage.crowd.set_ground(&ground).expect("ground");
         let (moved, planted, lifted) = walk(stage, height, 1.0);
-        println!("heights: {moved} m a frame in {planted} planted frames, {lifted} m off the ground");
+        println!(
+            "heights: {moved} m a frame in {planted} planted frames, {lifted} m off the ground"
+        );
         // The ground is interpolated, and its slope is not in what is asked here.
         assert!(moved < 0.002 && planted > 50 && lifted < 0.006, "{moved} {planted} {lifted}");
     });
@@ -121,7 +131,8 @@ fn with_loose_feet() -> Character {
 fn roles(skeleton: &Skeleton) -> RoleMap {
     let leg = |side: Side| [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)];
     let legs = [leg(Side::Left), leg(Side::Right)].concat();
-    let names = ["leftUpperLeg", "leftLowerLeg", "leftFoot", "rightUpperLeg", "rightLowerLeg", "rightFoot"];
+    let names =
+        ["leftUpperLeg", "leftLowerLeg", "leftFoot", "rightUpperLeg", "rightLowerLeg", "rightFoot"];
     let mut all: Vec<_> = legs.into_iter().zip(names).collect();
     all.push((Role::Hips, "hips"));
     RoleMap::from_names(skeleton, &all).expect("hips and legs")
@@ -130,13 +141,16 @@ fn roles(skeleton: &Skeleton) -> RoleMap {
 #[test]
 fn feet_that_hang_elsewhere_are_planted_once_they_hang_on_legs() {
     let loose = with_loose_feet();
-    let hung = loose.with_feet_on_legs(&roles(&loose.skeleton)).expect("feet that can hang on legs");
+    let hung =
+        loose.with_feet_on_legs(&roles(&loose.skeleton)).expect("feet that can hang on legs");
     // It is the body that it was made of, joint for joint.
     let plain = character();
     assert_eq!(hung.palette.len(), plain.palette.len());
     for joint in plain.skeleton.joints() {
         let found = hung.skeleton.find(plain.skeleton.name(joint)).expect("a joint of that name");
-        let parent = |skeleton: &Skeleton, joint| skeleton.parent(joint).map(|p| skeleton.name(p).to_owned());
+        let parent = |skeleton: &Skeleton, joint| {
+            skeleton.parent(joint).map(|p| skeleton.name(p).to_owned())
+        };
         assert_eq!(parent(&hung.skeleton, found), parent(&plain.skeleton, joint));
         let (a, b) = (hung.skeleton.rest(found), plain.skeleton.rest(joint));
         assert!(distance(a.translation, b.translation) < 1e-5, "{a:?} {b:?}");
@@ -160,7 +174,13 @@ fn feet_that_hang_elsewhere_are_planted_once_they_hang_on_legs() {
         for _ in 0..20 {
             stage.update(0.05);
             let feet = members.map(|(id, member)| {
-                let foot = stage.crowd.character(id).expect("it").skeleton.find("leftFoot").expect("a foot");
+                let foot = stage
+                    .crowd
+                    .character(id)
+                    .expect("it")
+                    .skeleton
+                    .find("leftFoot")
+                    .expect("a foot");
                 stage.models(member)[foot.index()].origin()
             });
             assert!(distance(feet[0], feet[1]) < 1e-4, "{feet:?}");

@@ -16,7 +16,8 @@ pub(crate) fn gaze() -> Gaze {
 /// Where a joint faces in model space, of all joints at rest and now.
 fn facing(rest: &[Affine], now: &[Affine], name: &str) -> [f32; 3] {
     let at = joint(name).index();
-    // Axes are at right angles and of length 1, so rows of the rest times +Z give +Z in the joint's space.
+    // Axes are at right angles and of length 1, so rows of the rest times +Z give +Z in the joint's
+    // space.
     let own = [0, 1, 2].map(|c| rest[at].rows[2][c]);
     vec3::unit_or(now[at].transform_vector(own), [0.0; 3])
 }
@@ -60,7 +61,10 @@ fn the_head_faces_its_target_within_the_limits() {
             let to = [yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos()];
             let target = vec3::add_scaled(head, to, far);
             let weight = Weight::FULL.over_secs(0.0);
-            stage.crowd.look_with(member, &gaze(), Target::InModel(target), weight).expect("a gaze");
+            stage
+                .crowd
+                .look_with(member, &gaze(), Target::InModel(target), weight)
+                .expect("a gaze");
             stage.update(0.0);
             let now = stage.models(member);
             let wanted = vec3::sub(target, now[joint("head").index()].origin());
@@ -135,7 +139,9 @@ fn a_gaze_eases_in_over_and_out() {
         stage.crowd.play(twin, clip, Play::looping()).expect("a clip that plays");
         stage.update(1.0); // five seconds of a clip of two on the one, one second on the other
         let (now, then) = (stage.models(member), stage.models(twin));
-        let apart = |name: &str| crate::body::turn_deg(&now[joint(name).index()], &then[joint(name).index()]);
+        let apart = |name: &str| {
+            crate::body::turn_deg(&now[joint(name).index()], &then[joint(name).index()])
+        };
         assert!(
             ["spine", "chest", "neck", "head"].into_iter().all(|name| apart(name) < 0.05),
             "{}",
@@ -152,11 +158,17 @@ fn a_member_looks_at_anothers_hand() {
         let clip = stage.clip("sway");
         stage.crowd.play(other, clip, Play::looping()).expect("a clip that plays");
         let target = Target::Joint { member: other, joint: joint("leftHand") };
-        stage.crowd.look_with(member, &gaze(), target, Weight::FULL.over_secs(0.0)).expect("a gaze");
+        stage
+            .crowd
+            .look_with(member, &gaze(), target, Weight::FULL.over_secs(0.0))
+            .expect("a gaze");
         for step in 0..20 {
             let world = stage.crowd.placement(other).expect("a member").world_from_model();
-            let hand =
-                if step > 0 { Some(world.transform_point(stage.place(other, "leftHand"))) } else { None };
+            let hand = if step > 0 {
+                Some(world.transform_point(stage.place(other, "leftHand")))
+            } else {
+                None
+            };
             stage.update(1.0 / 30.0);
             let now = stage.models(member);
             let world = stage.crowd.placement(member).expect("a member").world_from_model();

@@ -48,7 +48,11 @@ fn a_crowd_that_moves_goes_on_as_one_that_stayed() {
             let device = if frame % 40 == 10 { Device::opencl(0) } else { Device::native() };
             stage.crowd.move_to(device).expect("a device");
         }
-        assert_eq!(step(&mut stage, &members, frame), step(&mut twin, &twins, frame), "frame {frame}");
+        assert_eq!(
+            step(&mut stage, &members, frame),
+            step(&mut twin, &twins, frame),
+            "frame {frame}"
+        );
     }
 }
 
@@ -62,6 +66,10 @@ fn members_of_several_devices_keep_their_feet_and_see_each_other() {
         // Members change over to and fro.
         let share = f64::from(frame % 7 + 1) / 9.0;
         stage.crowd.set_split(&Split::Fixed(vec![share, 1.0 - share])).expect("shares");
-        assert_eq!(step(&mut stage, &members, frame), step(&mut twin, &twins, frame), "frame {frame}");
+        assert_eq!(
+            step(&mut stage, &members, frame),
+            step(&mut twin, &twins, frame),
+            "frame {frame}"
+        );
     }
 }

@@ -39,8 +39,11 @@ fn a_joint_goes_where_the_host_has_it_and_what_hangs_on_it_follows() {
             let (with, without) = (stage.models(member), stage.models(twin));
             let at = joint("chest");
             let wanted = Affine::from_trs(&o.transform);
-            let wanted =
-                if space == Space::Local { with[joint("spine").index()].mul(&wanted) } else { wanted };
+            let wanted = if space == Space::Local {
+                with[joint("spine").index()].mul(&wanted)
+            } else {
+                wanted
+            };
             let apart = with[at.index()].rows.as_flattened().iter().zip(wanted.rows.as_flattened());
             assert!(apart.clone().all(|(a, b)| (a - b).abs() < 1e-6), "{space:?}: {apart:?}");
             for other in skeleton().joints() {
@@ -72,7 +75,10 @@ fn weights_lead_from_the_clip_to_the_override() {
             stage.update(0.0);
             let at = joint("leftUpperArm").index();
             let (from, mut last) = (stage.models(member)[at], None::<Affine>);
-            stage.crowd.override_joints(member, &[given("leftUpperArm", space, 1.0)]).expect("an override");
+            stage
+                .crowd
+                .override_joints(member, &[given("leftUpperArm", space, 1.0)])
+                .expect("an override");
             stage.update(0.0);
             let to = stage.models(member)[at];
             for step in 0..=16_u8 {
@@ -81,16 +87,31 @@ fn weights_lead_from_the_clip_to_the_override() {
                 stage.update(0.0);
                 let now = stage.models(member)[at];
                 if step == 0 {
-                    assert!(distance(now.origin(), from.origin()) < 1e-6 && turn_deg(&now, &from) < 1e-3);
+                    assert!(
+                        distance(now.origin(), from.origin()) < 1e-6
+                            && turn_deg(&now, &from) < 1e-3
+                    );
                 }
-                let part = distance(from.origin(), now.origin()) / distance(from.origin(), to.origin());
-                assert!((part - o.weight).abs() < 1e-3, "{space:?}: {part} of the way at {}", o.weight);
+                let part =
+                    distance(from.origin(), now.origin()) / distance(from.origin(), to.origin());
+                assert!(
+                    (part - o.weight).abs() < 1e-3,
+                    "{space:?}: {part} of the way at {}",
+                    o.weight
+                );
                 if let Some(last) = last {
                     let turned = turn_deg(&last, &now);
-                    assert!((0.5..20.0).contains(&turned), "{space:?}: {turned} degrees in a sixteenth");
+                    assert!(
+                        (0.5..20.0).contains(&turned),
+                        "{space:?}: {turned} degrees in a sixteenth"
+                    );
                 }
-                let sizes = [0, 1, 2].map(|c| vec3::length([now.rows[0][c], now.rows[1][c], now.rows[2][c]]));
-                assert!(sizes.iter().all(|s| (0.89..1.11).contains(s)), "{space:?}: {sizes:?} long axes");
+                let sizes = [0, 1, 2]
+                    .map(|c| vec3::length([now.rows[0][c], now.rows[1][c], now.rows[2][c]]));
+                assert!(
+                    sizes.iter().all(|s| (0.89..1.11).contains(s)),
+                    "{space:?}: {sizes:?} long axes"
+                );
                 last = Some(now);
             }
             assert_eq!(last, Some(to), "{space:?}");

@@ -17,7 +17,8 @@ fn a_target_within_reach_is_met() {
         let member = stage.member(placement);
         let clip = stage.clip("sway");
         stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
-        let reach = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
+        let reach =
+            Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
         let mut worst: f32 = 0.0;
         for step in 0..60u8 {
             let x = f32::from(step);
@@ -26,7 +27,8 @@ fn a_target_within_reach_is_met() {
             stage.update(0.05);
             let shoulder = stage.place(member, "leftUpperArm");
             let far = LENGTH * (0.15 + 0.8 * (x * 0.31).sin().abs());
-            let target: [f32; 3] = std::array::from_fn(|c| shoulder[c] + direction[c] / length * far);
+            let target: [f32; 3] =
+                std::array::from_fn(|c| shoulder[c] + direction[c] / length * far);
             let aim = if step % 2 == 0 {
                 Target::InModel(target)
             } else {
@@ -42,7 +44,8 @@ fn a_target_within_reach_is_met() {
     });
 }
 
-/// Turns of the arm's joints between one step and the next while a target moves out of reach and back at 0.2 m/s.
+/// Turns of the arm's joints between one step and the next while a target moves out of reach and
+/// back at 0.2 m/s.
 fn largest_turns(stage: &mut Stage, step_secs: f32) -> (f32, f32) {
     let member = stage.member(Placement::at([0.0; 3]));
     let reach = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
@@ -52,10 +55,14 @@ fn largest_turns(stage: &mut Stage, step_secs: f32) -> (f32, f32) {
     let mut last: Option<Vec<populace::Affine>> = None;
     let mut secs = 0.0;
     while secs < 4.0 {
-        // From 0.2 m before the shoulder to 0.6 m, past the arm's length, and to the side all the while.
+        // From 0.2 m before the shoulder to 0.6 m, past the arm's length, and to the side all the
+        // while.
         let out = if secs < 2.0 { 0.2 + 0.2 * secs } else { 1.0 - 0.2 * secs };
         let target = [shoulder[0] + 0.3 * out, shoulder[1] - 0.2 * out, shoulder[2] + 0.93 * out];
-        stage.crowd.reach(member, reach, Target::InModel(target), at_once()).expect("a limb that reaches");
+        stage
+            .crowd
+            .reach(member, reach, Target::InModel(target), at_once())
+            .expect("a limb that reaches");
         stage.update(step_secs);
         let now = stage.models(member);
         if let Some(last) = &last {
@@ -80,7 +87,10 @@ fn a_target_that_moves_through_and_out_of_range_never_makes_the_arm_jump() {
         let (_, half) = largest_turns(stage, 1.0 / 120.0);
         println!("inside {inside} degrees a step, anywhere {whole}, with half the step {half}");
         assert!(inside < 2.0, "{inside} degrees in a step");
-        assert!((0.4..0.6).contains(&(half / whole)), "{whole} degrees in a step, {half} in half of one");
+        assert!(
+            (0.4..0.6).contains(&(half / whole)),
+            "{whole} degrees in a step, {half} in half of one"
+        );
     });
 }
 
@@ -88,9 +98,13 @@ fn a_target_that_moves_through_and_out_of_range_never_makes_the_arm_jump() {
 fn beyond_its_length_an_arm_straightens_towards_the_target() {
     everywhere(|stage| {
         let member = stage.member(Placement::at([0.0; 3]));
-        let reach = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
+        let reach =
+            Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
         let target = [1.0, 4.0, 5.0];
-        stage.crowd.reach(member, reach, Target::InModel(target), at_once()).expect("a limb that reaches");
+        stage
+            .crowd
+            .reach(member, reach, Target::InModel(target), at_once())
+            .expect("a limb that reaches");
         stage.update(0.1);
         let [shoulder, hand] = ["leftUpperArm", "leftHand"].map(|name| stage.place(member, name));
         let straight = distance(shoulder, hand) / LENGTH;

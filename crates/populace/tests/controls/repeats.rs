@@ -46,7 +46,9 @@ fn a_moving_target_is_met_once_the_ease_is_over() {
             let crowd = &mut stage.crowd;
             crowd.reach(limb, arm, Target::InModel(point), easing()).expect("an arm");
             crowd.reach(in_world, arm, there, easing()).expect("an arm");
-            crowd.reach_with_chain(chain, shoulder, hand, Target::InModel(point), easing()).expect("a chain");
+            crowd
+                .reach_with_chain(chain, shoulder, hand, Target::InModel(point), easing())
+                .expect("a chain");
             stage.update(FRAME_SECS);
             let [limb, in_world, chain] = [limb, in_world, chain].map(|m| missed(stage, m, point));
             if frame + 1 >= EASE {
@@ -108,7 +110,10 @@ fn calls_far_apart_or_told_to_ease_over_to_another_point() {
         stage.crowd.reach(soon, arm, Target::InModel(first), easing()).expect("an arm");
         stage.update(0.2);
         stage.crowd.reach(late, arm, Target::InModel(second), easing()).expect("an arm");
-        stage.crowd.reach(soon, arm, Target::InModel(second), easing().easing_over()).expect("an arm");
+        stage
+            .crowd
+            .reach(soon, arm, Target::InModel(second), easing().easing_over())
+            .expect("an arm");
         for member in [late, soon] {
             stage.update(0.0);
             assert!(missed(stage, member, first) < 1e-3, "it has jumped");
@@ -135,8 +140,11 @@ fn a_weight_that_changes_eases_from_where_it_is() {
         let target = Target::InModel([0.5, 1.2, 0.35]);
         let mut last = None;
         for frame in 0..6 * EASE {
-            let weight =
-                if (frame / 20).is_multiple_of(2) { easing() } else { Weight::new(0.3).expect("a weight") };
+            let weight = if (frame / 20).is_multiple_of(2) {
+                easing()
+            } else {
+                Weight::new(0.3).expect("a weight")
+            };
             stage.crowd.reach(member, arm, target, weight).expect("an arm");
             stage.update(FRAME_SECS);
             let hand = stage.place(member, "leftHand");
@@ -164,7 +172,8 @@ fn calls_that_say_the_same_again_change_nothing() {
                 // Each of these is to go on, not to begin over: looks, stands, carries and weighs,
                 // then lets go.
                 let (begins, ends, stops) = (frame == 0, frame == 50, frame == 90);
-                let says = |at: bool, from: u8, to: u8| at || (nth == 1 && (from..to).contains(&frame));
+                let says =
+                    |at: bool, from: u8, to: u8| at || (nth == 1 && (from..to).contains(&frame));
                 let crowd = &mut stage.crowd;
                 if says(begins, 0, 50) {
                     let target = Target::Joint { member: torch, joint: joint("head") };
@@ -189,6 +198,10 @@ fn calls_that_say_the_same_again_change_nothing() {
                 assert!(a == b, "frame {frame}");
             }
         }
-        assert_eq!(stage.crowd.playing(ever).expect("a member").len(), 1, "the layer has faded out");
+        assert_eq!(
+            stage.crowd.playing(ever).expect("a member").len(),
+            1,
+            "the layer has faded out"
+        );
     });
 }

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use populace::{
-    Feet, Foot, Gaze, GazeLimits, Ground, JointOverride, Member, Placement, Play, Reach, Space, Target, Trs,
-    Weight,
+    Feet, Foot, Gaze, GazeLimits, Ground, JointOverride, Member, Placement, Play, Reach, Space,
+    Target, Trs, Weight,
 };
 
 use crate::body::{Stage, everywhere, joint};
@@ -48,7 +48,8 @@ fn constrain(stage: &mut Stage, member: Member, number: u8, watched: Option<Memb
     crowd.plant_with(member, &feet(if number % 5 == 4 { 0.6 } else { 1.0 })).expect("feet");
     let hand = [0.3 * x.sin() + 0.2, 1.2 + 0.4 * (x * 0.6).cos(), 0.4];
     if number.is_multiple_of(2) {
-        let mut reach = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
+        let mut reach =
+            Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
         if number.is_multiple_of(4) {
             reach = reach.pole([0.2, -1.0, 0.1 * x]);
         }
@@ -56,7 +57,8 @@ fn constrain(stage: &mut Stage, member: Member, number: u8, watched: Option<Memb
     }
     if number.is_multiple_of(3) {
         let transform = Trs { translation: [0.0, 0.1, 0.05], ..Trs::IDENTITY };
-        let given = JointOverride { joint: joint("leftEye"), space: Space::Model, transform, weight: 0.4 };
+        let given =
+            JointOverride { joint: joint("leftEye"), space: Space::Model, transform, weight: 0.4 };
         crowd.override_joints(member, &[given]).expect("an override");
     }
 }
@@ -65,11 +67,15 @@ fn constrain(stage: &mut Stage, member: Member, number: u8, watched: Option<Memb
 fn every_device_and_schedule_moves_a_constrained_crowd_to_the_same_bits() {
     let first: RefCell<Option<Vec<u32>>> = RefCell::new(None);
     everywhere(|stage| {
-        stage.crowd.set_ground(&Ground::plane(0.05, [0.1, -0.15]).expect("a plane")).expect("ground");
+        stage
+            .crowd
+            .set_ground(&Ground::plane(0.05, [0.1, -0.15]).expect("a plane"))
+            .expect("ground");
         let mut members = Vec::new();
         for number in 0..16u8 {
             let x = f32::from(number);
-            let placement = Placement::at([x, 0.05 + 0.1 * x, 0.0]).facing(x).scaled(0.9 + 0.02 * x);
+            let placement =
+                Placement::at([x, 0.05 + 0.1 * x, 0.0]).facing(x).scaled(0.9 + 0.02 * x);
             let member = stage.member(placement);
             let clip = stage.clip(if number % 2 == 0 { "walk" } else { "sway" });
             stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
@@ -87,12 +93,16 @@ fn every_device_and_schedule_moves_a_constrained_crowd_to_the_same_bits() {
         let mut first = first.borrow_mut();
         let expected = first.get_or_insert_with(|| bits.clone());
         let apart = expected.iter().zip(&bits).filter(|(a, b)| a != b).count();
-        assert_eq!((apart, expected.len()), (0, bits.len()), "numbers that differ from the first stage's");
+        assert_eq!(
+            (apart, expected.len()),
+            (0, bits.len()),
+            "numbers that differ from the first stage's"
+        );
     });
 }
 
-/// Members whose constraints are solved side by side do not touch each other: alike ones come out alike, whoever stands
-/// beside them, as many as no work-item takes one by one.
+/// Members whose constraints are solved side by side do not touch each other: alike ones come out
+/// alike, whoever stands beside them, as many as no work-item takes one by one.
 #[test]
 fn nobody_is_moved_by_who_stands_beside_them() {
     const KINDS: u8 = 16;
@@ -128,7 +138,8 @@ fn nobody_is_moved_by_who_stands_beside_them() {
         let mut of_kind: Vec<Vec<u32>> = vec![Vec::new(); usize::from(KINDS)];
         for (number, member) in &members {
             let palette = stage.crowd.palette(*member).expect("a palette");
-            let bits: Vec<u32> = palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect();
+            let bits: Vec<u32> =
+                palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect();
             let kind = &mut of_kind[usize::from(*number)];
             if kind.is_empty() {
                 *kind = bits;

@@ -1,4 +1,5 @@
-//! Nothing jumps: neither from state to state, however parameters change, nor as machines come and go.
+//! Nothing jumps: neither from state to state, however parameters change, nor as machines come and
+//! go.
 
 use populace::{Member, Play};
 use populace_testkit::Rng;
@@ -30,10 +31,14 @@ fn no_joint_jumps_however_fast_parameters_change() {
         stage.crowd.set_parameter(member, "jump", random.between(-1.0, 1.0) as f32).unwrap();
         worst = worst.max(step(&mut stage, member));
         if &*stage.crowd.state_of(member, 0).unwrap() == "sit" {
-            stage.crowd.run_machine(member, stage.machine, Play::looping().fade_in_secs(0.2)).unwrap();
+            stage
+                .crowd
+                .run_machine(member, stage.machine, Play::looping().fade_in_secs(0.2))
+                .unwrap();
         }
     }
-    // A fade takes 24 steps at least, between poses that are 2 rad apart at most, and clips move meanwhile.
+    // A fade takes 24 steps at least, between poses that are 2 rad apart at most, and clips move
+    // meanwhile.
     assert!(worst < 0.15, "{worst}");
     assert!(worst > 0.02, "nothing moved: {worst}");
 }
@@ -52,7 +57,11 @@ fn machines_fade_in_over_clips_and_out_under_them() {
         for _ in 0..100 {
             worst = worst.max(step(&mut stage, member));
         }
-        assert_eq!(stage.crowd.playing(member).unwrap(), [], "what a machine plays only the device knows");
+        assert_eq!(
+            stage.crowd.playing(member).unwrap(),
+            [],
+            "what a machine plays only the device knows"
+        );
         let hand = stage.member(0);
         stage.crowd.play(hand, walk, Play::looping()).unwrap();
         stage.crowd.play(member, walk, Play::looping().fade_in_secs(0.3)).unwrap();
@@ -101,7 +110,8 @@ fn the_weight_of_a_machine_is_that_of_a_clip() {
     }
 }
 
-/// Members of few slots whose clips, blends and machines run into each other, at steps of that length: the worst.
+/// Members of few slots whose clips, blends and machines run into each other, at steps of that
+/// length: the worst.
 fn scarce(slots: usize, steps_per_sec: u16) -> f32 {
     let mut stage = Stage::new(&on_native().slots_per_member(slots));
     let (member, mut random, mut worst) = (stage.member(0), Rng::new(slots as u64), 0.0_f32);

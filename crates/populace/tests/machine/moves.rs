@@ -10,7 +10,12 @@ fn members(stage: &mut Stage) -> Vec<(Member, Interpreter)> {
     (0..12).map(|n| (stage.runner(n % 2), Interpreter::new())).collect()
 }
 
-fn frames(stage: &mut Stage, members: &mut [(Member, Interpreter)], random: &mut Rng, count: usize) {
+fn frames(
+    stage: &mut Stage,
+    members: &mut [(Member, Interpreter)],
+    random: &mut Rng,
+    count: usize,
+) {
     for _ in 0..count {
         for (member, own) in members.iter_mut() {
             if random.chance(0.1) {
@@ -46,7 +51,8 @@ fn states_move_with_the_crowd() {
     for devices in devices() {
         frames(&mut stays, &mut stay, &mut randoms[0], 31);
         frames(&mut moves, &mut moved, &mut randoms[1], 31);
-        // There and on before anything ran there, while one begins that no device knows of and one leaves.
+        // There and on before anything ran there, while one begins that no device knows of and one
+        // leaves.
         let (late, gone) = (moves.runner(0), moves.runner(1));
         moves.crowd.move_to(Device::native()).unwrap();
         moves.crowd.move_to(devices).unwrap();

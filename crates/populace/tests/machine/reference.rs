@@ -1,4 +1,5 @@
-//! What machines do is what an interpreter says, and what they show is what the same clips played by hand do.
+//! What machines do is what an interpreter says, and what they show is what the same clips played
+//! by hand do.
 
 use populace::core::ticks_from_secs;
 use populace::{Member, Play};
@@ -39,7 +40,12 @@ fn a_machine_shows_what_the_same_clips_played_by_hand_do() {
                 // A cut shows at once; by hand nobody could have known of it before the frame.
                 if taken != Some(0.0) && (frame % 3 == 0 || taken.is_some()) {
                     let (wanted, found) = (stage.bits(hand), stage.bits(machine));
-                    assert_eq!(found, wanted, "frame {frame}, {own:?}, {:?}", stage.crowd.schedule());
+                    assert_eq!(
+                        found,
+                        wanted,
+                        "frame {frame}, {own:?}, {:?}",
+                        stage.crowd.schedule()
+                    );
                 }
                 if let Some(fade_secs) = taken {
                     seen.insert(own.state);
@@ -57,7 +63,8 @@ fn a_thousand_members_go_their_own_ways_on_every_device() {
     for builder in everywhere() {
         let mut stage = Stage::new(&builder);
         let mut random = Rng::new(7);
-        let mut members: Vec<_> = (0..1000).map(|n| (stage.runner(n % 2), Interpreter::new())).collect();
+        let mut members: Vec<_> =
+            (0..1000).map(|n| (stage.runner(n % 2), Interpreter::new())).collect();
         let mut bits = Vec::new();
         for frame in 0..300 {
             for (member, own) in &mut members {
@@ -72,7 +79,11 @@ fn a_thousand_members_go_their_own_ways_on_every_device() {
             }
             for _ in 0..3 {
                 let (member, own) = &members[random.below(1000)];
-                assert_eq!(&*stage.crowd.state_of(*member, 0).unwrap(), own.state, "frame {frame}, {own:?}");
+                assert_eq!(
+                    &*stage.crowd.state_of(*member, 0).unwrap(),
+                    own.state,
+                    "frame {frame}, {own:?}"
+                );
             }
             if frame % 60 == 59 {
                 bits.extend((0..1000).step_by(50).flat_map(|n| stage.bits(members[n].0)));

@@ -24,10 +24,16 @@ fn machines_that_cannot_be() {
         (plain.clone().parameter("speed", 1.0), "two parameters \"speed\""),
         (plain.clone().parameter("turn", f32::NAN), "is NaN"),
         (eight, "has 9 parameters"),
-        (plain.clone().transition("idle", "idel", 0.1, &[]), "no state \"idel\"; did you mean \"idle\""),
+        (
+            plain.clone().transition("idle", "idel", 0.1, &[]),
+            "no state \"idel\"; did you mean \"idle\"",
+        ),
         (plain.clone().transition("walk", "idle", 0.1, &[]), "no state \"walk\""),
         (plain.clone().transition_from_any("run", 0.1, &[]), "no state \"run\""),
-        (plain.clone().transition("idle", "idle", f32::NAN, &[]), "the fade of a transition is NaN"),
+        (
+            plain.clone().transition("idle", "idle", f32::NAN, &[]),
+            "the fade of a transition is NaN",
+        ),
         (plain.clone().transition("idle", "idle", -0.1, &[]), "the fade of a transition is -0.1"),
         (to_idle(Condition::above("sped", 0.1)), "no parameter \"sped\"; did you mean \"speed\""),
         (to_idle(Condition::above("speed", f32::INFINITY)), "is inf"),
@@ -42,7 +48,10 @@ fn machines_that_cannot_be() {
     let other = Stage::new(&on_native());
     assert_says(stage.crowd.add_machine(&machine(&other.clips)), "there is no clip");
     let member = stage.member(0);
-    assert_says(stage.crowd.run_machine(member, other.machine, Play::looping()), "there is no state machine");
+    assert_says(
+        stage.crowd.run_machine(member, other.machine, Play::looping()),
+        "there is no state machine",
+    );
 }
 
 #[test]

@@ -1,11 +1,12 @@
-//! A machine of six states, crowds that run it, and an interpreter that knows nothing of how devices do.
+//! A machine of six states, crowds that run it, and an interpreter that knows nothing of how
+//! devices do.
 
 use std::sync::Arc;
 
 use populace::core::{Character, CharacterSource, JointSource, Skeleton, TICKS_PER_SEC};
 use populace::{
-    CharacterId, ClipId, Condition, Crowd, CrowdBuilder, Device, Devices, MachineId, Member, Placement, Play,
-    Schedule, Split, StateMachine, Trs,
+    CharacterId, ClipId, Condition, Crowd, CrowdBuilder, Device, Devices, MachineId, Member,
+    Placement, Play, Schedule, Split, StateMachine, Trs,
 };
 
 use crate::arm::{Motion, character, skeleton};
@@ -17,7 +18,11 @@ pub(crate) fn motions() -> Vec<Motion> {
     let motion = |name, duration_secs, turns: [&[f32]; 4]| {
         let axes = [[1.0, 0.2, 0.0], [0.0, 1.0, 0.3], [0.5, 0.0, 1.0], [1.0, 1.0, 0.0]];
         let mut axes = axes.into_iter();
-        Motion { name, duration_secs, turns: turns.map(|angles| (axes.next().unwrap(), angles.to_vec())) }
+        Motion {
+            name,
+            duration_secs,
+            turns: turns.map(|angles| (axes.next().unwrap(), angles.to_vec())),
+        }
     };
     vec![
         motion("idle", 2.0, [&[0.0, 0.1, 0.0], &[0.05], &[0.1, 0.0, 0.1], &[0.0, 0.05, 0.0]]),
@@ -115,7 +120,8 @@ impl Interpreter {
         let leads_out =
             |from: Option<&str>, to: &str| from.map_or(to != self.state, |from| from == self.state);
         let mut ways = WAYS.iter();
-        let (_, to, fade_secs, _) = ways.find(|(f, to, _, t)| leads_out(*f, to) && t.iter().all(holds))?;
+        let (_, to, fade_secs, _) =
+            ways.find(|(f, to, _, t)| leads_out(*f, to) && t.iter().all(holds))?;
         (self.state, self.ticks_in_state, self.fade_ticks) = (to, 0, ticks(*fade_secs));
         Some(*fade_secs)
     }

@@ -1,11 +1,17 @@
 //! Root motion: members that their clips move, on every device and schedule.
-#![expect(clippy::disallowed_methods, reason = "tests have no need of the same bits on every machine")]
+#![expect(
+    clippy::disallowed_methods,
+    reason = "tests have no need of the same bits on every machine"
+)]
 #![expect(
     clippy::expect_used,
     dead_code,
     reason = "a test that cannot go on fails; bodies are shared with others"
 )]
-#![expect(clippy::print_stdout, reason = "what is measured is for those who run tests with --nocapture")]
+#![expect(
+    clippy::print_stdout,
+    reason = "what is measured is for those who run tests with --nocapture"
+)]
 
 #[path = "../controls/body.rs"]
 mod body;
@@ -18,8 +24,8 @@ use std::sync::Arc;
 use body::{Stage, character, distance, everywhere, joint};
 use populace::core::{Clip, ClipSource, Interpolation, Property, Track};
 use populace::{
-    Affine, ClipId, Condition, Crowd, Device, LayerMode, LayerSettings, Mask, Member, MotionSettings,
-    MotionSource, Placement, Play, Split, StateMachine,
+    Affine, ClipId, Condition, Crowd, Device, LayerMode, LayerSettings, Mask, Member,
+    MotionSettings, MotionSource, Placement, Play, Split, StateMachine,
 };
 
 const SECS: f32 = 1.0;
@@ -75,7 +81,11 @@ fn carried(cycles: f32) -> Affine {
     let yaw = TURN * cycles;
     let (sin, cos) = yaw.sin_cos();
     Affine {
-        rows: [[cos, 0.0, sin, RADIUS * (1.0 - cos)], [0.0, 1.0, 0.0, 0.0], [-sin, 0.0, cos, RADIUS * sin]],
+        rows: [
+            [cos, 0.0, sin, RADIUS * (1.0 - cos)],
+            [0.0, 1.0, 0.0, 0.0],
+            [-sin, 0.0, cos, RADIUS * sin],
+        ],
     }
 }
 
@@ -147,12 +157,17 @@ fn a_watch_that_was_let_go_of_touches_nobody_elses() {
 fn members_are_placed_let_go_and_moved_on() {
     everywhere(|stage| {
         let (_, walk) = add(stage, straight("walk ahead", 1.0));
-        let member = stage.member(Placement::at([5.0, 0.0, 0.0]).facing(std::f32::consts::FRAC_PI_2));
+        let member =
+            stage.member(Placement::at([5.0, 0.0, 0.0]).facing(std::f32::consts::FRAC_PI_2));
         stage.crowd.play(member, walk, Play::looping()).expect("a clip");
         let at = |stage: &mut Stage, wanted: [f32; 3]| {
             let hips = stage.models(member)[joint("hips").index()].origin();
-            let drawn =
-                stage.crowd.placement(member).expect("a member").world_from_model().transform_point(hips);
+            let drawn = stage
+                .crowd
+                .placement(member)
+                .expect("a member")
+                .world_from_model()
+                .transform_point(hips);
             let ([x, _, z], [a, _, b]) = (drawn, wanted);
             assert!((x - a).abs() < 1e-4 && (z - b).abs() < 1e-4, "{drawn:?} is not at {wanted:?}");
         };
@@ -232,7 +247,8 @@ fn members_stay_where_they_are_on_a_move_before_the_newest_were_ever_evaluated()
         let newest: Vec<_> = (0..9).map(|_| walker(stage, walk)).collect();
         let devices = stage.crowd.devices().clone();
         stage.crowd.move_to(devices).expect("another of its kind");
-        let z = |stage: &mut Stage, member| stage.crowd.moved(member).expect("a member").position()[2];
+        let z =
+            |stage: &mut Stage, member| stage.crowd.moved(member).expect("a member").position()[2];
         assert!((z(stage, first) - 0.5).abs() < 1e-4, "{} before the next frame", z(stage, first));
         stage.update(0.25);
         assert!((z(stage, first) - 0.75).abs() < 1e-4, "{} after it", z(stage, first));
@@ -243,13 +259,21 @@ fn members_stay_where_they_are_on_a_move_before_the_newest_were_ever_evaluated()
 #[test]
 fn feet_that_walk_in_place_set_the_pace() {
     let skeleton = character().skeleton.clone();
-    let clip = character().clips.iter().find(|clip| clip.name() == "walk").map(Arc::clone).expect("a walk");
+    let clip = character()
+        .clips
+        .iter()
+        .find(|clip| clip.name() == "walk")
+        .map(Arc::clone)
+        .expect("a walk");
     let settings = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
     let moved = clip.with_root_motion(&settings).expect("feet that are known by name");
     let speed = moved.stats().ground_speed_m_per_sec.expect("a speed");
     let (end, yaw) = moved.root_motion().expect("a motion").at(SECS);
     assert_eq!((end[0], end[1], yaw), (0.0, 0.0, 0.0));
-    assert!((end[2] - speed * moved.duration_secs()).abs() < 1e-5 && speed.abs() > 0.1, "{end:?} {speed}");
+    assert!(
+        (end[2] - speed * moved.duration_secs()).abs() < 1e-5 && speed.abs() > 0.1,
+        "{end:?} {speed}"
+    );
     assert_eq!(moved.skeleton().joint_count(), skeleton.joint_count());
 }
 
@@ -279,7 +303,10 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
         let secs = 0.02 * f32::from(n % 3);
         let later = Play::looping().after_secs(0.31 + 0.07 * f32::from(n));
         match n % 4 {
-            3 => stage.crowd.run_machine(member, machine, later.fade_in_secs(secs)).expect("a machine"),
+            3 => stage
+                .crowd
+                .run_machine(member, machine, later.fade_in_secs(secs))
+                .expect("a machine"),
             2 => stage.crowd.play(member, curve, later.settle_in_secs(0.1 + secs)).expect("a clip"),
             _ => stage.crowd.play(member, curve, later.fade_in_secs(secs)).expect("a clip"),
         };
@@ -289,7 +316,8 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
 
 fn step(stage: &mut Stage, members: &[Member]) -> Vec<u32> {
     stage.update(1.0 / 60.0);
-    let palettes = members.iter().flat_map(|&member| stage.crowd.palette(member).expect("a palette"));
+    let palettes =
+        members.iter().flat_map(|&member| stage.crowd.palette(member).expect("a palette"));
     palettes.flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
 }
 
@@ -302,8 +330,12 @@ fn every_device_and_schedule_moves_members_to_the_same_bits() {
     let first: RefCell<Option<Vec<Vec<u32>>>> = RefCell::new(None);
     everywhere(|stage| {
         let (device, schedule) = (stage.crowd.devices().clone(), stage.crowd.schedule());
-        let crowd =
-            Crowd::builder().devices(device).schedule(schedule).capacity(16).build().expect("a crowd");
+        let crowd = Crowd::builder()
+            .devices(device)
+            .schedule(schedule)
+            .capacity(16)
+            .build()
+            .expect("a crowd");
         let (mut stage, members) = walkers(crowd);
         let bits: Vec<_> = (0..90).map(|_| step(&mut stage, &members)).collect();
         let mut first = first.borrow_mut();

@@ -6,8 +6,12 @@ use super::*;
 fn long_steps_runs_that_end_and_runs_backwards_arrive_where_short_ones_do() {
     everywhere(|stage| {
         let (_, taken) = add(stage, curve());
-        let plays =
-            [Play::looping().phase(0.5), Play::looping().speed(-1.3), Play::once(), Play::once().speed(-0.6)];
+        let plays = [
+            Play::looping().phase(0.5),
+            Play::looping().speed(-1.3),
+            Play::once(),
+            Play::once().speed(-0.6),
+        ];
         let cycles = [7.2, -7.2 * 1.3, 1.0, -1.0];
         let members = plays.map(|play| {
             let member = stage.member(Placement::at([0.0; 3]));
@@ -16,10 +20,15 @@ fn long_steps_runs_that_end_and_runs_backwards_arrive_where_short_ones_do() {
             member
         });
         stage.update(7.2 * SECS);
-        for ((member, cycles), start) in members.into_iter().zip(cycles).zip([0.5_f32, 1.0, 0.0, 1.0]) {
+        for ((member, cycles), start) in
+            members.into_iter().zip(cycles).zip([0.5_f32, 1.0, 0.0, 1.0])
+        {
             let wanted = carried(-start).mul(&carried(start + cycles));
             let found = stage.crowd.moved(member).expect("a member").world_from_model();
-            assert!(apart(&[wanted], &[found]) < 3e-3, "{cycles} cycles: {found:?} is not {wanted:?}");
+            assert!(
+                apart(&[wanted], &[found]) < 3e-3,
+                "{cycles} cycles: {found:?} is not {wanted:?}"
+            );
         }
         // What has ended, and what stands, stays.
         let before = stage.crowd.moved(members[2]);
@@ -35,8 +44,9 @@ fn motion_is_mixed_as_poses_are() {
         let (_, slow) = add(stage, straight("slow", 0.5));
         let still = stage.clip("sway");
         let member = stage.member(Placement::at([0.0; 3]));
-        let close =
-            |found: f32, wanted: f32| assert!((found - wanted).abs() < 2e-5, "{found} m is not {wanted} m");
+        let close = |found: f32, wanted: f32| {
+            assert!((found - wanted).abs() < 2e-5, "{found} m is not {wanted} m")
+        };
         stage.crowd.play(member, fast, Play::looping()).expect("a clip");
         stage.crowd.move_by_clips(member, true).expect("a member");
         close(step_of(stage, member, 0.01), 0.02);
@@ -53,7 +63,10 @@ fn motion_is_mixed_as_poses_are() {
         stage.crowd.set_layer(member, 1, settings, Some(legs)).expect("a layer");
         stage.crowd.play(member, still, Play::looping().on_layer(1)).expect("a clip");
         close(step_of(stage, member, 0.01), 0.005);
-        stage.crowd.set_layer(member, 1, LayerSettings { weight: 0.5, ..settings }, None).expect("a layer");
+        stage
+            .crowd
+            .set_layer(member, 1, LayerSettings { weight: 0.5, ..settings }, None)
+            .expect("a layer");
         close(step_of(stage, member, 0.01), 0.0025);
         stage
             .crowd

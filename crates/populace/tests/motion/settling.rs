@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// Where something settles, a member's speed goes over in that time; interrupted or not, and from the midst of a frame.
+/// Where something settles, a member's speed goes over in that time; interrupted or not, and from
+/// the midst of a frame.
 #[test]
 fn the_speed_of_a_member_settles_as_its_pose_does() {
     const FRAME: f32 = 1.0 / 60.0;
@@ -14,8 +15,9 @@ fn the_speed_of_a_member_settles_as_its_pose_does() {
         stage.update(FRAME);
         stage.crowd.play(once, slow, settling.after_secs(0.11)).expect("a clip");
         stage.crowd.play(twice, slow, settling).expect("a clip");
-        let place =
-            |stage: &mut Stage| [once, twice].map(|m| stage.crowd.moved(m).expect("a member").position()[2]);
+        let place = |stage: &mut Stage| {
+            [once, twice].map(|m| stage.crowd.moved(m).expect("a member").position()[2])
+        };
         let (mut before, mut speeds, mut worst) = (place(stage), [2.0_f32; 2], 0.0_f32);
         let begun = before;
         for frame in 0..60 {
@@ -32,7 +34,8 @@ fn the_speed_of_a_member_settles_as_its_pose_does() {
             }
             before = now;
         }
-        // A quintic over 18 frames is at most 1.875 / 18 a frame; without it a frame changes all of it.
+        // A quintic over 18 frames is at most 1.875 / 18 a frame; without it a frame changes all of
+        // it.
         assert!(worst < 1.5 * 1.875 / 18.0 + 0.01, "{worst} m/s from one frame to the next");
         let [far, _] = [0, 1].map(|i: usize| before[i] - begun[i]);
         let wanted = 0.11 * 2.0 + 0.89 * 0.5 + 0.3 * 1.5 / 2.0;
@@ -41,7 +44,8 @@ fn the_speed_of_a_member_settles_as_its_pose_does() {
     });
 }
 
-/// Something that settles may be interrupted at any time of a frame: speeds go on from where they are.
+/// Something that settles may be interrupted at any time of a frame: speeds go on from where they
+/// are.
 #[test]
 fn what_settles_moves_members_on_until_something_else_begins_to() {
     const FRAME: f32 = 1.0 / 30.0;
@@ -54,7 +58,8 @@ fn what_settles_moves_members_on_until_something_else_begins_to() {
         for (_, member) in members {
             stage.crowd.play(member, slow, settling).expect("a clip");
         }
-        let place = |stage: &mut Stage, member| stage.crowd.moved(member).expect("a member").position()[2];
+        let place =
+            |stage: &mut Stage, member| stage.crowd.moved(member).expect("a member").position()[2];
         let mut before = members.map(|(_, member)| place(stage, member));
         for frame in 0..14 {
             for (part, member) in members.iter().filter(|_| frame == 4) {
@@ -80,9 +85,11 @@ fn what_settles_moves_members_on_until_something_else_begins_to() {
 #[test]
 fn what_settles_in_a_layer_that_adds_moves_nobody() {
     everywhere(|stage| {
-        let mut source = body::swing("surge", SECS, &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0)]);
+        let mut source =
+            body::swing("surge", SECS, &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0)]);
         let times: Vec<f32> = (0..=40_u8).map(|key| f32::from(key) / 40.0).collect();
-        let surge = |t: &f32| [0.0, 0.0, 1.5 * t + 0.02 * (1.0 - (t * 2.0 * std::f32::consts::TAU).cos())];
+        let surge =
+            |t: &f32| [0.0, 0.0, 1.5 * t + 0.02 * (1.0 - (t * 2.0 * std::f32::consts::TAU).cos())];
         source.tracks.push(Track {
             joint: "root".into(),
             property: Property::Translation,

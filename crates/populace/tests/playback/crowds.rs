@@ -46,12 +46,16 @@ fn one_of_ten_thousand_in_mid_crossfade_changes_alone(builder: &CrowdBuilder) {
     }
     crowd.update(0.1).unwrap();
     for (nth, &member) in (0..MEMBERS).zip(&members) {
-        let play =
-            Play::looping().phase(f32::from(nth % 97) / 97.0).fade_in_secs(0.5 + f32::from(nth % 31) * 0.1);
+        let play = Play::looping()
+            .phase(f32::from(nth % 97) / 97.0)
+            .fade_in_secs(0.5 + f32::from(nth % 31) * 0.1);
         crowd.play(member, clips[1 + usize::from(nth % 2)], play).unwrap();
     }
     crowd.update(0.25).unwrap();
-    assert!(members.iter().all(|m| crowd.playing(*m).unwrap().len() == 2), "all are in mid-crossfade");
+    assert!(
+        members.iter().all(|m| crowd.playing(*m).unwrap().len() == 2),
+        "all are in mid-crossfade"
+    );
     let before = palettes(&mut crowd);
     assert_eq!(before.iter().collect::<HashSet<_>>().len(), MEMBERS.into(), "all poses differ");
 

@@ -7,7 +7,8 @@ use populace_testkit::oracle::{OracleBody, OracleLayer, OracleSlot, evaluate};
 use crate::on_every_way;
 use crate::rig::{JOINTS, Motion, crowd_of, moving};
 
-/// Rotation components and metres: 16-bit rows over turns of up to a radian, and the chords between keys that lie dense.
+/// Rotation components and metres: 16-bit rows over turns of up to a radian, and the chords between
+/// keys that lie dense.
 const OFF: f64 = 2e-4;
 
 fn motions() -> Vec<Motion> {
@@ -32,7 +33,9 @@ fn assert_as_the_oracle_says(crowd: &mut Crowd, member: Member, layers: &[Oracle
         })
         .collect();
     let wanted = evaluate(&body, &slots, layers).model_from_joint;
-    for (joint, (found, wanted)) in crowd.model_from_joints(member).unwrap().iter().zip(&wanted).enumerate() {
+    for (joint, (found, wanted)) in
+        crowd.model_from_joints(member).unwrap().iter().zip(&wanted).enumerate()
+    {
         let wanted = glam::DMat4::from(*wanted).transpose().to_cols_array();
         for (found, wanted) in found.rows.as_flattened().iter().zip(wanted) {
             let off = (f64::from(*found) - wanted).abs();
@@ -45,7 +48,8 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
     let (mut crowd, id, clips) = crowd_of(&builder.clone().slots_per_member(8), &motions());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     let skeleton = crowd.character(id).unwrap().skeleton.clone();
-    let fading = Mask::of_subtrees(&skeleton, ["joint 1"]).unwrap().with_falloff(&skeleton, 3).unwrap();
+    let fading =
+        Mask::of_subtrees(&skeleton, ["joint 1"]).unwrap().with_falloff(&skeleton, 3).unwrap();
     let all_but = Mask::of_joints(&skeleton, ["joint 2"]).unwrap().inverted();
     let wide = |mask: &Mask| Some(mask.weights().iter().map(|w| f64::from(*w)).collect());
     let layers = [
@@ -54,8 +58,12 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
         OracleLayer { mode: LayerMode::Additive, weight: 0.5, mask: wide(&all_but) },
         OracleLayer { mode: LayerMode::Override, weight: 0.25, mask: None },
     ];
-    let masks =
-        [None, Some(crowd.add_mask(id, &fading).unwrap()), Some(crowd.add_mask(id, &all_but).unwrap()), None];
+    let masks = [
+        None,
+        Some(crowd.add_mask(id, &fading).unwrap()),
+        Some(crowd.add_mask(id, &all_but).unwrap()),
+        None,
+    ];
     for (index, (layer, mask)) in layers.iter().zip(masks).enumerate().skip(1) {
         let settings = LayerSettings { mode: layer.mode, weight: layer.weight as f32 };
         crowd.set_layer(member, index, settings, mask).unwrap();
@@ -63,16 +71,18 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
     crowd.play(member, clips[0], Play::looping()).unwrap();
     for step in 0..60 {
         let clip = clips[step % 4];
-        let play = Play::looping().fade_in_secs(0.3).on_layer(step % 4).phase(0.1).speed(if step % 3 == 0 {
-            -0.7
-        } else {
-            1.2
-        });
+        let play = Play::looping()
+            .fade_in_secs(0.3)
+            .on_layer(step % 4)
+            .phase(0.1)
+            .speed(if step % 3 == 0 { -0.7 } else { 1.2 });
         match step % 7 {
             0 | 3 => drop(crowd.play(member, clip, play).unwrap()),
             1 => drop(crowd.blend(member, clip, play.weight(0.4)).unwrap()),
             2 => drop(crowd.queue(member, clip, play).unwrap()),
-            5 => drop(crowd.play(member, clip, Play::once().on_layer(2).fade_in_secs(0.1)).unwrap()),
+            5 => {
+                drop(crowd.play(member, clip, Play::once().on_layer(2).fade_in_secs(0.1)).unwrap())
+            }
             _ => {}
         }
         crowd.update(0.07).unwrap();
@@ -80,7 +90,8 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
     }
 }
 
-/// A crossfade runs evenly from one clip to the other, and what fades out already goes on to, in proportion.
+/// A crossfade runs evenly from one clip to the other, and what fades out already goes on to, in
+/// proportion.
 fn crossfades_agree_with_the_oracle(builder: &CrowdBuilder) {
     let (mut crowd, id, clips) = crowd_of(builder, &motions());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();

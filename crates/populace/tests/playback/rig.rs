@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use glam::{DQuat, Quat};
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource, PaletteEntry,
-    Property, Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource,
+    PaletteEntry, Property, Skeleton, Track,
 };
 use populace::{Affine, CharacterId, ClipId, Crowd, CrowdBuilder, Member, Placement, Trs};
 
 /// Joints of the arm: "joint 0" is the root, each hangs on the one before it.
 pub(crate) const JOINTS: usize = 4;
 
-/// Rotations of each joint over time: a turn of so many radians about an axis of its own, at each key.
+/// Rotations of each joint over time: a turn of so many radians about an axis of its own, at each
+/// key.
 pub(crate) struct Motion {
     pub(crate) name: &'static str,
     pub(crate) duration_secs: f32,
@@ -20,8 +21,8 @@ pub(crate) struct Motion {
     pub(crate) turns: [([f32; 3], Vec<f32>); JOINTS],
 }
 
-/// Four motions of all joints about axes of their own: `angle` gives radians of a joint, counted from 1, in the
-/// nth motion, counted from 0, at a phase in radians.
+/// Four motions of all joints about axes of their own: `angle` gives radians of a joint, counted
+/// from 1, in the nth motion, counted from 0, at a phase in radians.
 pub(crate) fn moving(keys: u8, angle: impl Fn(f32, f32, f32) -> f32) -> Vec<Motion> {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [0.3, 0.0, 1.0], [1.0, 1.0, 0.0]];
     let motion = |nth: f32, name| {
@@ -66,7 +67,8 @@ pub(crate) fn clip(motion: &Motion) -> Arc<Clip> {
 }
 
 pub(crate) fn character(motions: &[Motion]) -> Character {
-    let entry = |joint| PaletteEntry { joint: JointIndex(joint), joint_from_bind: Affine::IDENTITY };
+    let entry =
+        |joint| PaletteEntry { joint: JointIndex(joint), joint_from_bind: Affine::IDENTITY };
     Character::new(CharacterSource {
         name: "arm".into(),
         skeleton: skeleton(),
@@ -81,13 +83,19 @@ pub(crate) fn character(motions: &[Motion]) -> Character {
 }
 
 /// A crowd with one character, its clips in order, and one member that plays nothing.
-pub(crate) fn one_member(builder: &CrowdBuilder, motions: &[Motion]) -> (Crowd, Vec<ClipId>, Member) {
+pub(crate) fn one_member(
+    builder: &CrowdBuilder,
+    motions: &[Motion],
+) -> (Crowd, Vec<ClipId>, Member) {
     let (mut crowd, id, clips) = crowd_of(builder, motions);
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     (crowd, clips, member)
 }
 
-pub(crate) fn crowd_of(builder: &CrowdBuilder, motions: &[Motion]) -> (Crowd, CharacterId, Vec<ClipId>) {
+pub(crate) fn crowd_of(
+    builder: &CrowdBuilder,
+    motions: &[Motion],
+) -> (Crowd, CharacterId, Vec<ClipId>) {
     let mut crowd = builder.clone().build().unwrap();
     let id = crowd.add_character(character(motions)).unwrap();
     let clips = crowd.clips(id).unwrap().into_iter().map(|(clip, _)| clip).collect();

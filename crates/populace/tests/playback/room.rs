@@ -31,7 +31,8 @@ fn motions() -> Vec<Motion> {
     poses.into_iter().map(motion).collect()
 }
 
-/// The largest step from one frame to the next, and the least that the root is turned away from the rest pose.
+/// The largest step from one frame to the next, and the least that the root is turned away from the
+/// rest pose.
 struct Steps {
     before: Vec<Quat>,
     largest: f32,
@@ -70,8 +71,8 @@ fn largest_step_of_a_crossfade(builder: &CrowdBuilder) -> f32 {
     largest
 }
 
-/// What no frame may exceed: a plain crossfade's largest step, and a tenth more since several poses are mixed, whose
-/// sum is shorter than that of two.
+/// What no frame may exceed: a plain crossfade's largest step, and a tenth more since several poses
+/// are mixed, whose sum is shorter than that of two.
 fn allowed(builder: &CrowdBuilder) -> f32 {
     let plain = largest_step_of_a_crossfade(builder);
     assert!(plain < 0.4, "{plain} rad a frame say nothing about jumps");
@@ -82,7 +83,8 @@ fn twenty_clips_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
     let allowed = allowed(builder);
     for slots in [2, 3, 4, 8] {
         for stride in [1, 2, 5] {
-            let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(slots), &motions());
+            let (mut crowd, clips, member) =
+                one_member(&builder.clone().slots_per_member(slots), &motions());
             crowd.play(member, clips[0], Play::looping()).unwrap();
             crowd.update(0.1).unwrap();
             let mut steps = Steps::new(&mut crowd, member);
@@ -98,9 +100,16 @@ fn twenty_clips_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
             }
             for frame in 0..20 {
                 let step = steps.frame(&mut crowd, member);
-                assert!(step <= allowed, "{slots} slots, frame {frame} after: {step} rad, {allowed} allowed");
+                assert!(
+                    step <= allowed,
+                    "{slots} slots, frame {frame} after: {step} rad, {allowed} allowed"
+                );
             }
-            assert!(steps.least_from_rest > 0.7, "{} rad from the rest pose", steps.least_from_rest);
+            assert!(
+                steps.least_from_rest > 0.7,
+                "{} rad from the rest pose",
+                steps.least_from_rest
+            );
             let playing = crowd.playing(member).unwrap();
             assert_eq!(
                 (playing.len(), playing[0].clip, playing[0].weight),
@@ -115,13 +124,16 @@ fn twenty_clips_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
 fn starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
     let allowed = 2.0 * allowed(builder); // Layer 1 and layer 0 may each be in a crossfade.
     for seed in 0..6_u64 {
-        let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(4), &motions());
+        let (mut crowd, clips, member) =
+            one_member(&builder.clone().slots_per_member(4), &motions());
         crowd.play(member, clips[0], Play::looping()).unwrap();
         crowd.update(0.1).unwrap();
         let mut steps = Steps::new(&mut crowd, member);
         let mut state = seed;
         let mut random = |below: u64| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) % below
         };
         for frame in 0..80 {
@@ -136,7 +148,10 @@ fn starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
                 _ => crowd.stop(member, 1, FADE_SECS).unwrap(),
             }
             let step = steps.frame(&mut crowd, member);
-            assert!(step <= allowed, "seed {seed}, frame {frame}: {step} rad in a frame, {allowed} allowed");
+            assert!(
+                step <= allowed,
+                "seed {seed}, frame {frame}: {step} rad in a frame, {allowed} allowed"
+            );
         }
         assert!(steps.least_from_rest > 0.6, "{} rad from the rest pose", steps.least_from_rest);
     }

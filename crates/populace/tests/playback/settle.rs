@@ -2,8 +2,8 @@
 
 use glam::{Quat, Vec3};
 use populace::{
-    BlendSpace, Crowd, CrowdBuilder, Device, Error, LayerMode, LayerSettings, Mask, Member, Placement, Play,
-    Split,
+    BlendSpace, Crowd, CrowdBuilder, Device, Error, LayerMode, LayerSettings, Mask, Member,
+    Placement, Play, Split,
 };
 
 use crate::on_every_way;
@@ -12,7 +12,8 @@ use crate::rig::{JOINTS, Motion, character, crowd_of, moving, one_member, step_r
 /// Time over which speeds are measured, and in which what is left settles.
 const BIT_SECS: f32 = 1.0 / 480.0;
 const SECS: f32 = 0.25;
-/// How fast the rotation of any joint may become another, and how far a pose may be off at the start, in radians.
+/// How fast the rotation of any joint may become another, and how far a pose may be off at the
+/// start, in radians.
 const PULL: f32 = 400.0;
 const ROUNDING: f32 = 3e-6;
 
@@ -126,7 +127,8 @@ fn layers_settle(builder: &CrowdBuilder) {
         let (mut crowd, id, clips) = crowd_of(&builder.clone().slots_per_member(8), &motions());
         let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
         let skeleton = crowd.character(id).unwrap().skeleton.clone();
-        let mask = Mask::of_subtrees(&skeleton, ["joint 1"]).unwrap().with_falloff(&skeleton, 2).unwrap();
+        let mask =
+            Mask::of_subtrees(&skeleton, ["joint 1"]).unwrap().with_falloff(&skeleton, 2).unwrap();
         let mask = crowd.add_mask(id, &mask).unwrap();
         crowd.set_layer(member, 1, LayerSettings { mode, weight: 0.8 }, Some(mask)).unwrap();
         crowd.play(member, clips[0], Play::looping()).unwrap();
@@ -158,7 +160,9 @@ fn once_settled_it_is_the_new_clip_to_the_bit(builder: &CrowdBuilder) {
         let (mut crowd, clips, member) = one_member(builder, &motions());
         crowd.play(member, clips[0], Play::looping()).unwrap();
         crowd.play(member, clips[1], Play::looping().on_layer(1)).unwrap();
-        crowd.set_layer(member, 1, LayerSettings { mode: LayerMode::Additive, weight: 0.5 }, None).unwrap();
+        crowd
+            .set_layer(member, 1, LayerSettings { mode: LayerMode::Additive, weight: 0.5 }, None)
+            .unwrap();
         crowd.update(0.5).unwrap();
         for (layer, clip) in [(0, clips[2]), (1, clips[3])] {
             let play = Play::once().on_layer(layer);
@@ -212,10 +216,16 @@ fn what_was_never_seen_leaves_nothing(builder: &CrowdBuilder) {
     assert_eq!((playing.len(), playing[0].clip), (1, clips[1]));
 }
 
-/// Frames through twenty starts of so many seconds each, and some after. Returns by how much the way that a joint turns in a
-/// frame differs from that in the frame before, at most, and how far from rest the last joint keeps, in radians.
-fn run_through_starts(builder: &CrowdBuilder, slots: usize, (stride, secs): (usize, f32)) -> (f32, f32) {
-    let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(slots), &motions());
+/// Frames through twenty starts of so many seconds each, and some after. Returns by how much the
+/// way that a joint turns in a frame differs from that in the frame before, at most, and how far
+/// from rest the last joint keeps, in radians.
+fn run_through_starts(
+    builder: &CrowdBuilder,
+    slots: usize,
+    (stride, secs): (usize, f32),
+) -> (f32, f32) {
+    let (mut crowd, clips, member) =
+        one_member(&builder.clone().slots_per_member(slots), &motions());
     crowd.play(member, clips[0], Play::looping()).unwrap();
     crowd.update(0.1).unwrap();
     let mut poses = vec![turns(&mut crowd, member)];
@@ -228,7 +238,11 @@ fn run_through_starts(builder: &CrowdBuilder, slots: usize, (stride, secs): (usi
         poses.push(turns(&mut crowd, member));
     }
     let playing = crowd.playing(member).unwrap();
-    assert_eq!((playing.len(), playing[0].clip), (1, clips[22 * stride % clips.len()]), "the last one stays");
+    assert_eq!(
+        (playing.len(), playing[0].clip),
+        (1, clips[22 * stride % clips.len()]),
+        "the last one stays"
+    );
     let ways: Vec<_> = poses.windows(2).map(|pair| speeds(&pair[0], &pair[1])).collect();
     let changes = ways.windows(2).map(|pair| BIT_SECS * largest_difference(&pair[0], &pair[1]));
     let from_rest = poses.iter().map(|pose| step_rad(&pose[JOINTS - 1..], &[Quat::IDENTITY]));
@@ -258,7 +272,11 @@ fn a_start_waits_for_what_settles(builder: &CrowdBuilder) {
     crowd.update(0.02).unwrap();
     let playing = crowd.playing(member).unwrap();
     assert_eq!((playing.len(), playing[0].id), (1, Some(waits)));
-    assert_eq!(crowd.set_weight(old, 1.0, 0.0), Err(Error::StalePlay), "what settles plays no longer");
+    assert_eq!(
+        crowd.set_weight(old, 1.0, 0.0),
+        Err(Error::StalePlay),
+        "what settles plays no longer"
+    );
     // A cut waits for nothing, and leaves nothing.
     crowd.play(member, clips[3], Play::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
@@ -283,10 +301,12 @@ on_every_way!(
 fn frames(mut crowd: Crowd, mut each: impl FnMut(&mut Crowd, u8)) -> Vec<Vec<populace::Affine>> {
     let id = crowd.add_character(character(&motions())).unwrap();
     let clips: Vec<_> = crowd.clips(id).unwrap().into_iter().map(|(clip, _)| clip).collect();
-    let members: Vec<_> = (0..12).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
+    let members: Vec<_> =
+        (0..12).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
     let mut all = Vec::new();
     for frame in 0..24_u8 {
-        for (nth, &member) in members.iter().enumerate().filter(|(nth, _)| nth % 3 == usize::from(frame % 3))
+        for (nth, &member) in
+            members.iter().enumerate().filter(|(nth, _)| nth % 3 == usize::from(frame % 3))
         {
             let play = Play::looping().phase(0.1 * f32::from(frame)).settle_in_secs(0.2);
             crowd.play(member, clips[(nth + usize::from(frame)) % clips.len()], play).unwrap();
@@ -310,8 +330,11 @@ fn crowds_that_move_or_are_split_settle_alike() {
         }
     });
     assert!(moves == stays, "bit for bit");
-    let shared =
-        Crowd::builder().devices([Device::native(), Device::opencl(0)]).capacity(12).build().unwrap();
+    let shared = Crowd::builder()
+        .devices([Device::native(), Device::opencl(0)])
+        .capacity(12)
+        .build()
+        .unwrap();
     let split = frames(shared, |crowd, frame| {
         let share = f64::from(frame % 7 + 1) / 9.0;
         crowd.set_split(&Split::Fixed(vec![share, 1.0 - share])).unwrap();
@@ -325,7 +348,8 @@ fn times_that_are_none_are_refused_and_all_others_are_only_long_or_short() {
     let (mut crowd, clips, member) = one_member(&native, &motions());
     crowd.play(member, clips[0], Play::looping()).unwrap();
     for bad in [f32::NAN, f32::INFINITY, f32::MAX, -1.0] {
-        let refused = crowd.play(member, clips[1], Play::looping().settle_in_secs(bad)).unwrap_err();
+        let refused =
+            crowd.play(member, clips[1], Play::looping().settle_in_secs(bad)).unwrap_err();
         assert!(refused.to_string().contains("settle"), "{refused}");
         assert!(crowd.queue(member, clips[1], Play::once().settle_in_secs(bad)).is_err());
     }

@@ -1,12 +1,14 @@
 //! Blend spaces on members.
 
-use populace::{BlendSpace, ClipId, Crowd, CrowdBuilder, Device, Error, Member, Placement, Play, SpaceId};
+use populace::{
+    BlendSpace, ClipId, Crowd, CrowdBuilder, Device, Error, Member, Placement, Play, SpaceId,
+};
 
 use crate::on_every_way;
 use crate::rig::{Motion, one_member, step_rad, turns};
 
-/// Nine clips that swing about a middle and stand further off the more the clip's number says: lengths from 0.5 to 1.3 s;
-/// the first has no length.
+/// Nine clips that swing about a middle and stand further off the more the clip's number says:
+/// lengths from 0.5 to 1.3 s; the first has no length.
 fn motions() -> Vec<Motion> {
     let names = ["0", "1", "2", "3", "4", "5", "6", "7", "8"];
     let motion = |(nth, name): (u8, &'static str)| {
@@ -15,7 +17,9 @@ fn motions() -> Vec<Motion> {
             vec![0.5]
         } else {
             (0..=24_u8)
-                .map(|key| 0.5 + 0.05 * nth + 0.1 * f32::sin(f32::from(key) / 24.0 * std::f32::consts::TAU))
+                .map(|key| {
+                    0.5 + 0.05 * nth + 0.1 * f32::sin(f32::from(key) / 24.0 * std::f32::consts::TAU)
+                })
                 .collect()
         };
         let duration_secs = if nth == 0.0 { 0.0 } else { 0.4 + 0.1 * nth };
@@ -32,11 +36,13 @@ fn motions() -> Vec<Motion> {
 /// Speeds 0, 1, 2 and turns -1, 0, 1.
 fn grid(clips: &[ClipId]) -> BlendSpace {
     let at = |nth: u8| [f32::from(nth / 3), f32::from(nth % 3) - 1.0];
-    BlendSpace::plane(&(0..).zip(clips).map(|(nth, clip)| (*clip, at(nth))).collect::<Vec<_>>()).unwrap()
+    BlendSpace::plane(&(0..).zip(clips).map(|(nth, clip)| (*clip, at(nth))).collect::<Vec<_>>())
+        .unwrap()
 }
 
 fn on_grid(builder: &CrowdBuilder, slots: usize) -> (Crowd, Vec<ClipId>, Member, SpaceId) {
-    let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(slots), &motions());
+    let (mut crowd, clips, member) =
+        one_member(&builder.clone().slots_per_member(slots), &motions());
     let space = crowd.add_space(grid(&clips)).unwrap();
     (crowd, clips, member, space)
 }
@@ -46,7 +52,9 @@ fn phases_apart(crowd: &Crowd, member: Member, lengths: &[(ClipId, f32)]) -> f32
     let playing = crowd.playing(member).unwrap();
     let phases: Vec<f32> = playing
         .iter()
-        .filter_map(|p| Some((p, lengths.iter().find(|(clip, secs)| *clip == p.clip && *secs > 0.0)?.1)))
+        .filter_map(|p| {
+            Some((p, lengths.iter().find(|(clip, secs)| *clip == p.clip && *secs > 0.0)?.1))
+        })
         .map(|(p, secs)| p.time_secs / secs)
         .collect();
     let apart = |a: f32, b: f32| (a - b).abs().min(1.0 - (a - b).abs());
@@ -55,7 +63,12 @@ fn phases_apart(crowd: &Crowd, member: Member, lengths: &[(ClipId, f32)]) -> f32
 
 fn lengths(crowd: &Crowd, member: Member) -> Vec<(ClipId, f32)> {
     let character = crowd.instances().find(|i| i.member == member).unwrap().character;
-    crowd.clips(character).unwrap().into_iter().map(|(id, clip)| (id, clip.duration_secs())).collect()
+    crowd
+        .clips(character)
+        .unwrap()
+        .into_iter()
+        .map(|(id, clip)| (id, clip.duration_secs()))
+        .collect()
 }
 
 fn clips_of_a_space_share_a_phase_wherever_it_is_steered(builder: &CrowdBuilder) {
@@ -81,22 +94,25 @@ fn a_space_stands_where_it_is_steered_to(builder: &CrowdBuilder) {
     let wanted = grid(&clips);
     crowd.play_space(member, space, [0.0, 0.0], Play::looping()).unwrap();
     crowd.update(0.0).unwrap();
-    for (nth, at) in
-        [[0.5, 0.25], [2.0, 1.0], [1.0, 0.0], [9.0, 0.5], [-3.0, -7.0], [1.3, 0.9]].into_iter().enumerate()
+    for (nth, at) in [[0.5, 0.25], [2.0, 1.0], [1.0, 0.0], [9.0, 0.5], [-3.0, -7.0], [1.3, 0.9]]
+        .into_iter()
+        .enumerate()
     {
         crowd.steer(member, at, 0.2).unwrap();
         // To the same point again changes nothing.
         crowd.update(0.1).unwrap();
         crowd.steer(member, at, 5.0).unwrap();
         crowd.update(0.3).unwrap();
-        let mut found: Vec<_> = crowd.playing(member).unwrap().iter().map(|p| (p.clip, p.weight)).collect();
+        let mut found: Vec<_> =
+            crowd.playing(member).unwrap().iter().map(|p| (p.clip, p.weight)).collect();
         let order = |clip| clips.iter().position(|c| *c == clip);
         found.sort_by_key(|(clip, _)| order(*clip));
         let mut weights = wanted.weights(at).unwrap();
         weights.sort_by_key(|(clip, _)| order(*clip));
         assert_eq!(found, weights, "point {nth}");
     }
-    // The mean of the cycles per second, by weight, on an edge between clips 7 (1.1 s) and 8 (1.2 s).
+    // The mean of the cycles per second, by weight, on an edge between clips 7 (1.1 s) and 8 (1.2
+    // s).
     crowd.steer(member, [2.0, 0.5], 0.0).unwrap();
     crowd.update(0.0).unwrap();
     let before = crowd.playing(member).unwrap();
@@ -110,11 +126,13 @@ fn a_space_stands_where_it_is_steered_to(builder: &CrowdBuilder) {
     );
 }
 
-/// However a space is steered, a frame's step stays near what the fastest clip and the fade make of it.
+/// However a space is steered, a frame's step stays near what the fastest clip and the fade make of
+/// it.
 fn steering_never_jumps(builder: &CrowdBuilder) {
     const STEP_SECS: f32 = 1.0 / 60.0;
     const OVER_SECS: f32 = 0.2;
-    // The clips' own swings, in model space at the end of the arm, and the whole width of the space in one fade.
+    // The clips' own swings, in model space at the end of the arm, and the whole width of the space
+    // in one fade.
     let (own, wide) =
         (2.5 * 0.1 * std::f32::consts::TAU / 0.5 * STEP_SECS, 2.5 * 0.6 * STEP_SECS / OVER_SECS);
     for slots in [3, 4, 6, 8] {
@@ -124,12 +142,20 @@ fn steering_never_jumps(builder: &CrowdBuilder) {
         let mut before = turns(&mut crowd, member);
         let mut state = slots as u64;
         for frame in 0..240 {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             let at = [(state >> 33) % 257, (state >> 41) % 257].map(|n| n as f32 / 128.0);
             match frame {
-                0 => crowd.play_space(member, space, 1.0, Play::looping().fade_in_secs(OVER_SECS)).unwrap(),
-                150 => drop(crowd.play(member, clips[1], Play::looping().fade_in_secs(OVER_SECS)).unwrap()),
-                180 => crowd.play_space(member, space, at, Play::looping().fade_in_secs(OVER_SECS)).unwrap(),
+                0 => crowd
+                    .play_space(member, space, 1.0, Play::looping().fade_in_secs(OVER_SECS))
+                    .unwrap(),
+                150 => drop(
+                    crowd.play(member, clips[1], Play::looping().fade_in_secs(OVER_SECS)).unwrap(),
+                ),
+                180 => crowd
+                    .play_space(member, space, at, Play::looping().fade_in_secs(OVER_SECS))
+                    .unwrap(),
                 _ if frame % 5 == 0 && !(150..180).contains(&frame) => {
                     crowd.steer(member, [at[0], at[1] - 1.0], OVER_SECS).unwrap();
                 }
@@ -138,7 +164,11 @@ fn steering_never_jumps(builder: &CrowdBuilder) {
             crowd.update(STEP_SECS).unwrap();
             let now = turns(&mut crowd, member);
             let step = step_rad(&before, &now);
-            assert!(step < own + wide, "{slots} slots, frame {frame}: {step} rad, {} allowed", own + wide);
+            assert!(
+                step < own + wide,
+                "{slots} slots, frame {frame}: {step} rad, {} allowed",
+                own + wide
+            );
             before = now;
         }
     }
@@ -158,7 +188,8 @@ fn an_offset_shifts_a_clip_in_the_cycle(builder: &CrowdBuilder) {
 /// A clip of no length weighs like any other, and the phase stands while it plays alone.
 fn a_clip_of_no_length_is_allowed(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
-    let space = crowd.add_space(BlendSpace::line(&[(clips[0], 0.0), (clips[1], 1.0)]).unwrap()).unwrap();
+    let space =
+        crowd.add_space(BlendSpace::line(&[(clips[0], 0.0), (clips[1], 1.0)]).unwrap()).unwrap();
     crowd.play_space(member, space, 0.0, Play::looping().phase(0.25)).unwrap();
     crowd.update(3.0).unwrap();
     assert_eq!(crowd.playing(member).unwrap()[0].clip, clips[0]);
@@ -166,7 +197,10 @@ fn a_clip_of_no_length_is_allowed(builder: &CrowdBuilder) {
     crowd.update(0.125).unwrap();
     let playing = crowd.playing(member).unwrap();
     assert_eq!(playing.iter().map(|p| p.weight).collect::<Vec<_>>(), [0.5, 0.5]);
-    assert!((playing[1].time_secs - 0.25).abs() < 1e-4, "a quarter of the cycle, and a quarter more since");
+    assert!(
+        (playing[1].time_secs - 0.25).abs() < 1e-4,
+        "a quarter of the cycle, and a quarter more since"
+    );
 }
 
 on_every_way!(
@@ -188,11 +222,16 @@ fn what_a_space_cannot_be_is_refused() {
     assert!(crowd.play_space(member, space, [f32::NAN, 0.0], Play::looping()).is_err());
     assert!(crowd.play_space(member, space, 0.0, Play::looping().weight(2.0)).is_err());
     crowd.play_space(member, space, 0.0, Play::looping()).unwrap();
-    assert!(crowd.steer(member, f32::INFINITY, 0.1).is_err() && crowd.steer(member, 0.0, -1.0).is_err());
+    assert!(
+        crowd.steer(member, f32::INFINITY, 0.1).is_err() && crowd.steer(member, 0.0, -1.0).is_err()
+    );
     crowd.play(member, clips[1], Play::looping()).unwrap();
     assert!(is_bad(crowd.steer(member, 0.0, 0.1)), "plays it no longer");
     let (mut other, other_clips, stranger, other_space) = on_grid(&native, 2);
-    assert!(is_bad(other.play_space(stranger, other_space, 0.0, Play::looping())), "two slots are too few");
+    assert!(
+        is_bad(other.play_space(stranger, other_space, 0.0, Play::looping())),
+        "two slots are too few"
+    );
     assert!(crowd.play_space(member, other_space, 0.0, Play::looping()).is_err());
     assert!(crowd.add_space(grid(&other_clips)).is_err());
     let character = crowd.instances().next().unwrap().character;

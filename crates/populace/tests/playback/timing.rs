@@ -5,8 +5,8 @@ use populace::{ClipId, Crowd, CrowdBuilder, Device, Error, Member, Placement, Pl
 use crate::on_every_way;
 use crate::rig::{JOINTS, Motion, crowd_of, one_member, turns};
 
-/// "wave" turns the root by a radian in 1 s, "nod" by two in 0.5 s, "idle" by half a one back and forth in 2 s; "still"
-/// has no length.
+/// "wave" turns the root by a radian in 1 s, "nod" by two in 0.5 s, "idle" by half a one back and
+/// forth in 2 s; "still" has no length.
 fn motions() -> Vec<Motion> {
     let motion = |name, duration_secs, angles: &[f32]| {
         let still = ([1.0, 0.0, 0.0], vec![0.0]);
@@ -158,7 +158,9 @@ fn speeds_change_without_a_jump_and_the_queue_follows(builder: &CrowdBuilder) {
 fn weights_run_and_end(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     crowd.play(member, clips[0], Play::held_at_secs(0.0)).unwrap();
-    let other = crowd.blend(member, clips[0], Play::held_at_secs(1.0).weight(1.0).fade_in_secs(1.0)).unwrap();
+    let other = crowd
+        .blend(member, clips[0], Play::held_at_secs(1.0).weight(1.0).fade_in_secs(1.0))
+        .unwrap();
     crowd.update(0.5).unwrap();
     assert_near(root(&mut crowd, member), 0.330); // a third, by chord
     crowd.set_weight(other, 0.25, 0.5).unwrap();
@@ -188,9 +190,11 @@ on_every_way!(
 
 #[test]
 fn what_plays_is_told() {
-    let (mut crowd, clips, member) = one_member(&Crowd::builder().device(Device::native()), &motions());
+    let (mut crowd, clips, member) =
+        one_member(&Crowd::builder().device(Device::native()), &motions());
     assert_eq!(crowd.playing(member).unwrap(), []);
-    let upper = crowd.play(member, clips[2], Play::looping().on_layer(2).phase(0.25).weight(0.5)).unwrap();
+    let upper =
+        crowd.play(member, clips[2], Play::looping().on_layer(2).phase(0.25).weight(0.5)).unwrap();
     let wave = crowd.play(member, clips[0], Play::once().speed(0.5)).unwrap();
     crowd.update(0.5).unwrap();
     let found = crowd.playing(member).unwrap();
@@ -218,12 +222,15 @@ fn a_fade_of_no_time_to_speak_of_is_over_in_a_tick(builder: &CrowdBuilder) {
 
 #[test]
 fn bad_values_are_refused_and_change_nothing() {
-    let (mut crowd, clips, member) = one_member(&Crowd::builder().device(Device::native()), &motions());
+    let (mut crowd, clips, member) =
+        one_member(&Crowd::builder().device(Device::native()), &motions());
     let wave = crowd.play(member, clips[0], Play::once()).unwrap();
     for bad in [f32::NAN, f32::INFINITY, -1.0] {
         assert!(crowd.play(member, clips[1], Play::once().after_secs(bad)).is_err());
         assert!(crowd.queue(member, clips[1], Play::once().fade_in_secs(bad)).is_err());
-        assert!(crowd.set_weight(wave, bad, 0.0).is_err() && crowd.set_weight(wave, 0.5, bad).is_err());
+        assert!(
+            crowd.set_weight(wave, bad, 0.0).is_err() && crowd.set_weight(wave, 0.5, bad).is_err()
+        );
         assert!(bad < 0.0 || crowd.set_speed(wave, bad).is_err());
     }
     assert!(crowd.set_weight(wave, 1.5, 0.0).is_err());

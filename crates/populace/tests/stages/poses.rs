@@ -6,7 +6,8 @@ use populace::core::ticks_from_secs;
 use populace::{After, StageUse, Trs};
 
 use crate::rig::{
-    BEND, JOINTS, LIFT, MEMBERS, Swaying, TELL, affine, assert_models, at, everywhere, skeleton, stage,
+    BEND, JOINTS, LIFT, MEMBERS, Swaying, TELL, affine, assert_models, at, everywhere, skeleton,
+    stage,
 };
 
 /// A turn of length 1, four numbers, and one more.
@@ -127,8 +128,13 @@ fn both_languages_give_the_same_bits_on_all_schedules() {
         for (nth, member) in staged.members.clone().into_iter().enumerate().skip(1) {
             let values = |what| [0.02, 0.3, what, nth as f32];
             let how = [StageUse::on_all(), StageUse::on((3..12).map(at)), StageUse::on([at(20)])];
-            for ((stage, what), how) in [(bend, BEND), (lift, LIFT), (tell, TELL)].into_iter().zip(how) {
-                staged.crowd.use_stage(member, stage, how.with_values(values(what))).expect("a use");
+            for ((stage, what), how) in
+                [(bend, BEND), (lift, LIFT), (tell, TELL)].into_iter().zip(how)
+            {
+                staged
+                    .crowd
+                    .use_stage(member, stage, how.with_values(values(what)))
+                    .expect("a use");
             }
         }
         staged.update(0.3);
@@ -184,7 +190,9 @@ fn what_is_left_or_removed_is_as_if_it_had_never_been() {
         staged.crowd.set_stage_parameters(lift, &parameters(1.0, 1.0)).expect("parameters");
         let (first, second) = (staged.members[0], staged.members[1]);
         let how = |what| StageUse::on_all().with_values([0.1, 0.0, what, 0.0]);
-        for (member, stage, what) in [(first, bend, BEND), (first, lift, LIFT), (second, lift, LIFT)] {
+        for (member, stage, what) in
+            [(first, bend, BEND), (first, lift, LIFT), (second, lift, LIFT)]
+        {
             staged.crowd.use_stage(member, stage, how(what)).expect("a use");
         }
         let mut step = |staged: &mut Swaying, but: &[usize]| {
@@ -196,7 +204,10 @@ fn what_is_left_or_removed_is_as_if_it_had_never_been() {
         staged.crowd.leave_stage(second, lift).expect("a stage that was used");
         step(&mut staged, &[0]);
         staged.crowd.remove_stage(lift).expect("a stage");
-        assert!(staged.crowd.use_stage(second, lift, StageUse::on_all()).is_err(), "it was removed");
+        assert!(
+            staged.crowd.use_stage(second, lift, StageUse::on_all()).is_err(),
+            "it was removed"
+        );
         step(&mut staged, &[0]);
         staged.crowd.remove_stage(bend).expect("a stage");
         step(&mut staged, &[]);

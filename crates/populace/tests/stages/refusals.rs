@@ -18,17 +18,23 @@ fn a_text_that_does_not_compile_names_the_users_line() {
         let broken = "void gust(StageJoint *joint)\n{\n    joint->row0.x += strength;\n}\n";
         let missing = "void draught(StageJoint *joint) { }\n";
         let clash = "void gust(StageJoint *joint)\n{\n    joint->row9 = 0;\n}\n#define members 3\n";
-        let names = ["stage gust:3:", "each stage's text defines the function of its name", "stage gust:3:"];
+        let names = [
+            "stage gust:3:",
+            "each stage's text defines the function of its name",
+            "stage gust:3:",
+        ];
         for (text, words) in [broken, missing, clash].into_iter().zip(names) {
             let gust = UserStage::new("gust").opencl_c(text).rust(|_| ());
-            let error = staged.crowd.add_stage(After::Transform, gust).expect_err("it does not compile");
+            let error =
+                staged.crowd.add_stage(After::Transform, gust).expect_err("it does not compile");
             assert!(matches!(error, Error::Backend(BackendError::BadStages { .. })), "{error}");
             assert!(error.to_string().contains(words), "{schedule}: {error}");
         }
         // As it was, and open to a better text under the same name.
         staged.update(0.0);
         assert_eq!(staged.bits(), before, "{schedule}");
-        let good = "#define member 3\nvoid gust(StageJoint *joint)\n{\n    joint->row1.w += 1.0f;\n}\n";
+        let good =
+            "#define member 3\nvoid gust(StageJoint *joint)\n{\n    joint->row1.w += 1.0f;\n}\n";
         let gust = UserStage::new("gust").opencl_c(good);
         let gust = staged.crowd.add_stage(After::Transform, gust).expect("a stage");
         staged.crowd.use_stage(staged.members[0], gust, StageUse::on([at(0)])).expect("a use");
@@ -41,8 +47,9 @@ fn a_text_that_does_not_compile_names_the_users_line() {
 #[cfg_attr(any(not(feature = "opencl"), skip_opencl), ignore = "there is no OpenCL")]
 #[test]
 fn a_device_without_its_form_refuses_by_name() {
-    let text_only =
-        || UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }");
+    let text_only = || {
+        UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }")
+    };
     let rust_only = || UserStage::new("gust").rust(|joint| joint.model.rows[1][3] += 1.0);
     let both = [Device::Native { threads: 1 }, Device::opencl(0)];
     let refused = |error: Error, words: &str| {
@@ -69,7 +76,8 @@ fn a_device_without_its_form_refuses_by_name() {
     refused(native.crowd.move_to(both).expect_err("no text"), in_c);
     assert_eq!(native.crowd.devices().as_slice(), [Device::native()]);
     native.crowd.remove_stage(gust).expect("a stage");
-    let whole = UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }");
+    let whole =
+        UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }");
     let whole = whole.rust(|joint| joint.model.rows[1][3] += 1.0);
     let gust = native.crowd.add_stage(After::Transform, whole).expect("a stage");
     native.crowd.use_stage(native.members[3], gust, StageUse::on([at(0)])).expect("a use");
@@ -94,7 +102,8 @@ fn bad_values_are_refused_and_change_nothing() {
         assert!(staged.crowd.set_stage_parameters(bend, &[f32::INFINITY]).is_err());
         assert!(staged.crowd.set_stage_parameters(bend, &[0.0; 17]).is_err());
         for name in ["", "3d", "a-b", "gust()"] {
-            let error = staged.crowd.add_stage(After::Pose, UserStage::new(name).rust(|_| ()).opencl_c(""));
+            let error =
+                staged.crowd.add_stage(After::Pose, UserStage::new(name).rust(|_| ()).opencl_c(""));
             assert!(matches!(error, Err(Error::Data(_))), "{error:?}");
         }
         let other = stage().opencl_c("void act(StageJoint *joint) { }");

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec3};
 use populace::core::math::quat;
 use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry, Property,
-    Skeleton, Track,
+    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
+    Property, Skeleton, Track,
 };
 use populace::{
-    Affine, CharacterId, Crowd, Device, Devices, JointIndex, Member, Placement, Play, Schedule, Split,
-    StageJoint, Trs, UserStage,
+    Affine, CharacterId, Crowd, Device, Devices, JointIndex, Member, Placement, Play, Schedule,
+    Split, StageJoint, Trs, UserStage,
 };
 
 /// Joints of the body: one is below the last but two, so that there are several branches.
@@ -18,7 +18,8 @@ pub(crate) const JOINTS: usize = 21;
 /// Members of a crowd.
 pub(crate) const MEMBERS: usize = 6;
 
-/// One stage for all tests, so that its program is built once: what it does is what a member's third value says.
+/// One stage for all tests, so that its program is built once: what it does is what a member's
+/// third value says.
 pub(crate) const TEXT: &str = "
 static float4 product(float4 a, float4 b)
 {
@@ -95,7 +96,9 @@ fn stray(joint: &mut StageJoint) {
 
 fn act(joint: &mut StageJoint) {
     let what = joint.values[2];
-    for (own, function) in [(BEND, bend as fn(&mut StageJoint)), (LIFT, lift), (TELL, tell), (STRAY, stray)] {
+    for (own, function) in
+        [(BEND, bend as fn(&mut StageJoint)), (LIFT, lift), (TELL, tell), (STRAY, stray)]
+    {
         if what == own {
             function(joint);
         }
@@ -135,7 +138,8 @@ pub(crate) fn skeleton() -> Skeleton {
 
 fn character() -> Character {
     let skeleton = skeleton();
-    let turns = [[0.0, 0.0, 0.0, 1.0], [0.3, 0.1, -0.2, 0.9], [-0.1, 0.4, 0.0, 0.9], [0.0, 0.0, 0.0, 1.0]];
+    let turns =
+        [[0.0, 0.0, 0.0, 1.0], [0.3, 0.1, -0.2, 0.9], [-0.1, 0.4, 0.0, 0.9], [0.0, 0.0, 0.0, 1.0]];
     let values = turns.into_iter().flat_map(|turn| quat::normalize_or(turn, quat::identity()));
     let values: Vec<f32> = values.collect();
     let track = |index: usize| Track {
@@ -145,9 +149,11 @@ fn character() -> Character {
         times: vec![0.0, 0.4, 0.8, 1.2],
         values: values.clone(),
     };
-    let source = ClipSource { name: "sway".into(), tracks: (0..JOINTS).step_by(2).map(track).collect() };
+    let source =
+        ClipSource { name: "sway".into(), tracks: (0..JOINTS).step_by(2).map(track).collect() };
     let clips = vec![Arc::new(Clip::new(source, &skeleton).expect("a good clip"))];
-    let palette = skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY });
+    let palette =
+        skeleton.joints().map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY });
     Character::new(CharacterSource {
         name: "body".into(),
         palette: palette.collect(),
@@ -171,14 +177,17 @@ impl Swaying {
     pub(crate) fn on(devices: impl Into<Devices>, schedule: Schedule) -> Self {
         let devices = devices.into();
         let shares = vec![1.0; devices.as_slice().len()];
-        let builder = Crowd::builder().devices(devices).split(Split::Fixed(shares)).schedule(schedule);
+        let builder =
+            Crowd::builder().devices(devices).split(Split::Fixed(shares)).schedule(schedule);
         let mut crowd = builder.capacity(16).build().expect("a crowd");
         let body: CharacterId = crowd.add_character(character()).expect("room");
         let clip = crowd.clip(body, "sway").expect("a clip of that name");
         let mut member = |nth: usize| {
             let placement = Placement::at([nth as f32, 0.0, 2.0]).facing(0.3 * nth as f32);
             let member = crowd.spawn(body, placement).expect("room");
-            crowd.play(member, clip, Play::looping().phase(nth as f32 / 7.0)).expect("a clip that plays");
+            crowd
+                .play(member, clip, Play::looping().phase(nth as f32 / 7.0))
+                .expect("a clip that plays");
             member
         };
         let members = (0..MEMBERS).map(&mut member).collect();
@@ -211,7 +220,10 @@ impl Swaying {
 /// All devices and schedules, and some that share a crowd.
 pub(crate) fn everywhere() -> Vec<(Devices, Schedule)> {
     let native = || Devices::from(Device::Native { threads: 2 });
-    #[cfg_attr(any(not(feature = "opencl"), skip_opencl), expect(unused_mut, reason = "nothing is added"))]
+    #[cfg_attr(
+        any(not(feature = "opencl"), skip_opencl),
+        expect(unused_mut, reason = "nothing is added")
+    )]
     let mut all = vec![(native(), Schedule::Staged), (native(), Schedule::Fused)];
     #[cfg(all(feature = "opencl", not(skip_opencl)))]
     {
@@ -243,8 +255,12 @@ pub(crate) fn assert_models(found: &[Affine], wanted: &[DAffine3], what: &str) {
     assert_eq!(found.len(), wanted.len());
     for (joint, (found, wanted)) in found.iter().zip(wanted).enumerate() {
         for row in 0..3 {
-            let wanted =
-                [wanted.x_axis[row], wanted.y_axis[row], wanted.z_axis[row], wanted.translation[row]];
+            let wanted = [
+                wanted.x_axis[row],
+                wanted.y_axis[row],
+                wanted.z_axis[row],
+                wanted.translation[row],
+            ];
             for (found, wanted) in found.rows[row].into_iter().zip(wanted) {
                 assert!(
                     (f64::from(found) - wanted).abs() < 2e-5,

@@ -22,7 +22,9 @@ fn look(crowd: &mut Swaying) {
 fn what_is_no_number_reaches_nobody() {
     for (devices, schedule) in everywhere() {
         for after in [After::Pose, After::Transform] {
-            for (what, bad) in [("no number", [0.0, 0.0]), ("infinite", [1.0, 0.0]), ("large", [-2e9, 1.0])] {
+            for (what, bad) in
+                [("no number", [0.0, 0.0]), ("infinite", [1.0, 0.0]), ("large", [-2e9, 1.0])]
+            {
                 let what = format!("{devices} {schedule}, {after:?}, {what}");
                 let mut plain = Swaying::on(devices.clone(), schedule);
                 let mut staged = Swaying::on(devices.clone(), schedule);

@@ -22,7 +22,8 @@ impl Taken {
     pub(crate) fn of(file: &Path, imported: &Imported) -> Self {
         let joints = imported.character.skeleton.joint_count();
         let name = file.file_name().unwrap_or_default();
-        let mut taken = Self { file: name.to_string_lossy().into_owned(), joints, ..Self::default() };
+        let mut taken =
+            Self { file: name.to_string_lossy().into_owned(), joints, ..Self::default() };
         for clip in &imported.character.clips {
             let stats = clip.stats();
             taken.clips += 1;
@@ -70,13 +71,15 @@ pub(crate) fn as_json(all: &[Taken]) -> Value {
 
 /// A table of Markdown; the sum last, where there is more than one file.
 pub(crate) fn as_table(all: &[Taken]) -> String {
-    let mut text =
-        String::from("| file | joints | clips | rows | row bytes | key bytes | bytes per joint and row |\n");
+    let mut text = String::from(
+        "| file | joints | clips | rows | row bytes | key bytes | bytes per joint and row |\n",
+    );
     text += "|---|--:|--:|--:|--:|--:|--:|\n";
     let sum = (all.len() > 1).then(|| Taken::sum(all));
     for taken in all.iter().chain(&sum) {
         let joints = if taken.joints == 0 { String::new() } else { taken.joints.to_string() };
-        let each = taken.bytes_per_joint_and_row().map_or(String::new(), |bytes| format!("{bytes:.1}"));
+        let each =
+            taken.bytes_per_joint_and_row().map_or(String::new(), |bytes| format!("{bytes:.1}"));
         text += &format!(
             "| {} | {joints} | {} | {} | {} | {} | {each} |\n",
             taken.file, taken.clips, taken.rows, taken.row_bytes, taken.key_bytes

@@ -9,7 +9,8 @@ const SECS: f32 = 1.5;
 fn walker() -> Skeleton {
     let tilted = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2).to_array();
     let joint = |name: &str, parent, rest| JointSource { name: name.into(), parent, rest };
-    let root = Trs { translation: [0.1, 0.2, 0.3], rotation: f64math::to_f32(tilted), scale: [0.01; 3] };
+    let root =
+        Trs { translation: [0.1, 0.2, 0.3], rotation: f64math::to_f32(tilted), scale: [0.01; 3] };
     let up = |y: f32| Trs { translation: [0.0, y, 0.0], ..Trs::IDENTITY };
     Skeleton::new(&[
         joint("armature", None, root),
@@ -25,7 +26,8 @@ fn curve(skeleton: &Skeleton) -> Clip {
     let times: Vec<f32> = (0..keys).map(|key| SECS * f32::from(key) / 30.0).collect();
     let at = |secs: f64| {
         let yaw = 1.2 * secs;
-        let place = DVec3::new(80.0 * (1.0 - yaw.cos()), 6.0 * (9.0 * secs).sin(), 80.0 * yaw.sin());
+        let place =
+            DVec3::new(80.0 * (1.0 - yaw.cos()), 6.0 * (9.0 * secs).sin(), 80.0 * yaw.sin());
         // Up is +Z where the armature lies on its back.
         let back = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
         (
@@ -101,8 +103,8 @@ fn the_pose_that_is_left_stays_in_place() {
         let now = hips(f64::from(step) * 0.05);
         let drift = now.translation - hips(0.0).translation;
         assert!(drift.x.hypot(drift.z) < 1e-4, "{drift}");
-        let ahead =
-            now.transform_vector3(DVec3::X).normalize() - hips(0.0).transform_vector3(DVec3::X).normalize();
+        let ahead = now.transform_vector3(DVec3::X).normalize()
+            - hips(0.0).transform_vector3(DVec3::X).normalize();
         assert!(ahead.length() < 1e-3, "{ahead}");
     }
     // What is not asked for stays in the pose.
@@ -117,20 +119,29 @@ fn cycles_follow_each_other() {
     let clip = curve(&walker()).with_root_motion(&settings(true, false)).unwrap();
     let motion = clip.root_motion().unwrap();
     assert_eq!(motion.looped(0.0, 0.7), motion.at(0.7));
-    // 1.8 radians a cycle, about a place 0.8 m to the side of the hips, which stand beside the body's own origin.
+    // 1.8 radians a cycle, about a place 0.8 m to the side of the hips, which stand beside the
+    // body's own origin.
     let ([x, _, z], yaw) = motion.looped(0.5, 2.5 * SECS);
     assert!((yaw - (2.5 * 1.8 - std::f32::consts::TAU)).abs() < 1e-3, "{yaw}");
-    assert!((f64::from(x.hypot(z)) - 2.0 * 0.9_f64.hypot(0.3) * 2.25_f64.sin()).abs() < 5e-3, "{x} {z}");
+    assert!(
+        (f64::from(x.hypot(z)) - 2.0 * 0.9_f64.hypot(0.3) * 2.25_f64.sin()).abs() < 5e-3,
+        "{x} {z}"
+    );
 }
 
 #[test]
 fn nothing_to_take_out_is_said() {
     let skeleton = walker();
     let clip = curve(&skeleton);
-    let of =
-        |name: &str| MotionSettings { from: MotionSource::Joint(name.into()), ..MotionSettings::default() };
+    let of = |name: &str| MotionSettings {
+        from: MotionSource::Joint(name.into()),
+        ..MotionSettings::default()
+    };
     let refused = |result: Result<Clip, Error>| result.unwrap_err().to_string();
-    assert!(refused(clip.with_root_motion(&of("leg"))).contains("moves \"hips\", on which \"leg\" hangs"));
+    assert!(
+        refused(clip.with_root_motion(&of("leg")))
+            .contains("moves \"hips\", on which \"leg\" hangs")
+    );
     assert!(refused(clip.with_root_motion(&of("hip"))).contains("hips"), "the nearest name");
     let moved = clip.with_root_motion(&of("hips")).unwrap();
     assert!(refused(moved.with_root_motion(&of("hips"))).contains("taken out already"));
@@ -167,8 +178,14 @@ fn tread(reach: f32, far: f32) -> Clip {
     let hips = |part: f32| [0.08 * part * (1.0 - part), 1.0, far * part];
     let tracks = vec![
         track("hips", [hips(0.0), hips(0.5), hips(0.75), hips(1.0)]),
-        track("foot.l", [[0.1, -1.0, front], [0.1, -1.0, back], [0.1, up, 0.0], [0.1, -1.0, front]]),
-        track("foot.r", [[-0.1, -1.0, back], [-0.1, -1.0, front], [-0.1, -1.0, 0.0], [-0.1, -1.0, back]]),
+        track(
+            "foot.l",
+            [[0.1, -1.0, front], [0.1, -1.0, back], [0.1, up, 0.0], [0.1, -1.0, front]],
+        ),
+        track(
+            "foot.r",
+            [[-0.1, -1.0, back], [-0.1, -1.0, front], [-0.1, -1.0, 0.0], [-0.1, -1.0, back]],
+        ),
     ];
     Clip::new(ClipSource { name: "tread".into(), tracks }, &skeleton.unwrap()).unwrap()
 }

@@ -17,13 +17,17 @@ const NAMES: [(Role, &str); 9] = [
 ];
 const ANKLE_M: f64 = 0.08;
 
-/// 1.6 m high, with soles from 5 cm behind the ankle to `foot_m` before it; toes begin at half of that where there are any,
-/// and hang on `toes_on`.
+/// 1.6 m high, with soles from 5 cm behind the ankle to `foot_m` before it; toes begin at half of
+/// that where there are any, and hang on `toes_on`.
 fn body(foot_m: f32, toes_on: Option<&str>) -> (Skeleton, RoleMap) {
     let mut joints: Vec<JointSource> = Vec::new();
     let mut add = |name: &str, parent: Option<&str>, translation: [f32; 3]| {
         let parent = parent.map(|parent| joints.iter().position(|j| j.name == parent).unwrap());
-        joints.push(JointSource { name: name.into(), parent, rest: Trs { translation, ..Trs::IDENTITY } });
+        joints.push(JointSource {
+            name: name.into(),
+            parent,
+            rest: Trs { translation, ..Trs::IDENTITY },
+        });
     };
     add("hips", None, [0.0, 0.9, 0.0]);
     add("head", Some("hips"), [0.0, 0.7, 0.0]);
@@ -42,10 +46,12 @@ fn body(foot_m: f32, toes_on: Option<&str>) -> (Skeleton, RoleMap) {
         }
     }
     let skeleton = Skeleton::new(&joints).unwrap();
-    let of = |joint| soles.iter().find(|(name, _)| name == skeleton.name(joint)).map(|(_, p)| p.clone());
+    let of =
+        |joint| soles.iter().find(|(name, _)| name == skeleton.name(joint)).map(|(_, p)| p.clone());
     let points: Vec<_> = skeleton.joints().map(|joint| of(joint).unwrap_or_default()).collect();
     let skeleton = skeleton.with_soles(&points);
-    let names: Vec<_> = NAMES.into_iter().filter(|(_, name)| skeleton.find(name).is_some()).collect();
+    let names: Vec<_> =
+        NAMES.into_iter().filter(|(_, name)| skeleton.find(name).is_some()).collect();
     let roles = RoleMap::from_names(&skeleton, &names).unwrap();
     (skeleton, roles)
 }
@@ -95,7 +101,8 @@ fn a_longer_foot_rolls_until_its_tip_is_on_the_ground() {
 fn feet_in_the_air_deep_down_or_lying_are_left() {
     let (source, target) = (body(0.15, None), body(0.3, None));
     for (higher, pitch) in [(0.5, 0.6), (-0.3, 0.0), (-0.05, -1.5), (0.0, 2.5)] {
-        let found = turns(&source, &target, &pose(&source.0, higher, &[("foot.l", pitch)])).unwrap();
+        let found =
+            turns(&source, &target, &pose(&source.0, higher, &[("foot.l", pitch)])).unwrap();
         assert!(Soles::are_none(&found), "{higher} m higher and {pitch} rad: {found:?}");
     }
 }
@@ -126,8 +133,11 @@ fn feet_do_not_flip() {
     let mut before: Option<f64> = None;
     for step in 0..=400 {
         let pitch = -0.6 + f64::from(step) * 0.005;
-        let higher = ANKLE_M * (pitch.cos() - 1.0) + if pitch < 0.0 { -0.05 } else { 0.15 } * pitch.sin();
-        let found = turns(&source, &target, &pose(&source.0, higher.max(0.0), &[("foot.l", pitch)])).unwrap();
+        let higher =
+            ANKLE_M * (pitch.cos() - 1.0) + if pitch < 0.0 { -0.05 } else { 0.15 } * pitch.sin();
+        let found =
+            turns(&source, &target, &pose(&source.0, higher.max(0.0), &[("foot.l", pitch)]))
+                .unwrap();
         let now = pitch + angle(found[0]);
         let jump = before.map_or(0.0, |before| (now - before).abs());
         assert!(jump < 0.05, "from {before:?} to {now} at {pitch}");

@@ -1,31 +1,36 @@
-//! From constraints in words to what devices read: which step follows which joint, and where each finds its data.
+//! From constraints in words to what devices read: which step follows which joint, and where each
+//! finds its data.
 
 use crate::control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
 };
 use crate::layout::{
-    self, FEET_MOST, Float4, Link, NONE, Override, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE,
-    STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST,
-    Target,
+    self, FEET_MOST, Float4, Link, NONE, Override, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT,
+    STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN,
+    STEP_WATCH, Step, TURNS_MOST, Target,
 };
 use crate::tables::u32_from;
 use crate::{Error, JointIndex, LARGEST, LARGEST_SCALE, Skeleton, Trs, f64math};
 
-/// Part of a leg's length in which it straightens. Little, for straight legs are what clips of standing people have.
+/// Part of a leg's length in which it straightens. Little, for straight legs are what clips of
+/// standing people have.
 const FOOT_SOFT: f32 = 0.005;
-/// Heights in parts of a leg's length: up to the first a foot is planted, from the second on it follows the clip alone.
+/// Heights in parts of a leg's length: up to the first a foot is planted, from the second on it
+/// follows the clip alone.
 const PLANTED: f32 = 0.03;
 const LIFTED: f32 = 0.14;
 /// How far a foot may be held back, in parts of its leg's length.
 const HELD_BACK: f32 = 0.5;
 
-/// All that one control has devices do. Indices count from the program's own first element until it is moved.
+/// All that one control has devices do. Indices count from the program's own first element until it
+/// is moved.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Program {
     /// By joint, those of the way down the hierarchy first, then those after Pose.
     pub(super) steps: Vec<Step>,
     pub(super) pose_step_count: usize,
-    /// Those in local space first, then those in model space, and last where the member is attached.
+    /// Those in local space first, then those in model space, and last where the member is
+    /// attached.
     pub(super) overrides: Vec<Override>,
     pub(super) local_count: usize,
     pub(super) constraints: Vec<layout::Constraint>,
@@ -93,7 +98,8 @@ fn float4([x, y, z]: [f32; 3], w: f32) -> Float4 {
 
 impl Program {
     pub(super) fn compile(skeleton: &Skeleton, controls: &Controls) -> Result<Self, Error> {
-        let mut program = Self { scale_first: controls.proportions.unwrap_or(NONE), ..Self::default() };
+        let mut program =
+            Self { scale_first: controls.proportions.unwrap_or(NONE), ..Self::default() };
         for constraint in &controls.constraints {
             match constraint {
                 Constraint::Gaze(gaze) => program.gaze(skeleton, gaze)?,
@@ -103,7 +109,10 @@ impl Program {
             }
         }
         for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
-            controls.motion.into_iter().for_each(|epoch| program.step(root, STEP_MOTION, 0, epoch as usize));
+            controls
+                .motion
+                .into_iter()
+                .for_each(|epoch| program.step(root, STEP_MOTION, 0, epoch as usize));
         }
         program.overrides(skeleton, &controls.overrides)?;
         let pose_steps = program.stages(skeleton, &controls.stages)?;
@@ -122,8 +131,8 @@ impl Program {
             );
             return bad(what);
         }
-        // Stable: what moves the whole body comes first, then where a root is attached; constraints of one joint stay in order,
-        // then stages, then overrides, then what is watched.
+        // Stable: what moves the whole body comes first, then where a root is attached; constraints
+        // of one joint stay in order, then stages, then overrides, then what is watched.
         program.steps.sort_by_key(|step| (step.joint, rank(step.kind)));
         program.pose_step_count = pose_steps.len();
         program.steps.extend(pose_steps);
@@ -140,15 +149,24 @@ impl Program {
         self.turns - count
     }
 
-    fn add(&mut self, row: layout::Constraint, links: &[Link], targets: &[Target]) -> Result<u32, Error> {
+    fn add(
+        &mut self,
+        row: layout::Constraint,
+        links: &[Link],
+        targets: &[Target],
+    ) -> Result<u32, Error> {
         for target in targets {
             bounded("a target", &target.point.0)?;
-            finite("the weight of a target", &[target.start_weight, target.weight_rate, target.end_weight])?;
+            finite(
+                "the weight of a target",
+                &[target.start_weight, target.weight_rate, target.end_weight],
+            )?;
         }
         let (link_first, target_first) = (u32_from(self.links.len()), u32_from(self.targets.len()));
         self.links.extend(links);
         self.targets.extend(targets);
-        let target_count = if targets.is_empty() { row.target_count } else { u32_from(targets.len()) };
+        let target_count =
+            if targets.is_empty() { row.target_count } else { u32_from(targets.len()) };
         let link_count = u32_from(links.len());
         self.constraints.push(layout::Constraint {
             link_first,
@@ -165,7 +183,8 @@ impl Program {
             return bad("a gaze needs at least one joint");
         };
         let sum: f32 = gaze.chain.iter().map(|(_, share)| share).sum();
-        let good = gaze.chain.iter().all(|(_, share)| *share >= 0.0) && sum.is_finite() && sum > 0.0;
+        let good =
+            gaze.chain.iter().all(|(_, share)| *share >= 0.0) && sum.is_finite() && sum > 0.0;
         let limits = gaze.limits;
         let half = std::f32::consts::PI;
         let in_range = (0.0..half).contains(&limits.yaw_rad)
@@ -186,7 +205,10 @@ impl Program {
             joints.iter().map(|joint| Link { joint: joint.0, share: share_of(joint) }).collect();
         let parent = skeleton.parent(first);
         let row = layout::Constraint {
-            axis: float4(in_joint(skeleton, Some(last), direction(gaze.facing)), tangent(limits.yaw_rad)),
+            axis: float4(
+                in_joint(skeleton, Some(last), direction(gaze.facing)),
+                tangent(limits.yaw_rad),
+            ),
             front: float4(in_joint(skeleton, parent, [0.0, 0.0, 1.0]), tangent(limits.up_rad)),
             up: float4(in_joint(skeleton, parent, [0.0, 1.0, 0.0]), tangent(limits.down_rad)),
             limits: Float4([limits.yaw_rad, limits.up_rad, limits.down_rad, 0.0]),
@@ -202,7 +224,8 @@ impl Program {
     }
 
     fn limb(&mut self, skeleton: &Skeleton, limb: &Limb) -> Result<(), Error> {
-        let (links, middle) = limb_links(skeleton, limb.first, [limb.first, limb.middle, limb.end])?;
+        let (links, middle) =
+            limb_links(skeleton, limb.first, [limb.first, limb.middle, limb.end])?;
         if !(limb.soft > 0.0 && limb.soft <= 0.5) {
             return bad(format!(
                 "a limb straightens in a part {} of its length; above 0 and up to 0.5 is needed",
@@ -239,7 +262,8 @@ impl Program {
                 chain.soft
             ));
         }
-        let links: Vec<Link> = joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect();
+        let links: Vec<Link> =
+            joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect();
         let row = layout::Constraint {
             limits: Float4([chain.soft, 1.0, 0.0, 0.0]),
             ..layout::Constraint::default()
@@ -278,7 +302,8 @@ impl Program {
         Ok(())
     }
 
-    /// Legs are solved with the pelvis, side by side, where nothing else moves them between it and the knees.
+    /// Legs are solved with the pelvis, side by side, where nothing else moves them between it and
+    /// the knees.
     fn solve_legs_at_once(&mut self) {
         let is_foot = |step: &&mut Step| step.kind == STEP_FOOT;
         let chains = self.steps.iter().filter(|step| step.kind == STEP_FOOT).flat_map(|step| {
@@ -306,8 +331,11 @@ impl Program {
             if !(0.0..=1.0).contains(&given.weight) {
                 return bad(format!("the override of joint \"{name}\" needs a weight from 0 to 1"));
             }
-            let row =
-                transform(&format!("the override of joint \"{name}\""), &given.transform, given.weight)?;
+            let row = transform(
+                &format!("the override of joint \"{name}\""),
+                &given.transform,
+                given.weight,
+            )?;
             self.overrides.push(Override { joint: given.joint.0, ..row });
             if given.space == Space::Model {
                 self.step(given.joint, STEP_OVERRIDE, u32_from(self.overrides.len() - 1), 0);
@@ -370,7 +398,8 @@ fn rank(kind: u32) -> u32 {
     }
 }
 
-/// The chain from `from` to the end of a limb of `first`, `middle` and `end`, and which link the middle is.
+/// The chain from `from` to the end of a limb of `first`, `middle` and `end`, and which link the
+/// middle is.
 fn limb_links(
     skeleton: &Skeleton,
     from: JointIndex,
@@ -394,17 +423,25 @@ fn limb_links(
 }
 
 /// A foot's constraint and its chain, which begins at the pelvis.
-fn foot_row(skeleton: &Skeleton, feet: &Feet, foot: &Foot) -> Result<(layout::Constraint, Vec<Link>), Error> {
+fn foot_row(
+    skeleton: &Skeleton,
+    feet: &Feet,
+    foot: &Foot,
+) -> Result<(layout::Constraint, Vec<Link>), Error> {
     let legs = [foot.hip, foot.knee, foot.ankle];
     let (links, middle) = limb_links(skeleton, feet.pelvis, legs)?;
     let upper = links.iter().position(|link| link.joint == foot.hip.0).unwrap_or(0);
     if upper == 0 {
-        return bad(format!("the leg of \"{}\" begins at the pelvis itself", skeleton.name(foot.ankle)));
+        return bad(format!(
+            "the leg of \"{}\" begins at the pelvis itself",
+            skeleton.name(foot.ankle)
+        ));
     }
     let models = f64math::rest_models(skeleton);
     let place = |joint: JointIndex| models[joint.index()].translation;
     let [hip, knee, ankle] = legs.map(place);
-    let [length, rest_height] = f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y]);
+    let [length, rest_height] =
+        f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y]);
     let row = layout::Constraint {
         axis: float4(in_joint(skeleton, Some(foot.hip), [0.0, 0.0, 1.0]), 0.0),
         up: Float4([rest_height, PLANTED * length, LIFTED * length, HELD_BACK * length]),

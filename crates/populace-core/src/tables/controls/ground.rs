@@ -12,14 +12,16 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// A plane that is so high, in metres, at the world's origin, and rises by so many metres for each along +X and +Z.
+    /// A plane that is so high, in metres, at the world's origin, and rises by so many metres for
+    /// each along +X and +Z.
     ///
     /// # Errors
     ///
     /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size.
     pub fn plane(height: f32, [slope_x, slope_z]: [f32; 2]) -> Result<Self, Error> {
         if [height, slope_x, slope_z].iter().all(|v| v.abs() <= LARGEST) {
-            let plane = layout::Ground { offset: height, slope_x, slope_z, ..layout::Ground::default() };
+            let plane =
+                layout::Ground { offset: height, slope_x, slope_z, ..layout::Ground::default() };
             return Ok(Self { plane, heights: Vec::new() });
         }
         let what = format!(
@@ -28,14 +30,14 @@ impl Ground {
         Err(Error::BadConstraint { what })
     }
 
-    /// A height in metres for each place of a grid that begins at `corner` (x and z in metres) and has a sample every
-    /// `spacing_m` metres, `count_x` of them along +X, which vary fastest. Between samples heights are interpolated
-    /// linearly both ways; outside, the border's go on.
+    /// A height in metres for each place of a grid that begins at `corner` (x and z in metres) and
+    /// has a sample every `spacing_m` metres, `count_x` of them along +X, which vary fastest.
+    /// Between samples heights are interpolated linearly both ways; outside, the border's go on.
     ///
     /// # Errors
     ///
-    /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size, a spacing not above 0, or fewer than two samples either
-    /// way.
+    /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size,
+    /// a spacing not above 0, or fewer than two samples either way.
     pub fn height_field(
         corner: [f32; 2],
         spacing_m: f32,

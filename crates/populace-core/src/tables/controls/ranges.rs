@@ -3,13 +3,14 @@
 use super::Tables;
 use crate::Error;
 use crate::layout::{
-    Control, NONE, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_OVERRIDE, STEP_PELVIS,
-    STEP_REACH, STEP_WATCH, Step, WATCHED_ELEMENTS,
+    Control, NONE, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_OVERRIDE,
+    STEP_PELVIS, STEP_REACH, STEP_WATCH, Step, WATCHED_ELEMENTS,
 };
 
 impl Tables {
-    /// Checks every range that a control names, and every index within the programs that changed since
-    /// [`mark_clean`](Self::mark_clean). Takes time by the number of controls, and none where no control changed.
+    /// Checks every range that a control names, and every index within the programs that changed
+    /// since [`mark_clean`](Self::mark_clean). Takes time by the number of controls, and none where
+    /// no control changed.
     ///
     /// # Errors
     ///
@@ -32,7 +33,10 @@ impl Tables {
                 within(table, control, first, count, length)?;
             }
         }
-        self.control_spaces.unchecked.iter().try_for_each(|control| self.check_program(*control as usize))
+        self.control_spaces
+            .unchecked
+            .iter()
+            .try_for_each(|control| self.check_program(*control as usize))
     }
 
     fn check_program(&self, control: usize) -> Result<(), Error> {
@@ -68,7 +72,13 @@ impl Tables {
             STEP_GAZE | STEP_REACH | STEP_CHAIN | STEP_PELVIS | STEP_FOOT => {
                 within("constraints", control, index, 1, all.constraints.len())?;
                 let row = all.constraints.as_slice()[index];
-                within("links", control, row.link_first as usize, row.link_count as usize, all.links.len())?;
+                within(
+                    "links",
+                    control,
+                    row.link_first as usize,
+                    row.link_count as usize,
+                    all.links.len(),
+                )?;
                 // Of feet the count is that of the member's feet.
                 if matches!(step.kind, STEP_PELVIS | STEP_FOOT) {
                     return Ok(());
@@ -107,10 +117,16 @@ mod tests {
         let mut tables = Tables::new(1);
         let body = tables.add_body(&skeleton, &[]).unwrap();
         let place = tables.add_member(body).unwrap();
-        let given =
-            |space| JointOverride { joint: JointIndex(0), transform: Trs::IDENTITY, weight: 1.0, space };
+        let given = |space| JointOverride {
+            joint: JointIndex(0),
+            transform: Trs::IDENTITY,
+            weight: 1.0,
+            space,
+        };
         let overrides = vec![given(Space::Local), given(Space::Model)];
-        tables.set_controls(place, &skeleton, &Controls { overrides, ..Controls::default() }).unwrap();
+        tables
+            .set_controls(place, &skeleton, &Controls { overrides, ..Controls::default() })
+            .unwrap();
         tables
     }
 

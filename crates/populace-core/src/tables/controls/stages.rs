@@ -42,7 +42,11 @@ impl Tables {
 
 impl Program {
     /// Adds the steps of stages: those after Transform, and those after Pose, which are returned.
-    pub(super) fn stages(&mut self, skeleton: &Skeleton, uses: &[StageUse]) -> Result<Vec<Step>, Error> {
+    pub(super) fn stages(
+        &mut self,
+        skeleton: &Skeleton,
+        uses: &[StageUse],
+    ) -> Result<Vec<Step>, Error> {
         let mut pose_steps = Vec::new();
         for given in uses {
             if given.stage >= STAGES_MOST {
@@ -52,8 +56,10 @@ impl Program {
             self.values.push(Float4(given.values));
             for joint in &given.joints {
                 path(skeleton, *joint, *joint)?;
-                let step = Step { joint: joint.0, kind: STEP_STAGE, index: given.stage, turn: value };
-                if given.after == After::Pose { &mut pose_steps } else { &mut self.steps }.push(step);
+                let step =
+                    Step { joint: joint.0, kind: STEP_STAGE, index: given.stage, turn: value };
+                if given.after == After::Pose { &mut pose_steps } else { &mut self.steps }
+                    .push(step);
             }
         }
         // Stable: stages of one joint stay in the order in which they were taken.

@@ -9,9 +9,12 @@ fn random(state: &mut u64) -> f32 {
 fn layouts() -> Vec<Vec<[f32; 2]>> {
     let mut state = 5;
     let mut all: Vec<Vec<[f32; 2]>> = (1..=24)
-        .map(|count| (0..count).map(|_| [random(&mut state) * 5.0, random(&mut state) - 0.5]).collect())
+        .map(|count| {
+            (0..count).map(|_| [random(&mut state) * 5.0, random(&mut state) - 0.5]).collect()
+        })
         .collect();
-    let grid = |w: u8, h: u8| (0..w * h).map(|i| [f32::from(i % w), f32::from(i / w) * 0.25]).collect();
+    let grid =
+        |w: u8, h: u8| (0..w * h).map(|i| [f32::from(i % w), f32::from(i / w) * 0.25]).collect();
     all.extend([grid(3, 3), grid(5, 4), grid(7, 1), grid(1, 6), grid(2, 2)]);
     let on_circle = (0..12).map(|i| {
         let angle = f64::from(i) / 12.0 * std::f64::consts::TAU;
@@ -22,12 +25,24 @@ fn layouts() -> Vec<Vec<[f32; 2]>> {
     let line: Vec<[f32; 2]> = (0..5_u8).map(|i| [f32::from(i), 2.0 - 0.5 * f32::from(i)]).collect();
     all.extend([line.clone(), line.iter().copied().chain([[1.0, 5.0]]).collect()]);
     // A locomotion set: idle, walks and runs, turns to both sides.
-    all.push(vec![[0.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.4, 0.0], [1.4, 0.8], [1.4, -0.8], [3.4, 0.0]]);
+    all.push(vec![
+        [0.0, 0.0],
+        [0.0, 1.0],
+        [0.0, -1.0],
+        [1.4, 0.0],
+        [1.4, 0.8],
+        [1.4, -0.8],
+        [3.4, 0.0],
+    ]);
     all
 }
 
 fn weight(weights: &Weights, sample: usize) -> f32 {
-    weights.iter().filter(|(own, weight)| *own == sample && *weight > 0.0).map(|(_, weight)| *weight).sum()
+    weights
+        .iter()
+        .filter(|(own, weight)| *own == sample && *weight > 0.0)
+        .map(|(_, weight)| *weight)
+        .sum()
 }
 
 #[test]
@@ -65,7 +80,8 @@ fn weights_sum_to_one_and_are_continuous() {
     let mut state = 9;
     for points in layouts() {
         let plane = Plane::new(&points);
-        let (from, to) = ([random(&mut state), random(&mut state)], [random(&mut state), random(&mut state)]);
+        let (from, to) =
+            ([random(&mut state), random(&mut state)], [random(&mut state), random(&mut state)]);
         // Straight through all samples and out on the other side.
         let at = |step: i32| {
             let t = f64::from(step) / 500.0;
@@ -74,9 +90,17 @@ fn weights_sum_to_one_and_are_continuous() {
         for step in 0..500 {
             let weights = plane.weights(at(step));
             let total: f32 = weights.iter().map(|(_, weight)| weight).sum();
-            assert!((total - 1.0).abs() < 1e-5 && weights.iter().all(|(_, w)| *w >= 0.0), "{weights:?}");
+            assert!(
+                (total - 1.0).abs() < 1e-5 && weights.iter().all(|(_, w)| *w >= 0.0),
+                "{weights:?}"
+            );
             let jump = jump_that_stays(&plane, at(step), at(step + 1));
-            assert!(jump < 1e-3, "{jump} between {:?} and {:?} of {points:?}", at(step), at(step + 1));
+            assert!(
+                jump < 1e-3,
+                "{jump} between {:?} and {:?} of {points:?}",
+                at(step),
+                at(step + 1)
+            );
         }
     }
 }
@@ -88,16 +112,20 @@ fn inside_weights_give_the_point_back() {
         let plane = Plane::new(&points);
         for _ in 0..50 {
             // A random mean of samples lies inside.
-            let parts: Vec<f64> = points.iter().map(|_| f64::from(random(&mut state)).powi(3)).collect();
+            let parts: Vec<f64> =
+                points.iter().map(|_| f64::from(random(&mut state)).powi(3)).collect();
             let total: f64 = parts.iter().sum();
             let mean = |axis: usize| {
-                points.iter().zip(&parts).map(|(p, part)| f64::from(p[axis]) * part).sum::<f64>() / total
+                points.iter().zip(&parts).map(|(p, part)| f64::from(p[axis]) * part).sum::<f64>()
+                    / total
             };
             let at = [mean(0), mean(1)];
             let weights = plane.weights(at);
             for (axis, wanted) in at.into_iter().enumerate() {
-                let found: f64 =
-                    weights.iter().map(|(sample, w)| f64::from(points[*sample][axis]) * f64::from(*w)).sum();
+                let found: f64 = weights
+                    .iter()
+                    .map(|(sample, w)| f64::from(points[*sample][axis]) * f64::from(*w))
+                    .sum();
                 assert!((found - wanted).abs() < 1e-4, "{found} is not {wanted} in {points:?}");
             }
         }
@@ -111,7 +139,8 @@ fn no_sample_lies_within_a_triangles_circle() {
         for corners in &plane.triangles {
             let circle = corners.map(|corner| plane.points[corner]);
             assert!(area(circle[0], circle[1], circle[2]) > 0.0, "counter-clockwise");
-            let inside = plane.points.iter().filter(|point| in_circle(circle, **point) > 1e-7).count();
+            let inside =
+                plane.points.iter().filter(|point| in_circle(circle, **point) > 1e-7).count();
             assert_eq!(inside, 0, "{corners:?} of {points:?}");
         }
     }
