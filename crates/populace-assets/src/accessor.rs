@@ -117,7 +117,8 @@ impl View {
         let buffer_length = buffer_lengths[buffer]?;
         if offset.checked_add(length).is_none_or(|end| end > buffer_length) {
             return Err(at.problem(format!(
-                "reaches from byte {offset} for {length} bytes, but buffer {buffer} has {buffer_length}"
+                "reaches from byte {offset} for {length} bytes, but buffer {buffer} has \
+                 {buffer_length}"
             )));
         }
         Ok(Self { place: at.place().to_owned(), buffer, offset, length, stride })
@@ -242,7 +243,8 @@ impl Accessor {
             .and_then(|bytes| bytes.checked_add(stretch.offset));
         if end.is_none_or(|end| end > view.length) {
             failed = Err(at.problem(format!(
-                "has {count} elements of {element} bytes from byte {} on, which do not fit the {} bytes of {}",
+                "has {count} elements of {element} bytes from byte {} on, which do not fit the {} \
+                 bytes of {}",
                 stretch.offset, view.length, view.place
             )));
         }

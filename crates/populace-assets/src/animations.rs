@@ -87,7 +87,10 @@ fn read_sampler(at: &Cursor, data: &Data) -> Checked<Sampler> {
     let values = data.accessor(output)?;
     for accessor in [times, values] {
         if data.has_stride(accessor) {
-            at.note("reads a buffer view with a byteStride, which only vertex data may have; it is followed");
+            at.note(
+                "reads a buffer view with a byteStride, which only vertex data may have; it is \
+                 followed",
+            );
         }
     }
     if !times.has_bounds {
@@ -129,7 +132,8 @@ fn read_channel(at: &Cursor, nodes: &[Node], sampler_count: usize) -> Checked<Op
     };
     if nodes[node].has_matrix {
         return Err(target.problem(format!(
-            "drives node {node}, which has a matrix; animated nodes have translation, rotation and scale instead"
+            "drives node {node}, which has a matrix; animated nodes have translation, rotation \
+             and scale instead"
         )));
     }
     Ok(Some(Channel { place: at.place().to_owned(), sampler, node, property }))
@@ -255,7 +259,8 @@ impl<'a> Clips<'a> {
         let times = self.data.floats(sampler.input)?;
         if let Some(at) = times.windows(2).position(|w| w[0] >= w[1]) {
             let what = format!(
-                "has key {} at {} s after key {at} at {} s; times must increase (glTF 2.0, section 3.11)",
+                "has key {} at {} s after key {at} at {} s; times must increase (glTF 2.0, \
+                 section 3.11)",
                 at + 1,
                 times[at + 1],
                 times[at]

@@ -58,8 +58,8 @@ impl<'a> Budget<'a> {
         Err(self.log.problem(
             place,
             format!(
-                "needs {} for {what} beside {} taken before; the memory limit is {} (--memory-limit, \
-                 `LoadOptions::memory_limit_bytes`)",
+                "needs {} for {what} beside {} taken before; the memory limit is {} \
+                 (--memory-limit, `LoadOptions::memory_limit_bytes`)",
                 Mebibytes(bytes),
                 Mebibytes(self.used.get()),
                 Mebibytes(self.limit),

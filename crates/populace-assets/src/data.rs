@@ -221,7 +221,8 @@ impl<'a> Data<'a> {
         if let Some(at) = floats.iter().position(|v| !within(v)) {
             let element = at / accessor.shape.components();
             let what = format!(
-                "holds {:?} in element {element}; numbers must be finite and at most {LARGEST:e} in size",
+                "holds {:?} in element {element}; numbers must be finite and at most {LARGEST:e} \
+                 in size",
                 floats[at]
             );
             return Err(self.log.problem(&accessor.place, what));

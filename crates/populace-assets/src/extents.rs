@@ -66,8 +66,8 @@ impl Extents {
             let large = chain.filter(|c| c.scale.max(c.distance) > LARGEST_OF_CHAIN);
             if let (Some(chain), Some(node)) = (large, node_from_joint[joint.index()]) {
                 let what = format!(
-                    "can be scaled by {:.1e} and be {:.1e} m away, by its own transform and keys and those of the nodes \
-                     above it; at most {LARGEST_OF_CHAIN:e} is possible",
+                    "can be scaled by {:.1e} and be {:.1e} m away, by its own transform and keys \
+                     and those of the nodes above it; at most {LARGEST_OF_CHAIN:e} is possible",
                     chain.scale, chain.distance
                 );
                 failed = Err(log.problem(&nodes[node].place, what));

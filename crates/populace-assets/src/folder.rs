@@ -47,18 +47,21 @@ impl Folder {
         let found = if self.allow_outside {
             folder.join(path)
         } else {
-            resolve(&folder.canonicalize().map_err(failed)?, path).map_err(failed)?.ok_or_else(|| {
-                format!(
-                    "names \"{path}\", which leads outside the file's folder; to read it all the same use \
-                     --allow-outside (`LoadOptions::allow_outside`)"
-                )
-            })?
+            resolve(&folder.canonicalize().map_err(failed)?, path).map_err(failed)?.ok_or_else(
+                || {
+                    format!(
+                        "names \"{path}\", which leads outside the file's folder; to read it all \
+                         the same use --allow-outside (`LoadOptions::allow_outside`)"
+                    )
+                },
+            )?
         };
         let file = open_regular(&found).map_err(failed)?;
         let has = file.metadata().map_err(failed)?.len();
         match wanted.map(|w| w as u64) {
             Some(wanted) if wanted > has => Err(format!(
-                "names \"{path}\", which has {has} bytes where {wanted} are declared; it may be cut off"
+                "names \"{path}\", which has {has} bytes where {wanted} are declared; it may be \
+                 cut off"
             )),
             wanted => Ok(Opened { file, length: wanted.unwrap_or(has) }),
         }

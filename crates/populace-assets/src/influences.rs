@@ -26,7 +26,10 @@ impl Palette {
         let index = u16::try_from(self.entries.len()).map_err(|_| {
             log.problem(
                 place,
-                format!("needs more than {PALETTE_LIMIT} pairs of joint and bind matrix, all that a vertex can name"),
+                format!(
+                    "needs more than {PALETTE_LIMIT} pairs of joint and bind matrix, all that a \
+                     vertex can name"
+                ),
             )
         })?;
         self.entries.push(*entry);

@@ -239,7 +239,8 @@ mod tests {
                 "a[1]: must be an object, but is a number",
                 "a[0].i: names node 7, but there are only node 0 to 1",
                 "a[2].i: must be a whole number, but is a string",
-                "a[3].i: is -1; it must be a whole number from 0 on, of a size that a file can have",
+                "a[3].i: is -1; it must be a whole number from 0 on, of a size that a file can \
+                 have",
                 "a[4].i: is missing; it is required",
             ]
         );

@@ -175,7 +175,8 @@ fn decompose(at: &Cursor, matrix: [f64; 16]) -> Checked<Trs> {
         (0..3).any(|c| (axes.col(c) * scale[c] - columns[c]).length() > SHEAR * scale[c].abs());
     if off {
         return Err(at.problem(
-            "is sheared; a node's matrix must be a product of translation, rotation and scale (glTF 2.0, section 3.5.3)",
+            "is sheared; a node's matrix must be a product of translation, rotation and scale \
+             (glTF 2.0, section 3.5.3)",
         ));
     }
     Ok(Trs {
@@ -212,7 +213,8 @@ fn link(nodes: &mut [Node], log: &Log) -> Checked<()> {
         for child in nodes[parent].children.clone() {
             if let Some(first) = nodes[child].parent.replace(parent) {
                 let what = format!(
-                    "makes node {child} a child, but it is one of node {first}; a node has one parent"
+                    "makes node {child} a child, but it is one of node {first}; a node has one \
+                     parent"
                 );
                 failed = Some(log.problem(format!("{}.children", nodes[parent].place), what));
             }

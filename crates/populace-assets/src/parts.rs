@@ -137,7 +137,8 @@ impl Maker<'_> {
             return Err(self.log.problem(
                 &accessor.place,
                 format!(
-                    "holds index {} in element {first}, but {} has {count} vertices ({wrong} of {} are past the end)",
+                    "holds index {} in element {first}, but {} has {count} vertices ({wrong} of \
+                     {} are past the end)",
                     indices[first],
                     primitive.place,
                     indices.len()

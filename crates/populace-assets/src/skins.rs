@@ -56,7 +56,10 @@ fn read_skin(at: &Cursor, node_count: usize, data: &Data) -> Checked<Skin> {
             )));
         }
         if data.has_stride(accessor) {
-            at.note("has inverse bind matrices in a buffer view with a byteStride, which only vertex data may have");
+            at.note(
+                "has inverse bind matrices in a buffer view with a byteStride, which only vertex \
+                 data may have",
+            );
         }
     }
     Ok(Skin { place: at.place().to_owned(), name: at.name(), joints, skeleton, inverse_bind })

@@ -25,7 +25,8 @@ const WIND: &str = "
 void wind(StageJoint *joint)
 {
     const float *p = joint->parameters;
-    float x = joint->place.x / p[1] + joint->place.z * 0.07f - stage_phase(joint, p[2]) + joint->values.x;
+    float x = joint->place.x / p[1] + joint->place.z * 0.07f - stage_phase(joint, p[2]) + \
+                    joint->values.x;
     x -= floor(x);
     const float lean = p[0] * (0.25f + 6.0f * (x - x * x * x) * (x - x * x * x));
     const float4 axis = stage_to_model(joint, (float4)(0.0f, 0.0f, -1.0f, 0.0f));

@@ -241,8 +241,8 @@ fn tell_borrowed(
         clips.iter().filter(|(id, _)| playing.contains(id)).map(|(_, clip)| clip.name()).collect();
     if played.is_empty() {
         talk!(
-            "warning: \"{name}\" has no clips, and is no humanoid that could play those of the built-in people; it stands \
-             as it rests; --clips FILE lends it clips"
+            "warning: \"{name}\" has no clips, and is no humanoid that could play those of the \
+             built-in people; it stands as it rests; --clips FILE lends it clips"
         );
     } else {
         talk!(

@@ -27,8 +27,8 @@ pub(crate) fn warn(clip: &str, character: &str, report: &BindingReport) {
         String::new()
     };
     talk!(
-        "warning: the clip \"{clip}\" fits \"{character}\" badly: by name it moves {} of the {} joints that it is \
-         made for{turned}",
+        "warning: the clip \"{clip}\" fits \"{character}\" badly: by name it moves {} of the {} \
+         joints that it is made for{turned}",
         report.bound_joints,
         report.moving_joints
     );

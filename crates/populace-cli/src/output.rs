@@ -75,7 +75,8 @@ pub(crate) fn check_inputs(
         let Some(found) = identity(&output) else { continue };
         if let Some((_, input)) = known.iter().find(|(one, _)| *one == found) {
             return Err(Failure::usage(format!(
-                "writing {} would destroy {}, which is read: they are one file; write to another name",
+                "writing {} would destroy {}, which is read: they are one file; write to another \
+                 name",
                 output.display(),
                 input.display()
             )));

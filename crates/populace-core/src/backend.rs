@@ -265,8 +265,8 @@ pub enum BackendError {
     },
     /// A body whose joints do not fit what the work-items of a group share.
     #[error(
-        "{device} has {available} bytes of local memory, and a body of {joints} joints takes {bytes} bytes of it when \
-         fused; use --schedule staged, which takes bodies of any size"
+        "{device} has {available} bytes of local memory, and a body of {joints} joints takes \
+         {bytes} bytes of it when fused; use --schedule staged, which takes bodies of any size"
     )]
     BodyTooLarge {
         /// The device's name.
@@ -290,7 +290,8 @@ pub enum BackendError {
     },
     /// A user's stages that do not compile.
     #[error(
-        "{device} cannot compile the user stages; each line is that of the stage's own text:\n{log}"
+        "{device} cannot compile the user stages; each line is that of the stage's own \
+         text:\n{log}"
     )]
     BadStages {
         /// The device's name.

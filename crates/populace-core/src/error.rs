@@ -44,7 +44,8 @@ pub enum Error {
     },
     /// Two joints of one name: clips bind by name.
     #[error(
-        "joints {first} and {second} are both named \"{name}\"; clips bind by name, so names must differ"
+        "joints {first} and {second} are both named \"{name}\"; clips bind by name, so names must \
+         differ"
     )]
     DuplicateJointName {
         /// Source index of the first.
@@ -114,7 +115,8 @@ pub enum Error {
     },
     /// A mask that does not fit its skeleton.
     #[error(
-        "a mask has {weights} weights for a skeleton of {joints} joints; one per joint is needed, each from 0 to 1"
+        "a mask has {weights} weights for a skeleton of {joints} joints; one per joint is needed, \
+         each from 0 to 1"
     )]
     BadMask {
         /// Weights given.
@@ -153,8 +155,8 @@ pub enum Error {
     /// A range that reaches past the end of its table: a fault of the library, found before a
     /// device follows it.
     #[error(
-        "control {control} names {count} of {table} from {first} on, and there are {length}; this is a fault of the \
-         library: please report it"
+        "control {control} names {count} of {table} from {first} on, and there are {length}; this \
+         is a fault of the library: please report it"
     )]
     OutOfRange {
         /// The table.
@@ -170,7 +172,8 @@ pub enum Error {
     },
     /// A schedule's name that means nothing.
     #[error(
-        "there is no schedule \"{name}\"; schedules are staged, fused, fused-wide and fused-grouped"
+        "there is no schedule \"{name}\"; schedules are staged, fused, fused-wide and \
+         fused-grouped"
     )]
     UnknownSchedule {
         /// The name given.

@@ -10,8 +10,8 @@
 //! renderer.
 #![expect(
     unsafe_code,
-    reason = "implementors of the traits make promises about memory that the compiler cannot check; nothing here is \
-              an unsafe block"
+    reason = "implementors of the traits make promises about memory that the compiler cannot \
+              check; nothing here is an unsafe block"
 )]
 
 use std::fmt;

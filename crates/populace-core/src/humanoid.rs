@@ -264,7 +264,8 @@ impl RoleMap {
         }
         match NEEDED.into_iter().find(|role| !map.joints.contains_key(role)) {
             Some(role) => {
-                let what = "no joint is given; hips, upper and lower legs and feet are needed, others are welcome";
+                let what = "no joint is given; hips, upper and lower legs and feet are needed, \
+                            others are welcome";
                 Err(Error::BadRole { role: role.to_string(), what: what.into() })
             }
             None => Ok(map),

@@ -327,8 +327,8 @@ mod tests {
     fn the_opencl_text_declares_what_rust_declares() {
         assert_eq!(
             Member::OPENCL_C,
-            "typedef struct { uint body; uint joint_first; uint palette_first; uint layers_and_phase; uint control; } \
-             Member;\n"
+            "typedef struct { uint body; uint joint_first; uint palette_first; uint \
+             layers_and_phase; uint control; } Member;\n"
         );
         assert!(opencl_prelude().contains("#define JOINT_BLOCK 16u\n"));
     }

@@ -4,7 +4,8 @@
 //! bit, since no product is ever fused with a sum.
 #![expect(
     unsafe_code,
-    reason = "a function compiled for a feature of the processor may only be called where the processor has it"
+    reason = "a function compiled for a feature of the processor may only be called where the \
+              processor has it"
 )]
 
 use populace_core::layout::Float4;

@@ -5,7 +5,8 @@
 //! has not been run on a graphics processor yet: every driver at hand refuses it.
 #![expect(
     unsafe_code,
-    reason = "the OpenCL API is C; memory that it does not own is part of the crate's boundary to it"
+    reason = "the OpenCL API is C; memory that it does not own is part of the crate's boundary to \
+              it"
 )]
 
 use std::ffi::c_void;

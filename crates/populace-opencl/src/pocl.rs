@@ -26,13 +26,16 @@ pub(crate) fn fault() -> Option<String> {
     if let Err(error) = written {
         let folder = folder.display();
         return Some(format!(
-            "it cannot write its kernel cache {folder} ({error}); let POCL_CACHE_DIR name a folder that can be written"
+            "it cannot write its kernel cache {folder} ({error}); let POCL_CACHE_DIR name a \
+             folder that can be written"
         ));
     }
     let path = env::var_os("PATH").unwrap_or_default();
     let linked = !cfg!(unix) || env::split_paths(&path).any(|folder| has_linker(&folder));
     (!linked).then(|| {
-        "it links kernels with ld, and no folder of PATH holds one; install binutils, or add its folder to PATH".into()
+        "it links kernels with ld, and no folder of PATH holds one; install binutils, or add its \
+         folder to PATH"
+            .into()
     })
 }
 

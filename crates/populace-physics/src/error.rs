@@ -9,7 +9,8 @@ pub enum Error {
     Crowd(#[from] populace::Error),
     /// A plan made for another skeleton.
     #[error(
-        "the plan is for a skeleton of {plan} joints, and the member has {member}; plan from the member's own"
+        "the plan is for a skeleton of {plan} joints, and the member has {member}; plan from the \
+         member's own"
     )]
     WrongPlan {
         /// Joints of the skeleton that the plan was made from.

@@ -73,7 +73,8 @@ fn the_arm_of_one_who_walks_along_goes_along() {
         }
     }
     println!(
-        "the hand strays {furthest} m along the way, and its speed changes by {worst} m/s a frame at most"
+        "the hand strays {furthest} m along the way, and its speed changes by {worst} m/s a frame \
+         at most"
     );
     assert!(furthest < 0.5 && worst < 2.5);
 }

@@ -85,7 +85,8 @@ fn fall(path: &PathBuf, scale: f32, bodies: Option<usize>) -> Result<(), Failed>
     let moved =
         heads.iter().map(|j| length(minus(lying[*j], before[*j]))).fold(0.0, f32::max) / size;
     let told = format!(
-        "{} bodies; limits passed by {:.1} degrees; lowest joint at {lowest:.3} of its size, moves by {moved:.4}; {worst:?}",
+        "{} bodies; limits passed by {:.1} degrees; lowest joint at {lowest:.3} of its size, \
+         moves by {moved:.4}; {worst:?}",
         plan.bodies().len(),
         beyond.to_degrees()
     );

@@ -74,7 +74,8 @@ fn getting_up_starts_where_the_body_lies_without_a_jump() {
         let aside = length(minus([up[0], 0.0, up[2]], [lying[0][0], 0.0, lying[0][2]]));
         let away = length(minus(lying[0], from));
         println!(
-            "fell {away} m off; joints start at {first:?} m/s and reach {fastest} m/s; hips rise {aside} m aside"
+            "fell {away} m off; joints start at {first:?} m/s and reach {fastest} m/s; hips rise \
+             {aside} m aside"
         );
         assert!(away > 0.3 && aside < 0.15 && fastest < 6.0);
         assert!(first.unwrap() < 0.2);

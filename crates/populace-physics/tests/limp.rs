@@ -56,7 +56,8 @@ fn the_first_steps_have_no_speed_jump() {
     for frames_before in [3, 10, 17, 24, 31] {
         let [walking, limp] = [false, true].map(|limp| largest_jumps(frames_before, limp));
         println!(
-            "after {frames_before} frames: feet, rest change by {limp:.2?} m/s a frame, {walking:.2?} while walking"
+            "after {frames_before} frames: feet, rest change by {limp:.2?} m/s a frame, \
+             {walking:.2?} while walking"
         );
         let falling = 9.81 * DT;
         assert!(

@@ -82,7 +82,8 @@ pub enum Error {
     },
     /// An instance whose palette was not uploaded.
     #[error(
-        "instance {instance} needs {count} palette entries from {first} of page {page}, which holds {available}"
+        "instance {instance} needs {count} palette entries from {first} of page {page}, which \
+         holds {available}"
     )]
     NoPalette {
         /// Index of the instance.

@@ -221,8 +221,8 @@ mod tests {
     fn the_glsl_text_declares_what_rust_declares() {
         assert_eq!(
             Surface::GLSL,
-            "layout(std140, binding = 1) uniform Surface {\n    vec4 base_color;\n    float alpha_cutoff;\n    \
-             float unused0;\n    float unused1;\n    float unused2;\n};\n"
+            "layout(std140, binding = 1) uniform Surface {\n    vec4 base_color;\n    float \
+             alpha_cutoff;\n    float unused0;\n    float unused1;\n    float unused2;\n};\n"
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),

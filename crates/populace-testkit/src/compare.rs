@@ -57,7 +57,8 @@ impl Judge {
         let off = (f64::from(got) - wanted).abs();
         if off.is_nan() || off > bound {
             panic!(
-                "{}: {} is off by {off:.3e}, where {bound:.3e} is allowed: {got} instead of {wanted}",
+                "{}: {} is off by {off:.3e}, where {bound:.3e} is allowed: {got} instead of \
+                 {wanted}",
                 self.check,
                 place()
             );
@@ -91,12 +92,14 @@ impl Judge {
     pub(crate) fn done(self) {
         let Self { check, compared, left_out, worst, .. } = self;
         println!(
-            "{check}: {compared} numbers compared, {left_out} left out, worst at {worst:.2} of its bound"
+            "{check}: {compared} numbers compared, {left_out} left out, worst at {worst:.2} of \
+             its bound"
         );
         assert!(compared > 0, "{check}: nothing was compared");
         assert!(
             left_out * 5 <= compared,
-            "{check}: {left_out} numbers left out beside {compared}; a check that leaves out so much is none"
+            "{check}: {left_out} numbers left out beside {compared}; a check that leaves out so \
+             much is none"
         );
     }
 

@@ -105,7 +105,8 @@ impl fmt::Display for Mismatch {
             Self::TooLarge { bytes } => {
                 write!(
                     f,
-                    "a reference of {bytes} bytes is too large to keep; the limit is {REFERENCE_BYTES}"
+                    "a reference of {bytes} bytes is too large to keep; the limit is \
+                     {REFERENCE_BYTES}"
                 )
             }
             Self::File(what) => f.write_str(what),

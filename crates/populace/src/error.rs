@@ -24,8 +24,8 @@ pub enum Error {
     },
     /// A device name that means nothing.
     #[error(
-        "there is no device \"{name}\"; devices are native, opencl and opencl:N; native:2 takes two threads, opencl:N:1/2 \
-         the first of two equal parts, and + joins several"
+        "there is no device \"{name}\"; devices are native, opencl and opencl:N; native:2 takes \
+         two threads, opencl:N:1/2 the first of two equal parts, and + joins several"
     )]
     UnknownDevice {
         /// The name given.

@@ -220,7 +220,8 @@ impl StateMachine {
                 Condition::Ended => {
                     let from = from.unwrap_or("any state");
                     return Err(bad(&format!(
-                        "waits in \"{from}\" for the end of a clip that has none; play it by Play::once()"
+                        "waits in \"{from}\" for the end of a clip that has none; play it by \
+                         Play::once()"
                     )));
                 }
             }
@@ -321,6 +322,7 @@ fn check_play(State { name, play, .. }: &State) -> Result<(), Error> {
         return Ok(());
     }
     Err(bad(&format!(
-        "gives its state \"{name}\" a weight, layer, fade or delay; transitions fade, and the rest is for run_machine"
+        "gives its state \"{name}\" a weight, layer, fade or delay; transitions fade, and the \
+         rest is for run_machine"
     )))
 }

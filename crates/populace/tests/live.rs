@@ -5,7 +5,8 @@
     clippy::cast_possible_truncation,
     clippy::disallowed_methods,
     dead_code,
-    reason = "a test that cannot go on fails; poses are rounded once; bodies are shared with others"
+    reason = "a test that cannot go on fails; poses are rounded once; bodies are shared with \
+              others"
 )]
 
 #[path = "controls/body.rs"]

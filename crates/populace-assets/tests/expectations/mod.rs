@@ -173,9 +173,8 @@ const TABLE: &[(&str, Expected)] = &[
     ("gltf_bad/validator/accessor/valid.gltf", Loads),
     (
         "gltf_bad/validator/animation/channel_duplicate_targets.gltf",
-        Refused(&[
-            "animations[0].channels[1]: drives the same property of node 0 as animations[0].channels[0]",
-        ]),
+        Refused(&["animations[0].channels[1]: drives the same property of node 0 as \
+                   animations[0].channels[0]"]),
     ),
     (
         "gltf_bad/validator/animation/channel_node_matrix.gltf",

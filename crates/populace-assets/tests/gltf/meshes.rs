@@ -125,8 +125,10 @@ fn attributes_have_one_value_a_vertex() {
     assert_eq!(
         super::problems(&file.glb()),
         [
-            "meshes[0].primitives[0]: has 2 of NORMAL for 3 of POSITION; all attributes need the same number",
-            "meshes[0].primitives[0]: has 4 of TEXCOORD_0 for 3 of POSITION; all attributes need the same number",
+            "meshes[0].primitives[0]: has 2 of NORMAL for 3 of POSITION; all attributes need the \
+             same number",
+            "meshes[0].primitives[0]: has 4 of TEXCOORD_0 for 3 of POSITION; all attributes need \
+             the same number",
         ]
     );
 }

@@ -43,8 +43,9 @@ pub(crate) fn as_svg(document: &Document) -> String {
     let y = Axis::new(points().map(|p| p[1]), &[1.0, 2.0, 5.0], [bottom, top]);
     let slots = runs.iter().map(|run| run.slots).max().unwrap_or(0);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" font-size=\"14\">\n\
-         <rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#ffffff\"/>\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
+         font-family=\"sans-serif\" font-size=\"14\">\n<rect width=\"{WIDTH}\" \
+         height=\"{HEIGHT}\" fill=\"#ffffff\"/>\n"
     );
     svg += &label([left, 30.0], "start", 18, "Time per joint of crowds of several sizes");
     svg += &label(
@@ -104,7 +105,8 @@ fn axes(x: &Axis, y: &Axis) -> String {
     let [left, top, right, bottom] = FRAME;
     let line = |[x1, y1, x2, y2]: [f64; 4]| {
         format!(
-            "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"#cccccc\"/>\n"
+            "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" \
+             stroke=\"#cccccc\"/>\n"
         )
     };
     let mut svg = String::new();
@@ -141,7 +143,8 @@ impl Series {
         };
         for [x, y] in places.into_iter().chain([[left + 22.0, middle]]) {
             svg += &format!(
-                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\" stroke=\"{colour}\" stroke-width=\"2\"/>\n"
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\" stroke=\"{colour}\" \
+                 stroke-width=\"2\"/>\n"
             );
         }
         svg + &label(
@@ -165,7 +168,8 @@ impl Series {
 fn label([x, y]: [f64; 2], anchor: &str, size: u32, text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     format!(
-        "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{size}\" fill=\"#222222\">{text}</text>\n"
+        "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{size}\" \
+         fill=\"#222222\">{text}</text>\n"
     )
 }
 

@@ -4,8 +4,8 @@ use super::document::Document;
 use super::runs::Run;
 
 const HEAD: &str = "\
-| members | device | schedule | stage | load | ms, median | ms, least | ns per joint | ms, waited | host's part, ms \
-| MiB | bytes per member | worst error, mm |
+| members | device | schedule | stage | load | ms, median | ms, least | ns per joint | ms, waited \
+                    | host's part, ms | MiB | bytes per member | worst error, mm |
 |--:|---|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|
 ";
 
@@ -71,7 +71,8 @@ fn baked(run: &Run) -> Option<String> {
     let tables = run.tables?;
     let kib_each = |bytes: usize| bytes as f64 / 1024.0 / tables.clips as f64;
     Some(format!(
-        "baked: {:.2} MiB of tables, {:.1} KiB for each of {} pairs of model and clip; the clips' rows take {:.1} KiB each\n",
+        "baked: {:.2} MiB of tables, {:.1} KiB for each of {} pairs of model and clip; the clips' \
+         rows take {:.1} KiB each\n",
         tables.bytes as f64 / 1_048_576.0,
         kib_each(tables.bytes),
         tables.clips,

@@ -64,7 +64,8 @@ fn check(run: &Run) -> Result<(), Failure> {
     match (run.error_m, run.allowed_m) {
         (Some(error), Some(allowed)) if error.is_nan() || error > allowed => {
             Err(Failure::Run(anyhow::anyhow!(
-                "{} ({}, {}) is wrong: a joint is {error:.6} m from where the oracle puts it; {allowed:.6} m are allowed",
+                "{} ({}, {}) is wrong: a joint is {error:.6} m from where the oracle puts it; \
+                 {allowed:.6} m are allowed",
                 run.device,
                 run.schedule,
                 run.load

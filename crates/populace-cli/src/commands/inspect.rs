@@ -139,7 +139,8 @@ fn as_text(d: &Value) -> String {
     }
     for p in list("parts") {
         text += &format!(
-            "  part {} (node {}, primitive {}): {} vertices, {} triangles, {} influences each, material {}\n",
+            "  part {} (node {}, primitive {}): {} vertices, {} triangles, {} influences each, \
+             material {}\n",
             p["name"],
             p["node"],
             p["primitive"],
@@ -178,7 +179,8 @@ fn clip_line(index: usize, c: &Value) -> String {
         .as_f64()
         .map_or(String::new(), |v| format!(", ground speed {v:.2} m/s"));
     format!(
-        "  clip {index} {}: {:.3} s from {:.3} s, {} rows{}, worst error {:.3} mm of {:.3} mm{speed}\n",
+        "  clip {index} {}: {:.3} s from {:.3} s, {} rows{}, worst error {:.3} mm of {:.3} \
+         mm{speed}\n",
         c["name"],
         number("duration_secs"),
         number("start_secs"),

@@ -126,7 +126,8 @@ fn feet_on_legs(folder: &Path) -> Result<(), Failed> {
             }
         }
         println!(
-            "robot, planted {planted}: feet are {apart} of the height from where the clip and ground have them"
+            "robot, planted {planted}: feet are {apart} of the height from where the clip and \
+             ground have them"
         );
         if apart > 0.02 {
             return Err(format!("feet are off by {apart} of the body's height").into());
@@ -215,7 +216,8 @@ fn walk(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Fai
     };
     let found = look(&mut crowd, members, clip, [&from_roles, &onto_roles])?;
     println!(
-        "limbs {:.2} degrees, sinks {:.2} %, hips at {:.3} of rest where the source's are at {:.3}, knees {:.3}",
+        "limbs {:.2} degrees, sinks {:.2} %, hips at {:.3} of rest where the source's are at \
+         {:.3}, knees {:.3}",
         found.limb_degrees,
         100.0 * found.sinks,
         found.hips[1],
@@ -352,7 +354,8 @@ fn drawn(source: &Character, clip: &str, target: &Character) -> Result<(), Faile
     }
     let [own, lent] = &seen[..] else { return Err("two bodies were watched".into()) };
     let sunk = format!(
-        "a foot is drawn {:.2} % of the height deep at {:.2} of the cycle, and {:.2} % on its own body",
+        "a foot is drawn {:.2} % of the height deep at {:.2} of the cycle, and {:.2} % on its own \
+         body",
         100.0 * lent.sunk,
         lent.at,
         100.0 * own.sunk

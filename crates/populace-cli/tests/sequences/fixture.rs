@@ -107,7 +107,8 @@ fn stretch(joint: &mut StageJoint) {
 pub(crate) fn stages() -> [UserStage; 2] {
     let lifts =
         "void lift(StageJoint *joint) { joint->row1.w += joint->parameters[0] + joint->values.y; }";
-    let stretches = "void stretch(StageJoint *joint) { joint->translation.y += joint->parameters[1] * joint->values.x; }";
+    let stretches = "void stretch(StageJoint *joint) { joint->translation.y += \
+                     joint->parameters[1] * joint->values.x; }";
     [
         UserStage::new("lift").opencl_c(lifts).rust(lift),
         UserStage::new("stretch").opencl_c(stretches).rust(stretch),

@@ -56,7 +56,8 @@ pub(crate) fn run() -> ExitCode {
         let made = count * length as u64;
         let now = resident_mib();
         talk(&format!(
-            "\r{}: {made} calls on each of two crowds in {secs} s, {memory} to {now} MiB resident\n",
+            "\r{}: {made} calls on each of two crowds in {secs} s, {memory} to {now} MiB \
+             resident\n",
             setup.name
         ));
     }

@@ -174,8 +174,9 @@ impl Binding {
                 let first = clip.skeleton.name(first);
                 let has = |roles: Option<&RoleMap>| if roles.is_some() { "has" } else { "has not" };
                 let what = format!(
-                    "none of its joints has the name of one that the clip drives, such as \"{first}\", and humanoid roles, \
-                     which this skeleton {} and the clip's own {}, are needed on both; RoleMap::from_names gives them",
+                    "none of its joints has the name of one that the clip drives, such as \
+                     \"{first}\", and humanoid roles, which this skeleton {} and the clip's own \
+                     {}, are needed on both; RoleMap::from_names gives them",
                     has(roles),
                     has(clip_roles)
                 );

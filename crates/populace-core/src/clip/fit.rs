@@ -58,8 +58,9 @@ impl BindingReport {
             return Ok(());
         }
         let what = format!(
-            "it has the names of {} of the {} joints that the clip moves, less than {:.0} %, and not both have humanoid \
-             roles. RoleMap::from_names gives roles; Play::partial plays such a clip as it is",
+            "it has the names of {} of the {} joints that the clip moves, less than {:.0} %, and \
+             not both have humanoid roles. RoleMap::from_names gives roles; Play::partial plays \
+             such a clip as it is",
             self.bound_joints,
             self.moving_joints,
             100.0 * Self::LEAST_SHARE

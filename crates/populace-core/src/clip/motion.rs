@@ -230,7 +230,8 @@ impl Clip {
             MotionSource::Feet => match self.contacts.speed {
                 Some(speed) => Ok(self.moved_evenly(f64::from(speed), MotionOrigin::Feet)),
                 None => self.no_motion(
-                    "has no foot that is known by its joint's name and comes down, so how fast it goes is not known",
+                    "has no foot that is known by its joint's name and comes down, so how fast it \
+                     goes is not known",
                 ),
             },
             from => {
@@ -349,8 +350,8 @@ impl Clip {
         match found {
             Some(joint) => Ok(joint),
             None => self.no_motion(
-                "moves the body by no joint from the root to the hips; one that walks in place is moved by its feet \
-                 (MotionSource::Feet)",
+                "moves the body by no joint from the root to the hips; one that walks in place is \
+                 moved by its feet (MotionSource::Feet)",
             ),
         }
     }

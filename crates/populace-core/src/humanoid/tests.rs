@@ -73,8 +73,10 @@ fn vrm() {
 #[test]
 fn vroid_studio() {
     let chains = [
-        "Root J_Bip_C_Hips J_Bip_C_Spine J_Bip_C_Chest J_Bip_C_UpperChest J_Bip_C_Neck J_Bip_C_Head",
-        "J_Bip_C_UpperChest J_Bip_@_Shoulder J_Bip_@_UpperArm J_Bip_@_LowerArm J_Bip_@_Hand J_Bip_@_Little1",
+        "Root J_Bip_C_Hips J_Bip_C_Spine J_Bip_C_Chest J_Bip_C_UpperChest J_Bip_C_Neck \
+         J_Bip_C_Head",
+        "J_Bip_C_UpperChest J_Bip_@_Shoulder J_Bip_@_UpperArm J_Bip_@_LowerArm J_Bip_@_Hand \
+         J_Bip_@_Little1",
         "J_Bip_C_Head J_Adj_@_FaceEye",
         "J_Bip_C_Hips J_Bip_@_UpperLeg J_Bip_@_LowerLeg J_Bip_@_Foot J_Bip_@_ToeBase",
     ];
@@ -84,10 +86,14 @@ fn vroid_studio() {
 #[test]
 fn mixamo() {
     let chains = [
-        "mixamorig:Hips mixamorig:Spine mixamorig:Spine1 mixamorig:Spine2 mixamorig:Neck mixamorig:Head mixamorig:HeadTop_End",
-        "mixamorig:Spine2 mixamorig:@Shoulder mixamorig:@Arm mixamorig:@ForeArm mixamorig:@Hand mixamorig:@HandPinky1",
-        "mixamorig:@Hand mixamorig:@HandThumb1 mixamorig:@HandThumb2 mixamorig:@HandThumb3 mixamorig:@HandThumb4",
-        "mixamorig:Hips mixamorig:@UpLeg mixamorig:@Leg mixamorig:@Foot mixamorig:@ToeBase mixamorig:@Toe_End",
+        "mixamorig:Hips mixamorig:Spine mixamorig:Spine1 mixamorig:Spine2 mixamorig:Neck \
+         mixamorig:Head mixamorig:HeadTop_End",
+        "mixamorig:Spine2 mixamorig:@Shoulder mixamorig:@Arm mixamorig:@ForeArm mixamorig:@Hand \
+         mixamorig:@HandPinky1",
+        "mixamorig:@Hand mixamorig:@HandThumb1 mixamorig:@HandThumb2 mixamorig:@HandThumb3 \
+         mixamorig:@HandThumb4",
+        "mixamorig:Hips mixamorig:@UpLeg mixamorig:@Leg mixamorig:@Foot mixamorig:@ToeBase \
+         mixamorig:@Toe_End",
     ];
     let some = [(Role::UpperChest, "mixamorig:Spine2"), (Role::LowerLeg(R), "mixamorig:RightLeg")];
     found(&body(&chains, ["Left", "Right"]), "Mixamo", 6 + 2 * 12, &some);
@@ -135,8 +141,10 @@ fn kaykit() {
 #[test]
 fn rigify() {
     let chains = [
-        "root DEF-spine DEF-spine.001 DEF-spine.002 DEF-spine.003 DEF-spine.004 DEF-spine.005 DEF-spine.006",
-        "DEF-spine.003 DEF-shoulder@ DEF-upper_arm@ DEF-forearm@ DEF-hand@ DEF-f_pinky.01@ DEF-f_pinky.02@",
+        "root DEF-spine DEF-spine.001 DEF-spine.002 DEF-spine.003 DEF-spine.004 DEF-spine.005 \
+         DEF-spine.006",
+        "DEF-spine.003 DEF-shoulder@ DEF-upper_arm@ DEF-forearm@ DEF-hand@ DEF-f_pinky.01@ \
+         DEF-f_pinky.02@",
         "DEF-hand@ DEF-thumb.01@",
         "DEF-spine DEF-thigh@ DEF-shin@ DEF-foot@ DEF-toe@",
     ];

@@ -289,7 +289,8 @@ mod tests {
     #[test]
     fn all_unknown_joints_are_named_with_what_may_have_been_meant() {
         let error = Mask::of_subtrees(&skeleton(), ["arm", "haed", "zzz"]).unwrap_err();
-        let wanted = "there is no joint \"haed\"; did you mean \"head\", \"hand\" or \"chest\"?\nthere is no joint \"zzz\"";
+        let wanted = "there is no joint \"haed\"; did you mean \"head\", \"hand\" or \
+                      \"chest\"?\nthere is no joint \"zzz\"";
         assert_eq!(error.to_string(), wanted);
     }
 

@@ -14,8 +14,8 @@ type Egl = egl::DynamicInstance<egl::EGL1_5>;
 const PLATFORM_SURFACELESS: egl::Enum = 0x31dd;
 const PLATFORM_DEVICE: egl::Enum = 0x313f;
 const MAX_DEVICES: u8 = 16;
-const REMEDY: &str = "install a graphics driver with EGL and OpenGL 4.3 or newer; Mesa's software driver will do \
-                      (Debian, Ubuntu: apt install libegl1 libgl1-mesa-dri)";
+const REMEDY: &str = "install a graphics driver with EGL and OpenGL 4.3 or newer; Mesa's software \
+                      driver will do (Debian, Ubuntu: apt install libegl1 libgl1-mesa-dri)";
 
 /// A context of OpenGL 4.3 core or newer, current on the thread that made it.
 pub(crate) struct Context {

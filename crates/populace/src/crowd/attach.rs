@@ -117,7 +117,8 @@ impl Crowd {
         match self.bearer(member) {
             None => Ok(()),
             Some(_) => refused(
-                "an attached member stands where its bearer does; place that one, or detach the member first",
+                "an attached member stands where its bearer does; place that one, or detach the \
+                 member first",
             ),
         }
     }
@@ -166,14 +167,16 @@ impl Crowd {
         if character.character.palette.is_empty() {
             let name = &character.character.name;
             return refused(format!(
-                "nothing can be attached to a member of \"{name}\": it has no mesh, so devices never evaluate it"
+                "nothing can be attached to a member of \"{name}\": it has no mesh, so devices \
+                 never evaluate it"
             ));
         }
         let mut above = Some(to);
         while let Some(member) = above {
             if member == prop {
                 return refused(
-                    "a member cannot be attached to itself or to what is attached to it; detach that first",
+                    "a member cannot be attached to itself or to what is attached to it; detach \
+                     that first",
                 );
             }
             above = self.bearer(member).map(|bearer| bearer.member);
@@ -181,8 +184,8 @@ impl Crowd {
         let (levels, most) = (self.phase(to) + 1 + self.levels(prop), PHASES_MOST - 1);
         if levels > most {
             return refused(format!(
-                "members would be attached to each other {levels} levels deep; {most} at most can be, so attach this one \
-                 nearer to where the chain begins"
+                "members would be attached to each other {levels} levels deep; {most} at most can \
+                 be, so attach this one nearer to where the chain begins"
             ));
         }
         Ok(())

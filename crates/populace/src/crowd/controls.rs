@@ -496,7 +496,8 @@ fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
         let known = (reach.end.index() < skeleton.joint_count()).then(|| skeleton.name(reach.end));
         let joint = known.map_or_else(|| reach.end.0.to_string(), |name| format!("\"{name}\""));
         let what = format!(
-            "joint {joint} does not end a limb of two bones: it needs a parent, and that one a parent"
+            "joint {joint} does not end a limb of two bones: it needs a parent, and that one a \
+             parent"
         );
         Error::from(populace_core::Error::BadConstraint { what })
     };

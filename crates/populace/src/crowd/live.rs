@@ -309,7 +309,8 @@ fn checked(clip: &Clip, pose: &[Trs]) -> Result<Vec<Trs>, Error> {
         let length = trs.rotation.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
         if !(trs.is_bounded() && length.is_finite() && length > 1e-6) {
             let name = skeleton.name(joint);
-            let rule = "numbers must be finite, translations at most 1e9, scales at most 10,000, and rotations have a length";
+            let rule = "numbers must be finite, translations at most 1e9, scales at most 10,000, \
+                        and rotations have a length";
             return refused(clip, format!("got {trs:?} for the joint \"{name}\"; {rule}"));
         }
         Ok(Trs { rotation: trs.rotation.map(|c| single(f64::from(c) / length)), ..*trs })

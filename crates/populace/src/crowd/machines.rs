@@ -149,9 +149,8 @@ impl Crowd {
             machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
         match find("parameter", name, names) {
             Err(error) if !machines.is_empty() => error,
-            _ => bad(
-                "to set a parameter of is not there: the member runs none; start one by run_machine",
-            ),
+            _ => bad("to set a parameter of is not there: the member runs none; start one by \
+                      run_machine"),
         }
     }
 
@@ -179,7 +178,8 @@ impl Crowd {
         let waits = |start: &Start| start.play.layer == layer && start.machine().is_some();
         if newest.is_none() && self.waiting.of(place).any(|(_, start)| waits(start)) {
             return Err(bad(&format!(
-                "of layer {layer} has not begun: it waits; ask for its state after the update in which it begins"
+                "of layer {layer} has not begun: it waits; ask for its state after the update in \
+                 which it begins"
             )));
         }
         let (_, index) = newest.ok_or_else(none)?;

@@ -84,8 +84,8 @@ impl Crowd {
         if let Some((shin, foot)) = roles.loose_feet(&own.skeleton).next() {
             let [shin, foot] = [shin, foot].map(|joint| own.skeleton.name(joint));
             let what = format!(
-                "the foot \"{foot}\" of \"{}\" does not hang on its leg \"{shin}\", so it would stay behind; add the \
-                 character that Character::with_feet_on_legs makes of it",
+                "the foot \"{foot}\" of \"{}\" does not hang on its leg \"{shin}\", so it would \
+                 stay behind; add the character that Character::with_feet_on_legs makes of it",
                 own.name
             );
             return Err(populace_core::Error::BadConstraint { what }.into());
@@ -126,8 +126,8 @@ impl Crowd {
         let name =
             self.character_state(character).map_or("", |state| state.character.name.as_str());
         let what = format!(
-            "which joints of \"{name}\" are its {part} is not known by their names; say so by Crowd::set_roles, or name \
-             the joints themselves"
+            "which joints of \"{name}\" are its {part} is not known by their names; say so by \
+             Crowd::set_roles, or name the joints themselves"
         );
         populace_core::Error::BadConstraint { what }.into()
     }

@@ -70,7 +70,8 @@ fn planted_feet_stay_put_on_level_ground_and_on_a_slope() {
             let (moved, planted, lifted) =
                 walk(stage, |x, z| 0.2 + slopes[0] * x + slopes[1] * z, normal[1]);
             println!(
-                "slopes {slopes:?}: {moved} m a frame in {planted} planted frames, {lifted} m off the ground"
+                "slopes {slopes:?}: {moved} m a frame in {planted} planted frames, {lifted} m off \
+                 the ground"
             );
             assert!(planted > 50, "feet were planted in {planted} frames alone");
             assert!(moved < 0.002, "a planted foot moved {moved} m");

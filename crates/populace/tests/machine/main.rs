@@ -4,7 +4,8 @@
 #![expect(
     clippy::cast_possible_truncation,
     dead_code,
-    reason = "scenes may be rounded as they come: each is made once for the device and for what judges it; arms are shared"
+    reason = "scenes may be rounded as they come: each is made once for the device and for what \
+              judges it; arms are shared"
 )]
 
 #[path = "../playback/rig.rs"]

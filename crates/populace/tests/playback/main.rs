@@ -4,7 +4,8 @@
 #![expect(
     clippy::cast_possible_truncation,
     clippy::disallowed_methods,
-    reason = "scenes may be rounded as they come: each is made once for the device and for what judges it"
+    reason = "scenes may be rounded as they come: each is made once for the device and for what \
+              judges it"
 )]
 
 mod crowds;

@@ -23,8 +23,10 @@ pub(crate) const MEMBERS: usize = 6;
 pub(crate) const TEXT: &str = "
 static float4 product(float4 a, float4 b)
 {
-    return (float4)(a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                    a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
+    return (float4)(a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * \
+                               b.w + a.z * b.x,
+                    a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * \
+                               b.y - a.z * b.z);
 }
 
 static void bend(StageJoint *joint)

@@ -75,7 +75,8 @@ fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
     let length: f32 = given.rotation.iter().map(|v| v * v).sum();
     if !given.is_bounded() || !(0.9..1.1).contains(&length) {
         return bad(format!(
-            "{what} needs finite numbers, a translation of at most {LARGEST:e}, scales of at most {LARGEST_SCALE:e} and a rotation of length 1"
+            "{what} needs finite numbers, a translation of at most {LARGEST:e}, scales of at most \
+             {LARGEST_SCALE:e} and a rotation of length 1"
         ));
     }
     let [x, y, z] = given.translation;
@@ -126,7 +127,8 @@ impl Program {
         program.solve_legs_at_once();
         if program.turns > TURNS_MOST as usize {
             let what = format!(
-                "a member's constraints would turn {} joints one after the other; {TURNS_MOST} at most can be",
+                "a member's constraints would turn {} joints one after the other; {TURNS_MOST} at \
+                 most can be",
                 program.turns
             );
             return bad(what);
@@ -190,10 +192,8 @@ impl Program {
         let in_range = (0.0..half).contains(&limits.yaw_rad)
             && [limits.up_rad, limits.down_rad].iter().all(|v| (0.0..half / 2.0).contains(v));
         if !good || !in_range {
-            return bad(
-                "a gaze shares its turn in parts that are not negative, and turns less than half about to \
-                        either side, and less than a quarter up and down",
-            );
+            return bad("a gaze shares its turn in parts that are not negative, and turns less \
+                        than half about to either side, and less than a quarter up and down");
         }
         finite("where a gaze faces", &gaze.facing)?;
         let joints = path(skeleton, first, last)?;

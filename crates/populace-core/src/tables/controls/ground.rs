@@ -25,7 +25,8 @@ impl Ground {
             return Ok(Self { plane, heights: Vec::new() });
         }
         let what = format!(
-            "a plane of the ground has a number that is not finite, or larger than {LARGEST:e} in size"
+            "a plane of the ground has a number that is not finite, or larger than {LARGEST:e} in \
+             size"
         );
         Err(Error::BadConstraint { what })
     }
@@ -50,8 +51,9 @@ impl Ground {
         let per_metre = 1.0 / spacing_m;
         if !(numbers && grid && spacing_m > 0.0 && per_metre.is_finite() && per_metre > 0.0) {
             let what = format!(
-                "a height field of {} heights, {count_x} in a row, {spacing_m} m apart: whole rows are needed, two at \
-                 least each way, of at most {LARGEST:e} m, and above 0 m apart",
+                "a height field of {} heights, {count_x} in a row, {spacing_m} m apart: whole \
+                 rows are needed, two at least each way, of at most {LARGEST:e} m, and above 0 m \
+                 apart",
                 heights.len()
             );
             return Err(Error::BadConstraint { what });
