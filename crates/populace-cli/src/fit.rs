@@ -1,6 +1,6 @@
 //! What the program says of clips that fit a character badly.
 
-use populace::{BindingReport, BindingWay};
+use populace::{BindingMethod, BindingReport};
 use serde_json::{Value, json};
 
 use crate::report::{as_typed, talk};
@@ -14,7 +14,7 @@ const WELL_TURNED_RAD: f32 = 0.3;
 
 /// Warns where names bind a clip badly.
 pub(crate) fn warn(clip: &str, character: &str, report: &BindingReport) {
-    if report.way == BindingWay::Roles {
+    if report.way == BindingMethod::Roles {
         return;
     }
     let apart = report.rest_turn_rad > WELL_TURNED_RAD;
@@ -37,9 +37,9 @@ pub(crate) fn warn(clip: &str, character: &str, report: &BindingReport) {
 /// How well a clip fits, for documents.
 pub(crate) fn told(report: &BindingReport) -> Value {
     let way = match report.way {
-        BindingWay::SameRest => "same rest",
-        BindingWay::Roles => "roles",
-        BindingWay::Names => "names",
+        BindingMethod::SameRest => "same rest",
+        BindingMethod::Roles => "roles",
+        BindingMethod::Names => "names",
     };
     json!({
         "way": way,

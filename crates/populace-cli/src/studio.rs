@@ -1,6 +1,6 @@
 //! Pictures of a crowd.
 
-use populace::core::{Image, PaletteWay, Part};
+use populace::core::{Image, PaletteTransport, Part};
 use populace::{Crowd, CrowdBuilder};
 use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene};
 
@@ -53,7 +53,7 @@ impl Studio {
     }
 
     /// How palettes get there, for people.
-    pub(crate) fn palettes(&self) -> PaletteWay {
+    pub(crate) fn palettes(&self) -> PaletteTransport {
         self.hand_over.way
     }
 

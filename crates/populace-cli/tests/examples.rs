@@ -40,10 +40,10 @@ fn layers() {
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn settle() {
+fn inertialize() {
     runs_and_draws(
-        "settle",
-        &["cut: the hand", "settled: the hand changes its speed by up to 0.", "drawn to"],
+        "inertialize",
+        &["cut: the hand", "inertialized: the hand changes its speed by up to 0.", "drawn to"],
     );
 }
 

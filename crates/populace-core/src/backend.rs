@@ -62,7 +62,7 @@ pub enum StageBuffer {
     /// to, of `model_from_joint`.
     Watched,
     /// Where state machines are: a [`Running`](crate::layout::Running) in three elements for each
-    /// runner.
+    /// machine instance.
     Running,
 }
 

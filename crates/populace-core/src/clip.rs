@@ -14,7 +14,7 @@ use crate::layout::{JOINT_BLOCK, RowBlock};
 use crate::{ClipSource, Error, JointIndex, Property, Skeleton};
 pub use binding::Binding;
 pub(crate) use binding::{Footing, Turn};
-pub use fit::{BindingReport, BindingWay};
+pub use fit::{BindingMethod, BindingReport};
 use ground::Contacts;
 pub use ground::Footstep;
 pub use live::{LiveRing, LiveSettings, Streamed};

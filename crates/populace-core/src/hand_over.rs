@@ -26,7 +26,7 @@ pub const PAGE_SETS: usize = 2;
 
 /// A way for palettes to reach OpenGL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PaletteWay {
+pub enum PaletteTransport {
     /// OpenCL writes OpenGL's own buffers (`cl_khr_gl_sharing`); its context is made for that of
     /// OpenGL.
     Shared,
@@ -37,7 +37,7 @@ pub enum PaletteWay {
     Copied,
 }
 
-impl PaletteWay {
+impl PaletteTransport {
     /// All ways, best first.
     pub const ALL: [Self; 3] = [Self::Shared, Self::Mapped, Self::Copied];
 
@@ -52,7 +52,7 @@ impl PaletteWay {
     }
 }
 
-impl fmt::Display for PaletteWay {
+impl fmt::Display for PaletteTransport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Shared => "shared between OpenCL and OpenGL",
@@ -122,10 +122,10 @@ pub unsafe trait SharedPage: Send {
 /// Where a device is to write palettes.
 #[derive(Default)]
 pub enum PaletteTarget {
-    /// See [`PaletteWay::Shared`]. In each set the pages in order, as many as in the other and of
-    /// the same lengths.
+    /// See [`PaletteTransport::Shared`]. In each set the pages in order, as many as in the other
+    /// and of the same lengths.
     Shared([Vec<Box<dyn SharedPage>>; PAGE_SETS]),
-    /// See [`PaletteWay::Mapped`]. As above.
+    /// See [`PaletteTransport::Mapped`]. As above.
     Mapped([Vec<Box<dyn MappedPage>>; PAGE_SETS]),
     /// Its own memory.
     #[default]
@@ -135,11 +135,11 @@ pub enum PaletteTarget {
 impl PaletteTarget {
     /// Which way this is.
     #[must_use]
-    pub fn way(&self) -> PaletteWay {
+    pub fn way(&self) -> PaletteTransport {
         match self {
-            Self::Shared(_) => PaletteWay::Shared,
-            Self::Mapped(_) => PaletteWay::Mapped,
-            Self::Copied => PaletteWay::Copied,
+            Self::Shared(_) => PaletteTransport::Shared,
+            Self::Mapped(_) => PaletteTransport::Mapped,
+            Self::Copied => PaletteTransport::Copied,
         }
     }
 }
@@ -185,7 +185,7 @@ pub trait PaletteSource {
     }
 
     /// Why palettes cannot reach a context in some way, as far as that shows without trying.
-    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String>;
+    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String>;
 
     /// Makes a device write palettes into `target` from the next frame on. What it wrote last goes
     /// there now, into set 0, so that it can be handed over at once. The target before is given

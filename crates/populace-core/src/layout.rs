@@ -84,7 +84,7 @@ device_consts! {
     pub const JOINT_BLOCK: u32 = 16;
     /// Members whose gazes, limbs and feet one work-item of the wide schedule solves at once: with
     /// two legs each, as many legs as there are lanes. Each has matrices of its own meanwhile.
-    pub const MEMBERS_ABREAST: u32 = 8;
+    pub const MEMBERS_PER_BATCH: u32 = 8;
     /// Palette entries per block; each member's palette starts at a whole block.
     pub const PALETTE_BLOCK: u32 = 4;
     /// Palette entries per page: 48 MiB a page, within what every OpenCL and OpenGL device allows
@@ -99,13 +99,13 @@ device_consts! {
     /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), as it stood [`Slot::phase_rate`] ticks ago; its oldest row holds
     /// before that, its newest after.
     pub const SLOT_LIVE: u32 = 3;
-    /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is twice its runner, and which of the two;
+    /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is twice its machine instance, and which of the two;
     /// each has half the machine's weight, and what it plays and how much of it stands in
     /// [`Running`].
     pub const SLOT_MACHINE: u32 = 4;
     /// [`Slot::mode`]: a clip that was left, of which only that remains in which it differed from what took its place. It
-    /// weighs nothing; its fields have other meanings, see [`Slot::settling`].
-    pub const SLOT_SETTLING: u32 = 5;
+    /// weighs nothing; its fields have other meanings, see [`Slot::inertialization`].
+    pub const SLOT_INERTIALIZATION: u32 = 5;
     /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
     pub const SLOT_MODE_BITS: u32 = 8;
     /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are
@@ -168,7 +168,7 @@ device_consts! {
     pub const STEP_MOTION: u32 = 11;
     /// Of a member's state, the first of four elements of its root motion: where its clips have
     /// moved it, its heading, how fast they last did, and how much faster than what it plays it was
-    /// when something began to settle: shift and turn in a tick.
+    /// when something began to inertialize: shift and turn in a tick.
     pub const MOTION_STATE: u32 = FEET_MOST;
     /// Elements of a row of root motion: a shift, then sine and cosine of a heading.
     pub const MOTION_ELEMENTS: u32 = 2;
@@ -272,7 +272,7 @@ pub fn device_structs() -> Vec<StructLayout> {
         of::<MachineState>(),
         of::<Transition>(),
         of::<Condition>(),
-        of::<Runner>(),
+        of::<MachineInstance>(),
         of::<Running>(),
     ]
 }
@@ -311,7 +311,7 @@ pub fn opencl_prelude() -> String {
         MachineState::OPENCL_C,
         Transition::OPENCL_C,
         Condition::OPENCL_C,
-        Runner::OPENCL_C,
+        MachineInstance::OPENCL_C,
         Running::OPENCL_C,
     ] {
         text += declaration;

@@ -53,7 +53,7 @@ pub use character::{
     Part, SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use clip::{
-    Binding, BindingReport, BindingWay, Clip, ClipStats, Footstep, LiveRing, LiveSettings,
+    Binding, BindingMethod, BindingReport, Clip, ClipStats, Footstep, LiveRing, LiveSettings,
     MotionOrigin, MotionSettings, MotionSource, RootMotion, Streamed,
 };
 pub use control::{
@@ -62,13 +62,13 @@ pub use control::{
 pub use error::Error;
 pub use hand_over::{
     EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
-    PaletteWay, SharedPage, TargetMark,
+    PaletteTransport, SharedPage, TargetMark,
 };
 pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
 pub use math::{Affine, LARGEST, LARGEST_SCALE, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use playback::{
-    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, Stand, TICKS_PER_SEC,
+    FIRST_TICK, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Mask, SampledState, TICKS_PER_SEC,
     far_row, row_before, ticks_from_secs,
 };
 pub use skeleton::{JointIndex, JointSource, Skeleton};

@@ -1,16 +1,16 @@
 //! Slots, layers and masks: which clips a member plays, and how they are mixed.
 
+mod inertialize;
 mod mask;
 mod pace;
-mod settle;
 
 use crate::layout::{
     LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP,
     SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE, SLOTS_MOST, Slot,
 };
 
+pub use inertialize::{SampledState, far_row, row_before};
 pub use mask::Mask;
-pub use settle::{Stand, far_row, row_before};
 
 /// The most slots that a member can have.
 pub const MAX_SLOTS: usize = SLOTS_MOST as usize;
@@ -103,16 +103,16 @@ impl Slot {
     }
 
     /// One of the two slots of a state machine, 0 or 1; see
-    /// [`Tables::add_runner`](crate::Tables::add_runner).
+    /// [`Tables::add_machine_instance`](crate::Tables::add_machine_instance).
     #[must_use]
-    pub fn machine(runner: u32, which: u32, tick: u64) -> Self {
-        Self::still(runner << 1 | which, tick, SLOT_MACHINE)
+    pub fn machine(machine_instance: u32, which: u32, tick: u64) -> Self {
+        Self::still(machine_instance << 1 | which, tick, SLOT_MACHINE)
     }
 
-    /// The runner of a slot of a state machine.
+    /// The machine instance of a slot of a state machine.
     #[inline]
     #[must_use]
-    pub const fn runner(&self) -> Option<u32> {
+    pub const fn machine_instance(&self) -> Option<u32> {
         if self.mode() == SLOT_MACHINE { Some(self.bound_clip >> 1) } else { None }
     }
 
@@ -194,12 +194,12 @@ impl Slot {
         is_ramp_to([self.start_weight, self.weight_rate, self.end_weight], to, secs)
     }
 
-    /// The weight at a time of the clock, 0 before the slot begins and while it settles; the twin
-    /// of `slot_weight` in `kernels/slot.cl`.
+    /// The weight at a time of the clock, 0 before the slot begins and while it inertializes; the
+    /// twin of `slot_weight` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn weight_at(&self, tick: u64) -> f32 {
-        if tick < self.start_tick || self.is_settling() {
+        if tick < self.start_tick || self.is_inertialization() {
             return 0.0;
         }
         ramp(
@@ -221,7 +221,7 @@ impl Slot {
         } else {
             self.weight_at(from_tick)
         };
-        if start == end || self.is_settling() {
+        if start == end || self.is_inertialization() {
             return end;
         }
         // Ticks before it changes, and half of those in which it does.
@@ -232,8 +232,8 @@ impl Slot {
     }
 
     /// The time on the clip's own axis at a time of the clock that is not before the start, of a
-    /// clip whose axis begins at `start_secs`; of no meaning for live and settling slots. The twin
-    /// of `slot_time` in `kernels/slot.cl`.
+    /// clip whose axis begins at `start_secs`; of no meaning for live and inertialization slots.
+    /// The twin of `slot_time` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn time_at(&self, tick: u64, start_secs: f32, duration_secs: f32) -> f32 {

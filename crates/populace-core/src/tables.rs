@@ -20,7 +20,7 @@ use crate::layout::{
 };
 use crate::{Clip, Error, MAX_SLOTS, Mask, PaletteEntry, RootMotion, Skeleton, StageBuffer, Trs};
 use controls::ControlSpaces;
-use machines::RunnerSpace;
+use machines::InstanceSpace;
 use pages::PageLists;
 use set::{BlockTableSet, TableSet};
 use space::Space;
@@ -58,7 +58,7 @@ pub struct Tables {
     control_spaces: ControlSpaces,
     /// Members of each phase.
     phase_members: [usize; PHASES_MOST as usize],
-    runner_space: RunnerSpace,
+    instance_space: InstanceSpace,
 }
 
 impl Tables {
@@ -91,7 +91,7 @@ impl Tables {
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
             control_spaces: ControlSpaces::new(),
             phase_members: [0; PHASES_MOST as usize],
-            runner_space: RunnerSpace::new(),
+            instance_space: InstanceSpace::new(),
         }
     }
 

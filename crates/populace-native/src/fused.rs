@@ -11,13 +11,13 @@ use populace_core::{Affine, Frame, MAX_SLOTS, Tables};
 use crate::controls::{self, Clock, Keeping, Left, Models, Steering, control_of};
 use crate::dispatch::Dispatch;
 use crate::evaluate::evaluate;
+use crate::inertialize::inertialization_slots;
 use crate::joint::{Playing, Posing};
 use crate::lanes::{LANES, Lanes};
 use crate::machines::slot_now;
 use crate::pages::Pages;
 use crate::pose::member_layers;
 use crate::rows::Local;
-use crate::settle::settling_slots;
 use crate::split;
 use crate::stages::Stages;
 
@@ -128,11 +128,20 @@ pub(crate) fn member_matrices(
     let mut playing = [Playing::default(); MAX_SLOTS];
     let count = play(member, &mut playing);
     let (playing, layers) = (&playing[..count], member_layers(tables, place));
-    let settling = settling_slots(tables, place, clock.tick);
+    let inertialization = inertialization_slots(tables, place, clock.tick);
     for (block, matrices) in desk.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joint = block * LANES;
-        let posing =
-            Posing { tables, playing, settling, layers, body, control, joint, clock, dispatch };
+        let posing = Posing {
+            tables,
+            playing,
+            inertialization,
+            layers,
+            body,
+            control,
+            joint,
+            clock,
+            dispatch,
+        };
         let local = posing.pose::<Lanes>();
         keep(joint, &local);
         let m = components(local.t, local.r, local.s);

@@ -108,8 +108,8 @@ fn is_adjusted(control: &Control) -> bool {
 pub(crate) struct Posing<'a> {
     pub(crate) tables: &'a Tables,
     pub(crate) playing: &'a [Playing],
-    /// The member's slots, where any settles.
-    pub(crate) settling: &'a [Slot],
+    /// The member's slots, where any inertializes.
+    pub(crate) inertialization: &'a [Slot],
     /// The member's.
     pub(crate) layers: &'a [Layer],
     pub(crate) body: &'a Body,
@@ -167,8 +167,11 @@ impl Posing<'_> {
         let sum = self.sum_layer::<R>(0, false, &rest);
         // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
         let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
-        let mut pose =
-            if self.settling.is_empty() { pose } else { self.settle(0, false, &rest, pose) };
+        let mut pose = if self.inertialization.is_empty() {
+            pose
+        } else {
+            self.inertialize(0, false, &rest, pose)
+        };
         if self.layers.len() > 1 {
             R::lay_over(self, &rest, &mut pose);
         }
@@ -236,8 +239,8 @@ impl Posing<'_> {
                 continue;
             }
             let mut own = if additive { sum.local } else { mean_of(&sum, rest) };
-            if !self.settling.is_empty() {
-                own = self.settle(index, additive, rest, own);
+            if !self.inertialization.is_empty() {
+                own = self.inertialize(index, additive, rest, own);
             }
             let above = if additive {
                 add_layer(pose, &own, weight)

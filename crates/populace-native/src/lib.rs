@@ -23,6 +23,7 @@ mod dispatch;
 mod evaluate;
 mod floor;
 mod fused;
+mod inertialize;
 mod joint;
 mod lanes;
 mod machines;
@@ -30,7 +31,6 @@ mod pages;
 mod pose;
 mod reading;
 mod rows;
-mod settle;
 mod split;
 mod stages;
 mod transform;
@@ -42,8 +42,8 @@ use std::time::Instant;
 
 use populace_core::layout::{Float4, PAGE_ENTRIES, SlotSample};
 use populace_core::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay,
-    Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
+    PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use crate::controls::{Clock, Keeping};
@@ -433,8 +433,8 @@ impl PaletteSource for NativeBackend {
         self.pages.lengths().to_vec()
     }
 
-    fn refuses(&self, way: PaletteWay, _context: &dyn GlContext) -> Option<String> {
-        (way == PaletteWay::Shared).then(|| "it takes an OpenCL device".into())
+    fn refuses(&self, way: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
+        (way == PaletteTransport::Shared).then(|| "it takes an OpenCL device".into())
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {

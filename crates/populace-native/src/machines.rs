@@ -3,8 +3,8 @@
 
 use populace_core::Tables;
 use populace_core::layout::{
-    CONDITION_ABOVE, CONDITION_BELOW, Condition, Float4, MACHINE_PARAMETERS, NONE, Runner, Running,
-    SLOT_MACHINE, SLOT_MODE_BITS, Slot,
+    CONDITION_ABOVE, CONDITION_BELOW, Condition, Float4, MACHINE_PARAMETERS, MachineInstance, NONE,
+    Running, SLOT_MACHINE, SLOT_MODE_BITS, Slot,
 };
 use rayon::prelude::*;
 
@@ -14,22 +14,28 @@ pub(crate) fn advance(tables: &Tables, tick: u64, running: &mut [Float4]) {
         tables.machine_parameters().as_slice().as_chunks::<{ MACHINE_PARAMETERS as usize }>().0;
     bytemuck::cast_slice_mut::<_, Running>(running)
         .par_iter_mut()
-        .zip(tables.runners().as_slice())
+        .zip(tables.machine_instances().as_slice())
         .zip(parameters)
         .with_min_len(1024)
-        .filter(|((_, runner), _)| runner.state != NONE)
-        .for_each(|((at, runner), parameters)| {
-            *at = next(tables, parameters, begun(runner, at), tick)
+        .filter(|((_, machine_instance), _)| machine_instance.state != NONE)
+        .for_each(|((at, machine_instance), parameters)| {
+            *at = next(tables, parameters, begun(machine_instance, at), tick)
         });
 }
 
-/// Where a runner is; another one's place is its own start.
-fn begun(runner: &Runner, at: &Running) -> Running {
-    if at.epoch == runner.epoch {
+/// Where a machine instance is; another one's place is its own start.
+fn begun(machine_instance: &MachineInstance, at: &Running) -> Running {
+    if at.epoch == machine_instance.epoch {
         return *at;
     }
-    let (entry_tick, state) = (runner.start_tick, runner.state);
-    Running { entry_tick, state, previous: NONE, epoch: runner.epoch, ..Running::default() }
+    let (entry_tick, state) = (machine_instance.start_tick, machine_instance.state);
+    Running {
+        entry_tick,
+        state,
+        previous: NONE,
+        epoch: machine_instance.epoch,
+        ..Running::default()
+    }
 }
 
 fn next(tables: &Tables, parameters: &[f32], at: Running, tick: u64) -> Running {
@@ -81,10 +87,10 @@ pub(crate) fn slot_now(tables: &Tables, running: &[Float4], slot: &Slot, tick: u
 #[inline(never)]
 pub(crate) fn machine_slot(tables: &Tables, running: &[Float4], slot: &Slot, weight: f32) -> Slot {
     let index = (slot.bound_clip >> 1) as usize;
-    let runner = &tables.runners().as_slice()[index];
+    let machine_instance = &tables.machine_instances().as_slice()[index];
     // One that no frame has run yet can be read all the same.
     let at = bytemuck::cast_slice::<_, Running>(running).get(index).copied().unwrap_or_default();
-    let at = begun(runner, &at);
+    let at = begun(machine_instance, &at);
     let is_current = slot.bound_clip & 1 == at.which;
     let (state, start_tick) =
         if is_current { (at.state, at.entry_tick) } else { (at.previous, at.previous_tick) };

@@ -6,9 +6,9 @@ use populace_core::{Frame, MAX_SLOTS, Tables};
 
 use crate::controls::{Clock, control_of};
 use crate::dispatch::Dispatch;
+use crate::inertialize::inertialization_slots;
 use crate::joint::{Playing, Posing};
 use crate::machines::slot_now;
-use crate::settle::settling_slots;
 use crate::stages::Stages;
 use crate::{JointBuffer, split};
 
@@ -35,12 +35,21 @@ pub(crate) fn run(
             *playing = Playing { at: *at, bound_clip, layer: slot.layer() };
         }
         let (playing, layers) = (&playing[..slots.len()], member_layers(tables, place));
-        let settling = settling_slots(tables, place, frame.tick);
+        let inertialization = inertialization_slots(tables, place, frame.tick);
         let control = control_of(tables, place);
         for joint in 0..body.joint_count as usize {
             let dispatch = Dispatch::Baseline;
-            let posing =
-                Posing { tables, playing, settling, layers, body, control, joint, clock, dispatch };
+            let posing = Posing {
+                tables,
+                playing,
+                inertialization,
+                layers,
+                body,
+                control,
+                joint,
+                clock,
+                dispatch,
+            };
             let local = posing.pose::<f32>();
             translations[joint] = Float4::from_xyz(local.t);
             rotations[joint] = Float4(local.r);

@@ -1,8 +1,8 @@
 /* advance.cl - Advance: every state machine takes a transition that holds, one at most. All devices of a crowd run all of
  * them: whole ticks and comparisons come to the same everywhere.
- * NDRange  (runners, padded to whole work-groups)
- * Reads    runners, machine_parameters[runner * MACHINE_PARAMETERS + parameter], machine_states, transitions, conditions
- * Writes   running, one for each runner that there is
+ * NDRange  (machine_instances, padded to whole work-groups)
+ * Reads    machine_instances, machine_parameters[machine_instance * MACHINE_PARAMETERS + parameter], machine_states, transitions, conditions
+ * Writes   running, one for each machine_instance that there is
  * Oracle   populace tests/machine; twin of populace-native machines.rs */
 
 INLINE bool condition_holds(Condition condition, __global const float *parameters, ulong elapsed)
@@ -12,17 +12,17 @@ INLINE bool condition_holds(Condition condition, __global const float *parameter
     return elapsed >= condition.ticks;
 }
 
-__kernel void advance(__global const Runner *runners, __global const float *machine_parameters,
+__kernel void advance(__global const MachineInstance *machine_instances, __global const float *machine_parameters,
                       __global const MachineState *machine_states, __global const Transition *transitions,
-                      __global const Condition *conditions, ulong tick, uint runner_count, __global Running *running)
+                      __global const Condition *conditions, ulong tick, uint machine_instance_count, __global Running *running)
 {
     const uint index = (uint)get_global_id(0);
-    if (index >= runner_count || runners[index].state == NONE) return;
-    const Runner runner = runners[index];
+    if (index >= machine_instance_count || machine_instances[index].state == NONE) return;
+    const MachineInstance machine_instance = machine_instances[index];
     __global const float *parameters = machine_parameters + index * MACHINE_PARAMETERS;
     Running at = running[index];
-    if (at.epoch != runner.epoch) {
-        const Running start = { runner.start_tick, 0, runner.state, NONE, 0, 0, 0.0f, runner.epoch, 0, 0 };
+    if (at.epoch != machine_instance.epoch) {
+        const Running start = { machine_instance.start_tick, 0, machine_instance.state, NONE, 0, 0, 0.0f, machine_instance.epoch, 0, 0 };
         at = start;
     }
     const ulong elapsed = tick > at.entry_tick ? tick - at.entry_tick : 0;

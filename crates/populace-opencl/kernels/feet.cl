@@ -77,7 +77,7 @@ INLINE float4 footing(const Steering *s, uint foot, __global const Constraint *c
  * its constraint says. */
 typedef struct { Limb limb; Quat follows; Real soft, weight; } Legs;
 
-#define LEGS_MOST ((ABREAST * FEET_MOST + LANES - 1) / LANES)
+#define LEGS_MOST ((BATCH * FEET_MOST + LANES - 1) / LANES)
 
 /* A leg as the clips have it, in model space. */
 typedef struct { float4 hip, knee, ankle, bend; } Leg;
@@ -194,7 +194,7 @@ APART_STEP void pelvises(Stop *at, uint count)
     uint all = 0, next = 0;
     for (uint i = 0; i < LEGS_MOST; i++) clear_legs(&legs[i]);
     /* What all feet left behind comes from far: asked for at once it is waited for once. */
-    float4 left[ABREAST][FEET_MOST];
+    float4 left[BATCH][FEET_MOST];
     for (uint m = 0; m < count; m++)
         for (uint foot = 0; foot < FEET_MOST; foot++)
             left[m][foot] = at[m].s->of->states_before[at[m].s->index * STATES_PER_CONTROL + foot];

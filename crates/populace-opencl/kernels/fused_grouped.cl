@@ -14,7 +14,7 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
     for (uint s = (uint)get_local_id(0); s < slot_count; s += GROUP)
         playing[s] = play(slots[s], machines, tick, of, row_times, buckets);
     barrier(CLK_LOCAL_MEM_FENCE);
-    const Playback playback = { playing, slot_count, settling_of(slots, slot_count, tick) };
+    const Playback playback = { playing, slot_count, inertialization_of(slots, slot_count, tick) };
     return playback;
 }
 

@@ -38,7 +38,7 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
         playing[count] = play(slots[s], machines, tick, of, row_times, buckets);
         if (playing[count].at.weight > 0.0f) count++;
     }
-    const Playback playback = { playing, count, settling_of(slots, slot_count, tick) };
+    const Playback playback = { playing, count, inertialization_of(slots, slot_count, tick) };
     return playback;
 }
 
@@ -86,7 +86,7 @@ APART void go_down(Descent *down)
         const Step step = s->of->steps[s->control.step_first + down->step];
         descend(down, step.joint + 1);
         down->stands_at = step.kind;
-        if (is_abreast(step.kind)) return;
+        if (is_batched(step.kind)) return;
         down->models[step.joint] = take_step(s, joints, step, down->models[step.joint]);
     }
     descend(down, down->joint_count);
@@ -107,10 +107,10 @@ INLINE Stop stop_of(const Descent *down)
 
 /* Takes the step that the first member standing at one stands at, of all that stand at one of its kind, and goes on with
  * those; returns whether there was one. */
-APART bool step_abreast(Descent *all, uint count)
+APART bool step_batch(Descent *all, uint count)
 {
-    Stop at[ABREAST];
-    Descent *who[ABREAST];
+    Stop at[BATCH];
+    Descent *who[BATCH];
     uint kind = NONE, stopped = 0;
     for (Descent *down = all; down < all + count; down++) {
         if (kind == NONE) kind = down->stands_at;
@@ -119,7 +119,7 @@ APART bool step_abreast(Descent *all, uint count)
         who[stopped++] = down;
     }
     if (stopped == 0) return false;
-    take_abreast(kind, at, stopped);
+    take_batch(kind, at, stopped);
     for (uint m = 0; m < stopped; m++) {
         who[m]->models[at[m].step.joint] = at[m].own;
         who[m]->step++;
@@ -177,7 +177,7 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
     const Machines machines = { machine_states, running };
     __global float16 *desk = (__global float16 *)matrices + get_global_id(0) * padded_most * abreast;
     const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
-    Descent down[ABREAST];
+    Descent down[BATCH];
     uint count = 0;
     for (uint index = begin; index < end; index++) {
         const uint owner = page_members[index];
@@ -201,10 +201,10 @@ void fused_wide(__global const Member *members, __global const Body *bodies, __g
         set_out(&down[count], &steering, member.control, body, parents, models, output);
         if (down[count].stands_at != NONE) count++;
         if (count < abreast) continue;
-        while (step_abreast(down, count)) {}
+        while (step_batch(down, count)) {}
         count = 0;
     }
-    while (step_abreast(down, count)) {}
+    while (step_batch(down, count)) {}
 }
 
 /* What lies between slots and palette, of one member, for those who want to read it. */
@@ -240,5 +240,5 @@ void fused_wide_joints(__global const Member *members, __global const Body *bodi
     const Output none = { 0, 0, 0 };
     Descent down;
     set_out(&down, &steering, member.control, body, parents, models, none);
-    while (step_abreast(&down, 1)) {}
+    while (step_batch(&down, 1)) {}
 }

@@ -90,8 +90,8 @@ INLINE Sum sum_layer(const Clips *of, Playback playback, uint layer_index, bool 
     return sum;
 }
 
-/* What settles in a layer; see settle.cl. */
-SELDOM void settle(const Clips *of, Settling settling, uint layer, bool additive, Body body, uint joint, const Trs *at_rest,
+/* What inertializes in a layer; see inertialize.cl. */
+SELDOM void inertialize(const Clips *of, Inertialization inertialization, uint layer, bool additive, Body body, uint joint, const Trs *at_rest,
                    Trs *mean);
 
 /* What the layers above 0 make of what lies beneath. Called with pointers: a call by value copies more than it computes. */
@@ -110,10 +110,10 @@ APART void lay_over(const Clips *of, Playback playback, __global const Layer *la
         const Sum sum = sum_layer(of, playback, l, additive, body, joint, rest);
         if (!additive && sum.total <= LEAST_WEIGHT) continue;
         Trs own = additive ? sum.trs : mean_of(sum, rest);
-        if (playback.settling.count > 0) {
-            Trs settled = own;
-            settle(of, playback.settling, l, additive, body, joint, at_rest, &settled);
-            own = settled;
+        if (playback.inertialization.count > 0) {
+            Trs inertialized = own;
+            inertialize(of, playback.inertialization, l, additive, body, joint, at_rest, &inertialized);
+            own = inertialized;
         }
         const Trs above = additive ? add_layer(trs, own, weight) : mix_layer(trs, own, sum.total, weight, rest);
         trs.t = vec3_choose(laid, above.t, trs.t);
@@ -177,12 +177,12 @@ INLINE Trs pose_joint(const Clips *of, Locals locals, uint control, Playback pla
     const Sum sum = sum_layer(of, playback, 0, false, body, joint, rest);
     /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
     Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
-    const bool settles = playback.settling.count > 0, adjusts = control != NONE && is_adjusted(locals.controls + control);
-    if (!settles && layer_count == 1 && !adjusts) return trs;
+    const bool inertializes = playback.inertialization.count > 0, adjusts = control != NONE && is_adjusted(locals.controls + control);
+    if (!inertializes && layer_count == 1 && !adjusts) return trs;
     /* Copies, so that what is seldom called does not keep what all compute in memory. */
     const Trs at_rest = rest;
     Trs posed = trs;
-    if (settles) settle(of, playback.settling, 0, false, body, joint, &at_rest, &posed);
+    if (inertializes) inertialize(of, playback.inertialization, 0, false, body, joint, &at_rest, &posed);
     if (layer_count > 1) lay_over(of, playback, layers, layer_count, body, joint, &at_rest, &posed);
     if (adjusts) adjust(locals, locals.controls + control, joint, &posed);
     return posed;

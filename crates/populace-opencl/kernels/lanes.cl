@@ -9,7 +9,7 @@
 #define SELDOM static __attribute__((noinline))
 
 #if LANES == 1
-#define ABREAST 1
+#define BATCH 1
 #define APART INLINE
 #ifdef CALLS /* a device whose calls are cheap */
 #define APART_STEP SELDOM
@@ -30,7 +30,7 @@ typedef int Choice;
 #define LOAD(pointer) (*(pointer))
 #define STORE(value, pointer) (*(pointer) = (value))
 #else
-#define ABREAST MEMBERS_ABREAST
+#define BATCH MEMBERS_PER_BATCH
 #define APART __attribute__((noinline))
 #define APART_STEP static __attribute__((noinline))
 typedef float16 Real;

@@ -1,7 +1,7 @@
 /* motion.cl - root motion: where its clips move a member, frame after frame. Each clip says how far it moves the body between
  * the last frame and this one, seen from where it had it; these moves are mixed as poses are, and the mix goes on from where the
  * member was. A clip that played for a part of the frame moves the body for that part, by the mean of what it weighed then: so
- * nothing is lost of what is left in the midst of a frame. Where something settles, the speed of the frame before goes over into
+ * nothing is lost of what is left in the midst of a frame. Where something inertializes, the speed of the frame before goes over into
  * that of what plays now, as poses do. Twin of populace-native controls/motion.rs. */
 
 /* A turn about +Y, then a shift; s and c are sine and cosine. */
@@ -164,7 +164,7 @@ APART_STEP Move move_within(Controls of, uint owner, Span span)
 }
 
 /* Where the frame before left a member, and how fast that moved it: shift and turn in a tick; and how much faster than what it
- * plays it was when something began to settle. */
+ * plays it was when something began to inertialize. */
 typedef struct { Move place; float4 speed, excess; } Last;
 
 INLINE float4 speed_of(Move m, uint ticks)
@@ -172,31 +172,31 @@ INLINE float4 speed_of(Move m, uint ticks)
     return (float4)(m.x / (float)ticks, m.y / (float)ticks, m.z / (float)ticks, m.s / (float)ticks);
 }
 
-/* The integral of what is left of a difference that settles: of the quintic by which poses do. */
-INLINE float still_until(float settled)
+/* The integral of what is left of a difference that inertializes: of the quintic by which poses do. */
+INLINE float still_until(float inertialized)
 {
-    const float s = settled < 1.0f ? settled : 1.0f;
+    const float s = inertialized < 1.0f ? inertialized : 1.0f;
     return s - s * s * s * s * (2.5f - 3.0f * s + s * s);
 }
 
-/* Of the member's slots that began to settle before a time of the clock, where they move its root, the last, or NONE. */
-INLINE uint newest_settling(Controls of, uint owner, ulong before)
+/* Of the member's slots that began to inertialize before a time of the clock, where they move its root, the last, or NONE. */
+INLINE uint newest_inertialization(Controls of, uint owner, ulong before)
 {
     uint newest = NONE;
     for (uint i = owner * of.slots_per_member; i < (owner + 1) * of.slots_per_member; i++) {
         const Slot slot = of.slots[i];
-        if (slot_mode(slot) != SLOT_SETTLING || slot.bound_clip == NONE || slot.start_tick >= before) continue;
+        if (slot_mode(slot) != SLOT_INERTIALIZATION || slot.bound_clip == NONE || slot.start_tick >= before) continue;
         if (weight_at_root(of, owner, slot_layer(slot)) <= 0.0f) continue;
         if (newest == NONE || slot.start_tick >= of.slots[newest].start_tick) newest = i;
     }
     return newest;
 }
 
-/* What is left of a difference in speed within a span, while it settles as a slot does. */
-INLINE Move settled_within(Slot slot, float4 excess, ulong from, ulong until)
+/* What is left of a difference in speed within a span, while it inertializes as a slot does. */
+INLINE Move inertialized_within(Slot slot, float4 excess, ulong from, ulong until)
 {
-    const float begin = still_until(slot_settled(slot, from));
-    const float4 on = excess * ((still_until(slot_settled(slot, until)) - begin) / slot.end_weight);
+    const float begin = still_until(slot_inertialized(slot, from));
+    const float4 on = excess * ((still_until(slot_inertialized(slot, until)) - begin) / slot.end_weight);
     return move_of(on.x, on.y, on.z, on.w, 1.0f);
 }
 
@@ -206,18 +206,18 @@ INLINE Last next_of(Controls of, uint owner, Last last, bool has_last)
     if (of.elapsed_ticks == 0) return last;
     const Span frame = { of.tick > of.elapsed_ticks ? of.tick - of.elapsed_ticks : 0, of.tick };
     Move moved = move_within(of, owner, frame);
-    const uint newest = newest_settling(of, owner, of.tick);
+    const uint newest = newest_inertialization(of, owner, of.tick);
     const bool begins = newest != NONE && of.slots[newest].start_tick >= frame.from;
-    /* What settles already goes on until something else begins to. */
-    const uint settling = begins ? newest_settling(of, owner, frame.from) : newest;
+    /* What inertializes already goes on until something else begins to. */
+    const uint inertialization = begins ? newest_inertialization(of, owner, frame.from) : newest;
     const ulong until = begins ? of.slots[newest].start_tick : of.tick;
-    if (settling != NONE) moved = move_then(moved, settled_within(of.slots[settling], last.excess, frame.from, until));
+    if (inertialization != NONE) moved = move_then(moved, inertialized_within(of.slots[inertialization], last.excess, frame.from, until));
     if (begins && has_last) {
         const Span after = { until, until + of.elapsed_ticks };
         last.excess = last.speed - speed_of(move_within(of, owner, after), of.elapsed_ticks);
-        moved = move_then(moved, settled_within(of.slots[newest], last.excess, until, of.tick));
+        moved = move_then(moved, inertialized_within(of.slots[newest], last.excess, until, of.tick));
     }
-    if (newest == NONE || !slot_settles(of.slots[newest], of.tick)) last.excess = (float4)(0.0f);
+    if (newest == NONE || !slot_inertializes(of.slots[newest], of.tick)) last.excess = (float4)(0.0f);
     const Last next = { move_then(last.place, moved), speed_of(moved, of.elapsed_ticks), last.excess };
     return next;
 }

@@ -1,19 +1,19 @@
 /* playback.cl - what a member plays now, as the schedules keep it: staged in two buffers, fused beside the work-item. */
 
-/* The slots of a member if any of them settles, else none. */
-typedef struct { __global const Slot *slots; uint count; ulong tick; } Settling;
+/* The slots of a member if any of them inertializes, else none. */
+typedef struct { __global const Slot *slots; uint count; ulong tick; } Inertialization;
 
-INLINE Settling settling_of(__global const Slot *slots, uint count, ulong tick)
+INLINE Inertialization inertialization_of(__global const Slot *slots, uint count, ulong tick)
 {
     bool any = false;
-    for (uint s = 0; s < count; s++) any = any || slot_settles(slots[s], tick);
-    const Settling settling = { slots, any ? count : 0, tick };
-    return settling;
+    for (uint s = 0; s < count; s++) any = any || slot_inertializes(slots[s], tick);
+    const Inertialization inertialization = { slots, any ? count : 0, tick };
+    return inertialization;
 }
 
 #ifdef FUSED
 
-typedef struct { FUSED const Playing *all; uint count; Settling settling; } Playback;
+typedef struct { FUSED const Playing *all; uint count; Inertialization inertialization; } Playback;
 
 INLINE Playing playing_at(Playback playback, uint s) { return playback.all[s]; }
 
@@ -24,7 +24,7 @@ typedef struct {
     __global const SlotSample *samples;
     uint count;
     Machines machines;
-    Settling settling;
+    Inertialization inertialization;
 } Playback;
 
 INLINE Playing playing_at(Playback playback, uint s)

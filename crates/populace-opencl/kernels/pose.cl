@@ -28,7 +28,7 @@ __kernel void pose(__global const Member *members, __global const uint *joint_bl
     const Clips of = { bound_clips, bound_blocks, 0, 0, clips, row_blocks, joint_maps, rows, poses, masks };
     const Machines machines = { machine_states, running };
     const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member, machines,
-                                settling_of(slots + first_slot, slots_per_member, tick) };
+                                inertialization_of(slots + first_slot, slots_per_member, tick) };
     const Locals locals = { controls, overrides, joint_scales STAGE_TABLES(tick, elapsed_ticks) };
     const Trs trs = pose_joint(&of, locals, member.control, playback, layers + owner * LAYERS_PER_MEMBER,
                                member_layers(member), body, joint);

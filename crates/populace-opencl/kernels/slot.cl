@@ -19,17 +19,17 @@ INLINE uint slot_layer(Slot slot) { return slot.layer_and_mode >> SLOT_MODE_BITS
 
 INLINE float slot_weight(Slot slot, ulong tick)
 {
-    if (tick < slot.start_tick || slot_mode(slot) == SLOT_SETTLING) return 0.0f;
+    if (tick < slot.start_tick || slot_mode(slot) == SLOT_INERTIALIZATION) return 0.0f;
     const ulong elapsed = tick > slot.weight_tick ? tick - slot.weight_tick : 0;
     return ramp(elapsed, slot.start_weight, slot.weight_rate, slot.end_weight);
 }
 
-/* Of a slot that settles: how much of its time has passed. */
-INLINE float slot_settled(Slot slot, ulong tick) { return (float)(tick - slot.start_tick) * slot.end_weight; }
+/* Of a slot that inertializes: how much of its time has passed. */
+INLINE float slot_inertialized(Slot slot, ulong tick) { return (float)(tick - slot.start_tick) * slot.end_weight; }
 
-INLINE bool slot_settles(Slot slot, ulong tick)
+INLINE bool slot_inertializes(Slot slot, ulong tick)
 {
-    return slot_mode(slot) == SLOT_SETTLING && slot.bound_clip != NONE && slot_settled(slot, tick) < 1.0f;
+    return slot_mode(slot) == SLOT_INERTIALIZATION && slot.bound_clip != NONE && slot_inertialized(slot, tick) < 1.0f;
 }
 
 /* The mean of a slot's weight from one time of the clock, not before it begins, to a later one. */
@@ -37,7 +37,7 @@ INLINE float slot_mean_weight(Slot slot, ulong from_tick, ulong to_tick)
 {
     const float end = slot_weight(slot, to_tick);
     const float start = from_tick < slot.weight_tick ? slot.start_weight : slot_weight(slot, from_tick);
-    if (start == end || slot_mode(slot) == SLOT_SETTLING) return end;
+    if (start == end || slot_mode(slot) == SLOT_INERTIALIZATION) return end;
     /* Ticks before it changes, and half of those in which it does. */
     const float still = (float)(slot.weight_tick > from_tick ? slot.weight_tick - from_tick : 0);
     const float per_tick = slot.weight_rate * TICK_SECS;

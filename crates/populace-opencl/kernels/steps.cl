@@ -97,13 +97,13 @@ INLINE float16 take_step(const Steering *s, Hierarchy joints, Step step, float16
     }
 }
 
-INLINE bool is_abreast(uint kind)
+INLINE bool is_batched(uint kind)
 {
     return kind == STEP_GAZE || kind == STEP_PELVIS || kind == STEP_REACH || kind == STEP_FOOT;
 }
 
 /* Takes steps of one kind, of as many members as stand abreast. */
-INLINE void take_abreast(uint kind, Stop *at, uint count)
+INLINE void take_batch(uint kind, Stop *at, uint count)
 {
     switch (kind) {
     case STEP_GAZE: gazes(at, count); break;
@@ -121,9 +121,9 @@ INLINE float16 steer(const Steering *s, Hierarchy joints, uint joint, float16 ow
     for (uint i = 0; i < s->control.step_count; i++) {
         const Step step = s->of->steps[s->control.step_first + i];
         if (step.joint != joint) continue;
-        if (is_abreast(step.kind)) {
+        if (is_batched(step.kind)) {
             Stop alone = { s, joints, step, own, parent, has_parent };
-            take_abreast(step.kind, &alone, 1);
+            take_batch(step.kind, &alone, 1);
             own = alone.own;
         } else {
             own = take_step(s, joints, step, own);

@@ -8,8 +8,8 @@ use opencl3::event::Event;
 use opencl3::kernel::Kernel;
 use populace_core::layout::Float4;
 use populace_core::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay,
-    Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
+    PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use crate::fused::Fused;
@@ -404,7 +404,7 @@ impl PaletteSource for OpenClBackend {
         self.pages.lengths().to_vec()
     }
 
-    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
         self.device.refuses(way, context)
     }
 

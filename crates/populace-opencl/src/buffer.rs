@@ -18,8 +18,8 @@ use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use populace_core::BackendError;
 use populace_core::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, DeviceStruct, Entry,
-    Float4, Ground, Layer, Link, MachineState, Member, Override, RowBlock, Runner, Running, Slot,
-    SlotSample, Source, Step, Target, Transition,
+    Float4, Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock,
+    Running, Slot, SlotSample, Source, Step, Target, Transition,
 };
 
 use crate::{OpenClDevice, waits};
@@ -41,7 +41,7 @@ elements! {
     Control => Control::NAME, Step => Step::NAME, Override => Override::NAME, Constraint => Constraint::NAME,
     Link => Link::NAME, Target => Target::NAME, Ground => Ground::NAME,
     MachineState => MachineState::NAME, Transition => Transition::NAME, Condition => Condition::NAME,
-    Runner => Runner::NAME, Running => Running::NAME,
+    MachineInstance => MachineInstance::NAME, Running => Running::NAME,
 }
 
 /// Elements written at once where a buffer is filled with zeros.

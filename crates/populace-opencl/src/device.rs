@@ -18,7 +18,7 @@ use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel;
 use opencl3::platform::Platform;
 use opencl3::program::Program;
-use populace_core::{BackendError, GlContext, PaletteWay};
+use populace_core::{BackendError, GlContext, PaletteTransport};
 
 use crate::cache::{Cache, Entry as CacheEntry};
 use crate::finding::{DeviceInfo, all_devices, info};
@@ -112,8 +112,8 @@ impl OpenClDevice {
 
     /// The same for a device or a part of one, with a context that shares buffers with one of
     /// OpenGL's, so that palettes are written where OpenGL draws from
-    /// ([`PaletteWay::Shared`](populace_core::PaletteWay::Shared)). Best called on the thread on
-    /// which the context of OpenGL's is current: some drivers want that.
+    /// ([`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared)). Best called on the
+    /// thread on which the context of OpenGL's is current: some drivers want that.
     ///
     /// This has not been run on a graphics processor yet: no driver at hand offers it.
     ///
@@ -231,16 +231,18 @@ impl OpenClDevice {
 
     /// Why palettes cannot reach a context of OpenGL's in some way, as far as that shows without
     /// trying.
-    pub(crate) fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+    pub(crate) fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
         let reason = match (way, &self.gl) {
-            (PaletteWay::Mapped, _) if self.info.kind != DeviceKind::Cpu => {
+            (PaletteTransport::Mapped, _) if self.info.kind != DeviceKind::Cpu => {
                 "it does not work in the host's memory"
             }
-            (PaletteWay::Shared, Some(gl)) if gl.handles() != context.handles() => {
+            (PaletteTransport::Shared, Some(gl)) if gl.handles() != context.handles() => {
                 "its OpenCL context was made for another context of OpenGL's"
             }
-            (PaletteWay::Shared, None) if !self.info.shares_with_gl => NOT_OFFERED,
-            (PaletteWay::Shared, None) => "its OpenCL context was not made for one of OpenGL's",
+            (PaletteTransport::Shared, None) if !self.info.shares_with_gl => NOT_OFFERED,
+            (PaletteTransport::Shared, None) => {
+                "its OpenCL context was not made for one of OpenGL's"
+            }
             _ => return None,
         };
         Some(reason.into())

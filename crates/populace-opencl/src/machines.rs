@@ -13,7 +13,7 @@ use crate::buffer::{Buffer, INVALID_VALUE};
 use crate::launch::Launch;
 use crate::program::Form;
 
-/// Elements of each runner.
+/// Elements of each machine instance.
 const EACH: usize = RUNNING_ELEMENTS as usize;
 
 pub(crate) struct Machines {
@@ -40,23 +40,27 @@ impl Machines {
         queue: &CommandQueue,
         tables: &Tables,
     ) -> Result<(), BackendError> {
-        let count = tables.runners().as_slice().len();
+        let count = tables.machine_instances().as_slice().len();
         self.running.grow(device, queue, count, "where state machines are")
     }
 
     /// Whether there is room for what the tables hold, as there is after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
-        tables.runners().as_slice().len() <= self.running.len()
+        tables.machine_instances().as_slice().len() <= self.running.len()
     }
 
-    /// Reads elements of which each runner has three, and waits.
+    /// Reads elements of which each machine instance has three, and waits.
     pub(crate) fn read(
         &self,
         queue: &CommandQueue,
         first: usize,
         into: &mut [Float4],
     ) -> Result<(), ClError> {
-        self.running.read(queue, first_runner(first, into.len())?, bytemuck::cast_slice_mut(into))
+        self.running.read(
+            queue,
+            first_machine_instance(first, into.len())?,
+            bytemuck::cast_slice_mut(into),
+        )
     }
 
     /// Writes such elements, and waits.
@@ -66,30 +70,35 @@ impl Machines {
         first: usize,
         from: &[Float4],
     ) -> Result<(), ClError> {
-        self.running.write(queue, first_runner(first, from.len())?, bytemuck::cast_slice(from))
+        self.running.write(
+            queue,
+            first_machine_instance(first, from.len())?,
+            bytemuck::cast_slice(from),
+        )
     }
 
     /// Enqueues a step of all machines; nothing where there are none.
     pub(crate) fn advance(&self, on: &On, frame: Frame) -> Result<Option<Event>, ClError> {
-        let count = on.host.runners().as_slice().len();
+        let count = on.host.machine_instances().as_slice().len();
         if count == 0 {
             return Ok(None);
         }
         let launch = Launch::of(&self.advance)
-            .buffer("runners", &on.tables.runners.buffer)
+            .buffer("machine_instances", &on.tables.machine_instances.buffer)
             .buffer("machine_parameters", &on.tables.machine_parameters.buffer)
             .buffer("machine_states", &on.tables.machine_states.buffer)
             .buffer("transitions", &on.tables.transitions.buffer)
             .buffer("conditions", &on.tables.conditions.buffer)
             .ulong("tick", frame.tick)
-            .uint("runner_count", narrow(count))
+            .uint("machine_instance_count", narrow(count))
             .buffer("running", &self.running);
         launch.run(on.queue, [count.next_multiple_of(self.group), 1], [self.group, 1]).map(Some)
     }
 }
 
-/// The runner whose elements begin at `first`; runners are read and written whole.
-fn first_runner(first: usize, count: usize) -> Result<usize, ClError> {
+/// The machine instance whose elements begin at `first`; machine instances are read and written
+/// whole.
+fn first_machine_instance(first: usize, count: usize) -> Result<usize, ClError> {
     if first.is_multiple_of(EACH) && count.is_multiple_of(EACH) {
         return Ok(first / EACH);
     }

@@ -72,7 +72,7 @@ impl Form {
             include_str!("../kernels/playback.cl"),
             include_str!("../kernels/stage.cl"),
             include_str!("../kernels/joint.cl"),
-            include_str!("../kernels/settle.cl"),
+            include_str!("../kernels/inertialize.cl"),
             include_str!("../kernels/affine.cl"),
             include_str!("../kernels/turn.cl"),
             include_str!("../kernels/angle.cl"),

@@ -2,8 +2,8 @@
 
 use populace_core::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
-    Layer, Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target,
-    Transition,
+    Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source, Step,
+    Target, Transition,
 };
 use populace_core::{BackendError, Tables};
 

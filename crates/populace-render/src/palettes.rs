@@ -7,8 +7,8 @@ use std::rc::Rc;
 
 use populace_core::layout::{Float4, PAGE_ENTRIES};
 use populace_core::{
-    BackendError, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteWay, SharedPage,
-    TargetMark,
+    BackendError, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteTransport,
+    SharedPage, TargetMark,
 };
 
 use crate::Error;
@@ -25,9 +25,9 @@ const LEAST_ENTRIES: usize = 1024;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HandOver {
     /// The way.
-    pub way: PaletteWay,
+    pub way: PaletteTransport,
     /// The better ways, each with the reason why not, best first.
-    pub refused: Vec<(PaletteWay, String)>,
+    pub refused: Vec<(PaletteTransport, String)>,
 }
 
 impl fmt::Display for HandOver {
@@ -136,12 +136,12 @@ impl Palettes {
         source: &mut dyn PaletteSource,
     ) -> Result<HandOver, Error> {
         let mut refused = Vec::new();
-        for way in PaletteWay::ALL {
+        for way in PaletteTransport::ALL {
             let reason = match source.refuses(way, &*gl.context()) {
                 Some(reason) => reason,
                 None => match self.link_by(gl, source, way) {
                     Ok(()) => return Ok(HandOver { way, refused }),
-                    Err(error) if way == PaletteWay::Copied => return Err(error),
+                    Err(error) if way == PaletteTransport::Copied => return Err(error),
                     Err(error) => error.to_string(),
                 },
             };
@@ -156,15 +156,17 @@ impl Palettes {
         &mut self,
         gl: &Rc<Gl>,
         source: &mut dyn PaletteSource,
-        way: PaletteWay,
+        way: PaletteTransport,
     ) -> Result<(), Error> {
         let mut needed = source.page_room();
         needed.resize(needed.len().max(1), 0);
         let (sets, target) = match way {
-            PaletteWay::Copied => Default::default(),
-            PaletteWay::Mapped if !gl.limits().maps_buffers => return Err(Error::NoBufferStorage),
-            PaletteWay::Mapped => mapped(gl, &needed)?,
-            PaletteWay::Shared => shared(gl, &needed)?,
+            PaletteTransport::Copied => Default::default(),
+            PaletteTransport::Mapped if !gl.limits().maps_buffers => {
+                return Err(Error::NoBufferStorage);
+            }
+            PaletteTransport::Mapped => mapped(gl, &needed)?,
+            PaletteTransport::Shared => shared(gl, &needed)?,
         };
         let mark = TargetMark::default();
         source.set_target(target, &mark)?;

@@ -103,7 +103,7 @@ impl Renderer {
     }
 
     /// The context of OpenGL's, for a device that is to write its memory: see
-    /// [`PaletteWay::Shared`](populace_core::PaletteWay::Shared).
+    /// [`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared).
     #[must_use]
     pub fn gl_context(&self) -> Arc<dyn GlContext> {
         self.gl.context()

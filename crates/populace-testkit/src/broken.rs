@@ -2,8 +2,8 @@
 
 use populace_core::layout::{Float4, NONE};
 use populace_core::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay,
-    Schedule, Stage, StageBuffer, Tables, TargetMark,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
+    PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark,
 };
 
 use crate::single;
@@ -230,7 +230,7 @@ impl<B: Backend> PaletteSource for Broken<B> {
         self.inner.page_lengths()
     }
 
-    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
         self.inner.refuses(way, context)
     }
 

@@ -10,7 +10,7 @@ use populace_core::{
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
-use crate::{MemberPlan, Play, Settling};
+use crate::{Inertialization, MemberPlan, Play};
 
 /// Members of a scene, as tables.
 pub struct TestCrowd<'a> {
@@ -69,14 +69,16 @@ impl<'a> TestCrowd<'a> {
         let (place, old) = self.members[member].take().expect("a member of that number");
         assert_eq!(old.body, plan.body, "members keep their bodies");
         let slots = self.tables.slot_range(place);
-        let taken = plan.plays.len() + plan.settling.len();
+        let taken = plan.plays.len() + plan.inertialization.len();
         assert!(taken <= slots.len(), "{} slots are too few", slots.len());
         for index in 0..slots.len() {
-            let settling =
-                index.checked_sub(plan.plays.len()).and_then(|nth| plan.settling.get(nth));
-            let value = match (plan.plays.get(index), settling) {
+            let inertialization =
+                index.checked_sub(plan.plays.len()).and_then(|nth| plan.inertialization.get(nth));
+            let value = match (plan.plays.get(index), inertialization) {
                 (Some(play), _) => self.slot(play, plan.body),
-                (None, Some(settling)) => self.settling_slot(settling, plan.body),
+                (None, Some(inertialization)) => {
+                    self.inertialization_slot(inertialization, plan.body)
+                }
                 (None, None) => Slot { bound_clip: NONE, ..Slot::default() },
             };
             self.tables.set_slot(place, index, value).expect("a slot that points at what is there");
@@ -133,13 +135,14 @@ impl<'a> TestCrowd<'a> {
         self.members[member].as_ref().expect("a member of that number").0
     }
 
-    fn settling_slot(&mut self, settling: &Settling, body: usize) -> Slot {
-        let stands = [settling.left, settling.taking].map(|play| {
+    fn inertialization_slot(&mut self, inertialization: &Inertialization, body: usize) -> Slot {
+        let stands = [inertialization.left, inertialization.taking].map(|play| {
             let slot = self.slot(&play, body);
-            self.tables.stand(&slot, settling.tick)
+            self.tables.stand(&slot, inertialization.tick)
         });
-        let share = [settling.share, settling.share_per_sec];
-        Slot::settling(settling.tick, settling.ticks, stands, share).on_layer(settling.left.layer)
+        let share = [inertialization.share, inertialization.share_per_sec];
+        Slot::inertialization(inertialization.tick, inertialization.ticks, stands, share)
+            .on_layer(inertialization.left.layer)
     }
 
     fn slot(&mut self, play: &Play, body: usize) -> Slot {

@@ -3,13 +3,13 @@
 use populace_core::TICKS_PER_SEC;
 
 use crate::oracle::{
-    OracleLayer, OraclePose, OracleSettling, OracleSlot, OracleStand, Timing, Weighting,
-    evaluate_settling,
+    OracleInertialization, OracleLayer, OraclePose, OracleSlot, OracleStand, Timing, Weighting,
+    evaluate_inertialization,
 };
 use crate::tolerance::{
     AffineBound, LocalBound, SampleBound, UNIT, WEIGHT_ERROR, model_bounds, palette_bounds,
 };
-use crate::{LayerPlan, MemberPlan, Play, Settling, TestCrowd};
+use crate::{Inertialization, LayerPlan, MemberPlan, Play, TestCrowd};
 
 /// What the oracle says of a member, and how far a backend may be off.
 #[derive(Clone, Debug)]
@@ -38,10 +38,14 @@ impl<'a> TestCrowd<'a> {
         plan.plays.iter().map(slot).collect()
     }
 
-    /// What still settles of a member at a time, for the oracle.
+    /// What still inertializes of a member at a time, for the oracle.
     #[must_use]
-    pub fn oracle_settling(&self, plan: &MemberPlan, tick: u64) -> Vec<OracleSettling<'a>> {
-        let settling = |of: &Settling| OracleSettling {
+    pub fn oracle_inertialization(
+        &self,
+        plan: &MemberPlan,
+        tick: u64,
+    ) -> Vec<OracleInertialization<'a>> {
+        let inertialization = |of: &Inertialization| OracleInertialization {
             left: self.oracle_stand(&of.left, plan.body, of.tick),
             taking: self.oracle_stand(&of.taking, plan.body, of.tick),
             start_tick: of.tick,
@@ -51,7 +55,7 @@ impl<'a> TestCrowd<'a> {
             share_per_sec: f64::from(of.share_per_sec),
             layer: of.left.layer as usize,
         };
-        plan.settling.iter().map(settling).collect()
+        plan.inertialization.iter().map(inertialization).collect()
     }
 
     fn oracle_stand(&self, play: &Play, body: usize, tick: u64) -> OracleStand<'a> {
@@ -143,8 +147,8 @@ impl<'a> TestCrowd<'a> {
         };
         let layers: Vec<_> = plan.layers.iter().map(layer).collect();
         let slots = self.oracle_slots(plan, tick);
-        let settling = self.oracle_settling(plan, tick);
-        let pose = evaluate_settling(body, &slots, &settling, &layers);
+        let inertialization = self.oracle_inertialization(plan, tick);
+        let pose = evaluate_inertialization(body, &slots, &inertialization, &layers);
         let bound = widen_for_ramps(bound, plan, &slots);
         let joints = &self.scene.bodies[plan.body].joints;
         let local = |j: usize| {
@@ -155,7 +159,7 @@ impl<'a> TestCrowd<'a> {
                 &bound,
                 &body.rest(j),
                 &pose.gains[j],
-                slots.len() + settling.len(),
+                slots.len() + inertialization.len(),
             )
         };
         let locals: Vec<_> = (0..joints.len()).map(local).collect();

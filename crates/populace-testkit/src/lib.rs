@@ -34,7 +34,7 @@ pub mod tolerance;
 
 pub use broken::{Broken, Corruption};
 pub use crowd::TestCrowd;
-pub use plan::{LayerPlan, MemberPlan, Play, Settling};
+pub use plan::{Inertialization, LayerPlan, MemberPlan, Play};
 pub use reading::MemberReading;
 pub use rng::Rng;
 

@@ -41,16 +41,16 @@ impl Play {
     }
 }
 
-/// A clip that was left at once, and still settles.
+/// A clip that was left at once, and still inertializes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settling {
+pub struct Inertialization {
     /// What was left; it does not play on.
     pub left: Play,
     /// What took its place.
     pub taking: Play,
     /// The clock then.
     pub tick: u64,
-    /// In which it settles.
+    /// In which it inertializes.
     pub ticks: u64,
     /// Its part of what the layer showed.
     pub share: f32,
@@ -83,7 +83,7 @@ pub struct MemberPlan {
     /// Its slots, in order.
     pub plays: Vec<Play>,
     /// The slots after those, each in the layer of what was left.
-    pub settling: Vec<Settling>,
+    pub inertialization: Vec<Inertialization>,
     /// Its layers, at least one.
     pub layers: Vec<LayerPlan>,
 }
@@ -91,7 +91,8 @@ pub struct MemberPlan {
 impl MemberPlan {
     /// All of whose clips something shows, and the clock for those whose time stands.
     pub(crate) fn shown(&self, tick: u64) -> impl Iterator<Item = (&Play, u64)> {
-        let stand = self.settling.iter().flat_map(|s| [(&s.left, s.tick), (&s.taking, s.tick)]);
+        let stand =
+            self.inertialization.iter().flat_map(|s| [(&s.left, s.tick), (&s.taking, s.tick)]);
         self.plays.iter().map(move |play| (play, tick)).chain(stand)
     }
 
@@ -99,6 +100,6 @@ impl MemberPlan {
     #[must_use]
     pub fn plain(body: usize, plays: Vec<Play>) -> Self {
         let layers = vec![LayerPlan::default()];
-        Self { body, plays, settling: Vec::new(), layers }
+        Self { body, plays, inertialization: Vec::new(), layers }
     }
 }

@@ -47,8 +47,8 @@ mod stage;
 
 pub use populace_core as core;
 pub use populace_core::{
-    Affine, After, BackendError, BindingReport, BindingWay, Feet, Foot, Gaze, GazeLimits, Ground,
-    JointIndex, JointOverride, LayerMode, LayerSettings, LiveSettings, Mask, MotionOrigin,
+    Affine, After, BackendError, BindingMethod, BindingReport, Feet, Foot, Gaze, GazeLimits,
+    Ground, JointIndex, JointOverride, LayerMode, LayerSettings, LiveSettings, Mask, MotionOrigin,
     MotionSettings, MotionSource, Schedule, Space, StageJoint, Streamed, Trs, UserStage,
     nearest_names,
 };

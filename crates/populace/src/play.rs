@@ -14,8 +14,8 @@ pub struct Play {
     pub(crate) phase: f32,
     pub(crate) weight: f32,
     pub(crate) fade_in_secs: f32,
-    /// Whether what is left settles in that time, rather than fades.
-    pub(crate) settles: bool,
+    /// Whether what is left inertializes in that time, rather than fades.
+    pub(crate) inertializes: bool,
     pub(crate) after_secs: f32,
     pub(crate) layer: usize,
     /// Whether names alone may bind any share of the clip.
@@ -38,7 +38,7 @@ impl Play {
             phase: 0.0,
             weight: 1.0,
             fade_in_secs: 0.0,
-            settles: false,
+            inertializes: false,
             after_secs: 0.0,
             layer: 0,
             partial: false,
@@ -99,7 +99,7 @@ impl Play {
     #[must_use]
     pub const fn fade_in_secs(mut self, secs: f32) -> Self {
         self.fade_in_secs = secs;
-        self.settles = false;
+        self.inertializes = false;
         self
     }
 
@@ -115,9 +115,9 @@ impl Play {
     /// the same time. Where a layer above 0 weighed more or less than this clip does, its weight
     /// runs to this clip's in that time.
     #[must_use]
-    pub const fn settle_in_secs(mut self, secs: f32) -> Self {
+    pub const fn inertialize_in_secs(mut self, secs: f32) -> Self {
         self.fade_in_secs = secs;
-        self.settles = true;
+        self.inertializes = true;
         self
     }
 
@@ -170,7 +170,8 @@ impl Play {
         }
         check_weight("the weight of a clip", self.weight)?;
         check_layer(self.layer)?;
-        let what = if self.settles { "the time to settle in" } else { "the time to fade in" };
+        let what =
+            if self.inertializes { "the time to inertialize in" } else { "the time to fade in" };
         check_secs(what, self.fade_in_secs)?;
         check_secs("the time to start after", self.after_secs)
     }

@@ -11,8 +11,8 @@ use std::thread::{self, ScopedJoinHandle};
 
 use populace_core::layout::{Float4, JOINT_BLOCK, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_core::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay,
-    Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
+    PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use balance::Balance;
@@ -120,7 +120,7 @@ impl SplitBackend {
             (part.places, part.members) = (place..place_end, end - first);
             // Each device moves all state machines on, so that it knows where they are once it gets
             // members.
-            part.is_at_work = part.members > 0 || !tables.runners().as_slice().is_empty();
+            part.is_at_work = part.members > 0 || !tables.machine_instances().as_slice().is_empty();
             (first, place) = (end, place_end);
         }
         self.parts[0].is_at_work = true;
@@ -407,7 +407,7 @@ impl PaletteSource for SplitBackend {
         self.parts[0].backend.page_lengths()
     }
 
-    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
         self.parts[0].backend.refuses(way, context)
     }
 

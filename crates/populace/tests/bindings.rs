@@ -13,7 +13,8 @@ use populace::core::{
     Property, Skeleton, Track,
 };
 use populace::{
-    Affine, BindingWay, BlendSpace, Crowd, Device, JointIndex, Placement, Play, StateMachine, Trs,
+    Affine, BindingMethod, BlendSpace, Crowd, Device, JointIndex, Placement, Play, StateMachine,
+    Trs,
 };
 
 /// A chain of joints, each turned by an angle from the one before.
@@ -80,16 +81,16 @@ fn bindings_tell_their_share_and_how_far_rests_are_apart() {
     };
     assert_eq!(
         told(&clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)),
-        (BindingWay::Names, 1, 7, 0.0, 0.0)
+        (BindingMethod::Names, 1, 7, 0.0, 0.0)
     );
     // One that moves the tip alone of a skeleton that rests alike fits wholly.
     let tip = clip("Tip", &skeleton(&BODY, 0.0), &["tip"]);
-    assert_eq!(told(&tip), (BindingWay::SameRest, 1, 1, 0.0, 0.0));
+    assert_eq!(told(&tip), (BindingMethod::SameRest, 1, 1, 0.0, 0.0));
     let (way, bound, moving, turned, shift) = told(&clip("Turned", &skeleton(&BODY, 0.5), &BODY));
-    assert_eq!((way, bound, moving, shift), (BindingWay::Names, 4, 4, 0.0));
+    assert_eq!((way, bound, moving, shift), (BindingMethod::Names, 4, 4, 0.0));
     assert!((turned - 0.5).abs() < 1e-3, "{turned}");
     let report = crowd.binding(id, own).unwrap();
-    assert_eq!((report.way, report.share()), (BindingWay::SameRest, 1.0));
+    assert_eq!((report.way, report.share()), (BindingMethod::SameRest, 1.0));
 }
 
 #[test]

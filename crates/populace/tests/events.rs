@@ -145,14 +145,15 @@ fn ends_once(next: impl Fn(&mut Stage, populace::Member)) {
     }
 }
 
-/// A clip that is left by settling in the midst of a step of the clock has happened up to then.
+/// A clip that is left by inertialization in the midst of a step of the clock has happened up to
+/// then.
 #[test]
 fn what_is_left_is_told_of_up_to_then() {
     ends_once(|stage, member| {
         let clip = stage.clip("walk");
         stage
             .crowd
-            .queue(member, clip, Play::looping().settle_in_secs(0.3))
+            .queue(member, clip, Play::looping().inertialize_in_secs(0.3))
             .expect("a clip to follow");
     });
 }

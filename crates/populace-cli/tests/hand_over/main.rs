@@ -6,7 +6,7 @@ mod loans;
 mod stage;
 mod times;
 
-use populace::core::{Image, PaletteWay};
+use populace::core::{Image, PaletteTransport};
 use populace::{Device, Devices, Split};
 
 use stage::{Stage, Troupe, film_by_copy};
@@ -135,20 +135,20 @@ fn the_way_and_the_reason_are_told(device: &Devices) {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 1, &stage);
     let hand_over = stage.link(&mut troupe.crowd);
-    if hand_over.way == PaletteWay::Mapped {
+    if hand_over.way == PaletteTransport::Mapped {
         let native = device.as_slice()[0] == Device::native();
         let reason = if native {
             "it takes an OpenCL device"
         } else {
             "its driver does not offer cl_khr_gl_sharing"
         };
-        assert_eq!(hand_over.refused, [(PaletteWay::Shared, reason.to_owned())]);
+        assert_eq!(hand_over.refused, [(PaletteTransport::Shared, reason.to_owned())]);
         assert!(hand_over.to_string().contains(reason), "{hand_over}");
     } else {
         assert_eq!(hand_over.refused, [], "nothing is better than sharing");
     }
     let copied = stage.renderer.link_palettes(&mut troupe.by_copy()).unwrap();
-    assert_eq!((copied.way, copied.refused.len()), (PaletteWay::Copied, 2));
+    assert_eq!((copied.way, copied.refused.len()), (PaletteTransport::Copied, 2));
 }
 
 /// Whoever has the members, and whoever OpenGL is linked to.

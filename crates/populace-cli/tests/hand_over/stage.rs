@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use populace::core::layout::Float4;
 use populace::core::{
     BackendError, Character, GlContext, HandedOver, Image, PaletteSource, PaletteTarget,
-    PaletteWay, TargetMark,
+    PaletteTransport, TargetMark,
 };
 use populace::{CharacterId, Crowd, Devices, Placement, Play};
 use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene};
@@ -20,8 +20,8 @@ impl PaletteSource for ByCopy<'_> {
         self.0.page_lengths()
     }
 
-    fn refuses(&self, way: PaletteWay, _context: &dyn GlContext) -> Option<String> {
-        (way != PaletteWay::Copied).then(|| "copies are wanted".into())
+    fn refuses(&self, way: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
+        (way != PaletteTransport::Copied).then(|| "copies are wanted".into())
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
@@ -113,7 +113,7 @@ impl Stage {
     /// Links a crowd, which must go without copies.
     pub(crate) fn link(&mut self, crowd: &mut Crowd) -> HandOver {
         let hand_over = self.renderer.link_palettes(crowd).unwrap();
-        assert_ne!(hand_over.way, PaletteWay::Copied, "{hand_over}");
+        assert_ne!(hand_over.way, PaletteTransport::Copied, "{hand_over}");
         hand_over
     }
 

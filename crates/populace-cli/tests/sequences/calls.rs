@@ -157,8 +157,8 @@ pub(crate) fn how(draw: &mut Draw, secs: f32) -> Play {
         2 => Play::live(draw.number("delay", 0.0, 0.3)),
         _ => Play::looping().phase(draw.number("phase", 0.0, 1.0)),
     };
-    let play = if draw.chance("settles", 0.3) {
-        play.settle_in_secs(secs)
+    let play = if draw.chance("inertializes", 0.3) {
+        play.inertialize_in_secs(secs)
     } else {
         play.fade_in_secs(secs)
     };

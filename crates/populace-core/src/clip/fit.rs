@@ -6,7 +6,7 @@ use crate::{Error, JointIndex, Skeleton, f64math};
 
 /// How a clip's joints were brought together with those of a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BindingWay {
+pub enum BindingMethod {
     /// By name, and the skeleton rests as the clip's own does ([`Clip::is_made_for`]).
     SameRest,
     /// By humanoid roles, which bring both bodies to a common pose.
@@ -19,7 +19,7 @@ pub enum BindingWay {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BindingReport {
     /// How its joints were found.
-    pub way: BindingWay,
+    pub way: BindingMethod,
     /// Joints that the clip moves; of one that moves none, those that it sets.
     pub moving_joints: usize,
     /// Those of them that move the skeleton.
@@ -54,7 +54,7 @@ impl BindingReport {
     ///
     /// [`Error::CannotBind`] below [`LEAST_SHARE`](Self::LEAST_SHARE).
     pub fn check(&self, clip: &str) -> Result<(), Error> {
-        if self.way != BindingWay::Names || self.share() >= Self::LEAST_SHARE {
+        if self.way != BindingMethod::Names || self.share() >= Self::LEAST_SHARE {
             return Ok(());
         }
         let what = format!(
@@ -81,7 +81,8 @@ impl BindingReport {
             [turned, shifted / size]
         };
         let [rest_turn_rad, rest_shift] = mean(pairs.iter().map(apart));
-        let way = if clip.is_made_for(skeleton) { BindingWay::SameRest } else { BindingWay::Names };
+        let way =
+            if clip.is_made_for(skeleton) { BindingMethod::SameRest } else { BindingMethod::Names };
         Self {
             way,
             moving_joints: moving.len(),
@@ -105,7 +106,7 @@ impl BindingReport {
         let paired = skeleton.joints().filter(|joint| common.partner(*joint).is_some());
         let [rest_turn_rad, _] = mean(paired.map(|joint| [common.turned_rad(joint), 0.0]));
         Self {
-            way: BindingWay::Roles,
+            way: BindingMethod::Roles,
             moving_joints: moving.len(),
             bound_joints,
             rest_turn_rad,

@@ -13,31 +13,34 @@ device_struct! {
         /// The clock when the slot began.
         pub start_tick: u64,
         /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays
-        /// backwards. [`SLOT_LIVE`]: how many ticks ago is shown. [`SLOT_SETTLING`]: how the clip
-        /// stood when it was left, two floats: in the lower half where in its rows, in the upper
-        /// how many times the way to the far row ([`far_row`](crate::far_row)) it would have gone
-        /// while the slot settles.
+        /// backwards. [`SLOT_LIVE`]: how many ticks ago is shown. [`SLOT_INERTIALIZATION`]: how the
+        /// clip stood when it was left, two floats: in the lower half where in its rows, in the
+        /// upper how many times the way to the far row ([`far_row`](crate::far_row)) it would have
+        /// gone while the slot inertializes.
         pub phase_rate: u64,
-        /// The clock when the weight began to move. [`SLOT_SETTLING`]: how the clip stood that took
-        /// this one's place, alike.
+        /// The clock when the weight began to move. [`SLOT_INERTIALIZATION`]: how the clip stood
+        /// that took this one's place, alike.
         pub weight_tick: u64,
         /// [`SLOT_LOOP`]: the phase at `start_tick`, in 2^-32 of the clip's length. [`SLOT_HELD`]: the bits of the
         /// time that the slot stands at, a single-precision number of seconds on the clip's own
         /// axis. [`SLOT_ONCE`] begins at the clip's start, or at its end where it plays backwards,
         /// and has zero here.
-        /// [`SLOT_SETTLING`]: into `bound_clips`, the clip that took this one's place.
+        /// [`SLOT_INERTIALIZATION`]: into `bound_clips`, the clip that took this one's place.
         pub start_phase: u32,
         /// Into `bound_clips`, or [`NONE`] for an empty slot.
         pub bound_clip: u32,
         /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is
         /// mixed in.
         pub layer_and_mode: u32,
-        /// Weight up to `weight_tick`. [`SLOT_SETTLING`]: the clip's part of what the layer showed.
+        /// Weight up to `weight_tick`. [`SLOT_INERTIALIZATION`]: the clip's part of what the layer
+        /// showed.
         pub start_weight: f32,
-        /// Weight per second; 0 where it is at its end from `weight_tick` on. [`SLOT_SETTLING`]: by
-        /// how much that part would have changed while the slot settles.
+        /// Weight per second; 0 where it is at its end from `weight_tick` on.
+        /// [`SLOT_INERTIALIZATION`]: by how much that part would have changed while the slot
+        /// inertializes.
         pub weight_rate: f32,
-        /// Where the weight stops. [`SLOT_SETTLING`]: 1 divided by the ticks that it settles in.
+        /// Where the weight stops. [`SLOT_INERTIALIZATION`]: 1 divided by the ticks that it
+        /// inertializes in.
         pub end_weight: f32,
     }
 }
@@ -99,19 +102,20 @@ device_struct! {
 
 device_struct! {
     /// A state machine that a member runs.
-    pub struct Runner {
+    pub struct MachineInstance {
         /// The clock when it began.
         pub start_tick: u64,
         /// Into `machine_states`: the state that it begins in, or [`NONE`] for a free place.
         pub state: u32,
-        /// Changes with whose runner this is, so that nobody goes on in another's state; never 0.
+        /// Changes with whose machine instance this is, so that nobody goes on in another's state;
+        /// never 0.
         pub epoch: u32,
     }
 }
 
 device_struct! {
-    /// Where a [`Runner`] is: written by devices once a frame, and as whole ticks and comparisons
-    /// alone lead there, the same on all of them.
+    /// Where a [`MachineInstance`] is: written by devices once a frame, and as whole ticks and
+    /// comparisons alone lead there, the same on all of them.
     pub struct Running {
         /// The clock when the state was entered.
         pub entry_tick: u64,
@@ -121,13 +125,14 @@ device_struct! {
         pub state: u32,
         /// The state before, which fades out; [`NONE`] in the first.
         pub previous: u32,
-        /// Which of the runner's two slots plays the state, 0 or 1; the other plays the one before.
+        /// Which of the machine instance's two slots plays the state, 0 or 1; the other plays the
+        /// one before.
         pub which: u32,
         /// Ticks that the crossfade from the one before takes.
         pub fade_ticks: u32,
         /// What the state's weight rises by in a second.
         pub fade_rate: f32,
-        /// That of the runner when this was written; another one's starts anew.
+        /// That of the machine instance when this was written; another one's starts anew.
         pub epoch: u32,
         /// Zero.
         pub unused0: u32,

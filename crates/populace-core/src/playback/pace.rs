@@ -3,7 +3,8 @@
 
 use super::{TICKS_PER_SEC, once_rate, phase_rate, upper_half};
 use crate::layout::{
-    SLOT_HELD, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE, SLOT_SETTLING, Slot,
+    SLOT_HELD, SLOT_INERTIALIZATION, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE,
+    Slot,
 };
 
 /// A whole cycle, in the unit of phases.
@@ -18,10 +19,11 @@ impl Slot {
         (u64::from(self.start_phase) << 32).wrapping_add(elapsed.wrapping_mul(self.phase_rate))
     }
 
-    /// Whether it has no speed of its own to run at: it is held, live or settling, or a machine's.
+    /// Whether it has no speed of its own to run at: it is held, live or inertialization, or a
+    /// machine's.
     #[must_use]
     pub fn is_tied(&self) -> bool {
-        matches!(self.mode(), SLOT_HELD | SLOT_LIVE | SLOT_MACHINE | SLOT_SETTLING)
+        matches!(self.mode(), SLOT_HELD | SLOT_LIVE | SLOT_MACHINE | SLOT_INERTIALIZATION)
     }
 
     /// Times the pace of a clip of that length; negative runs backwards. 0 for one that stands, 1

@@ -2,15 +2,15 @@
 
 use super::{BodyIndex, Space, Tables, u32_from};
 use crate::layout::{
-    self, CONDITION_ABOVE, CONDITION_AFTER, CONDITION_BELOW, Float4, MACHINE_PARAMETERS, Member,
-    NONE, RUNNING_ELEMENTS, Runner, Running, Slot,
+    self, CONDITION_ABOVE, CONDITION_AFTER, CONDITION_BELOW, Float4, MACHINE_PARAMETERS,
+    MachineInstance, Member, NONE, RUNNING_ELEMENTS, Running, Slot,
 };
 use crate::{Error, ticks_from_secs};
 
 const PARAMETERS: usize = MACHINE_PARAMETERS as usize;
-/// Runners are named beside which of two slots it is, and that is not to read as [`NONE`].
+/// MachineInstances are named beside which of two slots it is, and that is not to read as [`NONE`].
 const RUNNERS_MOST: usize = (NONE / 2) as usize;
-const FREE: Runner = Runner { start_tick: 0, state: NONE, epoch: 0 };
+const FREE: MachineInstance = MachineInstance { start_tick: 0, state: NONE, epoch: 0 };
 
 impl Running {
     /// Of its elements as devices keep them.
@@ -67,16 +67,16 @@ impl Condition {
     }
 }
 
-/// Places for runners.
+/// Places for machine instances.
 #[derive(Clone, Debug)]
-pub(super) struct RunnerSpace {
+pub(super) struct InstanceSpace {
     space: Space,
-    /// Slots that name each runner.
+    /// Slots that name each machine instance.
     uses: Vec<u32>,
     epoch: u32,
 }
 
-impl RunnerSpace {
+impl InstanceSpace {
     pub(super) fn new() -> Self {
         Self { space: Space::new(usize::MAX), uses: Vec::new(), epoch: 0 }
     }
@@ -143,14 +143,14 @@ impl Tables {
         })
     }
 
-    /// Takes a runner for a machine that begins in a state; two slots are to name it then (see
-    /// [`Slot::machine`]), and it is free for others once none does any longer.
+    /// Takes a machine instance for a machine that begins in a state; two slots are to name it then
+    /// (see [`Slot::machine`]), and it is free for others once none does any longer.
     ///
     /// # Errors
     ///
     /// [`Error::BadPlayback`] for a state that is not there, [`Error::TooLarge`] past 31-bit
     /// offsets.
-    pub fn add_runner(
+    pub fn add_machine_instance(
         &mut self,
         state: u32,
         tick: u64,
@@ -159,7 +159,7 @@ impl Tables {
         if state as usize >= self.all.machine_states.len() {
             return Err(bad("state", state));
         }
-        let RunnerSpace { space, uses, epoch } = &mut self.runner_space;
+        let InstanceSpace { space, uses, epoch } = &mut self.instance_space;
         let count = space.end_with(1);
         if count > RUNNERS_MOST {
             return Err(Error::TooLarge { what: "the state machines", count, limit: RUNNERS_MOST });
@@ -167,30 +167,30 @@ impl Tables {
         let (index, _) = space.take(1);
         uses.resize(uses.len().max(index + 1), 0);
         *epoch = epoch.wrapping_add(1).max(1);
-        let runner = Runner { start_tick: tick, state, epoch: *epoch };
-        self.all.runners.grow(index + 1, FREE);
-        self.all.runners.set(index, runner);
+        let machine_instance = MachineInstance { start_tick: tick, state, epoch: *epoch };
+        self.all.machine_instances.grow(index + 1, FREE);
+        self.all.machine_instances.set(index, machine_instance);
         self.all.machine_parameters.grow((index + 1) * PARAMETERS, 0.0);
         self.all.machine_parameters.set_run(index * PARAMETERS, &parameters);
         Ok(u32_from(index))
     }
 
-    /// Sets one of a runner's parameters.
+    /// Sets one of a machine instance's parameters.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a runner or parameter that is not there.
+    /// [`Error::BadPlayback`] for a machine instance or parameter that is not there.
     pub fn set_machine_parameter(
         &mut self,
-        runner: u32,
+        machine_instance: u32,
         parameter: u32,
         value: f32,
     ) -> Result<(), Error> {
-        self.runner(runner)?;
+        self.machine_instance(machine_instance)?;
         if parameter >= MACHINE_PARAMETERS {
             return Err(bad("parameter", parameter));
         }
-        let index = runner as usize * PARAMETERS + parameter as usize;
+        let index = machine_instance as usize * PARAMETERS + parameter as usize;
         if self.all.machine_parameters.as_slice()[index].to_bits() != value.to_bits() {
             self.all.machine_parameters.set(index, value);
         }
@@ -201,43 +201,48 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a runner that is not there.
-    pub fn runner(&self, runner: u32) -> Result<Runner, Error> {
-        let found =
-            self.all.runners.as_slice().get(runner as usize).filter(|found| found.state != NONE);
-        found.copied().ok_or_else(|| bad("state machine", runner))
+    /// [`Error::BadPlayback`] for a machine instance that is not there.
+    pub fn machine_instance(&self, machine_instance: u32) -> Result<MachineInstance, Error> {
+        let found = self
+            .all
+            .machine_instances
+            .as_slice()
+            .get(machine_instance as usize)
+            .filter(|found| found.state != NONE);
+        found.copied().ok_or_else(|| bad("state machine", machine_instance))
     }
 
     /// Elements of where state machines are, up to the last in use.
     #[must_use]
     pub fn running_elements(&self) -> usize {
-        self.all.runners.len() * RUNNING_ELEMENTS as usize
+        self.all.machine_instances.len() * RUNNING_ELEMENTS as usize
     }
 
-    /// Whether a machine's slot names a runner of the member's body.
-    pub(super) fn check_runner(&self, slot: &Slot, member: &Member) -> Result<(), Error> {
+    /// Whether a machine's slot names a machine instance of the member's body.
+    pub(super) fn check_machine_instance(&self, slot: &Slot, member: &Member) -> Result<(), Error> {
         let index = slot.bound_clip >> 1;
-        let state = self.runner(index)?.state as usize;
+        let state = self.machine_instance(index)?.state as usize;
         let clip = self.all.machine_states.as_slice()[state].bound_clip as usize;
         let body = self.all.bound_clips.as_slice()[clip].body;
         if body == member.body { Ok(()) } else { Err(bad("state machine", index)) }
     }
 
-    /// A slot names another runner than before: one that no slot names any longer is free.
-    pub(super) fn pass_runner(&mut self, before: Option<u32>, now: Option<u32>) {
+    /// A slot names another machine instance than before: one that no slot names any longer is
+    /// free.
+    pub(super) fn pass_machine_instance(&mut self, before: Option<u32>, now: Option<u32>) {
         if before == now {
             return;
         }
-        let RunnerSpace { space, uses, .. } = &mut self.runner_space;
-        if let Some(runner) = now {
-            uses[runner as usize] += 1;
+        let InstanceSpace { space, uses, .. } = &mut self.instance_space;
+        if let Some(machine_instance) = now {
+            uses[machine_instance as usize] += 1;
         }
-        if let Some(runner) = before.map(|runner| runner as usize) {
-            uses[runner] -= 1;
-            if uses[runner] == 0 {
-                space.give_back((runner, 1));
-                self.all.runners.set(runner, FREE);
-                self.all.runners.truncate(space.end());
+        if let Some(machine_instance) = before.map(|machine_instance| machine_instance as usize) {
+            uses[machine_instance] -= 1;
+            if uses[machine_instance] == 0 {
+                space.give_back((machine_instance, 1));
+                self.all.machine_instances.set(machine_instance, FREE);
+                self.all.machine_instances.truncate(space.end());
                 self.all.machine_parameters.truncate(space.end() * PARAMETERS);
             }
         }
@@ -291,36 +296,42 @@ mod tests {
     }
 
     #[test]
-    fn a_runner_is_free_once_no_slot_names_it() {
+    fn a_machine_instance_is_free_once_no_slot_names_it() {
         let (mut tables, [member, other], state) = tables();
-        let runner = tables.add_runner(state, 9, [0.5; PARAMETERS]).unwrap();
+        let machine_instance = tables.add_machine_instance(state, 9, [0.5; PARAMETERS]).unwrap();
         for which in [0, 1] {
-            tables.set_slot(member, which, Slot::machine(runner, u32_from(which), 9)).unwrap();
+            tables
+                .set_slot(member, which, Slot::machine(machine_instance, u32_from(which), 9))
+                .unwrap();
         }
-        tables.set_slot(other, 0, Slot::machine(runner, 0, 9)).unwrap_err(); // of another body
-        tables.set_slot(member, 0, Slot::machine(runner + 1, 0, 9)).unwrap_err();
-        let epoch = tables.runner(runner).unwrap().epoch;
-        tables.set_slot(member, 0, Slot::machine(runner, 0, 9).with_weight(0.2)).unwrap();
+        tables.set_slot(other, 0, Slot::machine(machine_instance, 0, 9)).unwrap_err(); // of another body
+        tables.set_slot(member, 0, Slot::machine(machine_instance + 1, 0, 9)).unwrap_err();
+        let epoch = tables.machine_instance(machine_instance).unwrap().epoch;
+        tables.set_slot(member, 0, Slot::machine(machine_instance, 0, 9).with_weight(0.2)).unwrap();
         tables.set_slot(member, 1, Slot { bound_clip: NONE, ..Slot::default() }).unwrap();
         assert_eq!(tables.running_elements(), 3, "one slot names it");
         tables.remove_member(member);
         assert_eq!((tables.running_elements(), tables.machine_parameters().len()), (0, 0));
-        tables.set_machine_parameter(runner, 0, 1.0).unwrap_err();
-        assert_eq!(tables.add_runner(state, 10, [0.0; PARAMETERS]), Ok(runner));
-        assert_ne!(tables.runner(runner).unwrap().epoch, epoch, "its place has another owner");
+        tables.set_machine_parameter(machine_instance, 0, 1.0).unwrap_err();
+        assert_eq!(tables.add_machine_instance(state, 10, [0.0; PARAMETERS]), Ok(machine_instance));
+        assert_ne!(
+            tables.machine_instance(machine_instance).unwrap().epoch,
+            epoch,
+            "its place has another owner"
+        );
     }
 
     #[test]
     fn a_parameter_changes_alone_and_nothing_points_past_what_is_there() {
         let (mut tables, _, state) = tables();
-        let runner = tables.add_runner(state, 9, [0.0; PARAMETERS]).unwrap();
+        let machine_instance = tables.add_machine_instance(state, 9, [0.0; PARAMETERS]).unwrap();
         tables.mark_clean();
-        tables.set_machine_parameter(runner, 3, 0.5).unwrap();
-        tables.set_machine_parameter(runner, 4, 0.0).unwrap();
+        tables.set_machine_parameter(machine_instance, 3, 0.5).unwrap();
+        tables.set_machine_parameter(machine_instance, 4, 0.0).unwrap();
         assert_eq!(tables.machine_parameters().changed().collect::<Vec<_>>(), [3]);
-        assert_eq!(tables.runners().changed().count(), 0);
-        tables.set_machine_parameter(runner, MACHINE_PARAMETERS, 0.5).unwrap_err();
-        tables.add_runner(state + 1, 9, [0.0; PARAMETERS]).unwrap_err();
+        assert_eq!(tables.machine_instances().changed().count(), 0);
+        tables.set_machine_parameter(machine_instance, MACHINE_PARAMETERS, 0.5).unwrap_err();
+        tables.add_machine_instance(state + 1, 9, [0.0; PARAMETERS]).unwrap_err();
         let slot = Slot::looping(0, 0, 1.0, 0.0, 1.0);
         let with = |slot, to, condition| {
             let transition = Transition { to, fade_secs: 0.1, conditions: vec![condition] };

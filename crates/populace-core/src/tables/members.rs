@@ -174,7 +174,7 @@ impl Tables {
             return bad("layer", slot.layer());
         }
         if slot.mode() == SLOT_MACHINE {
-            self.check_runner(&slot, &member)?;
+            self.check_machine_instance(&slot, &member)?;
         } else {
             self.check_bound(&slot, &member)?;
         }
@@ -197,10 +197,10 @@ impl Tables {
         }
         let taking = slot.taking().bound_clip;
         if slot.bound_clip != NONE
-            && slot.is_settling()
+            && slot.is_inertialization()
             && bound_of(taking).is_none_or(|bound| bound.body != member.body || is_live(bound))
         {
-            return bad("bound clip to settle into", taking);
+            return bad("bound clip to inertialize into", taking);
         }
         Ok(())
     }
@@ -208,7 +208,7 @@ impl Tables {
     fn replace_slot(&mut self, index: usize, slot: Slot) {
         let before = self.all.slots.as_slice()[index];
         self.all.slots.set(index, slot);
-        self.pass_runner(before.runner(), slot.runner());
+        self.pass_machine_instance(before.machine_instance(), slot.machine_instance());
     }
 
     /// Replaces one of a member's layers.

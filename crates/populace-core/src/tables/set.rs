@@ -3,8 +3,8 @@
 use super::{Table, Tables};
 use crate::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
-    Layer, Link, MachineState, Member, Override, RowBlock, Runner, Slot, Source, Step, Target,
-    Transition,
+    Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source, Step,
+    Target, Transition,
 };
 
 /// Calls a macro with every table that all schedules read: its documentation, its name, and the
@@ -85,8 +85,8 @@ macro_rules! with_tables {
             /// What must hold for those.
             conditions: Condition,
             /// Machines that members run.
-            runners: Runner,
-            /// `runners x MACHINE_PARAMETERS`, parameters fastest.
+            machine_instances: MachineInstance,
+            /// `machine instances x MACHINE_PARAMETERS`, parameters fastest.
             machine_parameters: f32,
         }
     };

@@ -4,7 +4,7 @@
 //! had it; these moves are mixed as poses are, and the mix goes on from where the member was. A
 //! clip that played for a part of the frame moves the body for that part, by the mean of what it
 //! weighed then: so nothing is lost of what is left in the midst of a frame. Where something
-//! settles, the speed of the frame before goes over into that of what plays now, as poses do.
+//! inertializes, the speed of the frame before goes over into that of what plays now, as poses do.
 
 use populace_core::Affine;
 use populace_core::layout::{
@@ -112,7 +112,7 @@ type Speed = [f32; 4];
 struct Last {
     place: Move,
     speed: Speed,
-    /// How much faster than what it plays it was when something began to settle.
+    /// How much faster than what it plays it was when something began to inertialize.
     excess: Speed,
 }
 
@@ -132,15 +132,16 @@ fn span_of(slot: &Slot, (from, until): Span) -> Option<Span> {
         .filter(|(from, until)| slot.bound_clip != NONE && from < until)
 }
 
-/// The integral of what is left of a difference that settles: of the quintic by which poses do.
-fn still_until(settled: f32) -> f32 {
-    let s = if settled < 1.0 { settled } else { 1.0 };
+/// The integral of what is left of a difference that inertializes: of the quintic by which poses
+/// do.
+fn still_until(inertialized: f32) -> f32 {
+    let s = if inertialized < 1.0 { inertialized } else { 1.0 };
     s - s * s * s * s * (2.5 - 3.0 * s + s * s)
 }
 
-/// What is left of a difference in speed within a span, while it settles as a slot does.
-fn settled_within(slot: &Slot, excess: [f32; 4], (from, until): Span) -> Move {
-    let [from, until] = [from, until].map(|tick| still_until(slot.settled_at(tick)));
+/// What is left of a difference in speed within a span, while it inertializes as a slot does.
+fn inertialized_within(slot: &Slot, excess: [f32; 4], (from, until): Span) -> Move {
+    let [from, until] = [from, until].map(|tick| still_until(slot.inertialized_at(tick)));
     let ticks = (until - from) / slot.end_weight;
     let [x, y, z, turn] = excess.map(|per_tick| per_tick * ticks);
     Move::new([x, y, z], [turn, 1.0])
@@ -182,37 +183,38 @@ impl Steering<'_> {
         }
         let before = self.tick.saturating_sub(elapsed);
         let mut moved = self.move_within((before, self.tick));
-        let newest = self.newest_settling(self.tick);
+        let newest = self.newest_inertialization(self.tick);
         let begun = newest.filter(|slot| slot.start_tick >= before);
-        // What settles already goes on until something else begins to.
-        let (settling, until) = match begun {
-            Some(slot) => (self.newest_settling(before), slot.start_tick),
+        // What inertializes already goes on until something else begins to.
+        let (inertialization, until) = match begun {
+            Some(slot) => (self.newest_inertialization(before), slot.start_tick),
             None => (newest, self.tick),
         };
-        if let Some(slot) = settling {
-            moved = moved.then(&settled_within(slot, excess, (before, until)));
+        if let Some(slot) = inertialization {
+            moved = moved.then(&inertialized_within(slot, excess, (before, until)));
         }
         if let (Some(slot), Some(_)) = (begun, last) {
             let taking =
                 self.move_within((slot.start_tick, slot.start_tick + elapsed)).speed(elapsed);
             excess = [0, 1, 2, 3].map(|i: usize| speed[i] - taking[i]);
-            moved = moved.then(&settled_within(slot, excess, (slot.start_tick, self.tick)));
+            moved = moved.then(&inertialized_within(slot, excess, (slot.start_tick, self.tick)));
         }
-        excess = if newest.is_some_and(|slot| slot.settles(self.tick)) { excess } else { [0.0; 4] };
+        excess =
+            if newest.is_some_and(|slot| slot.inertializes(self.tick)) { excess } else { [0.0; 4] };
         Last { place: place.then(&moved), speed: moved.speed(elapsed), excess }
     }
 
-    /// Of the member's slots that began to settle before a time of the clock, where they move its
-    /// root, the last.
-    fn newest_settling(&self, before: u64) -> Option<&Slot> {
+    /// Of the member's slots that began to inertialize before a time of the clock, where they move
+    /// its root, the last.
+    fn newest_inertialization(&self, before: u64) -> Option<&Slot> {
         let slots = &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)];
-        let settling = |slot: &&Slot| {
-            slot.is_settling()
+        let inertialization = |slot: &&Slot| {
+            slot.is_inertialization()
                 && slot.bound_clip != NONE
                 && slot.start_tick < before
                 && self.weight_at_root(slot.layer()) > 0.0
         };
-        slots.iter().filter(settling).max_by_key(|slot| slot.start_tick)
+        slots.iter().filter(inertialization).max_by_key(|slot| slot.start_tick)
     }
 
     /// The mix of what all clips do within a span, each for as long as it plays. Layers that add to

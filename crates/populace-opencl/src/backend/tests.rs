@@ -138,9 +138,9 @@ fn sharing_with_opengl_is_refused_where_the_driver_does_not_offer_it() {
     let error = OpenClDevice::open_for_gl(index, None, Arc::new(NoContext)).unwrap_err();
     assert!(error.to_string().contains("does not offer cl_khr_gl_sharing"), "{error}");
     let backend = OpenClBackend::new(&OpenClDevice::open(index).unwrap(), Schedule::Fused).unwrap();
-    let reason = backend.refuses(PaletteWay::Shared, &NoContext).unwrap();
+    let reason = backend.refuses(PaletteTransport::Shared, &NoContext).unwrap();
     assert_eq!(reason, "its driver does not offer cl_khr_gl_sharing");
-    assert_eq!(backend.refuses(PaletteWay::Copied, &NoContext), None);
+    assert_eq!(backend.refuses(PaletteTransport::Copied, &NoContext), None);
 }
 
 mod conformance {

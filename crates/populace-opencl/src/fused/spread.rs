@@ -1,7 +1,7 @@
 //! How the fused schedules spread members over work-items, and where these keep `model_from_joint`.
 
 use opencl3::kernel::Kernel;
-use populace_core::layout::{Float4, MEMBERS_ABREAST};
+use populace_core::layout::{Float4, MEMBERS_PER_BATCH};
 use populace_core::{BackendError, Tables};
 
 use super::MATRIX;
@@ -15,7 +15,7 @@ use crate::tables::DeviceTables;
 /// work, few enough that their matrices take little memory.
 const DESKS_PER_CORE: usize = 32;
 /// The same where members wait for each other: twice as many for a fourth of the work-items.
-const DESKS_ABREAST: usize = 2 * DESKS_PER_CORE;
+const SCRATCH_BATCHES: usize = 2 * DESKS_PER_CORE;
 /// What rows of matrices in local memory are longer than the largest body by. Bodies are padded to
 /// 16, so that the first rows of the three arrays stand three times 16 bytes apart, modulo 128: the
 /// eight rows of the palette that are computed at once then come out of all 32 banks.
@@ -164,7 +164,7 @@ fn desks(tables: &Tables) -> (usize, usize) {
     if tables.controls().as_slice().is_empty() {
         (DESKS_PER_CORE, 1)
     } else {
-        (DESKS_ABREAST, MEMBERS_ABREAST as usize)
+        (SCRATCH_BATCHES, MEMBERS_PER_BATCH as usize)
     }
 }
 

@@ -2,8 +2,8 @@ use std::time::Duration;
 
 use populace_core::{
     Affine, AlphaMode, BackendError, CharacterSource, HandedOver, Influences, JointIndex,
-    JointSource, Material, Mesh, PaletteEntry, PaletteTarget, PaletteWay, Skeleton, TargetMark,
-    Trs,
+    JointSource, Material, Mesh, PaletteEntry, PaletteTarget, PaletteTransport, Skeleton,
+    TargetMark, Trs,
 };
 
 use super::*;
@@ -23,8 +23,8 @@ impl PaletteSource for Still {
         vec![1]
     }
 
-    fn refuses(&self, way: PaletteWay, _context: &dyn GlContext) -> Option<String> {
-        (way != PaletteWay::Mapped).then(|| "this test is about mapped memory".into())
+    fn refuses(&self, way: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
+        (way != PaletteTransport::Mapped).then(|| "this test is about mapped memory".into())
     }
 
     fn set_target(

@@ -3,7 +3,7 @@
 use populace_core::{Backend, Stage, ticks_from_secs};
 
 use super::stages::{two_of_each, write_locals};
-use super::{plans, retarget, settle};
+use super::{inertialize, plans, retarget};
 use crate::compare::Judge;
 use crate::expected::Expected;
 use crate::scenes::Scene;
@@ -35,8 +35,9 @@ pub fn check_same_frames(a: &mut dyn Backend, b: &mut dyn Backend) {
     let plans = retarget::plans(&mut Rng::new(84), &humanoids);
     let rolled = same_frames(a, b, &humanoids.clone().on_soles(), &plans);
     assert_ne!(same_frames(a, b, &humanoids, &plans), rolled, "no foot rolls");
-    let settling = settle::plans(&mut Rng::new(85), &scene, &clips, ticks_from_secs(7.0));
-    same_frames(a, b, &scene, &settling);
+    let inertialization =
+        inertialize::plans(&mut Rng::new(85), &scene, &clips, ticks_from_secs(7.0));
+    same_frames(a, b, &scene, &inertialization);
 }
 
 /// The palettes.

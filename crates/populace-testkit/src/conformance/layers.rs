@@ -53,7 +53,7 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
             plans::play(&mut rng, &clips).on_layer(layer).weighing(weight)
         });
         let plays = plays.collect();
-        plans.push(MemberPlan { body, plays, settling: Vec::new(), layers });
+        plans.push(MemberPlan { body, plays, inertialization: Vec::new(), layers });
     }
     let mut crowd = plans::crowd(&scene, 8, plans);
     for secs in [6.0, 6.7, 9.1] {
@@ -92,5 +92,5 @@ fn far(rng: &mut Rng, scene: &Scene, n: usize) -> MemberPlan {
         play.layer = layer;
     }
     plays.truncate(3 + n % 3 / 2);
-    MemberPlan { body, plays, settling: Vec::new(), layers }
+    MemberPlan { body, plays, inertialization: Vec::new(), layers }
 }

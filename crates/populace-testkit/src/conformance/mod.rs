@@ -8,18 +8,19 @@
 mod agreement;
 mod blend;
 mod clock;
+mod inertialize;
 mod layers;
 mod mixed;
 mod plans;
 mod retarget;
 mod running;
 mod sampling;
-mod settle;
 mod stages;
 
 pub use agreement::{check_agreement, check_same_frames};
 pub use blend::{check_blends, check_slot_order, check_small_totals, check_zero_weights};
 pub use clock::{check_clock, check_weights};
+pub use inertialize::check_inertialization;
 pub use layers::{check_additive_layers, check_far_turns, check_override_layers};
 pub use mixed::{check_churn, check_mixed_dispatch};
 pub use retarget::check_retarget;
@@ -27,7 +28,6 @@ pub use running::{check_growth, check_long_run};
 pub use sampling::{
     check_sampling_at_keys, check_sampling_between_keys, check_sampling_within_clip_bounds,
 };
-pub use settle::check_settling;
 pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
 
 /// Expands to one `#[test]` for each check of the conformance suite, run on the staged backend that
@@ -66,7 +66,7 @@ macro_rules! fused_conformance {
             one check_additive_layers additive_layers_hold additive_layers_can_fail rotation;
             one check_far_turns far_turns_hold far_turns_can_fail coarse_rotation;
             one check_retarget retarget_holds retarget_can_fail coarse_rotation;
-            one check_settling settling_holds settling_can_fail coarse_rotation;
+            one check_inertialization inertialization_holds inertialization_can_fail coarse_rotation;
             one check_pages pages_hold pages_can_fail palette_bit;
             one check_growth growth_holds growth_can_fail palette;
             one check_long_run long_run_holds long_run_can_fail rotation;

@@ -65,7 +65,7 @@ pub(super) fn member(
             play(rng, clips).on_layer(u32::try_from(on).expect("few layers"))
         })
         .collect();
-    MemberPlan { body, plays, settling: Vec::new(), layers }
+    MemberPlan { body, plays, inertialization: Vec::new(), layers }
 }
 
 /// Members of all bodies in turn.

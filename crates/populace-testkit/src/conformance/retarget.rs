@@ -41,7 +41,7 @@ pub(super) fn plans(rng: &mut Rng, scene: &Scene) -> Vec<MemberPlan> {
                         vec![plans::held_exactly(rng, scene, own), other.on_layer(1)]
                     }
                 };
-                plans.push(MemberPlan { body, plays, settling: Vec::new(), layers });
+                plans.push(MemberPlan { body, plays, inertialization: Vec::new(), layers });
             }
         }
     }

@@ -6,10 +6,10 @@
 //! order; nothing is flattened or packed.
 
 mod evaluate;
+mod inertialize;
 mod pose;
 mod retarget;
 mod sample;
-mod settle;
 #[cfg(test)]
 mod tests;
 mod transform;
@@ -19,10 +19,10 @@ use glam::{DAffine3, DQuat, DVec3};
 use populace_core::{Character, ClipSource, JointSource, LayerMode, PaletteEntry, Skeleton};
 
 pub use evaluate::{Timing, Weighting};
+pub use inertialize::{OracleInertialization, OracleStand};
 pub use pose::Gain;
 pub use retarget::OracleRetarget;
 pub use sample::{slerp, track_value};
-pub use settle::{OracleSettling, OracleStand};
 pub use transform::model_from_joints;
 pub use write_back::palettes;
 
@@ -147,22 +147,22 @@ pub struct OraclePose {
 /// If the joints have a cycle, or a mask is not one weight per joint.
 #[must_use]
 pub fn evaluate(body: &OracleBody, slots: &[OracleSlot<'_>], layers: &[OracleLayer]) -> OraclePose {
-    evaluate_settling(body, slots, &[], layers)
+    evaluate_inertialization(body, slots, &[], layers)
 }
 
-/// The same where clips that were left still settle.
+/// The same where clips that were left still inertialize.
 ///
 /// # Panics
 ///
 /// As [`evaluate`].
 #[must_use]
-pub fn evaluate_settling(
+pub fn evaluate_inertialization(
     body: &OracleBody,
     slots: &[OracleSlot<'_>],
-    settling: &[OracleSettling<'_>],
+    inertialization: &[OracleInertialization<'_>],
     layers: &[OracleLayer],
 ) -> OraclePose {
-    let (locals, gains) = pose::pose(body, slots, settling, layers);
+    let (locals, gains) = pose::pose(body, slots, inertialization, layers);
     let model_from_joint = model_from_joints(body, &locals);
     let palette = palettes(body, &model_from_joint);
     OraclePose { locals, gains, model_from_joint, palette }

@@ -3,10 +3,10 @@
 use glam::{DQuat, DVec3, DVec4};
 use populace_core::{ClipSource, LayerMode};
 
+use super::inertialize::{Remains, inertialize};
 use super::sample::TracksByJoint;
-use super::settle::{Remains, settle};
 use super::{
-    Local, OracleBody, OracleLayer, OracleRetarget, OracleSettling, OracleSlot, OracleStand,
+    Local, OracleBody, OracleInertialization, OracleLayer, OracleRetarget, OracleSlot, OracleStand,
 };
 
 /// Layer 0 is divided by its total weight above this, else the rest pose shows.
@@ -76,12 +76,12 @@ impl<'a> Clip<'a> {
 }
 
 /// A clip that was left or took another's place: there, and at the far time.
-struct Stand<'a> {
+struct SampledState<'a> {
     of: &'a OracleStand<'a>,
     clips: [Clip<'a>; 2],
 }
 
-impl<'a> Stand<'a> {
+impl<'a> SampledState<'a> {
     fn new(of: &'a OracleStand<'a>) -> Self {
         Self { of, clips: [of.secs, of.far_secs].map(|secs| Clip::at(of.clip, secs, of.retarget)) }
     }
@@ -101,13 +101,15 @@ pub(super) type Posed = (Local, Gain);
 pub(super) fn pose(
     body: &OracleBody,
     slots: &[OracleSlot<'_>],
-    settling: &[OracleSettling<'_>],
+    inertialization: &[OracleInertialization<'_>],
     layers: &[OracleLayer],
 ) -> (Vec<Local>, Vec<Gain>) {
     let clips: Vec<_> = slots.iter().map(Clip::new).collect();
-    let settling = settling.iter().filter(|settling| !settling.is_over());
-    let settling: Vec<_> =
-        settling.map(|of| (of, Stand::new(&of.left), Stand::new(&of.taking))).collect();
+    let inertialization =
+        inertialization.iter().filter(|inertialization| !inertialization.is_over());
+    let inertialization: Vec<_> = inertialization
+        .map(|of| (of, SampledState::new(&of.left), SampledState::new(&of.taking)))
+        .collect();
     let plain = [OracleLayer::default()];
     let layers = if layers.is_empty() { &plain } else { layers };
     let one_joint = |joint: usize| {
@@ -124,7 +126,7 @@ pub(super) fn pose(
                     reference: clip.reference(joint, name, &rest),
                 })
                 .collect();
-            let remains: Vec<Remains> = settling
+            let remains: Vec<Remains> = inertialization
                 .iter()
                 .filter(|(of, ..)| of.layer == index)
                 .map(|(of, left, taking)| Remains {
@@ -135,7 +137,7 @@ pub(super) fn pose(
                 .collect();
             let strength = layer.weight * layer.mask.as_ref().map_or(1.0, |mask| mask[joint]);
             posed = match layer.mode {
-                _ if index == 0 => settle(base(&rest, &samples), &remains),
+                _ if index == 0 => inertialize(base(&rest, &samples), &remains),
                 LayerMode::Override => override_with(posed, &rest, (&samples, &remains), strength),
                 LayerMode::Additive => add(posed, (&samples, &remains), strength),
             };
@@ -187,7 +189,8 @@ fn override_with(
     if total <= 0.0 || f <= 0.0 {
         return beneath;
     }
-    let ((below, below_gain), (above, above_gain)) = (beneath, settle(mix(rest, samples), remains));
+    let ((below, below_gain), (above, above_gain)) =
+        (beneath, inertialize(mix(rest, samples), remains));
     let from = towards(rest, below.rotation);
     let rotation = from + (towards(rest, above.rotation) - from) * f;
     let clear = is_clear(rest, below.rotation) && is_clear(rest, above.rotation);

@@ -2,7 +2,7 @@
 
 use populace_core::layout::Float4;
 use populace_core::{
-    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, TargetMark,
+    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
 };
 
 use super::Crowd;
@@ -16,8 +16,8 @@ impl PaletteSource for Crowd {
         self.tables.page_lengths().collect()
     }
 
-    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
-        let not_for_gl = self.opened.not_for_gl.clone().filter(|_| way == PaletteWay::Shared);
+    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        let not_for_gl = self.opened.not_for_gl.clone().filter(|_| way == PaletteTransport::Shared);
         not_for_gl.or_else(|| self.opened.backend().refuses(way, context))
     }
 

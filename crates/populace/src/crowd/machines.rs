@@ -120,10 +120,15 @@ impl Crowd {
         let mut is_found = false;
         for index in self.tables.slot_range(place) {
             let slot = self.tables.slots().as_slice()[index];
-            let Some(runner) = slot.runner().filter(|_| !faded_out(&slot, tick)) else { continue };
-            let machine = self.machines.of_state(self.tables.runner(runner)?.state);
+            let Some(machine_instance) =
+                slot.machine_instance().filter(|_| !faded_out(&slot, tick))
+            else {
+                continue;
+            };
+            let machine =
+                self.machines.of_state(self.tables.machine_instance(machine_instance)?.state);
             if let Some(parameter) = machine.and_then(|machine| machine.parameter(name)) {
-                self.tables.set_machine_parameter(runner, u32_from(parameter), value)?;
+                self.tables.set_machine_parameter(machine_instance, u32_from(parameter), value)?;
                 is_found = true;
             }
         }
@@ -141,8 +146,10 @@ impl Crowd {
 
     fn no_parameter(&self, place: u32, name: &str) -> Error {
         let running = self.slots(place).iter().filter(|slot| !faded_out(slot, self.clock.tick));
-        let runners = running.filter_map(Slot::runner);
-        let states = runners.filter_map(|runner| Some(self.tables.runner(runner).ok()?.state));
+        let machine_instances = running.filter_map(Slot::machine_instance);
+        let states = machine_instances.filter_map(|machine_instance| {
+            Some(self.tables.machine_instance(machine_instance).ok()?.state)
+        });
         let all = states.chain(self.waiting.of(place).filter_map(|(_, start)| start.machine()));
         let machines: Vec<_> = all.filter_map(|state| self.machines.of_state(state)).collect();
         let names =
@@ -168,8 +175,9 @@ impl Crowd {
         let slots = self.slots(place).iter().enumerate();
         let running =
             slots.filter(|(_, slot)| slot.layer() as usize == layer && !faded_out(slot, tick));
-        let runners = running.filter_map(|(index, slot)| Some((index, slot.runner()?)));
-        let newest = runners.max_by_key(|(index, _)| self.started(place, *index).serial);
+        let machine_instances =
+            running.filter_map(|(index, slot)| Some((index, slot.machine_instance()?)));
+        let newest = machine_instances.max_by_key(|(index, _)| self.started(place, *index).serial);
         let none = || {
             bad(&format!(
                 "to ask for the state of is not there: the member runs none in layer {layer}"
@@ -183,21 +191,25 @@ impl Crowd {
             )));
         }
         let (_, index) = newest.ok_or_else(none)?;
-        let (runner, at) = (self.tables.runner(index)?, self.running(index)?);
+        let (machine_instance, at) = (self.tables.machine_instance(index)?, self.running(index)?);
         // One that no frame has run yet is where it begins.
-        let state = if at.epoch == runner.epoch { at.state.wrapping_sub(runner.state) } else { 0 };
-        let machine = self.machines.of_state(runner.state).ok_or_else(none)?;
+        let state = if at.epoch == machine_instance.epoch {
+            at.state.wrapping_sub(machine_instance.state)
+        } else {
+            0
+        };
+        let machine = self.machines.of_state(machine_instance.state).ok_or_else(none)?;
         Ok(Arc::clone(&machine.states.get(state as usize).ok_or_else(none)?.name))
     }
 
-    /// Where a runner was after the last update.
-    fn running(&mut self, runner: u32) -> Result<Running, Error> {
+    /// Where a machine instance was after the last update.
+    fn running(&mut self, machine_instance: u32) -> Result<Running, Error> {
         if let Some(kept) = &self.kept {
-            return Ok(kept.running(runner));
+            return Ok(kept.running(machine_instance));
         }
         let mut elements = [Float4::default(); RUNNING_ELEMENTS as usize];
-        if (runner as usize) < self.tables.runners().tail().start {
-            let first = runner as usize * elements.len();
+        if (machine_instance as usize) < self.tables.machine_instances().tail().start {
+            let first = machine_instance as usize * elements.len();
             self.opened.backend_mut().read(
                 &self.tables,
                 StageBuffer::Running,
@@ -249,10 +261,10 @@ impl Crowd {
         let secs = if self.is_first(place, layer, tick) { 0.0 } else { secs };
         self.fade_out(place, layer, secs, tick)?;
         self.forget_space(place, layer);
-        let runner = self.tables.add_runner(state, tick, parameters)?;
+        let machine_instance = self.tables.add_machine_instance(state, tick, parameters)?;
         let started = Started { serial: start.serial, sample: None, once: false };
         for which in 0..2 {
-            let mut slot = Slot::machine(runner, which, tick).on_layer(u32_from(layer));
+            let mut slot = Slot::machine(machine_instance, which, tick).on_layer(u32_from(layer));
             slot.ramp_weight(tick, 0.0, 0.5 * weight, secs);
             self.fill_slot(place, slot, started, tick)?;
         }
@@ -302,9 +314,12 @@ mod tests {
                 // What weighs as little is free, one slot at a time.
                 let taken = |slot: &&Slot| slot.bound_clip != NONE && slot.weight_at(tick) > 2e-3;
                 let all = crowd.slots(place);
-                for slot in all.iter().filter(taken).filter(|slot| slot.runner().is_some()) {
+                for slot in
+                    all.iter().filter(taken).filter(|slot| slot.machine_instance().is_some())
+                {
                     let is_mate = |other: &&Slot| {
-                        other.runner() == slot.runner() && other.bound_clip != slot.bound_clip
+                        other.machine_instance() == slot.machine_instance()
+                            && other.bound_clip != slot.bound_clip
                     };
                     assert_eq!(
                         all.iter().find(is_mate).map(ramp),

@@ -15,9 +15,9 @@ impl Crowd {
     /// before fades out as this fades in, and what was queued is forgotten.
     ///
     /// Where all slots of the member are taken, the weakest fades out first and this waits for it,
-    /// for a small part of its own fade, or for what still settles ([`Play::settle_in_secs`]): a
-    /// pose never jumps. One that starts without a fade takes the weakest's slot at once, and a
-    /// member with one slot has nothing to fade with.
+    /// for a small part of its own fade, or for what still inertializes
+    /// ([`Play::inertialize_in_secs`]): a pose never jumps. One that starts without a fade takes
+    /// the weakest's slot at once, and a member with one slot has nothing to fade with.
     ///
     /// # Errors
     ///
@@ -129,7 +129,7 @@ impl Crowd {
             let mut slot = self.slots(place)[index];
             if self.is_of(id, index) {
                 // Each slot of a machine has half of it.
-                let own = if slot.runner().is_some() { 0.5 * weight } else { weight };
+                let own = if slot.machine_instance().is_some() { 0.5 * weight } else { weight };
                 if slot.ramps_to(own, over_secs) {
                     continue;
                 }
@@ -178,7 +178,8 @@ impl Crowd {
         self.check(member)?;
         let tick = self.clock.tick;
         let slots = self.slots(member.place).iter().enumerate();
-        let told = slots.filter(|(_, slot)| !faded_out(slot, tick) && slot.runner().is_none());
+        let told =
+            slots.filter(|(_, slot)| !faded_out(slot, tick) && slot.machine_instance().is_none());
         let mut all: Vec<_> =
             told.map(|(index, slot)| self.playing_slot(member, index, slot)).collect();
         all.sort_by_key(|(serial, playing)| (playing.layer, *serial));
@@ -322,20 +323,23 @@ impl Crowd {
         }
         let slot = start.play.slot(bound, tick, self.duration_secs(bound));
         let mut slot = slot.on_layer(u32_from(layer));
-        let settles =
-            alone && start.play.settles && secs > 0.0 && self.can_settle(place, &slot, tick);
+        let inertializes = alone
+            && start.play.inertializes
+            && secs > 0.0
+            && self.can_inertialize(place, &slot, tick);
         let role = |slot: &Slot, _| {
             if alone && slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
-        let needed = usize::from(!settles || self.unseen(place, slot.layer(), tick).is_empty());
+        let needed =
+            usize::from(!inertializes || self.unseen(place, slot.layer(), tick).is_empty());
         if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
             self.waiting.push(place, due, start.at_its_time());
             return Ok(());
         }
         let mut weight = 0.0;
-        let at_once = self.is_first(place, layer, tick) || (settles && layer == 0);
-        if settles {
-            weight = self.settle(place, &slot, secs, tick)?;
+        let at_once = self.is_first(place, layer, tick) || (inertializes && layer == 0);
+        if inertializes {
+            weight = self.inertialize(place, &slot, secs, tick)?;
         } else if alone {
             self.fade_out(place, layer, secs, tick)?;
         }
@@ -399,7 +403,7 @@ impl Crowd {
         let tick = self.clock.tick;
         let slots = self.slots(place).iter().enumerate();
         let playing = slots.filter(|(_, slot)| {
-            let ends = slot.is_settling() || slot.end_weight <= 0.0;
+            let ends = slot.is_inertialization() || slot.end_weight <= 0.0;
             slot.bound_clip != NONE && slot.layer() as usize == layer && !ends
         });
         let last = playing.max_by_key(|(index, _)| self.started(place, *index).serial);

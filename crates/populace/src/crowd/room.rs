@@ -2,9 +2,9 @@
 //!
 //! Nothing that weighs is dropped. Where no slot is free, the weakest fades out first, as fast as
 //! the crossfade that was asked for would move the pose, and what was to start waits until it has
-//! gone: a fade of its share of the layer, so the less it weighed the sooner. Slots that settle
-//! cannot be hurried; before something else has to give way, what was to start waits for the first
-//! of them.
+//! gone: a fade of its share of the layer, so the less it weighed the sooner. Slots that
+//! inertialize cannot be hurried; before something else has to give way, what was to start waits
+//! for the first of them.
 
 use populace_core::layout::{NONE, Slot};
 use populace_core::{MAX_LAYERS, MAX_SLOTS, ticks_from_secs};
@@ -38,10 +38,11 @@ pub(crate) struct Started {
     pub(crate) once: bool,
 }
 
-/// Whether a slot's weight has come down to 0 and stays there, as that of one that settles has.
+/// Whether a slot's weight has come down to 0 and stays there, as that of one that inertializes
+/// has.
 pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
     slot.bound_clip == NONE
-        || slot.is_settling()
+        || slot.is_inertialization()
         || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
 }
 
@@ -54,8 +55,8 @@ impl Crowd {
         self.started[self.tables.slot_range(place).start + index]
     }
 
-    /// Each slot's part of what its layer shows, from 0 to 1; 0 for those that settle, nothing for
-    /// free ones.
+    /// Each slot's part of what its layer shows, from 0 to 1; 0 for those that inertialize, nothing
+    /// for free ones.
     fn slot_shares(&self, place: u32, tick: u64) -> [Option<f32>; MAX_SLOTS] {
         let mut totals = [0.0_f32; MAX_LAYERS];
         let weighing =
@@ -70,7 +71,7 @@ impl Crowd {
         for (share, slot) in shares.iter_mut().zip(self.slots(place)) {
             let of_layer = weighing(slot) / totals[slot.layer() as usize].max(f32::MIN_POSITIVE);
             let free = faded_out(slot, tick) || (slot.end_weight <= 0.0 && of_layer < NEGLIGIBLE);
-            *share = (!free || slot.settles(tick)).then_some(of_layer);
+            *share = (!free || slot.inertializes(tick)).then_some(of_layer);
         }
         shares
     }
@@ -81,7 +82,7 @@ impl Crowd {
         let slots =
             self.slots(place).iter().enumerate().filter(|(index, _)| shares[*index].is_none());
         // One that was cut since the last update still moves the member up to then.
-        let played = |slot: &Slot| !slot.is_settling() && slot.weight_tick > self.clock.tick;
+        let played = |slot: &Slot| !slot.is_inertialization() && slot.weight_tick > self.clock.tick;
         let weight = |slot: &Slot| match faded_out(slot, tick) {
             true if played(slot) => -1.0,
             true => -2.0,
@@ -145,15 +146,16 @@ impl Crowd {
     /// only the device knows, so they stay and leave together.
     fn mate(&self, place: u32, index: usize) -> Option<usize> {
         let slots = self.slots(place);
-        slots[index].runner()?;
-        let is_mate =
-            |slot: &Slot| slot.runner().is_some() && slot.bound_clip == slots[index].bound_clip ^ 1;
+        slots[index].machine_instance()?;
+        let is_mate = |slot: &Slot| {
+            slot.machine_instance().is_some() && slot.bound_clip == slots[index].bound_clip ^ 1
+        };
         slots.iter().position(is_mate)
     }
 
-    /// The slots that can give way: those on their way out first, then those that settle, of these
-    /// the weakest first and the first to end, and both of a machine side by side. Apart from them
-    /// those that cannot fade, since the base layer would be left with nothing.
+    /// The slots that can give way: those on their way out first, then those that inertialize, of
+    /// these the weakest first and the first to end, and both of a machine side by side. Apart from
+    /// them those that cannot fade, since the base layer would be left with nothing.
     fn by_strength(
         &self,
         place: u32,
@@ -161,8 +163,8 @@ impl Crowd {
         plans: &[Plan],
     ) -> (Vec<usize>, Vec<usize>) {
         let slots = self.slots(place);
-        let rank = |i: usize| match slots[i].is_settling() {
-            true => (1, slots[i].settled_tick()),
+        let rank = |i: usize| match slots[i].is_inertialization() {
+            true => (1, slots[i].inertialization_tick()),
             false if plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0 => (0, 0),
             false => (2, 0),
         };
@@ -197,8 +199,8 @@ impl Crowd {
         let mut left_behind = [0.0_f32; MAX_LAYERS];
         for &index in victims {
             let mut slot = self.slots(place)[index];
-            if slot.is_settling() {
-                due = due.max(slot.settled_tick());
+            if slot.is_inertialization() {
+                due = due.max(slot.inertialization_tick());
                 continue;
             }
             let weight = slot.weight_at(tick);
@@ -243,7 +245,7 @@ impl Crowd {
     }
 
     /// Fades out all clips of a layer together, keeping their proportions, so that what fades in
-    /// meanwhile takes the layer over evenly. What settles goes on, unless this takes no time.
+    /// meanwhile takes the layer over evenly. What inertializes goes on, unless this takes no time.
     pub(super) fn fade_out(
         &mut self,
         place: u32,
@@ -270,7 +272,7 @@ impl Crowd {
     /// before.
     fn cut(&mut self, place: u32, index: usize, tick: u64) -> Result<(), Error> {
         let mut slot = self.slots(place)[index];
-        if slot.settles(tick) {
+        if slot.inertializes(tick) {
             return self.empty_slot(place, index);
         }
         if faded_out(&slot, tick) {

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use populace_core::layout::Float4;
 use populace_core::{
     Affine, Backend, BackendError, CharacterSource, Clip, ClipSource, HandedOver, Interpolation,
-    JointIndex, JointSource, PaletteEntry, PaletteSource, PaletteTarget, PaletteWay, Property,
-    Schedule, Skeleton, Stage, StageBuffer, TargetMark, Track, Trs,
+    JointIndex, JointSource, PaletteEntry, PaletteSource, PaletteTarget, PaletteTransport,
+    Property, Schedule, Skeleton, Stage, StageBuffer, TargetMark, Track, Trs,
 };
 use populace_native::NativeBackend;
 
@@ -112,7 +112,7 @@ impl PaletteSource for Losable {
         self.inner.page_lengths()
     }
 
-    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
+    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
         self.inner.refuses(way, context)
     }
 

@@ -114,7 +114,7 @@ mod tests {
 
     /// Comes near from one side, frame by frame, and stays.
     #[track_caller]
-    fn assert_settles(course: &[f64], wanted: f64) {
+    fn assert_inertializes(course: &[f64], wanted: f64) {
         let last = course[course.len() - 1];
         assert!((last - wanted).abs() < 2e-3, "{last} is not {wanted}: {course:?}");
         for (frame, pair) in course.windows(2).enumerate() {
@@ -131,20 +131,26 @@ mod tests {
     #[test]
     fn times_become_equal_without_swinging() {
         // By speed alone.
-        assert_settles(&course(70, &mut |s, _| vec![s[0] * 30.0, s[1] * 10.0]), 0.25);
-        assert_settles(&course(70, &mut |s, _| vec![s[0] * 1.0, s[1] * 49.0]), 0.98);
+        assert_inertializes(&course(70, &mut |s, _| vec![s[0] * 30.0, s[1] * 10.0]), 0.25);
+        assert_inertializes(&course(70, &mut |s, _| vec![s[0] * 1.0, s[1] * 49.0]), 0.98);
         // With a start of its own each: 1 + 8 x = 3 + 4 (1 - x).
-        assert_settles(&course(90, &mut |s, _| vec![1.0 + s[0] * 8.0, 3.0 + s[1] * 4.0]), 0.5);
-        assert_settles(&course(200, &mut |s, _| vec![s[0] * 8.0, 4.0 + s[1] * 1.0]), 5.0 / 9.0);
+        assert_inertializes(&course(90, &mut |s, _| vec![1.0 + s[0] * 8.0, 3.0 + s[1] * 4.0]), 0.5);
+        assert_inertializes(
+            &course(200, &mut |s, _| vec![s[0] * 8.0, 4.0 + s[1] * 1.0]),
+            5.0 / 9.0,
+        );
         // Where caches run over, as the square: 4 x^2 = (1 - x)^2.
-        assert_settles(&course(90, &mut |s, _| vec![s[0] * s[0] * 4.0, s[1] * s[1]]), 1.0 / 3.0);
+        assert_inertializes(
+            &course(90, &mut |s, _| vec![s[0] * s[0] * 4.0, s[1] * s[1]]),
+            1.0 / 3.0,
+        );
         // Two on the same core: whoever has less is done after twice its time, the other when all
         // is done.
         let on_one_core = |s: &[f64], _: usize| {
             let work = [s[0] * 10.0, s[1] * 6.0];
             work.iter().map(|w| (2.0 * w).min(work[0] + work[1])).collect()
         };
-        assert_settles(&course(90, &mut { on_one_core }), 0.375);
+        assert_inertializes(&course(90, &mut { on_one_core }), 0.375);
     }
 
     #[test]
@@ -166,7 +172,7 @@ mod tests {
             let hiccup = if frame % 5 == 4 { 7.0 } else { 1.0 };
             vec![s[0] * 30.0 * hiccup, s[1] * 10.0]
         });
-        assert_settles(&course, 0.25);
+        assert_inertializes(&course, 0.25);
     }
 
     #[test]

@@ -32,7 +32,7 @@ impl Kept {
         let mut kept = Self::default();
         // What was added since the last update has no place there yet.
         let states = tables.controls().tail().start * STATES_PER_CONTROL as usize;
-        let running = tables.runners().tail().start * RUNNING_ELEMENTS as usize;
+        let running = tables.machine_instances().tail().start * RUNNING_ELEMENTS as usize;
         for (buffer, all, count) in [
             (StageBuffer::States, &mut kept.states, states),
             (StageBuffer::Watched, &mut kept.watched, tables.watched_elements_known()),
@@ -51,10 +51,12 @@ impl Kept {
         std::array::from_fn(|nth| self.states.get(first + nth).copied().unwrap_or_default())
     }
 
-    /// Where a runner was; nowhere if nothing is known of it.
-    pub(crate) fn running(&self, runner: u32) -> Running {
+    /// Where a machine instance was; nowhere if nothing is known of it.
+    pub(crate) fn running(&self, machine_instance: u32) -> Running {
         let rows = self.running.as_chunks().0;
-        rows.get(runner as usize).copied().map_or_else(Running::default, Running::from_elements)
+        rows.get(machine_instance as usize)
+            .copied()
+            .map_or_else(Running::default, Running::from_elements)
     }
 
     /// What a device keeps that others do not find by themselves, waiting for its last frame.

@@ -23,7 +23,7 @@ fn step_of(stage: &mut Stage, member: Member, secs: f32) -> f32 {
 #[test]
 fn no_joint_jumps_however_fast_parameters_change() {
     let mut stage = Stage::new(&on_native());
-    let (member, mut random, mut worst) = (stage.runner(0), Rng::new(9), 0.0_f32);
+    let (member, mut random, mut worst) = (stage.machine_instance(0), Rng::new(9), 0.0_f32);
     stage.frame();
     for _ in 0..4000 {
         // Above what leads out of "sit", which cuts.

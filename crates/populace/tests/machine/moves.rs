@@ -7,7 +7,7 @@ use populace_testkit::Rng;
 use crate::rig::{FRAME_SECS, Interpreter, Stage, everywhere, on_native};
 
 fn members(stage: &mut Stage) -> Vec<(Member, Interpreter)> {
-    (0..12).map(|n| (stage.runner(n % 2), Interpreter::new())).collect()
+    (0..12).map(|n| (stage.machine_instance(n % 2), Interpreter::new())).collect()
 }
 
 fn frames(
@@ -53,7 +53,7 @@ fn states_move_with_the_crowd() {
         frames(&mut moves, &mut moved, &mut randoms[1], 31);
         // There and on before anything ran there, while one begins that no device knows of and one
         // leaves.
-        let (late, gone) = (moves.runner(0), moves.runner(1));
+        let (late, gone) = (moves.machine_instance(0), moves.machine_instance(1));
         moves.crowd.move_to(Device::native()).unwrap();
         moves.crowd.move_to(devices).unwrap();
         moves.crowd.despawn(gone).unwrap();
@@ -70,9 +70,9 @@ fn states_move_with_the_crowd() {
 }
 
 #[test]
-fn a_crowd_whose_runners_leave_before_it_runs_elsewhere_goes_on() {
+fn a_crowd_whose_machines_leave_before_it_runs_elsewhere_goes_on() {
     let mut stage = Stage::new(&on_native());
-    let members = [(); 5].map(|()| stage.runner(0));
+    let members = [(); 5].map(|()| stage.machine_instance(0));
     stage.frame();
     stage.crowd.move_to(Device::Native { threads: 1 }).unwrap();
     members[1..].iter().for_each(|member| stage.crowd.despawn(*member).unwrap());

@@ -28,7 +28,7 @@ fn a_machine_shows_what_the_same_clips_played_by_hand_do() {
     for builder in everywhere() {
         let mut stage = Stage::new(&builder);
         for body in [0, 1] {
-            let (machine, hand) = (stage.runner(body), stage.member(body));
+            let (machine, hand) = (stage.machine_instance(body), stage.member(body));
             play(&mut stage, hand, "idle", 0.0);
             let (mut random, mut own) = (Rng::new(5 + body as u64), Interpreter::new());
             let mut seen = std::collections::HashSet::new();
@@ -64,7 +64,7 @@ fn a_thousand_members_go_their_own_ways_on_every_device() {
         let mut stage = Stage::new(&builder);
         let mut random = Rng::new(7);
         let mut members: Vec<_> =
-            (0..1000).map(|n| (stage.runner(n % 2), Interpreter::new())).collect();
+            (0..1000).map(|n| (stage.machine_instance(n % 2), Interpreter::new())).collect();
         let mut bits = Vec::new();
         for frame in 0..300 {
             for (member, own) in &mut members {
@@ -101,7 +101,7 @@ fn a_thousand_members_go_their_own_ways_on_every_device() {
 #[test]
 fn machines_of_two_layers_share_parameters_by_name() {
     let mut stage = Stage::new(&crate::rig::on_native());
-    let member = stage.runner(0);
+    let member = stage.machine_instance(0);
     stage.crowd.run_machine(member, stage.machine, Play::looping().on_layer(2)).unwrap();
     assert_eq!(&*stage.crowd.state_of(member, 2).unwrap(), "idle", "before any frame");
     stage.crowd.set_parameter(member, "speed", -1.0).unwrap();
@@ -131,12 +131,12 @@ fn a_machine_that_waits_takes_parameters_and_begins_on_its_tick() {
 fn a_machine_in_the_place_of_one_that_is_gone_begins_anew() {
     for builder in everywhere() {
         let mut stage = Stage::new(&builder);
-        let gone = stage.runner(0);
+        let gone = stage.machine_instance(0);
         stage.crowd.set_parameter(gone, "speed", 1.0).unwrap();
         stage.frame();
         assert_eq!(&*stage.crowd.state_of(gone, 0).unwrap(), "walk");
         stage.crowd.despawn(gone).unwrap();
-        let (machine, hand) = (stage.runner(0), stage.member(0));
+        let (machine, hand) = (stage.machine_instance(0), stage.member(0));
         play(&mut stage, hand, "idle", 0.0);
         stage.frame();
         assert_eq!(&*stage.crowd.state_of(machine, 0).unwrap(), "idle");

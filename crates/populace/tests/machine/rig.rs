@@ -158,7 +158,7 @@ impl Stage {
         self.crowd.spawn(self.bodies[body], Placement::at([0.0; 3])).unwrap()
     }
 
-    pub(crate) fn runner(&mut self, body: usize) -> Member {
+    pub(crate) fn machine_instance(&mut self, body: usize) -> Member {
         let member = self.member(body);
         self.crowd.run_machine(member, self.machine, Play::looping()).unwrap();
         member

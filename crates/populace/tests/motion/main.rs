@@ -15,8 +15,8 @@
 
 #[path = "../controls/body.rs"]
 mod body;
+mod inertialization;
 mod parts;
-mod settling;
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -307,7 +307,10 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
                 .crowd
                 .run_machine(member, machine, later.fade_in_secs(secs))
                 .expect("a machine"),
-            2 => stage.crowd.play(member, curve, later.settle_in_secs(0.1 + secs)).expect("a clip"),
+            2 => stage
+                .crowd
+                .play(member, curve, later.inertialize_in_secs(0.1 + secs))
+                .expect("a clip"),
             _ => stage.crowd.play(member, curve, later.fade_in_secs(secs)).expect("a clip"),
         };
     }

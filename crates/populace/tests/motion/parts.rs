@@ -100,7 +100,7 @@ fn a_start_within_a_long_step_leaves_what_was_played_before_it() {
         crowd.play(fades, slow, faded.after_secs(0.1)).expect("a clip");
         crowd.set_layer(above, 1, LayerSettings::default(), None).expect("a layer");
         crowd.play(above, slow, cut.on_layer(1)).expect("a clip");
-        crowd.play(left, slow, cut.settle_in_secs(0.1)).expect("a clip");
+        crowd.play(left, slow, cut.inertialize_in_secs(0.1)).expect("a clip");
         crowd.run_machine(entering, machine, cut).expect("a machine");
         crowd.run_machine(leaving, machine, Play::looping()).expect("a machine");
         crowd.play(leaving, fast, faded.after_secs(0.1)).expect("a clip");

@@ -9,10 +9,10 @@
 )]
 
 mod crowds;
+mod inertialize;
 mod layers;
 mod rig;
 mod room;
-mod settle;
 mod spaces;
 mod timing;
 

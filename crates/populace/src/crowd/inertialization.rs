@@ -1,4 +1,4 @@
-//! Inertialised transitions: slots that are left become slots that settle, each in its place.
+//! Inertialised transitions: slots that are left become slots that inertialize, each in its place.
 
 use populace_core::layout::Slot;
 use populace_core::ticks_from_secs;
@@ -8,10 +8,12 @@ use super::room::{Started, faded_out};
 use crate::Error;
 
 impl Crowd {
-    /// Whether what a layer plays can settle into what starts: all of it runs by the clock alone.
-    pub(super) fn can_settle(&self, place: u32, starting: &Slot, tick: u64) -> bool {
+    /// Whether what a layer plays can inertialize into what starts: all of it runs by the clock
+    /// alone.
+    pub(super) fn can_inertialize(&self, place: u32, starting: &Slot, tick: u64) -> bool {
         let left = self.weighing(place, starting.layer(), tick);
-        starting.can_settle() && left.iter().all(|index| self.slots(place)[*index].can_settle())
+        starting.can_inertialize()
+            && left.iter().all(|index| self.slots(place)[*index].can_inertialize())
     }
 
     /// Those slots of a layer that play.
@@ -22,17 +24,19 @@ impl Crowd {
             .collect()
     }
 
-    /// Those that settle in a layer since this very tick: what they settle into has not been seen.
+    /// Those that inertialize in a layer since this very tick: what they inertialize into has not
+    /// been seen.
     pub(super) fn unseen(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
-        let unseen =
-            |slot: &Slot| slot.is_settling() && slot.layer() == layer && slot.start_tick == tick;
+        let unseen = |slot: &Slot| {
+            slot.is_inertialization() && slot.layer() == layer && slot.start_tick == tick
+        };
         let slots = self.slots(place);
         (0..slots.len()).filter(|index| unseen(&slots[*index])).collect()
     }
 
-    /// Lets all that a layer plays settle into what starts, and what has not been seen go. Returns
-    /// what it weighed.
-    pub(super) fn settle(
+    /// Lets all that a layer plays inertialize into what starts, and what has not been seen go.
+    /// Returns what it weighed.
+    pub(super) fn inertialize(
         &mut self,
         place: u32,
         starting: &Slot,
@@ -44,7 +48,7 @@ impl Crowd {
         let unseen = self.unseen(place, layer, tick);
         for &index in &unseen {
             let mut slot = self.slots(place)[index];
-            slot.settle_into(taking, ticks);
+            slot.inertialize_into(taking, ticks);
             self.tables.set_slot(place, index, slot)?;
         }
         let weighing = self.weighing(place, layer, tick);
@@ -61,8 +65,8 @@ impl Crowd {
             let part = weight / total[0];
             let share = [part * in_all, (rate - part * total[1]) / total[0] * in_all];
             let stands = [self.tables.stand(&slot, tick), taking];
-            let settling = Slot::settling(tick, ticks, stands, share).on_layer(layer);
-            self.put_slot(place, index, settling, Started::default())?;
+            let inertialization = Slot::inertialization(tick, ticks, stands, share).on_layer(layer);
+            self.put_slot(place, index, inertialization, Started::default())?;
             self.leave(place, slot, tick)?;
         }
         Ok(total[0])

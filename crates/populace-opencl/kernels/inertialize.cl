@@ -1,12 +1,12 @@
-/* settle.cl - what clips that were left leave behind for a while: the difference from what took their place, in pose and in
- * speed (Bollo, "Inertialization", GDC 2018). Twin of populace-native settle.rs. */
+/* inertialize.cl - what clips that were left leave behind for a while: the difference from what took their place, in pose and in
+ * speed (Bollo, "Inertialization", GDC 2018). Twin of populace-native inertialize.rs. */
 
-/* How a clip stood; see Stand in populace-core playback/settle.rs. */
-typedef struct { uint bound_clip; float row, pace; } Stand;
+/* How a clip stood; see SampledState in populace-core playback/inertialize.rs. */
+typedef struct { uint bound_clip; float row, pace; } SampledState;
 
-INLINE Stand stand_of(uint bound_clip, ulong pair)
+INLINE SampledState stand_of(uint bound_clip, ulong pair)
 {
-    const Stand stand = { bound_clip, as_float((uint)pair), as_float((uint)(pair >> 32)) };
+    const SampledState stand = { bound_clip, as_float((uint)pair), as_float((uint)(pair >> 32)) };
     return stand;
 }
 
@@ -41,7 +41,7 @@ INLINE SlotSample place_of(ClipRows clip, float at)
  * first row. */
 typedef struct { Trs at, far, reference; } Stands;
 
-INLINE Stands stands_of(const Clips *of, Stand stand, bool additive, Body body, uint joint, Trs rest)
+INLINE Stands stands_of(const Clips *of, SampledState stand, bool additive, Body body, uint joint, Trs rest)
 {
     const BoundClip bound = of->bound_clips[stand.bound_clip];
     const ClipRows clip = of->clips[bound.clip];
@@ -62,29 +62,29 @@ INLINE Trs after(Trs first, Trs then)
 }
 
 /* By what each way that a clip stood is multiplied. */
-typedef struct { float left, left_way, taking, taking_way; } SettlingWeights;
+typedef struct { float left, left_way, taking, taking_way; } InertializationWeights;
 
-INLINE Real settling_part(Real sum, Real at, Real far, Real taking_at, Real taking_far, SettlingWeights by)
+INLINE Real inertialization_part(Real sum, Real at, Real far, Real taking_at, Real taking_far, InertializationWeights by)
 {
     const Real left = at * by.left + (far - at) * by.left_way;
     return sum + (left - (taking_at * by.taking + (taking_far - taking_at) * by.taking_way));
 }
 
 /* The weights are quintics whose value, slope and curvature are 0 at the end, and whose curvature is 0 at the start. */
-INLINE SettlingWeights settling_weights(Slot slot, ulong tick, bool additive)
+INLINE InertializationWeights inertialization_weights(Slot slot, ulong tick, bool additive)
 {
-    const float settled = slot_settled(slot, tick), to_go = 1.0f - settled, cube = to_go * to_go * to_go;
-    const float still = cube * (1.0f + 3.0f * settled + 6.0f * settled * settled);
-    const float moving = settled * cube * (1.0f + 3.0f * settled), share = slot.start_weight;
-    const SettlingWeights by = { still * share + moving * slot.weight_rate,
+    const float inertialized = slot_inertialized(slot, tick), to_go = 1.0f - inertialized, cube = to_go * to_go * to_go;
+    const float still = cube * (1.0f + 3.0f * inertialized + 6.0f * inertialized * inertialized);
+    const float moving = inertialized * cube * (1.0f + 3.0f * inertialized), share = slot.start_weight;
+    const InertializationWeights by = { still * share + moving * slot.weight_rate,
                                  moving * share * stand_of(0, slot.phase_rate).pace, additive ? still * share : 0.0f,
                                  moving * share * stand_of(0, slot.weight_tick).pace };
     return by;
 }
 
-INLINE Trs add_settling(const Clips *of, Slot slot, ulong tick, bool additive, Body body, uint joint, Trs rest, Trs sum)
+INLINE Trs add_inertialization(const Clips *of, Slot slot, ulong tick, bool additive, Body body, uint joint, Trs rest, Trs sum)
 {
-    const SettlingWeights by = settling_weights(slot, tick, additive);
+    const InertializationWeights by = inertialization_weights(slot, tick, additive);
     const Stands left = stands_of(of, stand_of(slot.bound_clip, slot.phase_rate), additive, body, joint, rest);
     const Stands taking = stands_of(of, stand_of(slot.start_phase, slot.weight_tick), additive, body, joint, rest);
     const Trs reference = additive ? left.reference : taking.reference;
@@ -99,24 +99,24 @@ INLINE Trs add_settling(const Clips *of, Slot slot, ulong tick, bool additive, B
     f = change(f);
     n = change(n);
     b = change(b);
-    sum.t.x = settling_part(sum.t.x, a.t.x, f.t.x, n.t.x, b.t.x, by);
-    sum.t.y = settling_part(sum.t.y, a.t.y, f.t.y, n.t.y, b.t.y, by);
-    sum.t.z = settling_part(sum.t.z, a.t.z, f.t.z, n.t.z, b.t.z, by);
-    sum.r.x = settling_part(sum.r.x, a.r.x, f.r.x, n.r.x, b.r.x, by);
-    sum.r.y = settling_part(sum.r.y, a.r.y, f.r.y, n.r.y, b.r.y, by);
-    sum.r.z = settling_part(sum.r.z, a.r.z, f.r.z, n.r.z, b.r.z, by);
-    sum.r.w = settling_part(sum.r.w, a.r.w, f.r.w, n.r.w, b.r.w, by);
-    sum.s.x = settling_part(sum.s.x, a.s.x, f.s.x, n.s.x, b.s.x, by);
-    sum.s.y = settling_part(sum.s.y, a.s.y, f.s.y, n.s.y, b.s.y, by);
-    sum.s.z = settling_part(sum.s.z, a.s.z, f.s.z, n.s.z, b.s.z, by);
+    sum.t.x = inertialization_part(sum.t.x, a.t.x, f.t.x, n.t.x, b.t.x, by);
+    sum.t.y = inertialization_part(sum.t.y, a.t.y, f.t.y, n.t.y, b.t.y, by);
+    sum.t.z = inertialization_part(sum.t.z, a.t.z, f.t.z, n.t.z, b.t.z, by);
+    sum.r.x = inertialization_part(sum.r.x, a.r.x, f.r.x, n.r.x, b.r.x, by);
+    sum.r.y = inertialization_part(sum.r.y, a.r.y, f.r.y, n.r.y, b.r.y, by);
+    sum.r.z = inertialization_part(sum.r.z, a.r.z, f.r.z, n.r.z, b.r.z, by);
+    sum.r.w = inertialization_part(sum.r.w, a.r.w, f.r.w, n.r.w, b.r.w, by);
+    sum.s.x = inertialization_part(sum.s.x, a.s.x, f.s.x, n.s.x, b.s.x, by);
+    sum.s.y = inertialization_part(sum.s.y, a.s.y, f.s.y, n.s.y, b.s.y, by);
+    sum.s.z = inertialization_part(sum.s.z, a.s.z, f.s.z, n.s.z, b.s.z, by);
     return sum;
 }
 
-INLINE bool settles_in(Slot slot, uint layer, ulong tick) { return slot_layer(slot) == layer && slot_settles(slot, tick); }
+INLINE bool inertializes_in(Slot slot, uint layer, ulong tick) { return slot_layer(slot) == layer && slot_inertializes(slot, tick); }
 
-/* A layer's mean, or its sum of differences where it is additive, with all that settles in it. Over a mean the newest start
+/* A layer's mean, or its sum of differences where it is additive, with all that inertializes in it. Over a mean the newest start
  * comes first: those before it lie over what was then left. */
-SELDOM void settle(const Clips *of, Settling settling, uint layer, bool additive, Body body, uint joint, const Trs *at_rest,
+SELDOM void inertialize(const Clips *of, Inertialization inertialization, uint layer, bool additive, Body body, uint joint, const Trs *at_rest,
                    Trs *mean)
 {
     const Trs rest = *at_rest;
@@ -125,18 +125,18 @@ SELDOM void settle(const Clips *of, Settling settling, uint layer, bool additive
     for (;;) {
         ulong start = 0;
         bool any = false;
-        for (uint s = 0; s < settling.count; s++) {
-            const Slot slot = settling.slots[s];
-            if (!settles_in(slot, layer, settling.tick) || slot.start_tick >= earlier) continue;
+        for (uint s = 0; s < inertialization.count; s++) {
+            const Slot slot = inertialization.slots[s];
+            if (!inertializes_in(slot, layer, inertialization.tick) || slot.start_tick >= earlier) continue;
             start = any ? max(start, slot.start_tick) : slot.start_tick;
             any = true;
         }
         if (!any) break;
         Trs sum = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-        for (uint s = 0; s < settling.count; s++) {
-            const Slot slot = settling.slots[s];
-            if (settles_in(slot, layer, settling.tick) && slot.start_tick == start)
-                sum = add_settling(of, slot, settling.tick, additive, body, joint, rest, sum);
+        for (uint s = 0; s < inertialization.count; s++) {
+            const Slot slot = inertialization.slots[s];
+            if (inertializes_in(slot, layer, inertialization.tick) && slot.start_tick == start)
+                sum = add_inertialization(of, slot, inertialization.tick, additive, body, joint, rest, sum);
         }
         const Trs added = { vec3_add(trs.t, sum.t), quat_add(trs.r, sum.r), vec3_add(trs.s, sum.s) };
         trs = additive ? added : add_layer(trs, sum, 1.0f);

@@ -9,7 +9,7 @@ use populace::{
 use crate::on_every_way;
 use crate::rig::{JOINTS, Motion, character, crowd_of, moving, one_member, step_rad, turns};
 
-/// Time over which speeds are measured, and in which what is left settles.
+/// Time over which speeds are measured, and in which what is left inertializes.
 const BIT_SECS: f32 = 1.0 / 480.0;
 const SECS: f32 = 0.25;
 /// How fast the rotation of any joint may become another, and how far a pose may be off at the
@@ -52,7 +52,7 @@ fn across(crowd: &mut Crowd, member: Member, start: impl FnOnce(&mut Crowd)) -> 
 
 /// As [`across`], held to what an inertialised transition may do.
 #[track_caller]
-fn settles(crowd: &mut Crowd, member: Member, what: &str, start: impl FnOnce(&mut Crowd)) {
+fn inertializes(crowd: &mut Crowd, member: Member, what: &str, start: impl FnOnce(&mut Crowd)) {
     let (jump, change) = across(crowd, member, start);
     assert!(jump < ROUNDING, "{what}: the pose jumps by {jump} rad");
     assert!(change < PULL * BIT_SECS, "{what}: speeds change by {change} rad/s");
@@ -71,10 +71,10 @@ fn pose_and_speed_go_on(builder: &CrowdBuilder) {
         ("from a held one", clips[2], Play::looping()),
     ];
     for (what, clip, play) in kinds {
-        settles(&mut crowd, member, what, |crowd| {
-            crowd.play(member, clip, play.settle_in_secs(SECS)).unwrap();
+        inertializes(&mut crowd, member, what, |crowd| {
+            crowd.play(member, clip, play.inertialize_in_secs(SECS)).unwrap();
         });
-        assert_eq!(crowd.playing(member).unwrap().len(), 1, "what settles plays no longer");
+        assert_eq!(crowd.playing(member).unwrap().len(), 1, "what inertializes plays no longer");
         assert_eq!(crowd.playing(member).unwrap()[0].weight, 1.0);
         crowd.update(0.04).unwrap();
     }
@@ -92,18 +92,18 @@ fn a_crossfade_is_left_in_its_middle(builder: &CrowdBuilder) {
     crowd.update(0.2).unwrap();
     crowd.crossfade(member, clips[2], 0.3).unwrap();
     crowd.update(0.12).unwrap();
-    settles(&mut crowd, member, "a crossfade", |crowd| {
-        crowd.play(member, clips[1], Play::looping().settle_in_secs(SECS)).unwrap();
+    inertializes(&mut crowd, member, "a crossfade", |crowd| {
+        crowd.play(member, clips[1], Play::looping().inertialize_in_secs(SECS)).unwrap();
     });
     crowd.update(0.05).unwrap();
-    // And a crossfade begins while that settles: it changes speeds, but not the pose.
+    // And a crossfade begins while that inertializes: it changes speeds, but not the pose.
     let (jump, _) = across(&mut crowd, member, |crowd| {
         crowd.crossfade(member, clips[3], 0.3).unwrap();
     });
     assert!(jump < ROUNDING, "{jump}");
     crowd.update(0.1).unwrap();
-    settles(&mut crowd, member, "both at once", |crowd| {
-        crowd.play(member, clips[0], Play::looping().settle_in_secs(SECS)).unwrap();
+    inertializes(&mut crowd, member, "both at once", |crowd| {
+        crowd.play(member, clips[0], Play::looping().inertialize_in_secs(SECS)).unwrap();
     });
 }
 
@@ -115,14 +115,14 @@ fn a_blend_space_is_left(builder: &CrowdBuilder) {
     crowd.update(0.2).unwrap();
     crowd.steer(member, 0.8, 0.5).unwrap();
     crowd.update(0.1).unwrap();
-    settles(&mut crowd, member, "a blend space", |crowd| {
-        crowd.play(member, clips[2], Play::looping().settle_in_secs(SECS)).unwrap();
+    inertializes(&mut crowd, member, "a blend space", |crowd| {
+        crowd.play(member, clips[2], Play::looping().inertialize_in_secs(SECS)).unwrap();
     });
     assert!(crowd.steer(member, 0.0, 0.1).is_err(), "it plays no longer");
 }
 
 /// Masked and weighted layers of both kinds over another that plays.
-fn layers_settle(builder: &CrowdBuilder) {
+fn layers_inertialize(builder: &CrowdBuilder) {
     for mode in [LayerMode::Override, LayerMode::Additive] {
         let (mut crowd, id, clips) = crowd_of(&builder.clone().slots_per_member(8), &motions());
         let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
@@ -136,27 +136,29 @@ fn layers_settle(builder: &CrowdBuilder) {
         crowd.play(member, clips[1], upper(Play::looping())).unwrap();
         crowd.update(0.3).unwrap();
         for (clip, phase) in [(2, 0.1), (3, 0.6), (1, 0.3)] {
-            settles(&mut crowd, member, &format!("{mode:?}"), |crowd| {
-                let play = upper(Play::looping().phase(phase)).settle_in_secs(SECS);
+            inertializes(&mut crowd, member, &format!("{mode:?}"), |crowd| {
+                let play = upper(Play::looping().phase(phase)).inertialize_in_secs(SECS);
                 crowd.play(member, clips[clip], play).unwrap();
             });
             crowd.update(0.05).unwrap();
         }
         // Another weight, an empty layer: neither jumps.
         let (jump, _) = across(&mut crowd, member, |crowd| {
-            let play = Play::looping().on_layer(1).weight(0.3).settle_in_secs(SECS);
+            let play = Play::looping().on_layer(1).weight(0.3).inertialize_in_secs(SECS);
             crowd.play(member, clips[0], play).unwrap();
         });
         assert!(jump < ROUNDING, "{mode:?}: {jump}");
         let (jump, _) = across(&mut crowd, member, |crowd| {
-            crowd.play(member, clips[0], Play::looping().on_layer(2).settle_in_secs(SECS)).unwrap();
+            crowd
+                .play(member, clips[0], Play::looping().on_layer(2).inertialize_in_secs(SECS))
+                .unwrap();
         });
         assert!(jump < ROUNDING, "{mode:?}: {jump}");
     }
 }
 
-fn once_settled_it_is_the_new_clip_to_the_bit(builder: &CrowdBuilder) {
-    let run = |settles: bool| {
+fn once_inertialized_it_is_the_new_clip_to_the_bit(builder: &CrowdBuilder) {
+    let run = |inertializes: bool| {
         let (mut crowd, clips, member) = one_member(builder, &motions());
         crowd.play(member, clips[0], Play::looping()).unwrap();
         crowd.play(member, clips[1], Play::looping().on_layer(1)).unwrap();
@@ -166,7 +168,7 @@ fn once_settled_it_is_the_new_clip_to_the_bit(builder: &CrowdBuilder) {
         crowd.update(0.5).unwrap();
         for (layer, clip) in [(0, clips[2]), (1, clips[3])] {
             let play = Play::once().on_layer(layer);
-            let play = if settles { play.settle_in_secs(SECS) } else { play };
+            let play = if inertializes { play.inertialize_in_secs(SECS) } else { play };
             crowd.play(member, clip, play).unwrap();
         }
         let halves = [0.125, 0.125, 0.1].map(|secs| {
@@ -179,20 +181,24 @@ fn once_settled_it_is_the_new_clip_to_the_bit(builder: &CrowdBuilder) {
         }
         (halves, crowd.playing(member).unwrap().len())
     };
-    let ((settled, playing), (plain, _)) = (run(true), run(false));
-    assert!(settled[0] != plain[0] && playing == 4);
-    assert!(settled[1..] == plain[1..], "bit for bit");
+    let ((inertialized, playing), (plain, _)) = (run(true), run(false));
+    assert!(inertialized[0] != plain[0] && playing == 4);
+    assert!(inertialized[1..] == plain[1..], "bit for bit");
 }
 
-/// What waits, and what is delayed, settles on its tick, whatever the frames.
+/// What waits, and what is delayed, inertializes on its tick, whatever the frames.
 fn queued_and_delayed_starts_settle_on_their_tick(builder: &CrowdBuilder) {
     let run = |steps: u16| {
         let (mut crowd, clips, member) = one_member(builder, &motions());
         crowd.play(member, clips[0], Play::once()).unwrap();
-        crowd.queue(member, clips[1], Play::once().settle_in_secs(SECS)).unwrap();
-        crowd.queue(member, clips[2], Play::looping().settle_in_secs(0.4).phase(0.3)).unwrap();
+        crowd.queue(member, clips[1], Play::once().inertialize_in_secs(SECS)).unwrap();
+        crowd.queue(member, clips[2], Play::looping().inertialize_in_secs(0.4).phase(0.3)).unwrap();
         crowd
-            .play(member, clips[3], Play::looping().on_layer(1).after_secs(0.5).settle_in_secs(0.2))
+            .play(
+                member,
+                clips[3],
+                Play::looping().on_layer(1).after_secs(0.5).inertialize_in_secs(0.2),
+            )
             .unwrap();
         (0..steps).for_each(|_| crowd.update(2.625 / f32::from(steps)).unwrap());
         (crowd.palette(member).unwrap(), crowd.playing(member).unwrap().len())
@@ -202,14 +208,14 @@ fn queued_and_delayed_starts_settle_on_their_tick(builder: &CrowdBuilder) {
     assert!(run(7) == once && run(28) == once, "bit for bit");
 }
 
-/// Starts in one frame: only the last of them is seen, and what was left settles into that.
+/// Starts in one frame: only the last of them is seen, and what was left inertializes into that.
 fn what_was_never_seen_leaves_nothing(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(2), &motions());
     crowd.play(member, clips[0], Play::looping()).unwrap();
     crowd.update(0.3).unwrap();
-    settles(&mut crowd, member, "three starts at once", |crowd| {
+    inertializes(&mut crowd, member, "three starts at once", |crowd| {
         for (clip, secs) in [(clips[3], 0.1), (clips[2], 0.7), (clips[1], SECS)] {
-            crowd.play(member, clip, Play::looping().settle_in_secs(secs)).unwrap();
+            crowd.play(member, clip, Play::looping().inertialize_in_secs(secs)).unwrap();
         }
     });
     let playing = crowd.playing(member).unwrap();
@@ -232,7 +238,7 @@ fn run_through_starts(
     for frame in 1..=60_usize {
         if (3..23).contains(&frame) {
             let clip = clips[frame * stride % clips.len()];
-            crowd.play(member, clip, Play::looping().phase(0.5).settle_in_secs(secs)).unwrap();
+            crowd.play(member, clip, Play::looping().phase(0.5).inertialize_in_secs(secs)).unwrap();
         }
         crowd.update(0.015).unwrap();
         poses.push(turns(&mut crowd, member));
@@ -260,13 +266,13 @@ fn twenty_starts_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
     }
 }
 
-fn a_start_waits_for_what_settles(builder: &CrowdBuilder) {
+fn a_start_waits_for_what_inertializes(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(2), &motions());
     crowd.play(member, clips[0], Play::looping()).unwrap();
     crowd.update(0.1).unwrap();
-    let old = crowd.play(member, clips[1], Play::looping().settle_in_secs(SECS)).unwrap();
+    let old = crowd.play(member, clips[1], Play::looping().inertialize_in_secs(SECS)).unwrap();
     crowd.update(0.1).unwrap();
-    let waits = crowd.play(member, clips[2], Play::looping().settle_in_secs(SECS)).unwrap();
+    let waits = crowd.play(member, clips[2], Play::looping().inertialize_in_secs(SECS)).unwrap();
     crowd.update(0.14).unwrap();
     assert_eq!(crowd.playing(member).unwrap()[0].id, Some(old));
     crowd.update(0.02).unwrap();
@@ -275,7 +281,7 @@ fn a_start_waits_for_what_settles(builder: &CrowdBuilder) {
     assert_eq!(
         crowd.set_weight(old, 1.0, 0.0),
         Err(Error::StalePlay),
-        "what settles plays no longer"
+        "what inertializes plays no longer"
     );
     // A cut waits for nothing, and leaves nothing.
     crowd.play(member, clips[3], Play::held_at_secs(0.5)).unwrap();
@@ -289,15 +295,15 @@ on_every_way!(
     pose_and_speed_go_on,
     a_crossfade_is_left_in_its_middle,
     a_blend_space_is_left,
-    layers_settle,
-    once_settled_it_is_the_new_clip_to_the_bit,
+    layers_inertialize,
+    once_inertialized_it_is_the_new_clip_to_the_bit,
     queued_and_delayed_starts_settle_on_their_tick,
     what_was_never_seen_leaves_nothing,
     twenty_starts_in_a_third_of_a_second_never_jump,
-    a_start_waits_for_what_settles,
+    a_start_waits_for_what_inertializes,
 );
 
-/// All palettes of a crowd whose members settle, each from starts of its own.
+/// All palettes of a crowd whose members inertialize, each from starts of its own.
 fn frames(mut crowd: Crowd, mut each: impl FnMut(&mut Crowd, u8)) -> Vec<Vec<populace::Affine>> {
     let id = crowd.add_character(character(&motions())).unwrap();
     let clips: Vec<_> = crowd.clips(id).unwrap().into_iter().map(|(clip, _)| clip).collect();
@@ -308,7 +314,7 @@ fn frames(mut crowd: Crowd, mut each: impl FnMut(&mut Crowd, u8)) -> Vec<Vec<pop
         for (nth, &member) in
             members.iter().enumerate().filter(|(nth, _)| nth % 3 == usize::from(frame % 3))
         {
-            let play = Play::looping().phase(0.1 * f32::from(frame)).settle_in_secs(0.2);
+            let play = Play::looping().phase(0.1 * f32::from(frame)).inertialize_in_secs(0.2);
             crowd.play(member, clips[(nth + usize::from(frame)) % clips.len()], play).unwrap();
         }
         each(&mut crowd, frame);
@@ -349,17 +355,20 @@ fn times_that_are_none_are_refused_and_all_others_are_only_long_or_short() {
     crowd.play(member, clips[0], Play::looping()).unwrap();
     for bad in [f32::NAN, f32::INFINITY, f32::MAX, -1.0] {
         let refused =
-            crowd.play(member, clips[1], Play::looping().settle_in_secs(bad)).unwrap_err();
-        assert!(refused.to_string().contains("settle"), "{refused}");
-        assert!(crowd.queue(member, clips[1], Play::once().settle_in_secs(bad)).is_err());
+            crowd.play(member, clips[1], Play::looping().inertialize_in_secs(bad)).unwrap_err();
+        assert!(refused.to_string().contains("inertialize"), "{refused}");
+        assert!(crowd.queue(member, clips[1], Play::once().inertialize_in_secs(bad)).is_err());
     }
     for secs in [0.0, 1e-30, 1e-6, 1e9] {
         crowd.update(0.1).unwrap();
-        crowd.play(member, clips[1], Play::looping().settle_in_secs(secs)).unwrap();
+        crowd.play(member, clips[1], Play::looping().inertialize_in_secs(secs)).unwrap();
         crowd.update(0.1).unwrap();
         let palette = crowd.palette(member).unwrap();
         assert!(palette.iter().flat_map(|m| m.rows).flatten().all(f32::is_finite), "{secs}");
     }
     // The last of two counts.
-    assert_eq!(Play::once().settle_in_secs(0.3).fade_in_secs(0.2), Play::once().fade_in_secs(0.2));
+    assert_eq!(
+        Play::once().inertialize_in_secs(0.3).fade_in_secs(0.2),
+        Play::once().fade_in_secs(0.2)
+    );
 }

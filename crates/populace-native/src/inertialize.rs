@@ -1,18 +1,18 @@
 //! What clips that were left leave behind for a while: the difference from what took their place,
-//! in pose and in speed; the twin of `kernels/settle.cl`.
+//! in pose and in speed; the twin of `kernels/inertialize.cl`.
 
 use populace_core::layout::{ClipRows, Slot, SlotSample};
 use populace_core::math::quat;
-use populace_core::{Stand, Tables, far_row, row_before};
+use populace_core::{SampledState, Tables, far_row, row_before};
 
 use crate::joint::{Posing, add_layer, change, each3, quotient};
 use crate::rows::{Local, Width, sample_joint};
 
-/// The slots of a member if any of them settles, else none.
+/// The slots of a member if any of them inertializes, else none.
 #[inline(always)]
-pub(crate) fn settling_slots(tables: &Tables, place: u32, tick: u64) -> &[Slot] {
+pub(crate) fn inertialization_slots(tables: &Tables, place: u32, tick: u64) -> &[Slot] {
     let slots = &tables.slots().as_slice()[tables.slot_range(place)];
-    if slots.iter().any(|slot| slot.settles(tick)) { slots } else { &[] }
+    if slots.iter().any(|slot| slot.inertializes(tick)) { slots } else { &[] }
 }
 
 /// By what each way that a clip stood is multiplied.
@@ -28,10 +28,13 @@ struct Weights<R> {
 /// The part of a difference that is left of all that there was, and of its speed: quintics whose
 /// value, slope and curvature are 0 at the end, and whose curvature is 0 at the start.
 #[inline(always)]
-fn decay(settled: f32) -> [f32; 2] {
-    let left = 1.0 - settled;
+fn decay(inertialized: f32) -> [f32; 2] {
+    let left = 1.0 - inertialized;
     let cube = left * left * left;
-    [cube * (1.0 + 3.0 * settled + 6.0 * settled * settled), settled * cube * (1.0 + 3.0 * settled)]
+    [
+        cube * (1.0 + 3.0 * inertialized + 6.0 * inertialized * inertialized),
+        inertialized * cube * (1.0 + 3.0 * inertialized),
+    ]
 }
 
 fn nothing<R: Width>() -> Local<R> {
@@ -50,10 +53,11 @@ fn after<R: Width>(first: &Local<R>, then: &Local<R>) -> Local<R> {
 }
 
 impl Posing<'_> {
-    /// A layer's mean, or its sum of differences where it is additive, with all that settles in it.
-    /// Over a mean the newest start comes first: those before it lie over what was then left.
+    /// A layer's mean, or its sum of differences where it is additive, with all that inertializes
+    /// in it. Over a mean the newest start comes first: those before it lie over what was then
+    /// left.
     #[inline(never)]
-    pub(crate) fn settle<R: Width>(
+    pub(crate) fn inertialize<R: Width>(
         &self,
         layer: u32,
         additive: bool,
@@ -61,18 +65,18 @@ impl Posing<'_> {
         mut pose: Local<R>,
     ) -> Local<R> {
         let tick = self.clock.tick;
-        let of_layer = |slot: &&Slot| slot.layer() == layer && slot.settles(tick);
+        let of_layer = |slot: &&Slot| slot.layer() == layer && slot.inertializes(tick);
         let mut earlier = u64::MAX;
         loop {
-            let starts = self.settling.iter().filter(of_layer).map(|slot| slot.start_tick);
+            let starts = self.inertialization.iter().filter(of_layer).map(|slot| slot.start_tick);
             let Some(start) = starts.filter(|start| *start < earlier).max() else {
                 return pose;
             };
             let mut sum = nothing();
             for slot in
-                self.settling.iter().filter(of_layer).filter(|slot| slot.start_tick == start)
+                self.inertialization.iter().filter(of_layer).filter(|slot| slot.start_tick == start)
             {
-                self.add_settling(slot, additive, rest, &mut sum);
+                self.add_inertialization(slot, additive, rest, &mut sum);
             }
             pose = if additive {
                 Local {
@@ -87,14 +91,15 @@ impl Posing<'_> {
         }
     }
 
-    fn add_settling<R: Width>(
+    fn add_inertialization<R: Width>(
         &self,
         slot: &Slot,
         additive: bool,
         rest: &Local<R>,
         sum: &mut Local<R>,
     ) {
-        let ([still, moving], share) = (decay(slot.settled_at(self.clock.tick)), slot.start_weight);
+        let ([still, moving], share) =
+            (decay(slot.inertialized_at(self.clock.tick)), slot.start_weight);
         let (left, taking) = (slot.left(), slot.taking());
         let weights = Weights {
             left: R::splat(still * share + moving * slot.weight_rate),
@@ -126,7 +131,12 @@ impl Posing<'_> {
 
     /// A clip where it stood, at its far row, and what differences are measured from: where it
     /// stood, in additive layers its first row.
-    fn stands<R: Width>(&self, stand: Stand, additive: bool, rest: &Local<R>) -> [Local<R>; 3] {
+    fn stands<R: Width>(
+        &self,
+        stand: SampledState,
+        additive: bool,
+        rest: &Local<R>,
+    ) -> [Local<R>; 3] {
         let Self { tables, body, joint, .. } = *self;
         let bound = &tables.bound_clips().as_slice()[stand.bound_clip as usize];
         let clip = &tables.clips().as_slice()[bound.clip as usize];

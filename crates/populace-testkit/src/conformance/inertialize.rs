@@ -1,25 +1,25 @@
-//! Clips that were left at once, and settle.
+//! Clips that were left at once, and inertialize.
 
 use populace_core::{Backend, LayerMode, ticks_from_secs};
 
 use super::plans;
 use crate::compare::Judge;
 use crate::scenes::Scene;
-use crate::{MemberPlan, Play, Rng, Settling, single};
+use crate::{Inertialization, MemberPlan, Play, Rng, single};
 
 /// The clock when the last of them are left.
 const LEFT_SECS: f64 = 6.0;
 
-/// What settles in layers of all kinds, of one start and of several that interrupt each other: at
-/// the start, on the way, and when some and all of it is over. It magnifies what samples are off
+/// What inertializes in layers of all kinds, of one start and of several that interrupt each other:
+/// at the start, on the way, and when some and all of it is over. It magnifies what samples are off
 /// by, so the caps of this check are wide.
 ///
 /// # Panics
 ///
 /// If the backend is wrong.
-pub fn check_settling(backend: &mut dyn Backend) {
+pub fn check_inertialization(backend: &mut dyn Backend) {
     let scene = Scene::new();
-    let mut judge = Judge::coarse("settling");
+    let mut judge = Judge::coarse("inertialization");
     let clips = scene.tight_clips();
     let tick = ticks_from_secs(LEFT_SECS);
     let mut crowd = plans::crowd(&scene, 8, plans(&mut Rng::new(44), &scene, &clips, tick));
@@ -41,7 +41,7 @@ fn plan(rng: &mut Rng, scene: &Scene, clips: &[usize], (n, tick): (usize, u64)) 
     for nth in 0..4 {
         let layer = u32::try_from(rng.below(plan.layers.len())).expect("few layers");
         let [left, taking] = [(); 2].map(|()| Play { layer, ..plans::play(rng, clips) });
-        plan.settling.push(Settling {
+        plan.inertialization.push(Inertialization {
             left,
             taking,
             tick: tick - ticks_from_secs(0.1) * (nth % (1 + starts)),
@@ -50,7 +50,7 @@ fn plan(rng: &mut Rng, scene: &Scene, clips: &[usize], (n, tick): (usize, u64)) 
             share_per_sec: single(rng.between(-0.5, 0.5)),
         });
     }
-    plan.settling.truncate(1 + n % 4);
+    plan.inertialization.truncate(1 + n % 4);
     if n % 3 == 0 {
         plan.layers.iter_mut().for_each(|layer| layer.mode = LayerMode::Additive);
     }

@@ -1,4 +1,4 @@
-//! Settle: what is left of clips that were left at once, in pose and in speed (Bollo,
+//! Inertialize: what is left of clips that were left at once, in pose and in speed (Bollo,
 //! "Inertialization", GDC 2018).
 
 use glam::{DQuat, DVec3, DVec4};
@@ -24,7 +24,7 @@ pub struct OracleStand<'a> {
 
 /// A clip that was left, and what took its place.
 #[derive(Clone, Copy, Debug)]
-pub struct OracleSettling<'a> {
+pub struct OracleInertialization<'a> {
     /// How it stood.
     pub left: OracleStand<'a>,
     /// How that stood which took its place.
@@ -33,7 +33,7 @@ pub struct OracleSettling<'a> {
     pub start_tick: u64,
     /// Since then.
     pub elapsed_secs: f64,
-    /// In which it settles.
+    /// In which it inertializes.
     pub secs: f64,
     /// Its part of what its layer showed.
     pub share: f64,
@@ -43,7 +43,7 @@ pub struct OracleSettling<'a> {
     pub layer: usize,
 }
 
-impl OracleSettling<'_> {
+impl OracleInertialization<'_> {
     pub(super) fn is_over(&self) -> bool {
         self.elapsed_secs >= self.secs
     }
@@ -52,7 +52,7 @@ impl OracleSettling<'_> {
 /// One joint of a clip that was left, and of what took its place: there, at the far time, and at
 /// the clip's first key.
 pub(super) struct Remains<'a> {
-    pub(super) of: &'a OracleSettling<'a>,
+    pub(super) of: &'a OracleInertialization<'a>,
     pub(super) left: [Local; 3],
     pub(super) taking: [Local; 3],
 }
@@ -101,7 +101,7 @@ impl Remains<'_> {
 
     pub(super) fn change(&self, additive: bool) -> Change {
         let (still, moving) = self.decay();
-        let OracleSettling { share, share_per_sec, .. } = *self.of;
+        let OracleInertialization { share, share_per_sec, .. } = *self.of;
         let part = still * share + moving * share_per_sec;
         let [went, goes] =
             [self.of.left.pace, self.of.taking.pace].map(|pace| moving * share * pace);
@@ -143,18 +143,18 @@ impl Remains<'_> {
     }
 }
 
-/// A layer's mean with all that settles in it: what was left last is nearest to the mean.
-pub(super) fn settle(mean: Posed, remains: &[Remains<'_>]) -> Posed {
+/// A layer's mean with all that inertializes in it: what was left last is nearest to the mean.
+pub(super) fn inertialize(mean: Posed, remains: &[Remains<'_>]) -> Posed {
     let mut starts: Vec<u64> = remains.iter().map(|remains| remains.of.start_tick).collect();
     starts.sort_unstable();
     starts.dedup();
     starts.into_iter().rev().fold(mean, |posed, start| {
         let of_start = remains.iter().filter(|remains| remains.of.start_tick == start);
-        settle_together(posed, of_start.map(|remains| remains.change(false)))
+        inertialize_together(posed, of_start.map(|remains| remains.change(false)))
     })
 }
 
-fn settle_together((mean, gain): Posed, changes: impl Iterator<Item = Change>) -> Posed {
+fn inertialize_together((mean, gain): Posed, changes: impl Iterator<Item = Change>) -> Posed {
     let (mut translation, mut rotation, mut scale) = (DVec3::ZERO, DVec4::W, DVec3::ONE);
     let (mut grows, mut scale_grows, mut clear) = (0.0, 0.0, true);
     for change in changes {

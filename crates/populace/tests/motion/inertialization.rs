@@ -1,20 +1,20 @@
-//! Members whose speed settles.
+//! Members whose speed inertializes.
 
 use super::*;
 
-/// Where something settles, a member's speed goes over in that time; interrupted or not, and from
-/// the midst of a frame.
+/// Where something inertializes, a member's speed goes over in that time; interrupted or not, and
+/// from the midst of a frame.
 #[test]
 fn the_speed_of_a_member_settles_as_its_pose_does() {
     const FRAME: f32 = 1.0 / 60.0;
     everywhere(|stage| {
         let (_, fast) = add(stage, straight("fast", 2.0));
         let (_, slow) = add(stage, straight("slow", 0.5));
-        let settling = Play::looping().settle_in_secs(0.3);
+        let inertialization = Play::looping().inertialize_in_secs(0.3);
         let [once, twice] = [(); 2].map(|()| walker(stage, fast));
         stage.update(FRAME);
-        stage.crowd.play(once, slow, settling.after_secs(0.11)).expect("a clip");
-        stage.crowd.play(twice, slow, settling).expect("a clip");
+        stage.crowd.play(once, slow, inertialization.after_secs(0.11)).expect("a clip");
+        stage.crowd.play(twice, slow, inertialization).expect("a clip");
         let place = |stage: &mut Stage| {
             [once, twice].map(|m| stage.crowd.moved(m).expect("a member").position()[2])
         };
@@ -22,7 +22,7 @@ fn the_speed_of_a_member_settles_as_its_pose_does() {
         let begun = before;
         for frame in 0..60 {
             if frame == 8 {
-                stage.crowd.play(twice, fast, settling).expect("a clip");
+                stage.crowd.play(twice, fast, inertialization).expect("a clip");
             }
             stage.update(FRAME);
             let now = place(stage);
@@ -44,26 +44,26 @@ fn the_speed_of_a_member_settles_as_its_pose_does() {
     });
 }
 
-/// Something that settles may be interrupted at any time of a frame: speeds go on from where they
-/// are.
+/// Something that inertializes may be interrupted at any time of a frame: speeds go on from where
+/// they are.
 #[test]
 fn what_settles_moves_members_on_until_something_else_begins_to() {
     const FRAME: f32 = 1.0 / 30.0;
     everywhere(|stage| {
         let (_, fast) = add(stage, straight("fast", 2.0));
         let (_, slow) = add(stage, straight("slow", 0.5));
-        let settling = Play::looping().settle_in_secs(0.3);
+        let inertialization = Play::looping().inertialize_in_secs(0.3);
         let members = [0.0, 0.5, 0.9].map(|part: f32| (part, walker(stage, fast)));
         stage.update(FRAME);
         for (_, member) in members {
-            stage.crowd.play(member, slow, settling).expect("a clip");
+            stage.crowd.play(member, slow, inertialization).expect("a clip");
         }
         let place =
             |stage: &mut Stage, member| stage.crowd.moved(member).expect("a member").position()[2];
         let mut before = members.map(|(_, member)| place(stage, member));
         for frame in 0..14 {
             for (part, member) in members.iter().filter(|_| frame == 4) {
-                let later = settling.after_secs(part * FRAME);
+                let later = inertialization.after_secs(part * FRAME);
                 stage.crowd.play(*member, fast, later).expect("a clip");
             }
             stage.update(FRAME);
@@ -81,9 +81,9 @@ fn what_settles_moves_members_on_until_something_else_begins_to() {
     });
 }
 
-/// A layer that adds moves nobody, and what settles in it does not either.
+/// A layer that adds moves nobody, and what inertializes in it does not either.
 #[test]
-fn what_settles_in_a_layer_that_adds_moves_nobody() {
+fn what_inertializes_in_a_layer_that_adds_moves_nobody() {
     everywhere(|stage| {
         let mut source =
             body::swing("surge", SECS, &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0)]);
@@ -105,8 +105,8 @@ fn what_settles_in_a_layer_that_adds_moves_nobody() {
         for frame in 0..20 {
             if frame % 5 == 0 {
                 let next = if frame % 10 == 0 { wave } else { nod };
-                let settling = Play::looping().on_layer(1).settle_in_secs(0.3);
-                stage.crowd.play(nods, next, settling).expect("a clip");
+                let inertialization = Play::looping().on_layer(1).inertialize_in_secs(0.3);
+                stage.crowd.play(nods, next, inertialization).expect("a clip");
             }
             stage.update(0.1);
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use opencl3::command_queue::CommandQueue;
 use populace_core::layout::Float4;
 use populace_core::{
-    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteWay, TargetMark,
+    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
 };
 
 use crate::OpenClDevice;
@@ -42,8 +42,8 @@ impl PaletteSource for EmptyPalettes {
         Vec::new()
     }
 
-    fn refuses(&self, way: PaletteWay, context: &dyn GlContext) -> Option<String> {
-        let not_for_gl = self.not_for_gl.clone().filter(|_| way == PaletteWay::Shared);
+    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        let not_for_gl = self.not_for_gl.clone().filter(|_| way == PaletteTransport::Shared);
         not_for_gl.or_else(|| self.device.refuses(way, context))
     }
 

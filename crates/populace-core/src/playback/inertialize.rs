@@ -4,14 +4,14 @@
 
 use super::TICKS_PER_SEC;
 use crate::Tables;
-use crate::layout::{ClipRows, NONE, SLOT_HELD, SLOT_LOOP, SLOT_ONCE, SLOT_SETTLING, Slot};
+use crate::layout::{ClipRows, NONE, SLOT_HELD, SLOT_INERTIALIZATION, SLOT_LOOP, SLOT_ONCE, Slot};
 
 /// Rows nearer to each other than this are a step of the clip, over which it has no speed.
 const STEP_SECS: f32 = 1e-3;
 
 /// How a clip stands at one instant: where in its rows, and how fast it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stand {
+pub struct SampledState {
     /// Into `bound_clips`.
     pub bound_clip: u32,
     /// The row at or before it, and how far it is to the next.
@@ -21,7 +21,7 @@ pub struct Stand {
 }
 
 /// The row that a clip's speed is measured towards: the end of the gap between rows that is not the
-/// nearer one. The twin of `far_row` in `kernels/settle.cl`.
+/// nearer one. The twin of `far_row` in `kernels/inertialize.cl`.
 #[inline]
 #[must_use]
 pub fn far_row(at: f32, last: u32) -> u32 {
@@ -52,7 +52,12 @@ impl Slot {
     /// showed, and how that changed in a second; the parts of all that are left at once make 1, and
     /// in an additive layer what they weighed in all.
     #[must_use]
-    pub fn settling(tick: u64, ticks: u64, [left, taking]: [Stand; 2], share: [f32; 2]) -> Self {
+    pub fn inertialization(
+        tick: u64,
+        ticks: u64,
+        [left, taking]: [SampledState; 2],
+        share: [f32; 2],
+    ) -> Self {
         let secs = secs_of(ticks);
         Self {
             start_tick: tick,
@@ -60,56 +65,57 @@ impl Slot {
             weight_tick: pair(taking.row, taking.pace * secs),
             start_phase: taking.bound_clip,
             bound_clip: left.bound_clip,
-            layer_and_mode: SLOT_SETTLING,
+            layer_and_mode: SLOT_INERTIALIZATION,
             start_weight: share[0],
             weight_rate: share[1] * secs,
             end_weight: per_tick(ticks),
         }
     }
 
-    /// Lets a slot of [`SLOT_SETTLING`] settle into another clip from the same tick on, in so many
-    /// ticks: what first took its place was never seen.
-    pub fn settle_into(&mut self, taking: Stand, ticks: u64) {
+    /// Lets a slot of [`SLOT_INERTIALIZATION`] inertialize into another clip from the same tick on,
+    /// in so many ticks: what first took its place was never seen.
+    pub fn inertialize_into(&mut self, taking: SampledState, ticks: u64) {
         let (left, before) = (self.left(), secs_of(1) / self.end_weight);
-        let left = Stand { pace: left.pace / before, ..left };
+        let left = SampledState { pace: left.pace / before, ..left };
         let share = [self.start_weight, self.weight_rate / before];
-        *self =
-            Self::settling(self.start_tick, ticks, [left, taking], share).on_layer(self.layer());
+        *self = Self::inertialization(self.start_tick, ticks, [left, taking], share)
+            .on_layer(self.layer());
     }
 
-    /// Whether its clip runs by the clock alone and can settle: it loops, plays once or is held.
+    /// Whether its clip runs by the clock alone and can inertialize: it loops, plays once or is
+    /// held.
     #[inline]
     #[must_use]
-    pub const fn can_settle(&self) -> bool {
+    pub const fn can_inertialize(&self) -> bool {
         matches!(self.mode(), SLOT_LOOP | SLOT_ONCE | SLOT_HELD)
     }
 
-    /// Whether it is of [`SLOT_SETTLING`]: nothing but a decaying difference.
+    /// Whether it is of [`SLOT_INERTIALIZATION`]: nothing but a decaying difference.
     #[inline]
     #[must_use]
-    pub const fn is_settling(&self) -> bool {
-        self.mode() == SLOT_SETTLING
+    pub const fn is_inertialization(&self) -> bool {
+        self.mode() == SLOT_INERTIALIZATION
     }
 
-    /// Of [`SLOT_SETTLING`]: how much of its time has passed; from 1 on nothing is left, nor before
-    /// its start. The twin of `slot_settled` in `kernels/slot.cl`.
+    /// Of [`SLOT_INERTIALIZATION`]: how much of its time has passed; from 1 on nothing is left, nor
+    /// before its start. The twin of `slot_inertialized` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
-    pub const fn settled_at(&self, tick: u64) -> f32 {
+    pub const fn inertialized_at(&self, tick: u64) -> f32 {
         tick.wrapping_sub(self.start_tick) as f32 * self.end_weight
     }
 
-    /// Whether it is one of [`SLOT_SETTLING`] of which something is left; the twin of
-    /// `slot_settles` in `kernels/slot.cl`.
+    /// Whether it is one of [`SLOT_INERTIALIZATION`] of which something is left; the twin of
+    /// `slot_inertializes` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
-    pub const fn settles(&self, tick: u64) -> bool {
-        self.is_settling() && self.bound_clip != NONE && self.settled_at(tick) < 1.0
+    pub const fn inertializes(&self, tick: u64) -> bool {
+        self.is_inertialization() && self.bound_clip != NONE && self.inertialized_at(tick) < 1.0
     }
 
-    /// Of [`SLOT_SETTLING`]: a tick by which nothing is left, at most a few after the first.
+    /// Of [`SLOT_INERTIALIZATION`]: a tick by which nothing is left, at most a few after the first.
     #[must_use]
-    pub fn settled_tick(&self) -> u64 {
+    pub fn inertialization_tick(&self) -> u64 {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -119,21 +125,21 @@ impl Slot {
         self.start_tick.saturating_add(ticks)
     }
 
-    /// Of [`SLOT_SETTLING`]: how its own clip stood; the pace is that in all of the time that it
-    /// settles in.
+    /// Of [`SLOT_INERTIALIZATION`]: how its own clip stood; the pace is that in all of the time
+    /// that it inertializes in.
     #[inline]
     #[must_use]
-    pub const fn left(&self) -> Stand {
+    pub const fn left(&self) -> SampledState {
         let [row, pace] = parts(self.phase_rate);
-        Stand { bound_clip: self.bound_clip, row, pace }
+        SampledState { bound_clip: self.bound_clip, row, pace }
     }
 
-    /// Of [`SLOT_SETTLING`]: how that stood which took its place, alike.
+    /// Of [`SLOT_INERTIALIZATION`]: how that stood which took its place, alike.
     #[inline]
     #[must_use]
-    pub const fn taking(&self) -> Stand {
+    pub const fn taking(&self) -> SampledState {
         let [row, pace] = parts(self.weight_tick);
-        Stand { bound_clip: self.start_phase, row, pace }
+        SampledState { bound_clip: self.start_phase, row, pace }
     }
 }
 
@@ -164,7 +170,7 @@ impl Tables {
     ///
     /// If the slot is empty.
     #[must_use]
-    pub fn stand(&self, slot: &Slot, tick: u64) -> Stand {
+    pub fn stand(&self, slot: &Slot, tick: u64) -> SampledState {
         let bound = self.bound_clips().as_slice()[slot.bound_clip as usize];
         let clip = self.clips().as_slice()[bound.clip as usize];
         let (row, between) =
@@ -172,7 +178,11 @@ impl Tables {
         let at = row as f32 + between;
         let ended = slot.mode() == SLOT_ONCE && slot.end_tick(tick).is_some_and(|end| end <= tick);
         let speed = if ended { 0.0 } else { slot.speed(clip.duration_secs) };
-        Stand { bound_clip: slot.bound_clip, row: at, pace: speed * self.far_rate(&clip, at) }
+        SampledState {
+            bound_clip: slot.bound_clip,
+            row: at,
+            pace: speed * self.far_rate(&clip, at),
+        }
     }
 
     /// How many times the way to the far row a clip goes in a second of its own time.
@@ -199,26 +209,27 @@ mod tests {
     use crate::playback::FIRST_TICK;
 
     #[test]
-    fn a_settling_slot_weighs_nothing_and_ends_on_its_tick() {
+    fn a_inertialization_slot_weighs_nothing_and_ends_on_its_tick() {
         for ticks in [1, 3, 7, 211_680, 705_600, 1_000_003] {
-            let stands = [1, 2].map(|clip| Stand { bound_clip: clip, row: 3.25, pace: -2.0 });
-            let mut slot = Slot::settling(FIRST_TICK, ticks, stands, [0.5, 4.0]).on_layer(2);
+            let stands =
+                [1, 2].map(|clip| SampledState { bound_clip: clip, row: 3.25, pace: -2.0 });
+            let mut slot = Slot::inertialization(FIRST_TICK, ticks, stands, [0.5, 4.0]).on_layer(2);
             for ticks in [ticks, 2 * ticks] {
                 assert!(
-                    slot.settled_at(FIRST_TICK + ticks) >= 1.0
-                        && slot.settled_at(FIRST_TICK - 1) >= 1.0
+                    slot.inertialized_at(FIRST_TICK + ticks) >= 1.0
+                        && slot.inertialized_at(FIRST_TICK - 1) >= 1.0
                 );
-                assert!(slot.settled_at(FIRST_TICK + ticks - 1) < 1.0, "{ticks}");
-                assert!(slot.settled_tick().abs_diff(FIRST_TICK + ticks) <= 1, "{ticks}");
+                assert!(slot.inertialized_at(FIRST_TICK + ticks - 1) < 1.0, "{ticks}");
+                assert!(slot.inertialization_tick().abs_diff(FIRST_TICK + ticks) <= 1, "{ticks}");
                 assert_eq!(
-                    (slot.weight_at(FIRST_TICK + 1), slot.layer(), slot.is_settling()),
+                    (slot.weight_at(FIRST_TICK + 1), slot.layer(), slot.is_inertialization()),
                     (0.0, 2, true)
                 );
                 let secs = ticks as f32 / TICKS_PER_SEC as f32;
                 let near = |found: f32, wanted: f32| (found - wanted).abs() <= wanted.abs() * 1e-5;
                 assert!(near(slot.left().pace, -2.0 * secs) && near(slot.weight_rate, 4.0 * secs));
                 assert_eq!((slot.left().bound_clip, slot.taking().row), (1, 3.25));
-                slot.settle_into(Stand { bound_clip: 7, ..stands[1] }, 2 * ticks);
+                slot.inertialize_into(SampledState { bound_clip: 7, ..stands[1] }, 2 * ticks);
                 assert_eq!(slot.taking().bound_clip, 7);
             }
         }

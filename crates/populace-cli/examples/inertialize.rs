@@ -2,7 +2,7 @@
 //! crossfade, the third by an inertialised transition. Beads show the way of each one's hand, sixty
 //! a second: dark before, red after. Only the third's has no corner.
 //!
-//! `cargo run --example settle [PICTURE.png]`
+//! `cargo run --example inertialize [PICTURE.png]`
 
 #![expect(clippy::print_stdout, reason = "an example tells what it does")]
 
@@ -71,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let kinds = [
         ("cut", Play::looping()),
         ("crossfaded", Play::looping().fade_in_secs(SECS)),
-        ("settled", Play::looping().settle_in_secs(SECS)),
+        ("inertialized", Play::looping().inertialize_in_secs(SECS)),
     ];
     let mut members = Vec::new();
     for (nth, (name, play)) in kinds.into_iter().enumerate() {
@@ -99,7 +99,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     crowd.update(0.0)?;
-    let path = shared::output("settle.png");
+    let path = shared::output("inertialize.png");
     shared::draw(
         &mut crowd,
         &[&woman, &before, &after],
