@@ -81,7 +81,8 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
             1 => drop(crowd.blend(member, clip, play.weight(0.4)).unwrap()),
             2 => drop(crowd.queue(member, clip, play).unwrap()),
             5 => {
-                drop(crowd.play(member, clip, Play::once().on_layer(2).fade_in_secs(0.1)).unwrap())
+                let over = Play::once().on_layer(2).fade_in_secs(0.1);
+                let _ = crowd.play(member, clip, over).unwrap();
             }
             _ => {}
         }

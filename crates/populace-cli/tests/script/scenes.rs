@@ -1,0 +1,301 @@
+//! One scene for each group of features.
+
+use populace::core::Role;
+use populace::{
+    After, BlendSpace, Condition, Crowd, Error, Ground, JointOverride, LayerMode, LayerSettings,
+    LiveSettings, Mask, Member, Placement, Play, Reach, Space, StageJoint, StageUse, StateMachine,
+    Target, Trs, UserStage, Weight,
+};
+
+use crate::cast::Cast;
+
+type Step = Box<dyn FnMut(&mut Crowd, usize) -> Result<(), Error>>;
+
+/// A scene under way.
+pub(crate) struct Run {
+    pub(crate) members: Vec<Member>,
+    /// Called before each frame.
+    pub(crate) step: Step,
+}
+
+impl Run {
+    fn still(members: Vec<Member>) -> Self {
+        Self { members, step: Box::new(|_, _| Ok(())) }
+    }
+}
+
+/// A scene, and the hash of all its palettes.
+pub(crate) struct Scene {
+    pub(crate) name: &'static str,
+    pub(crate) start: fn(&mut Crowd, &Cast) -> Result<Run, Error>,
+    pub(crate) hash: u64,
+}
+
+pub(crate) const ALL: [Scene; 12] = [
+    Scene { name: "clips", start: clips, hash: 0x60b5_a3a0_45f6_7211 },
+    Scene { name: "layers", start: layers, hash: 0x4457_6ebf_8ed4_12fb },
+    Scene { name: "inertialization", start: inertialization, hash: 0xc711_e0d6_a709_60ab },
+    Scene { name: "retargeting", start: retargeting, hash: 0x2cf7_a7a2_4535_0234 },
+    Scene { name: "blend spaces", start: blend_spaces, hash: 0x511c_6dc5_e3c0_4c01 },
+    Scene { name: "state machines", start: state_machines, hash: 0xd145_1044_dcd5_3446 },
+    Scene { name: "live clips", start: live_clips, hash: 0x5abb_a4ad_90c0_415c },
+    Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x5998_e81d_18fe_cf72 },
+    Scene { name: "feet", start: feet, hash: 0xe8f0_b928_934d_aaf4 },
+    Scene { name: "overrides and proportions", start: overrides, hash: 0x85eb_6d30_f8bf_1350 },
+    Scene { name: "attachments and root motion", start: attachments, hash: 0x571f_741e_b882_11c1 },
+    Scene { name: "user stages", start: user_stages, hash: 0xe7db_9c60_dfde_89cb },
+];
+
+fn clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 6)?;
+    crowd.play(men[0], cast.walk, Play::looping().phase(0.3).speed(1.2))?;
+    crowd.play(men[1], cast.run, Play::once().speed(2.0))?;
+    crowd.queue(men[1], cast.idle, Play::looping().fade_in_secs(0.2))?;
+    crowd.play(men[2], cast.walk, Play::held_at_secs(0.4))?;
+    crowd.play(men[3], cast.walk, Play::looping())?;
+    crowd.blend(men[3], cast.idle, Play::looping().weight(0.4).fade_in_secs(0.3))?;
+    crowd.play(men[4], cast.idle, Play::looping().after_secs(0.2))?;
+    let fading = crowd.play(men[5], cast.walk, Play::looping().speed(-0.7))?;
+    let (four, walk, members) = (men[4], cast.walk, men.clone());
+    let step = move |crowd: &mut Crowd, frame| match frame {
+        6 => crowd.crossfade(four, walk, 0.4).map(drop),
+        9 => crowd.set_weight(fading, 0.5, 0.2).and_then(|()| crowd.set_speed(fading, 1.5)),
+        15 => crowd.stop(four, 0, 0.25),
+        _ => Ok(()),
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
+
+fn layers(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 3)?;
+    let skeleton = crowd.character(cast.man)?.skeleton.clone();
+    let upper = Mask::subtree(&skeleton, cast.joint(Role::Spine));
+    let mask = crowd.add_mask(cast.man, &upper)?;
+    for (nth, man) in men.iter().enumerate() {
+        crowd.play(*man, cast.walk, Play::looping().phase(0.2 * nth as f32))?;
+        crowd.play(*man, cast.run, Play::looping().on_layer(1).fade_in_secs(0.1))?;
+        crowd.play(*man, cast.idle, Play::looping().on_layer(2))?;
+    }
+    let over = LayerSettings { mode: LayerMode::Override, weight: 0.8 };
+    let adds = LayerSettings { mode: LayerMode::Additive, weight: 0.6 };
+    crowd.set_layer(men[0], 1, over, Some(mask))?;
+    crowd.set_layer(men[1], 1, adds, Some(mask))?;
+    crowd.set_layer(men[2], 1, over, None)?;
+    crowd.set_layer(men[2], 2, adds, None)?;
+    Ok(Run::still(men))
+}
+
+fn inertialization(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 3)?;
+    for man in &men {
+        crowd.play(*man, cast.walk, Play::looping())?;
+    }
+    let (members, [idle, walk, run]) = (men.clone(), [cast.idle, cast.walk, cast.run]);
+    let step = move |crowd: &mut Crowd, frame| {
+        let eases = |secs| Play::looping().inertialize_in_secs(secs);
+        match frame {
+            3 => crowd.play(men[0], idle, eases(0.3)).map(drop),
+            5 => crowd.play(men[1], run, eases(0.4)).map(drop),
+            8 => crowd.play(men[1], walk, eases(0.4)).map(drop),
+            10 => crowd.play(men[2], run, eases(0.2).after_secs(0.1)).map(drop),
+            _ => Ok(()),
+        }
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
+
+fn retargeting(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let child = crowd.spawn(cast.child, Placement::at([0.0; 3]).scaled(1.1))?;
+    let other = crowd.spawn(cast.child, Placement::at([1.0, 0.0, 0.0]))?;
+    crowd.play(child, cast.walk, Play::looping())?;
+    crowd.play(other, cast.run, Play::looping().fade_in_secs(0.2))?;
+    crowd.blend(other, cast.idle, Play::looping().weight(0.5))?;
+    Ok(Run::still(vec![child, other]))
+}
+
+fn blend_spaces(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 2)?;
+    let (idle, walk, run) = (cast.idle, cast.walk, cast.run);
+    let line = crowd.add_space(BlendSpace::line(&[(idle, 0.0), (walk, 1.4), (run, 3.5)])?)?;
+    let corners = [(idle, [0.0, 0.0]), (walk, [1.0, 0.0]), (run, [0.0, 1.0])];
+    let plane = crowd.add_space(BlendSpace::plane(&corners)?)?;
+    crowd.play_space(men[0], line, 0.5, Play::looping())?;
+    crowd.play_space(men[1], plane, [0.2, 0.3], Play::looping())?;
+    let members = men.clone();
+    let step = move |crowd: &mut Crowd, frame| match frame {
+        4 => crowd.steer(men[0], 2.5, 0.3),
+        8 => crowd.steer(men[1], [0.6, 0.1], 0.2),
+        14 => crowd.steer(men[0], 1.0, 0.0),
+        _ => Ok(()),
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
+
+fn state_machines(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 2)?;
+    let machine = StateMachine::new()
+        .parameter("speed", 0.0)
+        .state("idle", cast.idle, Play::looping())
+        .state("walk", cast.walk, Play::looping().speed(1.1))
+        .state("run", cast.run, Play::looping())
+        .transition("idle", "walk", 0.2, &[Condition::above("speed", 0.5)])
+        .transition("walk", "run", 0.3, &[Condition::above("speed", 2.0)])
+        .transition("run", "idle", 0.2, &[Condition::AfterSecs(0.2)]);
+    let machine = crowd.add_machine(&machine)?;
+    crowd.run_machine(men[0], machine, Play::looping())?;
+    crowd.play(men[1], cast.walk, Play::looping())?;
+    crowd.run_machine(men[1], machine, Play::looping().fade_in_secs(0.2).on_layer(1))?;
+    let members = men.clone();
+    let step = move |crowd: &mut Crowd, frame| match frame {
+        3 => crowd.set_parameter(men[0], "speed", 1.0),
+        7 => crowd.set_parameter(men[1], "speed", 3.0),
+        9 => crowd.set_parameter(men[0], "speed", 2.5),
+        _ => Ok(()),
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
+
+fn live_clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 2)?;
+    let rest: Vec<Trs> = {
+        let skeleton = &crowd.character(cast.man)?.skeleton;
+        skeleton.joints().map(|joint| *skeleton.rest(joint)).collect()
+    };
+    let live = crowd.add_live_clip(cast.man, "live", &LiveSettings::default())?;
+    crowd.play(men[0], live, Play::live(0.1))?;
+    crowd.play(men[1], cast.walk, Play::looping())?;
+    crowd.blend(men[1], live, Play::live(0.05).weight(0.5))?;
+    let hips = cast.joint(Role::Hips).index();
+    let step = move |crowd: &mut Crowd, frame: usize| {
+        let mut pose = rest.clone();
+        pose[hips].translation[1] -= 0.01 * (frame % 7) as f32;
+        pose[hips].rotation = [0.0, 0.28, 0.0, 0.96];
+        crowd.append(live, 0.033 * frame as f64, &pose).map(drop)
+    };
+    Ok(Run { members: men, step: Box::new(step) })
+}
+
+fn gaze_and_reach(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 4)?;
+    for man in &men {
+        crowd.play(*man, cast.walk, Play::looping())?;
+    }
+    let head = cast.joint(Role::Head);
+    crowd.look_at(men[0], [3.0, 1.2, 4.0], Weight::FULL)?;
+    crowd.look_at(men[1], Target::Joint { member: men[2], joint: head }, Weight::FULL)?;
+    crowd.reach(men[2], Reach::with(cast.hand()), [2.0, 1.3, 0.5], Weight::new(0.7)?)?;
+    let (spine, hand) = (cast.joint(Role::Spine), cast.hand());
+    let near = Target::InModel([0.4, 1.5, 0.4]);
+    crowd.reach_with_chain(men[3], spine, hand, near, Weight::FULL.over_secs(0.2))?;
+    let members = men.clone();
+    let step = move |crowd: &mut Crowd, frame| match frame {
+        6 => crowd.look_at(men[0], [-3.0, 1.8, 4.0], Weight::FULL),
+        9 => crowd.let_go(men[2], hand, 0.2),
+        12 => crowd.look_ahead(men[1], 0.3),
+        _ => Ok(()),
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
+
+fn feet(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 3)?;
+    let heights = vec![0.0, 0.1, 0.05, 0.12, 0.0, 0.08, 0.02, 0.1, 0.15];
+    crowd.set_ground(&Ground::height_field([-4.0; 2], 4.0, 3, heights)?)?;
+    for (nth, man) in men.iter().enumerate() {
+        crowd.play(*man, cast.walk, Play::looping().phase(0.3 * nth as f32))?;
+        crowd.plant_feet(*man, Weight::new(1.0 - 0.3 * nth as f32)?)?;
+    }
+    let members = men.clone();
+    let step = move |crowd: &mut Crowd, frame: usize| {
+        if frame == 18 {
+            crowd.set_ground(&Ground::plane(0.05, [0.1, 0.02])?)?;
+        }
+        crowd.place(men[0], Placement::at([0.0, 0.0, 0.04 * frame as f32]))
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
+
+fn overrides(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 3)?;
+    for man in &men {
+        crowd.play(*man, cast.run, Play::looping())?;
+    }
+    let hand = cast.hand();
+    let set = |space, weight| JointOverride {
+        joint: hand,
+        space,
+        transform: Trs { translation: [0.2, 1.1, 0.3], ..Trs::IDENTITY },
+        weight,
+    };
+    crowd.override_joints(men[0], &[set(Space::Model, 0.8)])?;
+    crowd.override_joints(men[1], &[set(Space::Local, 1.0)])?;
+    let factors: Vec<f32> = (0..cast.joints).map(|n| 0.9 + 0.02 * (n % 9) as f32).collect();
+    crowd.set_proportions(men[2], &factors)?;
+    let members = men.clone();
+    let step = move |crowd: &mut Crowd, frame| match frame {
+        12 => crowd.release_joints(men[0], Space::Model, &[hand]),
+        16 => crowd.release_all(men[1]),
+        _ => Ok(()),
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
+
+fn attachments(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let men = cast.men(crowd, 3)?;
+    crowd.play(men[0], cast.walk_on, Play::looping())?;
+    crowd.move_by_clips(men[0], true)?;
+    crowd.play(men[1], cast.idle, Play::looping())?;
+    let offset = Trs { translation: [0.1, 0.0, 0.05], ..Trs::IDENTITY };
+    crowd.attach(men[1], men[0], cast.hand(), offset)?;
+    crowd.play(men[2], cast.walk_on, Play::looping().speed(1.5))?;
+    crowd.move_by_clips(men[2], true)?;
+    let members = men.clone();
+    let (run, spare) = (cast.run, cast.child);
+    let mut extra = None;
+    let step = move |crowd: &mut Crowd, frame| {
+        match frame {
+            5 => extra = Some(crowd.spawn(spare, Placement::at([4.0, 0.0, 1.0]))?),
+            8 => drop(crowd.play(men[2], run, Play::looping().inertialize_in_secs(0.3))?),
+            12 => crowd.detach(men[1])?,
+            15 => drop(crowd.place_where_moved(men[0])?),
+            18 => crowd.despawn(extra.take().expect("spawned at frame 5"))?,
+            _ => {}
+        }
+        Ok(())
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
+
+fn lift(joint: &mut StageJoint) {
+    joint.model.rows[1][3] += joint.parameters[0] + joint.values[1];
+}
+
+fn stretch(joint: &mut StageJoint) {
+    joint.local.translation[1] += joint.parameters[1] * joint.values[0];
+}
+
+fn user_stages(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
+    let lifts =
+        "void lift(StageJoint *joint) { joint->row1.w += joint->parameters[0] + joint->values.y; }";
+    let stretches = "void stretch(StageJoint *joint) { joint->translation.y += \
+                     joint->parameters[1] * joint->values.x; }";
+    let men = cast.men(crowd, 2)?;
+    let lifts = UserStage::new("lift").opencl_c(lifts).rust(lift);
+    let stretches = UserStage::new("stretch").opencl_c(stretches).rust(stretch);
+    let lifts = crowd.add_stage(After::Transform, lifts)?;
+    let stretches = crowd.add_stage(After::Pose, stretches)?;
+    let head = cast.joint(Role::Head);
+    crowd.use_stage(men[0], lifts, StageUse::on_all().with_values([0.0, 0.1, 0.0, 0.0]))?;
+    crowd.use_stage(men[1], stretches, StageUse::on([head]).with_values([0.5, 0.0, 0.0, 0.0]))?;
+    for man in &men {
+        crowd.play(*man, cast.walk, Play::looping())?;
+    }
+    let members = men.clone();
+    let step = move |crowd: &mut Crowd, frame| match frame {
+        4 => crowd.set_stage_parameters(lifts, &[0.05, 0.0]),
+        6 => crowd.set_stage_parameters(stretches, &[0.0, 0.3]),
+        14 => crowd.leave_stage(men[0], lifts),
+        _ => Ok(()),
+    };
+    Ok(Run { members, step: Box::new(step) })
+}
