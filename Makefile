@@ -18,6 +18,7 @@ setup:
 lint:
 	cargo fmt --all --check
 	sh scripts/check-width.sh
+	sh scripts/check-docs.sh
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy -p populace --no-default-features -- -D warnings
 
