@@ -21,6 +21,7 @@ for page in $pages; do
     done
     # Links, relative to the page.
     for link in $(grep -oE '\]\([^)#: ]+' "$page" | cut -c3-); do
+        case "$link" in http | https | mailto) continue ;; esac
         [ -e "$(dirname "$page")/$link" ] || missing "$page" "$link"
     done
 done
