@@ -1,24 +1,24 @@
-# `make demo` sets the machine up, builds, and draws a crowd; `make test` does the same and runs all tests.
+# `make demo` sets the machine up, builds, and draws a crowd. `make test` builds and runs all tests.
 
-# Real characters to test with, where they are at hand; without them the tests that need them show as ignored.
-POPULACE_TEST_DATA ?= $(realpath $(wildcard ../shared/assets))
-ifneq ($(POPULACE_TEST_DATA),)
-export POPULACE_TEST_DATA
-endif
-
-demo: setup
+demo:
+	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo
 
 .PHONY: demo test setup lint doc release
 
-test: setup
+# Installs nothing: a missing driver is named here, and the tests that need it fail.
+test:
+	@sh scripts/setup.sh --check || true
 	cargo test --workspace --no-fail-fast
 
+# An OpenCL driver for the CPU, EGL and Mesa's software driver, as root or with sudo.
 setup:
 	sh scripts/setup.sh
 
 lint:
 	cargo fmt --all --check
+	sh scripts/check-width.sh
+	sh scripts/check-docs.sh
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy -p populace --no-default-features -- -D warnings
 

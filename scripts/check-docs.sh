@@ -1,0 +1,35 @@
+#!/bin/sh
+# Checks what the documentation names: paths in backticks, links between pages, and the tests of
+# docs/paper.md and docs/contributing/. Lists what does not exist, and fails if there is any.
+set -eu
+cd "$(dirname "$0")/.."
+
+failed=0
+missing() { # PAGE NAME
+    echo "$1 names $2, which does not exist" >&2
+    failed=1
+}
+
+pages=$(git ls-files -- 'ARCHITECTURE.md' 'CONTRIBUTING.md' 'README.md' 'docs/*.md')
+[ -n "$pages" ] || { echo "check-docs: git lists no pages here" >&2; exit 2; }
+
+for page in $pages; do
+    # Paths from the root. Those of a new file that a walk-through adds have the name "twist".
+    for path in $(grep -oE '`(crates|docs|scripts|fuzz|\.github)/[^` ]*`' "$page" | tr -d '`'); do
+        case "$path" in *twist*) continue ;; esac
+        [ -e "$path" ] || missing "$page" "$path"
+    done
+    # Links, relative to the page.
+    for link in $(grep -oE '\]\([^)#: ]+' "$page" | cut -c3-); do
+        case "$link" in http | https | mailto) continue ;; esac
+        [ -e "$(dirname "$page")/$link" ] || missing "$page" "$link"
+    done
+done
+
+# Names of tests: long words in snake case.
+for page in docs/paper.md docs/contributing/*.md; do
+    for name in $(grep -oE '`[a-z0-9]+(_[a-z0-9]+){2,}`' "$page" | tr -d '`' | sort -u); do
+        grep -rqwF --include='*.rs' --include='*.cl' "$name" crates || missing "$page" "$name"
+    done
+done
+exit $failed
