@@ -45,15 +45,15 @@
 //! where in model space it is; so a member never changes buffer, handle or drawing path, never
 //! comes apart, and blends back joint by joint.
 
-mod doll;
 mod error;
 mod math;
+mod member_ragdoll;
 mod plan;
 mod ragdolls;
 mod snapshot;
 mod world;
 
-pub use doll::Bend;
 pub use error::Error;
+pub use member_ragdoll::JointAngles;
 pub use plan::{Limits, PlannedBody, RagdollPlan};
 pub use ragdolls::{Ragdolls, State};

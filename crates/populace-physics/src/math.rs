@@ -22,7 +22,7 @@ pub(crate) fn point(affine: &Affine, p: Vector) -> Vector {
 }
 
 /// The point whose image is `p`; the origin where the transform flattens space.
-pub(crate) fn point_before(affine: &Affine, p: Vector) -> Vector {
+pub(crate) fn inverse_transform_point(affine: &Affine, p: Vector) -> Vector {
     let m = linear(affine);
     if m.determinant().abs() < f32::MIN_POSITIVE {
         Vector::ZERO
@@ -69,7 +69,7 @@ pub(crate) fn rotation_of(trs: &Trs) -> Rotation {
 }
 
 /// The rotation of a placement.
-pub(crate) fn heading(place: &Placement) -> Rotation {
+pub(crate) fn yaw_rotation(place: &Placement) -> Rotation {
     Rotation::from_rotation_y(place.yaw_rad())
 }
 
@@ -88,7 +88,7 @@ pub(crate) fn twist_and_swing(q: Rotation, axis: Vector) -> (f32, f32) {
 }
 
 /// The rotation that takes one rotation to another, as an axis times radians, the short way.
-pub(crate) fn turn_between(from: Rotation, to: Rotation) -> Vector {
+pub(crate) fn rotation_vector_between(from: Rotation, to: Rotation) -> Vector {
     let q = (to * from.inverse()).normalize();
     (if q.w < 0.0 { -q } else { q }).to_scaled_axis()
 }

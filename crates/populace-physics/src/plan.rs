@@ -8,7 +8,7 @@ mod shape;
 
 use populace::core::{JointIndex, Skeleton};
 
-use crate::math::{Rotation, Vector, joint_index, point_before};
+use crate::math::{Rotation, Vector, inverse_transform_point, joint_index};
 use limits::Anatomy;
 use rest::Rest;
 
@@ -35,8 +35,8 @@ pub enum Limits {
 
 /// How a body hangs on another: the frames whose x axes a hinge or a cone's middle lie along.
 #[derive(Clone, Debug)]
-pub(crate) struct Hold {
-    /// The joint whose turns carry the upper frame along.
+pub(crate) struct JointDef {
+    /// The joint whose rotations carry the upper frame along.
     pub(crate) carrier: usize,
     pub(crate) carrier_from_frame: Rotation,
     pub(crate) head_from_frame: Rotation,
@@ -55,14 +55,14 @@ pub struct PlannedBody {
     pub(crate) radius_m: f32,
     pub(crate) mass_kg: f32,
     /// The least radius of gyration: no body is as easily turned as a thin capsule would be, since
-    /// limits could not hold what turns that lightly.
+    /// limits could not joint_def joint_kind rotations that lightly.
     pub(crate) gyration_m: f32,
     /// `None` for the first body, which nothing holds.
-    pub(crate) hold: Option<Hold>,
+    pub(crate) joint_def: Option<JointDef>,
 }
 
 impl PlannedBody {
-    /// The joint at which the body begins, and about which it turns.
+    /// The joint at which the body begins, and about which it rotations.
     #[must_use]
     pub fn joint(&self) -> JointIndex {
         joint_index(self.head)
@@ -95,19 +95,19 @@ impl PlannedBody {
     /// How far it may turn; `None` for the first body, which nothing holds.
     #[must_use]
     pub fn limits(&self) -> Option<Limits> {
-        self.hold.as_ref().map(|hold| hold.limits)
+        self.joint_def.as_ref().map(|joint_def| joint_def.limits)
     }
 }
 
 /// Bodies, masses and limits of a ragdoll, found from a skeleton alone: from where its joints lie
-/// at rest, how far they move vertices, and what their names tell where they tell something. Any
+/// at rest, how far they move vertices, and joint_kind their names tell where they tell something. Any
 /// skeleton has one; one of a single joint is a single body.
 #[derive(Clone, Debug)]
 pub struct RagdollPlan {
     bodies: Vec<PlannedBody>,
     body_of: Vec<Option<usize>>,
-    rest_turn: Rotation,
-    rest_place: Vector,
+    rest_rotation: Rotation,
+    rest_position: Vector,
 }
 
 impl RagdollPlan {
@@ -128,20 +128,20 @@ impl RagdollPlan {
             PlannedBody {
                 head: body.head,
                 parent: body.parent,
-                from: point_before(model_from_head, capsule.from),
-                to: point_before(model_from_head, capsule.to),
+                from: inverse_transform_point(model_from_head, capsule.from),
+                to: inverse_transform_point(model_from_head, capsule.to),
                 length_m: capsule.from.distance(capsule.to),
                 radius_m: capsule.radius,
                 mass_kg: masses[index],
                 gyration_m: rest.size * if is_trunk[index] { 0.08 } else { 0.03 },
-                hold: body.parent.map(|_| anatomy.hold(index)),
+                joint_def: body.parent.map(|_| anatomy.joint_def(index)),
             }
         };
         let root = chosen[0].head;
         Self {
             bodies: (0..chosen.len()).map(planned).collect(),
-            rest_turn: rest.turns[root],
-            rest_place: rest.places[root],
+            rest_rotation: rest.rotations[root],
+            rest_position: rest.positions[root],
             body_of,
         }
     }
@@ -173,7 +173,7 @@ impl RagdollPlan {
 
     /// The first body's joint at rest in model space: its turn and its place.
     pub(crate) fn rest(&self) -> (Rotation, Vector) {
-        (self.rest_turn, self.rest_place)
+        (self.rest_rotation, self.rest_position)
     }
 
     /// A body and all that hang on it.

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use populace::{Crowd, JointIndex, Member};
 
-use crate::doll::{Bend, Doll, Fade, Recipe};
 use crate::error::{finite, seconds};
 use crate::math::Vector;
+use crate::member_ragdoll::{BuildParams, Fade, JointAngles, MemberRagdoll};
 use crate::snapshot::Snapshot;
 use crate::world::World;
 use crate::{Error, RagdollPlan};
@@ -42,7 +42,7 @@ struct Push {
 }
 
 /// A member whose speed is being measured.
-struct Waiting {
+struct PendingRagdoll {
     member: Member,
     plan: Arc<RagdollPlan>,
     limp: Vec<bool>,
@@ -59,8 +59,8 @@ struct Waiting {
 /// place in the buffers and its clips throughout: being limp is a set of overrides.
 pub struct Ragdolls {
     world: World,
-    waiting: Vec<Waiting>,
-    dolls: Vec<Doll>,
+    pending: Vec<PendingRagdoll>,
+    active: Vec<MemberRagdoll>,
     next_id: u64,
 }
 
@@ -73,7 +73,7 @@ impl Ragdolls {
     pub fn new(gravity: [f32; 3]) -> Result<Self, Error> {
         finite("gravity", &gravity)?;
         let world = World::new(Vector::from_array(gravity));
-        Ok(Self { world, waiting: Vec::new(), dolls: Vec::new(), next_id: 1 })
+        Ok(Self { world, pending: Vec::new(), active: Vec::new(), next_id: 1 })
     }
 
     /// Puts the floor at another height, in metres.
@@ -125,7 +125,7 @@ impl Ragdolls {
         member: Member,
         plan: &Arc<RagdollPlan>,
     ) -> Result<(), Error> {
-        self.wait(crowd, member, plan, vec![true; plan.bodies().len()])
+        self.request(crowd, member, plan, vec![true; plan.bodies().len()])
     }
 
     /// Lets a part of a member go limp: the body that carries a joint, and all that hang on it,
@@ -143,10 +143,10 @@ impl Ragdolls {
         joint: JointIndex,
     ) -> Result<(), Error> {
         let body = plan.body_of(joint).ok_or(Error::NoBody { joint: joint.0 })?;
-        self.wait(crowd, member, plan, plan.with_all_below(body))
+        self.request(crowd, member, plan, plan.with_all_below(body))
     }
 
-    fn wait(
+    fn request(
         &mut self,
         crowd: &Crowd,
         member: Member,
@@ -161,21 +161,21 @@ impl Ragdolls {
             });
         }
         let same = |other: &Arc<RagdollPlan>| Arc::ptr_eq(other, plan);
-        let standing =
-            self.dolls.iter().find(|d| d.member == member && d.fade.is_none() && same(&d.plan));
-        if let Some(doll) = standing {
-            if limp.iter().zip(&doll.limp).all(|(new, old)| *old || !new) {
+        let current =
+            self.active.iter().find(|d| d.member == member && d.fade.is_none() && same(&d.plan));
+        if let Some(ragdoll) = current {
+            if limp.iter().zip(&ragdoll.limp).all(|(new, old)| *old || !new) {
                 return Ok(());
             }
-            limp.iter_mut().zip(&doll.limp).for_each(|(new, old)| *new |= old);
+            limp.iter_mut().zip(&ragdoll.limp).for_each(|(new, old)| *new |= old);
         }
-        if let Some(waiting) = self.waiting.iter_mut().find(|w| w.member == member && same(&w.plan))
+        if let Some(pending) = self.pending.iter_mut().find(|w| w.member == member && same(&w.plan))
         {
-            waiting.limp.iter_mut().zip(&limp).for_each(|(old, new)| *old |= new);
+            pending.limp.iter_mut().zip(&limp).for_each(|(old, new)| *old |= new);
             return Ok(());
         }
-        self.waiting.retain(|w| w.member != member);
-        self.waiting.push(Waiting {
+        self.pending.retain(|w| w.member != member);
+        self.pending.push(PendingRagdoll {
             member,
             plan: Arc::clone(plan),
             limp,
@@ -203,17 +203,17 @@ impl Ragdolls {
         finite("the point of a push", at.as_ref().map_or(&[], |p| p))?;
         let no_body = Error::NoBody { joint: joint.0 };
         let (impulse, at) = (Vector::from_array(impulse_ns), at.map(Vector::from_array));
-        if let Some(waiting) = self.waiting.iter_mut().find(|w| w.member == member) {
-            let body = waiting.plan.body_of(joint).ok_or(no_body)?;
-            if !waiting.limp[body] {
+        if let Some(pending) = self.pending.iter_mut().find(|w| w.member == member) {
+            let body = pending.plan.body_of(joint).ok_or(no_body)?;
+            if !pending.limp[body] {
                 return Err(Error::NotLimp);
             }
-            waiting.pushes.push(Push { body, impulse, at });
+            pending.pushes.push(Push { body, impulse, at });
             return Ok(());
         }
-        let doll = self.dolls.iter().find(|d| d.member == member).ok_or(Error::NotLimp)?;
-        let body = doll.plan.body_of(joint).ok_or(no_body)?;
-        push(doll, &mut self.world, &Push { body, impulse, at })
+        let ragdoll = self.active.iter().find(|d| d.member == member).ok_or(Error::NotLimp)?;
+        let body = ragdoll.plan.body_of(joint).ok_or(no_body)?;
+        push(ragdoll, &mut self.world, &Push { body, impulse, at })
     }
 
     /// Lets a limp member get up: over this time its joints go back to what its clips say, and at
@@ -232,19 +232,22 @@ impl Ragdolls {
     ) -> Result<(), Error> {
         seconds("the time to get up", over_secs)?;
         crowd.placement(member)?;
-        let was_waiting = self.waiting.iter().any(|w| w.member == member);
-        self.waiting.retain(|w| w.member != member);
-        let Some(doll) = self.dolls.iter_mut().find(|d| d.member == member) else {
-            return if was_waiting { Ok(()) } else { Err(Error::NotLimp) };
+        let was_pending = self.pending.iter().any(|w| w.member == member);
+        self.pending.retain(|w| w.member != member);
+        let Some(ragdoll) = self.active.iter_mut().find(|d| d.member == member) else {
+            return if was_pending { Ok(()) } else { Err(Error::NotLimp) };
         };
-        if doll.fade.is_some() {
+        if ragdoll.fade.is_some() {
             return Ok(());
         }
-        if doll.is_whole() {
-            crowd.place(member, doll.place_to_get_up(crowd.placement(member)?, &self.world))?;
+        if ragdoll.is_fully_limp() {
+            crowd.place(
+                member,
+                ragdoll.placement_to_get_up(crowd.placement(member)?, &self.world),
+            )?;
         }
-        doll.fade = Some(Fade { elapsed_secs: 0.0, over_secs });
-        doll.write(crowd, &self.world)
+        ragdoll.fade = Some(Fade { elapsed_secs: 0.0, over_secs });
+        ragdoll.write(crowd, &self.world)
     }
 
     /// Moves all limp members on and tells the crowd where their joints are, for the update that
@@ -265,76 +268,76 @@ impl Ragdolls {
         }
         self.start(crowd, dt_secs)?;
         let mut driven = Vec::new();
-        for doll in self.dolls.iter_mut().filter(|d| !d.is_whole()) {
-            if let Some(now) = Snapshot::of(crowd, doll.member)? {
-                driven.append(&mut doll.drive(&self.world, now, dt_secs));
+        for ragdoll in self.active.iter_mut().filter(|d| !d.is_fully_limp()) {
+            if let Some(now) = Snapshot::of(crowd, ragdoll.member)? {
+                driven.append(&mut ragdoll.drive(&self.world, now, dt_secs));
             }
         }
-        if !self.dolls.is_empty() {
+        if !self.active.is_empty() {
             self.world.step(dt_secs, &driven);
         }
-        for doll in &mut self.dolls {
-            if let Some(fade) = &mut doll.fade {
+        for ragdoll in &mut self.active {
+            if let Some(fade) = &mut ragdoll.fade {
                 fade.elapsed_secs += dt_secs;
             }
-            if doll.weight() > 0.0 {
-                doll.write(crowd, &self.world)?;
+            if ragdoll.weight() > 0.0 {
+                ragdoll.write(crowd, &self.world)?;
             } else {
-                doll.release(crowd)?;
-                doll.remove(&mut self.world);
+                ragdoll.release(crowd)?;
+                ragdoll.remove(&mut self.world);
             }
         }
-        self.dolls.retain(|d| d.weight() > 0.0);
+        self.active.retain(|d| d.weight() > 0.0);
         Ok(())
     }
 
     /// Lets go of members that are no more.
     fn forget(&mut self, crowd: &Crowd) {
-        self.waiting.retain(|w| crowd.placement(w.member).is_ok());
-        for doll in self.dolls.iter().filter(|d| crowd.placement(d.member).is_err()) {
-            doll.remove(&mut self.world);
+        self.pending.retain(|w| crowd.placement(w.member).is_ok());
+        for ragdoll in self.active.iter().filter(|d| crowd.placement(d.member).is_err()) {
+            ragdoll.remove(&mut self.world);
         }
-        self.dolls.retain(|d| crowd.placement(d.member).is_ok());
+        self.active.retain(|d| crowd.placement(d.member).is_ok());
     }
 
-    /// Reads those who wait for their speed, and puts into the world those who have it. Those whom
-    /// no update has evaluated go on waiting.
+    /// Reads those who request for their speed, and puts into the world those who have it. Those whom
+    /// no update has evaluated go on pending.
     fn start(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
-        let snapshots = self.waiting.iter().map(|waiting| Snapshot::of(crowd, waiting.member));
+        let snapshots = self.pending.iter().map(|pending| Snapshot::of(crowd, pending.member));
         let snapshots: Vec<_> = snapshots.collect::<Result<_, _>>()?;
-        for (mut waiting, now) in std::mem::take(&mut self.waiting).into_iter().zip(snapshots) {
+        for (mut pending, now) in std::mem::take(&mut self.pending).into_iter().zip(snapshots) {
             let Some(now) = now else {
-                self.waiting.push(waiting);
+                self.pending.push(pending);
                 continue;
             };
-            let Some((before, between_secs)) = waiting.before.take() else {
-                waiting.before = Some((now, dt_secs));
-                self.waiting.push(waiting);
+            let Some((before, between_secs)) = pending.before.take() else {
+                pending.before = Some((now, dt_secs));
+                self.pending.push(pending);
                 continue;
             };
             let before = before.without_jump(&now, between_secs);
-            if let Some(old) = self.dolls.iter().position(|d| d.member == waiting.member) {
-                let old = self.dolls.remove(old);
+            if let Some(old) = self.active.iter().position(|d| d.member == pending.member) {
+                let old = self.active.remove(old);
                 old.release(crowd)?;
                 old.remove(&mut self.world);
             }
-            let character = crowd.character(crowd.character_of(waiting.member)?)?;
-            let recipe = Recipe {
-                member: waiting.member,
+            let character = crowd.character(crowd.character_of(pending.member)?)?;
+            let params = BuildParams {
+                member: pending.member,
                 skeleton: &character.skeleton,
-                plan: &waiting.plan,
+                plan: &pending.plan,
                 id: self.next_id,
-                limp: waiting.limp,
+                limp: pending.limp,
                 before: &before,
                 now,
                 dt_secs: between_secs,
             };
             self.next_id += 1;
-            let doll = Doll::build(recipe, &mut self.world);
-            for given in &waiting.pushes {
-                push(&doll, &mut self.world, given)?;
+            let ragdoll = MemberRagdoll::build(params, &mut self.world);
+            for given in &pending.pushes {
+                push(&ragdoll, &mut self.world, given)?;
             }
-            self.dolls.push(doll);
+            self.active.push(ragdoll);
         }
         Ok(())
     }
@@ -342,34 +345,36 @@ impl Ragdolls {
     /// How limp a member is.
     #[must_use]
     pub fn state(&self, member: Member) -> State {
-        if self.waiting.iter().any(|w| w.member == member) {
+        if self.pending.iter().any(|w| w.member == member) {
             return State::GoingLimp;
         }
-        match self.dolls.iter().find(|d| d.member == member) {
+        match self.active.iter().find(|d| d.member == member) {
             None => State::Animated,
-            Some(doll) if doll.fade.is_some() => State::GettingUp { weight: doll.weight() },
-            Some(doll) => State::Limp { asleep: doll.is_asleep(&self.world) },
+            Some(ragdoll) if ragdoll.fade.is_some() => {
+                State::GettingUp { weight: ragdoll.weight() }
+            }
+            Some(ragdoll) => State::Limp { asleep: ragdoll.is_asleep(&self.world) },
         }
     }
 
     /// How each limp body of a member is bent against the one that it hangs on, and what limits
     /// that.
     #[must_use]
-    pub fn bends(&self, member: Member) -> Vec<Bend> {
-        let doll = self.dolls.iter().find(|d| d.member == member);
-        doll.map_or_else(Vec::new, |d| d.bends(&self.world).collect())
+    pub fn joint_angles(&self, member: Member) -> Vec<JointAngles> {
+        let ragdoll = self.active.iter().find(|d| d.member == member);
+        ragdoll.map_or_else(Vec::new, |d| d.joint_angles(&self.world).collect())
     }
 
     /// Kinetic and potential energy of a member's limp bodies in joules, the latter counted from
     /// height 0; `None` for a member that is not limp.
     #[must_use]
     pub fn energy_j(&self, member: Member) -> Option<f32> {
-        Some(self.dolls.iter().find(|d| d.member == member)?.energy_j(&self.world))
+        Some(self.active.iter().find(|d| d.member == member)?.energy_j(&self.world))
     }
 }
 
-fn push(doll: &Doll, world: &mut World, given: &Push) -> Result<(), Error> {
-    let body = doll.body_mut(world, given.body).ok_or(Error::NotLimp)?;
+fn push(ragdoll: &MemberRagdoll, world: &mut World, given: &Push) -> Result<(), Error> {
+    let body = ragdoll.body_mut(world, given.body).ok_or(Error::NotLimp)?;
     match given.at {
         Some(at) => body.apply_impulse_at_point(given.impulse, at, true),
         None => body.apply_impulse(given.impulse, true),

@@ -19,8 +19,8 @@ const LONGEST_FRAME_SECS: f32 = 0.5;
 /// Cloth and skin on floor.
 const FRICTION: f32 = 0.8;
 
-/// Bodies that move on a given way in the coming frame.
-pub(crate) struct Driven {
+/// Bodies that move on a given target in the coming frame.
+pub(crate) struct KinematicMove {
     pub(crate) body: RigidBodyHandle,
     pub(crate) from: Pose,
     pub(crate) to: Pose,
@@ -30,32 +30,32 @@ pub(crate) struct Driven {
 /// does at joints.
 #[derive(Default)]
 struct Overlaps {
-    of: HashMap<u64, Vec<(u16, u16)>>,
+    by_ragdoll: HashMap<u64, Vec<(u16, u16)>>,
 }
 
 impl PhysicsHooks for Overlaps {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
         let [a, b] =
             [context.collider1, context.collider2].map(|c| context.colliders.get(c).map(owner));
-        let (Some((doll, a)), Some((other, b))) = (a?, b?) else {
+        let (Some((ragdoll, a)), Some((other, b))) = (a?, b?) else {
             return Some(SolverFlags::default());
         };
-        let overlap =
-            doll == other && self.of.get(&doll).is_some_and(|o| o.contains(&(a.min(b), a.max(b))));
+        let overlap = ragdoll == other
+            && self.by_ragdoll.get(&ragdoll).is_some_and(|o| o.contains(&(a.min(b), a.max(b))));
         (!overlap).then(SolverFlags::default)
     }
 }
 
 /// The ragdoll and the place in it that a collider is of; `None` for what stands still.
 fn owner(collider: &Collider) -> Option<(u64, u16)> {
-    #[expect(clippy::cast_possible_truncation, reason = "packed by `mark`")]
+    #[expect(clippy::cast_possible_truncation, reason = "packed by `pack_owner`")]
     let unpacked = ((collider.user_data >> 16) as u64, collider.user_data as u16);
     (collider.user_data != 0).then_some(unpacked)
 }
 
 /// Packs whose a collider is; ragdolls count from 1, so that 0 is nobody.
-pub(crate) fn mark(doll: u64, body: usize) -> u128 {
-    u128::from(doll) << 16 | body as u128 & 0xffff
+pub(crate) fn pack_owner(ragdoll: u64, body: usize) -> u128 {
+    u128::from(ragdoll) << 16 | body as u128 & 0xffff
 }
 
 pub(crate) struct World {
@@ -105,28 +105,28 @@ impl World {
         body
     }
 
-    pub(crate) fn set_overlaps(&mut self, doll: u64, pairs: Vec<(u16, u16)>) {
-        self.overlaps.of.insert(doll, pairs);
+    pub(crate) fn set_overlaps(&mut self, ragdoll: u64, pairs: Vec<(u16, u16)>) {
+        self.overlaps.by_ragdoll.insert(ragdoll, pairs);
     }
 
-    pub(crate) fn remove(&mut self, doll: u64, bodies: &[RigidBodyHandle]) {
-        self.overlaps.of.remove(&doll);
+    pub(crate) fn remove(&mut self, ragdoll: u64, bodies: &[RigidBodyHandle]) {
+        self.overlaps.by_ragdoll.remove(&ragdoll);
         for &body in bodies {
             self.physics.remove_body(body);
         }
     }
 
     /// Moves on by a frame, in even steps.
-    pub(crate) fn step(&mut self, dt_secs: f32, driven: &[Driven]) {
+    pub(crate) fn step(&mut self, dt_secs: f32, driven: &[KinematicMove]) {
         let frame = dt_secs.min(LONGEST_FRAME_SECS);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 60")]
         let steps = (frame / LONGEST_STEP_SECS - 1e-3).ceil().max(1.0) as u32;
         self.physics.integration_parameters.dt = frame / steps as f32;
         for step in 1..=steps {
             let part = step as f32 / steps as f32;
-            for way in driven {
-                if let Some(body) = self.physics.bodies.get_mut(way.body) {
-                    body.set_next_kinematic_position(way.from.lerp(&way.to, part));
+            for target in driven {
+                if let Some(body) = self.physics.bodies.get_mut(target.body) {
+                    body.set_next_kinematic_position(target.from.lerp(&target.to, part));
                 }
             }
             self.physics.step_with_events(&self.overlaps, &());
@@ -135,7 +135,7 @@ impl World {
 
     /// How high the topmost thing that stands still lies under a point, if there is one within
     /// `reach` metres.
-    pub(crate) fn floor_under(&self, point: Vector, reach: f32) -> Option<f32> {
+    pub(crate) fn floor_height_below(&self, point: Vector, reach: f32) -> Option<f32> {
         let ray = Ray::new(point, -Vector::Y);
         let filter = QueryFilter::only_fixed();
         self.physics.cast_ray(&ray, reach, true, filter).map(|(_, depth)| point.y - depth)

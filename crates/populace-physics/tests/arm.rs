@@ -87,7 +87,7 @@ fn parts_add_up_and_give_way_to_the_whole() {
         stage.ragdolls.go_limp_from(&stage.crowd, stage.member, &stage.plan, arm).unwrap();
         stage.frames(20);
     }
-    assert_eq!(stage.ragdolls.bends(stage.member).len(), 6);
+    assert_eq!(stage.ragdolls.joint_angles(stage.member).len(), 6);
     stage.go_limp();
     stage.frames(200);
     assert!(stage.places()[0][1] < 0.4, "he lies");

@@ -70,7 +70,7 @@ fn fall(path: &PathBuf, scale: f32, bodies: Option<usize>) -> Result<(), Failed>
     let mut worst = None;
     for frame in 0..400 {
         stage.frame();
-        for bend in stage.ragdolls.bends(stage.member) {
+        for bend in stage.ragdolls.joint_angles(stage.member) {
             if beyond_limits(&bend) > beyond {
                 beyond = beyond_limits(&bend);
                 worst = Some((frame, bend));

@@ -124,7 +124,7 @@ fn joint_limits_hold_in_a_violent_fall() {
         stage.frames(2);
         for frame in 0..240 {
             stage.frame();
-            for bend in stage.ragdolls.bends(stage.member) {
+            for bend in stage.ragdolls.joint_angles(stage.member) {
                 let beyond = beyond_limits(&bend);
                 assert!(beyond < 0.1, "frame {frame}: {bend:?}");
                 worst = worst.max(beyond);

@@ -7,7 +7,7 @@ use populace::core::{
     Affine, Character, CharacterSource, JointSource, PaletteEntry, Skeleton, Trs,
 };
 use populace::{CharacterId, Crowd, Device, JointIndex, Member, Placement, Play};
-use populace_physics::{Bend, Limits, RagdollPlan, Ragdolls};
+use populace_physics::{JointAngles, Limits, RagdollPlan, Ragdolls};
 
 pub(crate) const DT: f32 = 1.0 / 60.0;
 pub(crate) const GRAVITY: [f32; 3] = [0.0, -9.81, 0.0];
@@ -91,7 +91,7 @@ pub(crate) fn length(a: [f32; 3]) -> f32 {
 }
 
 /// By how much a bend is beyond its limits, in radians; negative within them.
-pub(crate) fn beyond_limits(bend: &Bend) -> f32 {
+pub(crate) fn beyond_limits(bend: &JointAngles) -> f32 {
     match bend.limits {
         Limits::Hinge { min_rad, max_rad } => {
             (bend.twist_rad - max_rad).max(min_rad - bend.twist_rad).max(bend.swing_rad)

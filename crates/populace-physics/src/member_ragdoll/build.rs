@@ -9,13 +9,14 @@ use rapier3d::prelude::{
     RigidBodyBuilder, RigidBodyHandle,
 };
 
-use super::{Carried, Doll, FASTEST_RAD_PER_SEC, Held};
+use super::{BodyConstraint, CarriedJoint, FASTEST_RAD_PER_SEC, MemberRagdoll};
 use crate::math::{
-    Pose, Rotation, Vector, heading, local, rotation_of, trs, turn_between, twist_and_swing,
+    Pose, Rotation, Vector, local, rotation_of, rotation_vector_between, trs, twist_and_swing,
+    yaw_rotation,
 };
-use crate::plan::Hold;
+use crate::plan::JointDef;
 use crate::snapshot::{FASTEST_M_PER_SEC, Snapshot};
-use crate::world::{World, mark};
+use crate::world::{World, pack_owner};
 use crate::{Limits, RagdollPlan};
 
 /// Flesh takes speed away, about this part of it each second.
@@ -25,12 +26,12 @@ const ANGULAR_DAMPING_PER_SEC: f32 = 1.0;
 const LEAST_INERTIA: f32 = 0.3;
 /// Bodies whose axes are nearer than this many times their radii at the start pass through each
 /// other from then on.
-const NEAR: f32 = 1.05;
+const OVERLAP_FACTOR: f32 = 1.05;
 /// What is beyond its limits when it goes limp may stay so, and this little more, in radians.
 const SLACK_RAD: f32 = 0.01;
 
 /// What a ragdoll is built from.
-pub(crate) struct Recipe<'a> {
+pub(crate) struct BuildParams<'a> {
     pub(crate) member: Member,
     pub(crate) skeleton: &'a Skeleton,
     pub(crate) plan: &'a Arc<RagdollPlan>,
@@ -50,58 +51,59 @@ struct Capsule {
     radius: f32,
 }
 
-impl Doll {
-    pub(crate) fn build(recipe: Recipe, world: &mut World) -> Self {
-        let plan = recipe.plan;
+impl MemberRagdoll {
+    pub(crate) fn build(params: BuildParams, world: &mut World) -> Self {
+        let plan = params.plan;
         let capsules: Vec<Capsule> =
-            (0..plan.bodies().len()).map(|b| capsule(&recipe, world, b)).collect();
+            (0..plan.bodies().len()).map(|b| capsule(&params, world, b)).collect();
         let bodies: Vec<_> =
-            (0..capsules.len()).map(|b| add_body(&recipe, world, b, &capsules[b])).collect();
-        world.set_overlaps(recipe.id, overlaps(plan, &capsules));
-        let held = (0..capsules.len()).map(|b| hold(&recipe, world, &bodies, b)).collect();
-        let carried = recipe.skeleton.joints().filter_map(|j| carry(&recipe, j)).collect();
+            (0..capsules.len()).map(|b| add_body(&params, world, b, &capsules[b])).collect();
+        world.set_overlaps(params.id, overlaps(plan, &capsules));
+        let constraints =
+            (0..capsules.len()).map(|b| connect(&params, world, &bodies, b)).collect();
+        let carried = params.skeleton.joints().filter_map(|j| carried_joint(&params, j)).collect();
         Self {
-            member: recipe.member,
+            member: params.member,
             plan: Arc::clone(plan),
-            id: recipe.id,
-            limp: recipe.limp,
+            id: params.id,
+            limp: params.limp,
             bodies,
-            held,
+            constraints,
             carried,
-            last: recipe.before.clone(),
-            last_dt_secs: recipe.dt_secs,
+            last: params.before.clone(),
+            last_dt_secs: params.dt_secs,
             fade: None,
-            settled_at: None,
+            resting_placement: None,
         }
     }
 }
 
 /// A body's capsule as the member holds it now, no thicker than what is between it and the ground.
-fn capsule(recipe: &Recipe, world: &World, body: usize) -> Capsule {
-    let body = &recipe.plan.bodies()[body];
-    let from = recipe.now.point(body.head, body.from);
-    let to = recipe.now.point(body.head, body.to);
-    let scale = recipe.now.place.scale();
+fn capsule(params: &BuildParams, world: &World, body: usize) -> Capsule {
+    let body = &params.plan.bodies()[body];
+    let from = params.now.point(body.head, body.from);
+    let to = params.now.point(body.head, body.to);
+    let scale = params.now.placement.scale();
     let radius = body.radius_m * scale;
     let low = if from.y < to.y { from } else { to };
     let clear = world
-        .floor_under(low + Vector::Y * radius, 2.0 * radius)
+        .floor_height_below(low + Vector::Y * radius, 2.0 * radius)
         .map_or(radius, |floor| low.y - floor);
     Capsule { from, to, radius: radius.min(clear).max(0.4 * radius).max(1e-4) }
 }
 
 fn add_body(
-    recipe: &Recipe,
+    params: &BuildParams,
     world: &mut World,
     index: usize,
     capsule: &Capsule,
 ) -> RigidBodyHandle {
-    let body = &recipe.plan.bodies()[index];
-    let before = recipe.before.pose(body.head);
-    let now = recipe.now.pose(body.head);
+    let body = &params.plan.bodies()[index];
+    let before = params.before.pose(body.head);
+    let now = params.now.pose(body.head);
     let from = now.inverse_transform_point(capsule.from);
     let to = now.inverse_transform_point(capsule.to);
-    let scale = recipe.now.place.scale();
+    let scale = params.now.placement.scale();
     let mass_kg = (body.mass_kg * scale * scale * scale).max(1e-6);
     let shape = ColliderBuilder::capsule_from_endpoints(from, to, capsule.radius)
         .mass_properties(mass_properties(
@@ -111,17 +113,17 @@ fn add_body(
             mass_kg,
             body.gyration_m * scale,
         ))
-        .user_data(mark(recipe.id, index));
-    if !recipe.limp[index] {
+        .user_data(pack_owner(params.id, index));
+    if !params.limp[index] {
         return world.add_body(RigidBodyBuilder::kinematic_position_based().pose(now), shape);
     }
     let middle = (from + to) * 0.5;
     let step = now.transform_point(middle) - before.transform_point(middle);
-    let turn = turn_between(before.rotation, now.rotation);
+    let turn = rotation_vector_between(before.rotation, now.rotation);
     let dynamic = RigidBodyBuilder::dynamic()
         .pose(now)
-        .linvel((step / recipe.dt_secs).clamp_length_max(FASTEST_M_PER_SEC))
-        .angvel((turn / recipe.dt_secs).clamp_length_max(FASTEST_RAD_PER_SEC))
+        .linvel((step / params.dt_secs).clamp_length_max(FASTEST_M_PER_SEC))
+        .angvel((turn / params.dt_secs).clamp_length_max(FASTEST_RAD_PER_SEC))
         .linear_damping(LINEAR_DAMPING_PER_SEC)
         .angular_damping(ANGULAR_DAMPING_PER_SEC);
     world.add_body(dynamic, shape)
@@ -149,8 +151,8 @@ fn overlaps(plan: &RagdollPlan, capsules: &[Capsule]) -> Vec<(u16, u16)> {
     let mut pairs = Vec::new();
     for (b, two) in (0u16..).zip(capsules) {
         for (a, one) in (0..b).zip(capsules) {
-            let is_held = plan.bodies()[usize::from(b)].parent == Some(usize::from(a));
-            if is_held || apart(one, two) < NEAR * (one.radius + two.radius) {
+            let is_parent = plan.bodies()[usize::from(b)].parent == Some(usize::from(a));
+            if is_parent || axis_distance(one, two) < OVERLAP_FACTOR * (one.radius + two.radius) {
                 pairs.push((a, b));
             }
         }
@@ -160,7 +162,7 @@ fn overlaps(plan: &RagdollPlan, capsules: &[Capsule]) -> Vec<(u16, u16)> {
 
 /// The distance between two capsules' axes (Ericson, Real-Time Collision Detection, 2005, section
 /// 5.1.9).
-fn apart(one: &Capsule, two: &Capsule) -> f32 {
+fn axis_distance(one: &Capsule, two: &Capsule) -> f32 {
     let (d1, d2, r) = (one.to - one.from, two.to - two.from, one.from - two.from);
     let (a, e, f) = (d1.dot(d1).max(1e-12), d2.dot(d2).max(1e-12), d2.dot(r));
     let (c, b) = (d1.dot(r), d1.dot(d2));
@@ -173,36 +175,36 @@ fn apart(one: &Capsule, two: &Capsule) -> f32 {
 }
 
 /// Hangs a limp body on the one above it, where both are now.
-fn hold(
-    recipe: &Recipe,
+fn connect(
+    params: &BuildParams,
     world: &mut World,
     bodies: &[RigidBodyHandle],
     index: usize,
-) -> Option<Held> {
-    let body = &recipe.plan.bodies()[index];
-    let (plan, parent) = (body.hold.as_ref()?, body.parent?);
-    if !recipe.limp[index] {
+) -> Option<BodyConstraint> {
+    let body = &params.plan.bodies()[index];
+    let (plan, parent) = (body.joint_def.as_ref()?, body.parent?);
+    if !params.limp[index] {
         return None;
     }
-    let now = recipe.now.pose(body.head);
-    let upper = recipe.now.pose(recipe.plan.bodies()[parent].head);
-    let (parent_from_frame, limits) = fitted(recipe, plan, &upper, &now);
+    let now = params.now.pose(body.head);
+    let upper = params.now.pose(params.plan.bodies()[parent].head);
+    let (parent_from_frame, limits) = fitted(params, plan, &upper, &now);
     let upper_frame =
         Pose::from_parts(upper.inverse_transform_point(now.translation), parent_from_frame);
     let frames = [Pose::from_rotation(plan.head_from_frame), upper_frame];
     let joint =
         world.physics.insert_impulse_joint(bodies[index], bodies[parent], joint(limits, frames));
     if let Limits::Cone { twist_rad, .. } = limits {
-        let seen_from_above = twist_alone(twist_rad, frames);
+        let seen_from_above = twist_limit(twist_rad, frames);
         world.physics.insert_impulse_joint(bodies[parent], bodies[index], seen_from_above);
     }
-    Some(Held { joint, limits, parent_from_frame, body_from_frame: plan.head_from_frame })
+    Some(BodyConstraint { joint, limits, parent_from_frame, body_from_frame: plan.head_from_frame })
 }
 
-/// The upper frame, and limits that hold now: a hinge's axis goes where the clip holds it, and
+/// The upper frame, and limits that connect now: a hinge's axis goes where the clip holds it, and
 /// limits that the clip breaks are widened, so that nothing snaps.
-fn fitted(recipe: &Recipe, plan: &Hold, upper: &Pose, now: &Pose) -> (Rotation, Limits) {
-    let carrier = recipe.now.turn(plan.carrier) * plan.carrier_from_frame;
+fn fitted(params: &BuildParams, plan: &JointDef, upper: &Pose, now: &Pose) -> (Rotation, Limits) {
+    let carrier = params.now.rotation(plan.carrier) * plan.carrier_from_frame;
     let frame = now.rotation * plan.head_from_frame;
     let between = carrier.inverse() * frame;
     let (twist, swing) = twist_and_swing(between, Vector::X);
@@ -225,8 +227,8 @@ fn widened([least, most]: [f32; 2], now: f32) -> [f32; 2] {
     [least, if now > most { now + SLACK_RAD } else { most }]
 }
 
-/// Rapier holds a turn against the first body's axis, so the held body comes first: turning it
-/// about its own length is then held rightly however far it swings.
+/// Rapier holds a turn against the first body's axis, so the constraints body comes first: turning it
+/// about its own length is then constraints rightly however far it swings.
 fn joint(limits: Limits, [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     let frames = |axes| {
         let joint =
@@ -245,38 +247,38 @@ fn joint(limits: Limits, [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     }
 }
 
-/// The same twist held against the upper body's axis. Without it, what rolls around its cone twists
+/// The same twist constraints against the upper body's axis. Without it, what rolls around its cone twists
 /// unheld, since neither axis alone is the one that a twist is measured about: that lies between
 /// them.
-fn twist_alone(twist_rad: [f32; 2], [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
+fn twist_limit(twist_rad: [f32; 2], [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     let joint = GenericJointBuilder::new(JointAxesMask::empty());
     let joint = joint.local_frame1(upper_frame).local_frame2(body_frame).contacts_enabled(false);
     joint.limits(JointAxis::AngX, twist_rad).build()
 }
 
 /// How a joint goes along with a limp body.
-fn carry(recipe: &Recipe, joint: JointIndex) -> Option<Carried> {
-    let body = recipe.plan.body_of(joint).filter(|&b| recipe.limp[b])?;
-    let parent = recipe.skeleton.parent(joint);
+fn carried_joint(params: &BuildParams, joint: JointIndex) -> Option<CarriedJoint> {
+    let body = params.plan.body_of(joint).filter(|&b| params.limp[b])?;
+    let parent = params.skeleton.parent(joint);
     let carried_parent =
-        parent.filter(|&p| recipe.plan.body_of(p).is_some()).map(JointIndex::index);
-    let (head, joint) = (recipe.plan.bodies()[body].head, joint.index());
-    let model = |j: usize| -> &Affine { &recipe.now.model_from_joints[j] };
+        parent.filter(|&p| params.plan.body_of(p).is_some()).map(JointIndex::index);
+    let (head, joint) = (params.plan.bodies()[body].head, joint.index());
+    let model = |j: usize| -> &Affine { &params.now.model_from_joints[j] };
     let start = match carried_parent {
         Some(parent) => local(Some(model(parent)), model(joint)),
         None => trs(model(joint)),
     };
-    let pose = recipe.now.pose(head);
-    let turn = recipe.now.turn(joint);
-    Some(Carried {
+    let pose = params.now.pose(head);
+    let rotation = params.now.rotation(joint);
+    Some(CarriedJoint {
         joint,
         body,
-        body_from_joint: (pose.rotation.inverse() * turn).normalize(),
+        body_from_joint: (pose.rotation.inverse() * rotation).normalize(),
         parent: carried_parent,
         start,
-        place_in_body: pose.inverse_transform_point(recipe.now.pose(joint).translation),
-        turn_to_model: turn.inverse()
-            * heading(&recipe.now.place)
+        position_in_body: pose.inverse_transform_point(params.now.pose(joint).translation),
+        rotation_to_model: rotation.inverse()
+            * yaw_rotation(&params.now.placement)
             * rotation_of(&trs(model(joint))),
     })
 }

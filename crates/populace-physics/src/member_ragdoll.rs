@@ -10,21 +10,21 @@ use populace::Member;
 use populace::core::Trs;
 use rapier3d::prelude::{ImpulseJointHandle, RigidBody, RigidBodyHandle};
 
-use crate::math::{Pose, Rotation, Vector, turn_between, twist_and_swing};
+use crate::math::{Pose, Rotation, Vector, rotation_vector_between, twist_and_swing};
 use crate::snapshot::{FASTEST_M_PER_SEC, Snapshot};
-use crate::world::{Driven, World};
+use crate::world::{KinematicMove, World};
 use crate::{Limits, RagdollPlan};
 
-pub(crate) use build::Recipe;
+pub(crate) use build::BuildParams;
 
 /// As [`FASTEST_M_PER_SEC`], for turns.
 const FASTEST_RAD_PER_SEC: f32 = 40.0;
 
 /// For how long one who gets up still holds out against constraints, such as planted feet.
-const GRIP_SECS: f32 = 0.3;
+const MODEL_OVERRIDE_SECS: f32 = 0.3;
 
 /// A joint that a limp body carries.
-struct Carried {
+struct CarriedJoint {
     joint: usize,
     body: usize,
     /// The joint's turn against its body's.
@@ -35,14 +35,14 @@ struct Carried {
     /// parent.
     start: Trs,
     /// Its place in the body, in the world's metres; only used without such a parent.
-    place_in_body: Vector,
+    position_in_body: Vector,
     /// From the joint's turn to the rotation of its model transform; they differ where scales
     /// shear.
-    turn_to_model: Rotation,
+    rotation_to_model: Rotation,
 }
 
-/// A body held by another.
-struct Held {
+/// A body constraint by another.
+struct BodyConstraint {
     joint: ImpulseJointHandle,
     limits: Limits,
     parent_from_frame: Rotation,
@@ -59,15 +59,15 @@ pub(crate) struct Fade {
 impl Fade {
     /// What is left of the ragdoll's weight: eased at both ends, 0 once it is over.
     pub(crate) fn weight(&self) -> f32 {
-        self.left(self.over_secs)
+        self.remaining(self.over_secs)
     }
 
     /// What is left of its hold against constraints.
-    fn grip(&self) -> f32 {
-        self.left(self.over_secs.min(GRIP_SECS))
+    fn model_override_weight(&self) -> f32 {
+        self.remaining(self.over_secs.min(MODEL_OVERRIDE_SECS))
     }
 
-    fn left(&self, over_secs: f32) -> f32 {
+    fn remaining(&self, over_secs: f32) -> f32 {
         if self.elapsed_secs >= over_secs {
             return 0.0;
         }
@@ -76,25 +76,25 @@ impl Fade {
     }
 }
 
-pub(crate) struct Doll {
+pub(crate) struct MemberRagdoll {
     pub(crate) member: Member,
     pub(crate) plan: Arc<RagdollPlan>,
     pub(crate) id: u64,
     /// Which bodies of the plan are limp; the others follow the clips.
     pub(crate) limp: Vec<bool>,
     bodies: Vec<RigidBodyHandle>,
-    held: Vec<Option<Held>>,
-    carried: Vec<Carried>,
+    constraints: Vec<Option<BodyConstraint>>,
+    carried: Vec<CarriedJoint>,
     /// The last reading, and how long it was after the one before.
     last: Snapshot,
     last_dt_secs: f32,
     pub(crate) fade: Option<Fade>,
     /// What overrides were last written for, while nothing moves.
-    settled_at: Option<populace::Placement>,
+    resting_placement: Option<populace::Placement>,
 }
 
-impl Doll {
-    pub(crate) fn is_whole(&self) -> bool {
+impl MemberRagdoll {
+    pub(crate) fn is_fully_limp(&self) -> bool {
         self.limp.iter().all(|l| *l)
     }
 
@@ -108,7 +108,12 @@ impl Doll {
 
     /// Where the bodies that follow clips go in the coming frame: as far again as in the last one,
     /// since the clips have not been evaluated for it yet.
-    pub(crate) fn drive(&mut self, world: &World, now: Snapshot, dt_secs: f32) -> Vec<Driven> {
+    pub(crate) fn drive(
+        &mut self,
+        world: &World,
+        now: Snapshot,
+        dt_secs: f32,
+    ) -> Vec<KinematicMove> {
         let mut driven = Vec::new();
         let times = dt_secs / self.last_dt_secs;
         for (index, body) in self.plan.bodies().iter().enumerate().filter(|(i, _)| !self.limp[*i]) {
@@ -116,8 +121,8 @@ impl Doll {
             else {
                 continue;
             };
-            let to = ahead(&self.last.pose(body.head), &now.pose(body.head), times, dt_secs);
-            driven.push(Driven { body: self.bodies[index], from, to });
+            let to = extrapolate(&self.last.pose(body.head), &now.pose(body.head), times, dt_secs);
+            driven.push(KinematicMove { body: self.bodies[index], from, to });
         }
         self.last = now;
         self.last_dt_secs = dt_secs;
@@ -159,23 +164,26 @@ impl Doll {
         world.physics.bodies.get_mut(self.bodies[body]).filter(|_| self.limp[body])
     }
 
-    /// How each held body is bent, with its limits.
-    pub(crate) fn bends<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Bend> + 'a {
-        self.held.iter().enumerate().filter_map(|(index, held)| {
-            let held = held.as_ref()?;
+    /// How each constraint body is bent, with its limits.
+    pub(crate) fn joint_angles<'a>(
+        &'a self,
+        world: &'a World,
+    ) -> impl Iterator<Item = JointAngles> + 'a {
+        self.constraints.iter().enumerate().filter_map(|(index, constraint)| {
+            let constraint = constraint.as_ref()?;
             let parent = self.plan.bodies()[index].parent?;
-            let upper = self.pose(world, parent).rotation * held.parent_from_frame;
-            let lower = self.pose(world, index).rotation * held.body_from_frame;
+            let upper = self.pose(world, parent).rotation * constraint.parent_from_frame;
+            let lower = self.pose(world, index).rotation * constraint.body_from_frame;
             let (twist_rad, swing_rad) = twist_and_swing(upper.inverse() * lower, Vector::X);
-            world.physics.impulse_joints.get(held.joint)?;
-            Some(Bend { body: index, twist_rad, swing_rad, limits: held.limits })
+            world.physics.impulse_joints.get(constraint.joint)?;
+            Some(JointAngles { body: index, twist_rad, swing_rad, limits: constraint.limits })
         })
     }
 }
 
 /// How far a body is turned against the one that it hangs on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bend {
+pub struct JointAngles {
     /// The body, by its place in [`RagdollPlan::bodies`].
     pub body: usize,
     /// About the hinge's axis or the body's own length, in radians.
@@ -190,9 +198,9 @@ pub struct Bend {
 
 /// So many times as far again as from `before` to `now`, or no further where that would be faster
 /// than anything goes.
-fn ahead(before: &Pose, now: &Pose, times: f32, dt_secs: f32) -> Pose {
+fn extrapolate(before: &Pose, now: &Pose, times: f32, dt_secs: f32) -> Pose {
     let step = (now.translation - before.translation) * times;
-    let turn = turn_between(before.rotation, now.rotation) * times;
+    let turn = rotation_vector_between(before.rotation, now.rotation) * times;
     if step.length() > FASTEST_M_PER_SEC * dt_secs || turn.length() > FASTEST_RAD_PER_SEC * dt_secs
     {
         return *now;

@@ -2,34 +2,37 @@
 
 use populace::{Affine, Crowd, JointIndex, JointOverride, Placement, Space, Trs};
 
-use super::{Carried, Doll};
+use super::{CarriedJoint, MemberRagdoll};
 use crate::Error;
-use crate::math::{Rotation, heading, joint_index, point_before, trs};
+use crate::math::{Rotation, inverse_transform_point, joint_index, trs, yaw_rotation};
 use crate::world::World;
 
-impl Carried {
+impl CarriedJoint {
     fn space(&self) -> Space {
         if self.parent.is_some() { Space::Local } else { Space::Model }
     }
 }
 
-impl Doll {
+impl MemberRagdoll {
     /// Writes where the joints are now, with what is left of the ragdoll's weight.
     pub(crate) fn write(&mut self, crowd: &mut Crowd, world: &World) -> Result<(), Error> {
         let place = crowd.placement(self.member)?;
-        let is_settled = self.fade.is_none() && self.is_whole() && self.is_asleep(world);
-        if is_settled && self.settled_at == Some(place) {
+        let is_resting = self.fade.is_none() && self.is_fully_limp() && self.is_asleep(world);
+        if is_resting && self.resting_placement == Some(place) {
             return Ok(());
         }
         let weight = self.weight();
-        let mut told: Vec<JointOverride> =
-            self.carried.iter().map(|carried| self.told(world, &place, carried, weight)).collect();
-        if self.is_whole() {
-            let last_words = self.last_words(&told);
-            told.extend(last_words);
+        let mut overrides: Vec<JointOverride> = self
+            .carried
+            .iter()
+            .map(|carried| self.joint_override(world, &place, carried, weight))
+            .collect();
+        if self.is_fully_limp() {
+            let model_overrides = self.model_overrides(&overrides);
+            overrides.extend(model_overrides);
         }
-        crowd.override_joints(self.member, &told)?;
-        self.settled_at = is_settled.then_some(place);
+        crowd.override_joints(self.member, &overrides)?;
+        self.resting_placement = is_resting.then_some(place);
         Ok(())
     }
 
@@ -43,20 +46,25 @@ impl Doll {
 
     /// Joints turn against their parents, keep the place and the scale that they had there, and so
     /// never come apart. Only where no body carries the parent is a joint told in model space.
-    fn told(
+    fn joint_override(
         &self,
         world: &World,
         place: &Placement,
-        carried: &Carried,
+        carried: &CarriedJoint,
         weight: f32,
     ) -> JointOverride {
         let pose = self.pose(world, carried.body);
-        let turn = pose.rotation * carried.body_from_joint;
+        let joint_rotation = pose.rotation * carried.body_from_joint;
         let joint = joint_index(carried.joint);
         let Some(parent) = carried.parent else {
             let world_from_model = place.world_from_model();
-            let at = point_before(&world_from_model, pose.transform_point(carried.place_in_body));
-            let rotation = (heading(place).inverse() * turn * carried.turn_to_model).normalize();
+            let at = inverse_transform_point(
+                &world_from_model,
+                pose.transform_point(carried.position_in_body),
+            );
+            let rotation =
+                (yaw_rotation(place).inverse() * joint_rotation * carried.rotation_to_model)
+                    .normalize();
             let transform = Trs {
                 translation: at.to_array(),
                 rotation: rotation.to_array(),
@@ -66,7 +74,8 @@ impl Doll {
         };
         let mut transform = carried.start;
         if self.plan.bodies()[carried.body].head == carried.joint {
-            let rotation = (self.turn_of(world, parent).inverse() * turn).normalize();
+            let rotation =
+                (self.world_rotation(world, parent).inverse() * joint_rotation).normalize();
             transform.rotation = rotation.to_array();
         }
         JointOverride { joint, space: carried.space(), transform, weight }
@@ -75,11 +84,11 @@ impl Doll {
     /// The same joints once more, in model space: that is the last word, so that no constraint
     /// plants a limp foot. It gives way soon when the member gets up, since joints blend well in
     /// local space alone. Sheared ones cannot be told so.
-    fn last_words(&self, told: &[JointOverride]) -> Vec<JointOverride> {
-        let weight = self.fade.map_or(1.0, |fade| fade.grip());
-        let mut models: Vec<Affine> = Vec::with_capacity(told.len());
-        let mut words = Vec::with_capacity(told.len());
-        for (carried, given) in self.carried.iter().zip(told) {
+    fn model_overrides(&self, local: &[JointOverride]) -> Vec<JointOverride> {
+        let weight = self.fade.map_or(1.0, |fade| fade.model_override_weight());
+        let mut models: Vec<Affine> = Vec::with_capacity(local.len());
+        let mut overrides = Vec::with_capacity(local.len());
+        for (carried, given) in self.carried.iter().zip(local) {
             let own = Affine::from_trs(&given.transform);
             let parent = carried
                 .parent
@@ -87,28 +96,28 @@ impl Doll {
             let model = parent.map_or(own, |at| models[at].mul(&own));
             models.push(model);
             let transform = trs(&model);
-            if parent.is_some() && is_near(&Affine::from_trs(&transform), &model) {
-                words.push(JointOverride { space: Space::Model, transform, weight, ..*given });
+            if parent.is_some() && is_same_linear_part(&Affine::from_trs(&transform), &model) {
+                overrides.push(JointOverride { space: Space::Model, transform, weight, ..*given });
             }
         }
-        words
+        overrides
     }
 
     /// The turn in the world of a joint that some body carries.
-    fn turn_of(&self, world: &World, joint: usize) -> Rotation {
+    fn world_rotation(&self, world: &World, joint: usize) -> Rotation {
         let Some(body) = self.plan.body_of(joint_index(joint)) else { return Rotation::IDENTITY };
-        let turn = self.pose(world, body).rotation;
+        let body_rotation = self.pose(world, body).rotation;
         if self.limp[body] {
             let at = self.carried.binary_search_by_key(&joint, |c| c.joint);
-            return at.map_or(turn, |at| turn * self.carried[at].body_from_joint);
+            return at.map_or(body_rotation, |at| body_rotation * self.carried[at].body_from_joint);
         }
         let head = self.plan.bodies()[body].head;
-        turn * self.last.model_turn(head).inverse() * self.last.model_turn(joint)
+        body_rotation * self.last.model_rotation(head).inverse() * self.last.model_rotation(joint)
     }
 }
 
 /// Whether two transforms turn and scale alike, as far as can be seen.
-fn is_near(a: &Affine, b: &Affine) -> bool {
+fn is_same_linear_part(a: &Affine, b: &Affine) -> bool {
     let both = a.rows.iter().flatten().zip(b.rows.iter().flatten());
     let largest = a.rows.iter().flat_map(|row| &row[..3]).fold(0.0f32, |most, v| most.max(v.abs()));
     both.enumerate()
