@@ -1,4 +1,4 @@
-//! One member's ragdoll: its bodies in the simulated world, and the joints that they carry.
+//! The ragdoll of one member: its bodies in the simulated world and the joints that they move.
 
 mod build;
 mod get_up;
@@ -17,31 +17,33 @@ use crate::{Limits, RagdollPlan};
 
 pub(crate) use build::BuildParams;
 
-/// As [`FASTEST_M_PER_SEC`], for turns.
+/// Largest plausible angular velocity, like [`FASTEST_M_PER_SEC`] for linear velocity.
 const FASTEST_RAD_PER_SEC: f32 = 40.0;
 
-/// For how long one who gets up still holds out against constraints, such as planted feet.
+/// Time in seconds from the start of getting up during which model-space overrides still prevail
+/// over constraints such as planted feet.
 const MODEL_OVERRIDE_SECS: f32 = 0.3;
 
-/// A joint that a limp body carries.
+/// A joint that is moved by a limp body.
 struct CarriedJoint {
     joint: usize,
     body: usize,
-    /// The joint's turn against its body's.
+    /// Rotation of the joint relative to its body.
     body_from_joint: Rotation,
-    /// Its parent, where a body carries that.
+    /// The parent joint, if a body moves it.
     parent: Option<usize>,
-    /// As it was at the start, relative to its parent, or to the model where no body carries the
-    /// parent.
+    /// Initial transform of the joint, relative to `parent`, or in model space if `parent` is
+    /// `None`.
     start: Trs,
-    /// Its place in the body, in the world's metres; only used without such a parent.
+    /// Position of the joint in the space of the body, in metres of the world. Used only if
+    /// `parent` is `None`.
     position_in_body: Vector,
-    /// From the joint's turn to the rotation of its model transform; they differ where scales
-    /// shear.
+    /// From the joint's rotation down the hierarchy to the rotation of its model transform. The two
+    /// differ if scales cause shear.
     rotation_to_model: Rotation,
 }
 
-/// A body constraint by another.
+/// The physics joint between a body and its parent body.
 struct BodyConstraint {
     joint: ImpulseJointHandle,
     limits: Limits,
@@ -49,7 +51,7 @@ struct BodyConstraint {
     body_from_frame: Rotation,
 }
 
-/// On the way back to clips.
+/// Progress of the blend back to the clips.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fade {
     pub(crate) elapsed_secs: f32,
@@ -57,12 +59,13 @@ pub(crate) struct Fade {
 }
 
 impl Fade {
-    /// What is left of the ragdoll's weight: eased at both ends, 0 once it is over.
+    /// Returns the remaining weight of the ragdoll, eased in and out. 0 once the blend has ended.
     pub(crate) fn weight(&self) -> f32 {
         self.remaining(self.over_secs)
     }
 
-    /// What is left of its hold against constraints.
+    /// Returns the weight of the model-space overrides, which fade out within
+    /// [`MODEL_OVERRIDE_SECS`].
     fn model_override_weight(&self) -> f32 {
         self.remaining(self.over_secs.min(MODEL_OVERRIDE_SECS))
     }
@@ -80,16 +83,16 @@ pub(crate) struct MemberRagdoll {
     pub(crate) member: Member,
     pub(crate) plan: Arc<RagdollPlan>,
     pub(crate) id: u64,
-    /// Which bodies of the plan are limp; the others follow the clips.
+    /// Whether each body of the plan is limp. The others follow the clips.
     pub(crate) limp: Vec<bool>,
     bodies: Vec<RigidBodyHandle>,
     constraints: Vec<Option<BodyConstraint>>,
     carried: Vec<CarriedJoint>,
-    /// The last reading, and how long it was after the one before.
+    /// The last snapshot, and the time from the one before in seconds.
     last: Snapshot,
     last_dt_secs: f32,
     pub(crate) fade: Option<Fade>,
-    /// What overrides were last written for, while nothing moves.
+    /// The placement for which overrides were last written, while all bodies are asleep.
     resting_placement: Option<populace::Placement>,
 }
 
@@ -106,8 +109,8 @@ impl MemberRagdoll {
         world.remove(self.id, &self.bodies);
     }
 
-    /// Where the bodies that follow clips go in the coming frame: as far again as in the last one,
-    /// since the clips have not been evaluated for it yet.
+    /// Returns the motion of the bodies that follow clips for the coming frame. It continues that
+    /// of the last frame, because the clips have not been evaluated for this frame yet.
     pub(crate) fn drive(
         &mut self,
         world: &World,
@@ -129,7 +132,7 @@ impl MemberRagdoll {
         driven
     }
 
-    /// The limp bodies in the world.
+    /// Returns the limp bodies in the world.
     fn limp_bodies<'a>(&'a self, world: &'a World) -> impl Iterator<Item = &'a RigidBody> {
         let limp = self.bodies.iter().zip(&self.limp).filter(|(_, limp)| **limp);
         limp.filter_map(|(body, _)| world.physics.bodies.get(*body))
@@ -139,15 +142,15 @@ impl MemberRagdoll {
         self.limp_bodies(world).all(RigidBody::is_sleeping)
     }
 
-    /// Kinetic and potential energy of the limp bodies, in joules; height 0 is where the latter is
-    /// 0.
+    /// Returns the kinetic plus potential energy of the limp bodies in joules. The potential energy
+    /// is relative to height 0.
     pub(crate) fn energy_j(&self, world: &World) -> f32 {
         let gravity = world.physics.gravity;
         let one = |b: &RigidBody| b.kinetic_energy() - b.mass() * gravity.dot(b.center_of_mass());
         self.limp_bodies(world).map(one).sum()
     }
 
-    /// A body's pose: that of the joint at its head, without scale.
+    /// Returns the pose of a body, which is that of its head joint without scale.
     fn pose(&self, world: &World, body: usize) -> Pose {
         world.physics.bodies.get(self.bodies[body]).map_or(Pose::IDENTITY, |b| *b.position())
     }
@@ -164,7 +167,7 @@ impl MemberRagdoll {
         world.physics.bodies.get_mut(self.bodies[body]).filter(|_| self.limp[body])
     }
 
-    /// How each constraint body is bent, with its limits.
+    /// Returns the angles of each limp body with a parent, and their limits.
     pub(crate) fn joint_angles<'a>(
         &'a self,
         world: &'a World,
@@ -181,23 +184,23 @@ impl MemberRagdoll {
     }
 }
 
-/// How far a body is turned against the one that it hangs on.
+/// Rotation of a body against its parent body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointAngles {
-    /// The body, by its place in [`RagdollPlan::bodies`].
+    /// Index of the body in [`RagdollPlan::bodies`].
     pub body: usize,
-    /// About the hinge's axis or the body's own length, in radians.
+    /// Rotation about the hinge axis or the body's own length, in radians.
     pub twist_rad: f32,
-    /// From the cone's middle, in radians; for a hinge, how far its axis is bent, which should be
+    /// Angle to the cone axis in radians. For a hinge, the deviation of its axis, which should be
     /// 0.
     pub swing_rad: f32,
-    /// What holds it: the plan's limits, widened where the body was already beyond them when it
-    /// went limp.
+    /// Limits of the simulation: those of the plan, widened if the body already exceeded them when
+    /// it went limp.
     pub limits: Limits,
 }
 
-/// So many times as far again as from `before` to `now`, or no further where that would be faster
-/// than anything goes.
+/// Extrapolates the motion from `before` to `now` by `times` of it. Returns `now` if that would be
+/// implausibly fast.
 fn extrapolate(before: &Pose, now: &Pose, times: f32, dt_secs: f32) -> Pose {
     let step = (now.translation - before.translation) * times;
     let turn = rotation_vector_between(before.rotation, now.rotation) * times;

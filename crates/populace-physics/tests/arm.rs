@@ -1,9 +1,9 @@
-//! A part of a member goes limp, and the rest goes on.
+//! A part of a member goes limp while the rest follows its clips.
 
 #![expect(
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "tests tell figures, and end where they cannot go on"
+    reason = "tests print measurements and panic on errors"
 )]
 
 mod common;
@@ -13,7 +13,7 @@ use populace::{Placement, Play};
 use populace_physics::{Error, State};
 
 #[test]
-fn an_arm_hangs_while_the_walk_goes_on_bit_for_bit() {
+fn limp_arm_hangs_and_other_joints_stay_bitwise_equal() {
     let mut stage = Stage::walking_man();
     let mut twin = Stage::walking_man();
     let (arm, hand) = (stage.joint("LeftUpperArm"), stage.joint("LeftHand"));
@@ -30,23 +30,23 @@ fn an_arm_hangs_while_the_walk_goes_on_bit_for_bit() {
         for joint in stage.skeleton().joints().filter(|j| !is_of_arm(&stage, *j)) {
             assert_eq!(joints[joint.index()], clips[joint.index()], "{joint:?} in frame {frame}");
         }
-        let upper = minus(stage.place(hand), stage.place(arm));
-        let clip = minus(twin.place(hand), twin.place(arm));
+        let upper = minus(stage.position(hand), stage.position(arm));
+        let clip = minus(twin.position(hand), twin.position(arm));
         swing = swing.max(length(minus(upper, clip)));
         if frame > 60 {
             assert!(upper[1] < -0.8 * length(upper), "the arm hangs: {upper:?} in frame {frame}");
         }
     }
-    println!("the hand is up to {swing} m from where the clip has it");
+    println!("the hand is up to {swing} m from its position in the clip");
     assert!(swing > 0.05);
     assert!(matches!(stage.ragdolls.state(stage.member), State::Limp { .. }));
     let head = stage.joint("Head");
     let refused = stage.ragdolls.push(stage.member, head, [1.0, 0.0, 0.0], None);
-    assert_eq!(refused, Err(Error::NotLimp), "the head follows clips");
+    assert_eq!(refused, Err(Error::NotLimp), "the head follows the clips");
 }
 
 #[test]
-fn the_arm_of_one_who_walks_along_goes_along() {
+fn limp_arm_follows_a_moving_member() {
     let mut stage = Stage::walking_man();
     let (arm, hand) = (stage.joint("RightUpperArm"), stage.joint("RightHand"));
     stage.ragdolls.go_limp_from(&stage.crowd, stage.member, &stage.plan, arm).unwrap();
@@ -61,7 +61,7 @@ fn the_arm_of_one_who_walks_along_goes_along() {
             .place(stage.member, Placement::at([0.0, 0.0, 1.4 * DT * frame as f32]))
             .unwrap();
         stage.crowd.update(DT).unwrap();
-        let (shoulder, hand) = (stage.place(arm), stage.place(hand));
+        let (shoulder, hand) = (stage.position(arm), stage.position(hand));
         let hang = minus(hand, shoulder);
         furthest = furthest.max(hang[2].abs());
         if let Some((hand_before, step_before)) = before {
@@ -73,14 +73,14 @@ fn the_arm_of_one_who_walks_along_goes_along() {
         }
     }
     println!(
-        "the hand strays {furthest} m along the way, and its speed changes by {worst} m/s a frame \
-         at most"
+        "the hand is at most {furthest} m ahead or behind, and its velocity changes by at most \
+         {worst} m/s per frame"
     );
     assert!(furthest < 0.5 && worst < 2.5);
 }
 
 #[test]
-fn parts_add_up_and_give_way_to_the_whole() {
+fn limp_parts_add_up_until_the_whole_is_limp() {
     let mut stage = Stage::walking_man();
     for name in ["LeftUpperArm", "RightUpperArm"] {
         let arm = stage.joint(name);
@@ -90,9 +90,9 @@ fn parts_add_up_and_give_way_to_the_whole() {
     assert_eq!(stage.ragdolls.joint_angles(stage.member).len(), 6);
     stage.go_limp();
     stage.frames(200);
-    assert!(stage.places()[0][1] < 0.4, "he lies");
+    assert!(stage.positions()[0][1] < 0.4, "he lies on the ground");
     let walk = stage.crowd.clip(stage.character, "Run").unwrap();
     stage.crowd.play(stage.member, walk, Play::looping()).unwrap();
     stage.frames(10);
-    assert!(stage.places()[0][1] < 0.4, "clips do not lift him");
+    assert!(stage.positions()[0][1] < 0.4, "clips do not move him");
 }

@@ -1,9 +1,9 @@
-//! Members that go limp as a whole: speed, pushes, limits, rest.
+//! Members that go limp as a whole: velocity, pushes, limits, rest.
 
 #![expect(
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "tests tell figures, and end where they cannot go on"
+    reason = "tests print measurements and panic on errors"
 )]
 
 mod common;
@@ -12,32 +12,33 @@ use common::{DT, GRAVITY, Stage, beyond_limits, chain, length, minus};
 use populace::{Feet, Foot, Placement};
 use populace_physics::{Ragdolls, State};
 
-/// How fast the built-in man walks in these tests, in m/s: the pace of his placement.
-const PACE_M_PER_SEC: f32 = 1.4;
+/// Speed of the built-in man's placement in m/s.
+const WALK_M_PER_SEC: f32 = 1.4;
 
-/// A frame in which the member is moved along, as locomotion would, until it is limp.
-fn pace(stage: &mut Stage, z: &mut f32) {
+/// Runs a frame that moves the placement, as locomotion would, until the member is limp.
+fn walk_frame(stage: &mut Stage, z: &mut f32) {
     stage.ragdolls.step(&mut stage.crowd, DT).unwrap();
     if !matches!(stage.ragdolls.state(stage.member), State::Limp { .. }) {
-        *z += PACE_M_PER_SEC * DT;
+        *z += WALK_M_PER_SEC * DT;
         stage.crowd.place(stage.member, Placement::at([0.0, 0.0, *z])).unwrap();
     }
     stage.crowd.update(DT).unwrap();
 }
 
-/// The largest change of joints' speeds in the world over four frames, in m/s, around one in which
-/// a member may have gone limp: of feet, which the ground may stop, and of all other joints.
-fn largest_jumps(frames_before: usize, limp: bool) -> [f32; 2] {
+/// Returns the largest change of joint velocities per frame in m/s over four frames, in which a
+/// member goes limp if `limp` is true: first of feet, which the ground may stop, then of all other
+/// joints.
+fn largest_velocity_changes(frames_before: usize, limp: bool) -> [f32; 2] {
     let mut stage = Stage::walking_man();
     let mut z = 0.0;
-    (0..frames_before).for_each(|_| pace(&mut stage, &mut z));
+    (0..frames_before).for_each(|_| walk_frame(&mut stage, &mut z));
     if limp {
         stage.go_limp();
     }
     let mut seen = Vec::new();
     for _ in 0..4 {
-        seen.push(stage.places()); // the third is the first that the simulation made
-        pace(&mut stage, &mut z);
+        seen.push(stage.positions()); // the third is the first simulated one
+        walk_frame(&mut stage, &mut z);
     }
     let mut worst: [f32; 2] = [0.0; 2];
     for joint in stage.skeleton().joints() {
@@ -52,12 +53,13 @@ fn largest_jumps(frames_before: usize, limp: bool) -> [f32; 2] {
 }
 
 #[test]
-fn the_first_steps_have_no_speed_jump() {
+fn first_simulated_frames_keep_the_velocity() {
     for frames_before in [3, 10, 17, 24, 31] {
-        let [walking, limp] = [false, true].map(|limp| largest_jumps(frames_before, limp));
+        let [walking, limp] =
+            [false, true].map(|limp| largest_velocity_changes(frames_before, limp));
         println!(
-            "after {frames_before} frames: feet, rest change by {limp:.2?} m/s a frame, \
-             {walking:.2?} while walking"
+            "after {frames_before} frames: feet and other joints change by {limp:.2?} m/s per \
+             frame, {walking:.2?} while walking"
         );
         let falling = 9.81 * DT;
         assert!(
@@ -68,8 +70,8 @@ fn the_first_steps_have_no_speed_jump() {
 }
 
 #[test]
-fn what_spins_goes_on_spinning() {
-    let turn = 0.05; // in a frame: 3 rad/s
+fn angular_velocity_is_kept() {
+    let turn = 0.05; // per frame: 3 rad/s
     let mut stage = Stage::new(chain(&[[0.0; 3]]), None, Placement::at([0.0, 5.0, 0.0]));
     stage.ragdolls = Ragdolls::new([0.0; 3]).unwrap();
     stage.go_limp();
@@ -90,7 +92,7 @@ fn what_spins_goes_on_spinning() {
         seen.push(rows[0][2].atan2(rows[2][2]));
     }
     let turns: Vec<f32> = seen.windows(2).map(|w| w[1] - w[0]).collect();
-    println!("it turns by {turns:.4?} rad a frame, and by {turn} before");
+    println!("it rotates by {turns:.4?} rad per frame, and by {turn} before");
     assert!(turns.iter().all(|t| (t - turn).abs() < 0.1 * turn));
 }
 
@@ -100,11 +102,11 @@ fn opposite_pushes_land_on_opposite_sides() {
     for push in [-120.0, 120.0] {
         let mut stage = Stage::walking_man();
         let (chest, hips) = (stage.joint("Spine4"), stage.joint("Pelvis"));
-        let from = stage.place(hips);
+        let from = stage.position(hips);
         stage.go_limp();
         stage.ragdolls.push(stage.member, chest, [push, 0.0, 0.0], None).unwrap();
         stage.frames(150);
-        landed.push(minus(stage.place(hips), from)[0]);
+        landed.push(minus(stage.position(hips), from)[0]);
     }
     println!("hips land at {landed:?} m along the push");
     assert!(landed[0] < -0.2 && landed[1] > 0.2, "{landed:?}");
@@ -119,29 +121,29 @@ fn joint_limits_hold_in_a_violent_fall() {
         let mut stage = Stage::walking_man();
         let chest = stage.joint("Spine4");
         stage.go_limp();
-        let [x, y, z] = stage.place(chest);
+        let [x, y, z] = stage.position(chest);
         stage.ragdolls.push(stage.member, chest, push, Some([x, y + 0.1 * up, z])).unwrap();
         stage.frames(2);
         for frame in 0..240 {
             stage.frame();
-            for bend in stage.ragdolls.joint_angles(stage.member) {
-                let beyond = beyond_limits(&bend);
-                assert!(beyond < 0.1, "frame {frame}: {bend:?}");
+            for angles in stage.ragdolls.joint_angles(stage.member) {
+                let beyond = beyond_limits(&angles);
+                assert!(beyond < 0.1, "frame {frame}: {angles:?}");
                 worst = worst.max(beyond);
             }
         }
     }
-    println!("limits are passed by {:.1} degrees at most", worst.to_degrees());
+    println!("limits are exceeded by at most {:.1} degrees", worst.to_degrees());
 }
 
 #[test]
-fn a_fallen_member_comes_to_rest_on_the_ground() {
+fn fallen_member_comes_to_rest_on_the_ground() {
     let mut stage = Stage::walking_man();
     stage.go_limp();
     stage.frames(360);
-    let before = stage.places();
+    let before = stage.positions();
     stage.frames(30);
-    let now = stage.places();
+    let now = stage.positions();
     let lowest = now.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
     let highest = now.iter().map(|p| p[1]).fold(f32::MIN, f32::max);
     let moved = now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
@@ -166,12 +168,12 @@ fn energy_does_not_grow() {
         grown = grown.max(now - least);
         least = least.min(now);
     }
-    println!("energy falls from {first} to {least} J and grows by {grown} J at most on the way");
+    println!("energy falls from {first} to {least} J and grows by at most {grown} J in between");
     assert!(least < 0.5 * first && grown < 0.02 * first);
 }
 
 #[test]
-fn the_same_twice() {
+fn simulation_is_deterministic() {
     let run = || {
         let mut stage = Stage::walking_man();
         let chest = stage.joint("Spine4");
@@ -184,16 +186,16 @@ fn the_same_twice() {
 }
 
 #[test]
-fn a_scaled_member_on_a_box_lies_on_it_and_keeps_its_lengths() {
+fn scaled_member_lies_on_a_box_and_keeps_bone_lengths() {
     let man = populace_cast::person(&populace_cast::Look::man()).unwrap();
     let mut stage = Stage::new(man, Some("Idle"), Placement::at([5.0, 1.0, 3.0]).scaled(0.5));
     stage.ragdolls.add_box([5.0, 0.5, 3.0], [2.0, 0.5, 2.0], 0.3).unwrap();
     let (knee, ankle) = (stage.joint("LeftShin"), stage.joint("LeftFoot"));
-    let shin = |stage: &mut Stage| length(minus(stage.place(knee), stage.place(ankle)));
+    let shin = |stage: &mut Stage| length(minus(stage.position(knee), stage.position(ankle)));
     let before = shin(&mut stage);
     stage.go_limp();
     stage.frames(240);
-    let lowest = stage.places().iter().map(|p| p[1]).fold(f32::MAX, f32::min);
+    let lowest = stage.positions().iter().map(|p| p[1]).fold(f32::MAX, f32::min);
     let after = shin(&mut stage);
     println!("lowest joint at {lowest} m, shin {before} then {after} m");
     assert!(lowest > 0.97 && lowest < 1.2 && (before - after).abs() < 1e-5);
@@ -210,11 +212,11 @@ fn two_members_fall_on_each_other() {
     stage.crowd.despawn(other).unwrap();
     stage.frames(2);
     assert_eq!(stage.ragdolls.state(other), State::Animated);
-    assert!(stage.places().iter().flatten().all(|v| v.is_finite()));
+    assert!(stage.positions().iter().flatten().all(|v| v.is_finite()));
 }
 
 #[test]
-fn constraints_do_not_move_who_is_limp() {
+fn planted_feet_do_not_move_a_limp_member() {
     let fall = |planted: bool| {
         let mut stage = Stage::walking_man();
         if planted {
@@ -233,20 +235,20 @@ fn constraints_do_not_move_who_is_limp() {
             stage.frames(2);
         }
         stage.frames(40);
-        stage.places()
+        stage.positions()
     };
-    let apart =
+    let distance =
         fall(true).iter().zip(&fall(false)).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
-    println!("joints are {apart} m apart at most");
-    assert!(apart < 1e-4);
+    println!("joints are at most {distance} m apart");
+    assert!(distance < 1e-4);
 }
 
 #[test]
-fn nothing_falls_without_gravity() {
+fn member_without_gravity_does_not_fall() {
     let mut stage = Stage::walking_man();
     stage.ragdolls = Ragdolls::new([0.0; 3]).unwrap();
     stage.go_limp();
     stage.frames(30);
-    let height = |s: &mut Stage| s.places()[0][1];
-    assert!(height(&mut stage) > 0.8, "{GRAVITY:?} is not what pulls here");
+    let height = |s: &mut Stage| s.positions()[0][1];
+    assert!(height(&mut stage) > 0.8, "{GRAVITY:?} must not apply");
 }

@@ -1,9 +1,9 @@
-//! Bad input gets errors, or is harmless.
+//! Invalid input is refused or harmless.
 
 #![expect(
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "tests tell figures, and end where they cannot go on"
+    reason = "tests print measurements and panic on errors"
 )]
 
 mod common;
@@ -15,7 +15,7 @@ use populace::{Crowd, Device, JointIndex, Placement};
 use populace_physics::{Error, RagdollPlan, Ragdolls, State};
 
 #[test]
-fn odd_skeletons_fall_and_stay_finite() {
+fn degenerate_skeletons_fall_and_stay_finite() {
     let still = [0.0; 3];
     let bone = [0.0, 0.4, 0.0];
     for steps in [
@@ -30,10 +30,10 @@ fn odd_skeletons_fall_and_stay_finite() {
         let first = stage.plan.bodies()[0].joint();
         stage.ragdolls.push(stage.member, first, [1.0, 0.0, 0.0], None).unwrap();
         stage.frames(120);
-        let places = stage.places();
-        let (bodies, low) = (stage.plan.bodies().len(), places[first.index()][1]);
+        let positions = stage.positions();
+        let (bodies, low) = (stage.plan.bodies().len(), positions[first.index()][1]);
         println!("{} joints: {bodies} bodies, the first at {low} m", steps.len());
-        assert!(places.iter().flatten().all(|v| v.is_finite()) && low < 1.0);
+        assert!(positions.iter().flatten().all(|v| v.is_finite()) && low < 1.0);
         stage.ragdolls.get_up(&mut stage.crowd, stage.member, 0.1).unwrap();
         stage.frames(10);
         assert_eq!(stage.ragdolls.state(stage.member), State::Animated);
@@ -41,7 +41,7 @@ fn odd_skeletons_fall_and_stay_finite() {
 }
 
 #[test]
-fn numbers_that_would_poison_are_refused() {
+fn non_finite_and_negative_numbers_are_refused() {
     let bad = |result: Result<(), Error>| {
         assert!(matches!(result, Err(Error::BadValue { .. })), "{result:?}")
     };
@@ -60,13 +60,13 @@ fn numbers_that_would_poison_are_refused() {
     stage.ragdolls.push(stage.member, hips, [1e30, 0.0, 0.0], None).unwrap();
     stage.frames(30);
     assert!(
-        stage.places().iter().flatten().all(|v| v.is_finite()),
-        "an absurd push moves it, and no more"
+        stage.positions().iter().flatten().all(|v| v.is_finite()),
+        "a huge push keeps all joints finite"
     );
 }
 
 #[test]
-fn members_and_plans_that_do_not_fit_are_refused() {
+fn mismatched_members_and_plans_are_refused() {
     let mut stage = Stage::walking_man();
     let hips = stage.joint("Pelvis");
     let push = stage.ragdolls.push(stage.member, hips, [1.0; 3], None);
@@ -79,19 +79,19 @@ fn members_and_plans_that_do_not_fit_are_refused() {
     assert_eq!(refused, Err(Error::NoBody { joint: 99 }));
     let mut elsewhere = Crowd::builder().device(Device::native()).capacity(1).build().unwrap();
     let character = elsewhere.add_character(chain(&[[0.0; 3]])).unwrap();
-    let stranger = elsewhere.spawn(character, Placement::at([0.0; 3])).unwrap();
-    let refused = stage.ragdolls.go_limp(&stage.crowd, stranger, &stage.plan);
+    let foreign_member = elsewhere.spawn(character, Placement::at([0.0; 3])).unwrap();
+    let refused = stage.ragdolls.go_limp(&stage.crowd, foreign_member, &stage.plan);
     let unknown = populace::Error::UnknownId { what: "member", index: 0 };
     assert_eq!(refused, Err(Error::Crowd(unknown)));
 }
 
 #[test]
-fn a_long_frame_and_one_of_no_length_are_harmless() {
+fn long_and_empty_frames_are_harmless() {
     let mut stage = Stage::walking_man();
     stage.go_limp();
     for dt in [DT, 0.0, DT, 0.0, 1000.0, DT, 1e-6, DT] {
         stage.ragdolls.step(&mut stage.crowd, dt).unwrap();
         stage.crowd.update(dt).unwrap();
     }
-    assert!(stage.places().iter().flatten().all(|v| v.is_finite() && v.abs() < 50.0));
+    assert!(stage.positions().iter().flatten().all(|v| v.is_finite() && v.abs() < 50.0));
 }

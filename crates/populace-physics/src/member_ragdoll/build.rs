@@ -1,4 +1,4 @@
-//! Putting a ragdoll into the world, with the pose and the speed that its member has.
+//! Creation of a ragdoll with the pose and velocity of its member.
 
 use std::sync::Arc;
 
@@ -19,18 +19,18 @@ use crate::snapshot::{FASTEST_M_PER_SEC, Snapshot};
 use crate::world::{World, pack_owner};
 use crate::{Limits, RagdollPlan};
 
-/// Flesh takes speed away, about this part of it each second.
+/// Fraction of the velocity that is lost per second, approximately.
 const LINEAR_DAMPING_PER_SEC: f32 = 0.05;
 const ANGULAR_DAMPING_PER_SEC: f32 = 1.0;
-/// A body's least moment of inertia, as a part of its greatest.
+/// Least moment of inertia of a body, relative to its greatest.
 const LEAST_INERTIA: f32 = 0.3;
-/// Bodies whose axes are nearer than this many times their radii at the start pass through each
-/// other from then on.
+/// Factor on the sum of two radii. Bodies whose axes are nearer than that at the start never
+/// collide with each other.
 const OVERLAP_FACTOR: f32 = 1.05;
-/// What is beyond its limits when it goes limp may stay so, and this little more, in radians.
+/// Slack in radians that is added to limits that the clip exceeds when the member goes limp.
 const SLACK_RAD: f32 = 0.01;
 
-/// What a ragdoll is built from.
+/// The inputs for a ragdoll.
 pub(crate) struct BuildParams<'a> {
     pub(crate) member: Member,
     pub(crate) skeleton: &'a Skeleton,
@@ -39,11 +39,11 @@ pub(crate) struct BuildParams<'a> {
     pub(crate) limp: Vec<bool>,
     pub(crate) before: &'a Snapshot,
     pub(crate) now: Snapshot,
-    /// Between the two.
+    /// Time from `before` to `now`.
     pub(crate) dt_secs: f32,
 }
 
-/// A capsule in the world.
+/// A capsule in world space.
 #[derive(Clone, Copy)]
 struct Capsule {
     from: Vector,
@@ -78,7 +78,7 @@ impl MemberRagdoll {
     }
 }
 
-/// A body's capsule as the member holds it now, no thicker than what is between it and the ground.
+/// Returns the current capsule of a body, with the radius reduced to its distance from the floor.
 fn capsule(params: &BuildParams, world: &World, body: usize) -> Capsule {
     let body = &params.plan.bodies()[body];
     let from = params.now.point(body.head, body.from);
@@ -129,7 +129,7 @@ fn add_body(
     world.add_body(dynamic, shape)
 }
 
-/// Those of the capsule, with what it lacks to its least moment of inertia.
+/// Returns the mass properties of the capsule, with its moments of inertia raised to a minimum.
 fn mass_properties(
     from: Vector,
     to: Vector,
@@ -146,7 +146,7 @@ fn mass_properties(
     MassProperties::with_principal_inertia_frame(properties.local_com, mass_kg, eased, frame)
 }
 
-/// Pairs of bodies that touch each other now.
+/// Returns the pairs of bodies that never collide: those that are connected or overlap now.
 fn overlaps(plan: &RagdollPlan, capsules: &[Capsule]) -> Vec<(u16, u16)> {
     let mut pairs = Vec::new();
     for (b, two) in (0u16..).zip(capsules) {
@@ -160,8 +160,8 @@ fn overlaps(plan: &RagdollPlan, capsules: &[Capsule]) -> Vec<(u16, u16)> {
     pairs
 }
 
-/// The distance between two capsules' axes (Ericson, Real-Time Collision Detection, 2005, section
-/// 5.1.9).
+/// Returns the distance between the axes of two capsules (Ericson, Real-Time Collision Detection,
+/// 2005, section 5.1.9).
 fn axis_distance(one: &Capsule, two: &Capsule) -> f32 {
     let (d1, d2, r) = (one.to - one.from, two.to - two.from, one.from - two.from);
     let (a, e, f) = (d1.dot(d1).max(1e-12), d2.dot(d2).max(1e-12), d2.dot(r));
@@ -174,7 +174,7 @@ fn axis_distance(one: &Capsule, two: &Capsule) -> f32 {
     (one.from + d1 * s).distance(two.from + d2 * t)
 }
 
-/// Hangs a limp body on the one above it, where both are now.
+/// Connects a limp body to its parent at their current poses.
 fn connect(
     params: &BuildParams,
     world: &mut World,
@@ -195,14 +195,14 @@ fn connect(
     let joint =
         world.physics.insert_impulse_joint(bodies[index], bodies[parent], joint(limits, frames));
     if let Limits::Cone { twist_rad, .. } = limits {
-        let seen_from_above = twist_limit(twist_rad, frames);
-        world.physics.insert_impulse_joint(bodies[parent], bodies[index], seen_from_above);
+        let upper_twist = twist_limit(twist_rad, frames);
+        world.physics.insert_impulse_joint(bodies[parent], bodies[index], upper_twist);
     }
     Some(BodyConstraint { joint, limits, parent_from_frame, body_from_frame: plan.head_from_frame })
 }
 
-/// The upper frame, and limits that connect now: a hinge's axis goes where the clip holds it, and
-/// limits that the clip breaks are widened, so that nothing snaps.
+/// Returns the upper frame and the limits to use. The hinge axis is that of the current pose, and
+/// limits that the pose exceeds are widened, so that nothing snaps.
 fn fitted(params: &BuildParams, plan: &JointDef, upper: &Pose, now: &Pose) -> (Rotation, Limits) {
     let carrier = params.now.rotation(plan.carrier) * plan.carrier_from_frame;
     let frame = now.rotation * plan.head_from_frame;
@@ -227,8 +227,8 @@ fn widened([least, most]: [f32; 2], now: f32) -> [f32; 2] {
     [least, if now > most { now + SLACK_RAD } else { most }]
 }
 
-/// Rapier holds a turn against the first body's axis, so the constraints body comes first: turning it
-/// about its own length is then constraints rightly however far it swings.
+/// Builds the joint with the lower body first. Rapier measures the twist about the axis of the
+/// first body, so the twist about the lower body's own length stays correct for any swing.
 fn joint(limits: Limits, [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     let frames = |axes| {
         let joint =
@@ -247,16 +247,16 @@ fn joint(limits: Limits, [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     }
 }
 
-/// The same twist constraints against the upper body's axis. Without it, what rolls around its cone twists
-/// unheld, since neither axis alone is the one that a twist is measured about: that lies between
-/// them.
+/// Limits the same twist about the axis of the upper body. Without this second joint, a body that
+/// rolls around its cone can twist without limit: the axis of the actual twist lies between those
+/// of the two bodies.
 fn twist_limit(twist_rad: [f32; 2], [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     let joint = GenericJointBuilder::new(JointAxesMask::empty());
     let joint = joint.local_frame1(upper_frame).local_frame2(body_frame).contacts_enabled(false);
     joint.limits(JointAxis::AngX, twist_rad).build()
 }
 
-/// How a joint goes along with a limp body.
+/// Returns how a limp body moves `joint`, or `None` if no limp body does.
 fn carried_joint(params: &BuildParams, joint: JointIndex) -> Option<CarriedJoint> {
     let body = params.plan.body_of(joint).filter(|&b| params.limp[b])?;
     let parent = params.skeleton.parent(joint);

@@ -1,4 +1,4 @@
-//! Where a member stands that gets up from where it lies.
+//! Placement of a member that gets up.
 
 use populace::Placement;
 
@@ -6,13 +6,13 @@ use super::MemberRagdoll;
 use crate::math::{Rotation, Vector};
 use crate::world::World;
 
-/// How far below the hips a floor is looked for, in metres, for a member of scale 1.
+/// Depth below the hips in which a floor is searched, in metres for a member of scale 1.
 const FLOOR_WITHIN_M: f32 = 4.0;
 
 impl MemberRagdoll {
-    /// The placement whose rest pose has its hips over or under where they are now, and faces where
-    /// the body does once it is set upright by the shortest turn: one that lies on its back gets up
-    /// towards its feet.
+    /// Returns the placement whose rest pose has the hips above or below their current position and
+    /// the heading of the body after the shortest rotation to upright. So a member that lies on its
+    /// back gets up towards its feet.
     pub(crate) fn placement_to_get_up(&self, placement: Placement, world: &World) -> Placement {
         let hips = self.root_pose(world);
         let (rest_rotation, rest_position) = self.plan.rest();

@@ -1,4 +1,4 @@
-//! What the crowd is told of a ragdoll.
+//! Joint overrides of a ragdoll.
 
 use populace::{Affine, Crowd, JointIndex, JointOverride, Placement, Space, Trs};
 
@@ -14,7 +14,7 @@ impl CarriedJoint {
 }
 
 impl MemberRagdoll {
-    /// Writes where the joints are now, with what is left of the ragdoll's weight.
+    /// Writes the current joint overrides with the remaining weight of the ragdoll.
     pub(crate) fn write(&mut self, crowd: &mut Crowd, world: &World) -> Result<(), Error> {
         let place = crowd.placement(self.member)?;
         let is_resting = self.fade.is_none() && self.is_fully_limp() && self.is_asleep(world);
@@ -36,7 +36,7 @@ impl MemberRagdoll {
         Ok(())
     }
 
-    /// Gives the joints back to the clips.
+    /// Releases all overrides, so that the clips move the joints again.
     pub(crate) fn release(&self, crowd: &mut Crowd) -> Result<(), Error> {
         let joints: Vec<JointIndex> = self.carried.iter().map(|c| joint_index(c.joint)).collect();
         crowd.release_joints(self.member, Space::Local, &joints)?;
@@ -44,8 +44,9 @@ impl MemberRagdoll {
         Ok(())
     }
 
-    /// Joints turn against their parents, keep the place and the scale that they had there, and so
-    /// never come apart. Only where no body carries the parent is a joint told in model space.
+    /// Returns the local override of a joint: its rotation against the parent, with unchanged
+    /// translation and scale, so that joints never come apart. If no body moves the parent, returns
+    /// an override in model space.
     fn joint_override(
         &self,
         world: &World,
@@ -81,9 +82,10 @@ impl MemberRagdoll {
         JointOverride { joint, space: carried.space(), transform, weight }
     }
 
-    /// The same joints once more, in model space: that is the last word, so that no constraint
-    /// plants a limp foot. It gives way soon when the member gets up, since joints blend well in
-    /// local space alone. Sheared ones cannot be told so.
+    /// Returns the same joint transforms as overrides in model space. These are applied last, so
+    /// that no constraint such as a planted foot moves a limp joint. They fade out early when the
+    /// member gets up, because only local overrides blend well. Joints whose model transform has
+    /// shear are left out.
     fn model_overrides(&self, local: &[JointOverride]) -> Vec<JointOverride> {
         let weight = self.fade.map_or(1.0, |fade| fade.model_override_weight());
         let mut models: Vec<Affine> = Vec::with_capacity(local.len());
@@ -103,7 +105,7 @@ impl MemberRagdoll {
         overrides
     }
 
-    /// The turn in the world of a joint that some body carries.
+    /// Returns the rotation in world space of a joint that some body moves.
     fn world_rotation(&self, world: &World, joint: usize) -> Rotation {
         let Some(body) = self.plan.body_of(joint_index(joint)) else { return Rotation::IDENTITY };
         let body_rotation = self.pose(world, body).rotation;
@@ -116,7 +118,7 @@ impl MemberRagdoll {
     }
 }
 
-/// Whether two transforms turn and scale alike, as far as can be seen.
+/// Returns whether the 3x3 parts of two transforms agree within a relative tolerance of 0.001.
 fn is_same_linear_part(a: &Affine, b: &Affine) -> bool {
     let both = a.rows.iter().flatten().zip(b.rows.iter().flatten());
     let largest = a.rows.iter().flat_map(|row| &row[..3]).fold(0.0f32, |most, v| most.max(v.abs()));

@@ -1,4 +1,4 @@
-//! How far each body may turn against the one that it hangs on.
+//! Rotation limits of bodies.
 
 use super::names::{JointKind, joint_kind_from_name};
 use super::rest::Rest;
@@ -7,22 +7,22 @@ use super::shape::Capsule;
 use super::{JointDef, Limits};
 use crate::math::{Rotation, Vector, joint_index};
 
-/// A bend at rest from which on its direction tells how the joint joint_angles.
+/// Least bend at rest that determines the bending direction of a hinge.
 const CLEAR_BEND_RAD: f32 = 0.1;
-/// How far a knee or an elbow gives beyond straight.
+/// Angle by which knees and elbows bend beyond straight.
 const BEYOND_STRAIGHT_RAD: f32 = 0.035;
 const MOST_BEND_RAD: f32 = 2.53;
 
-/// What a limb is.
+/// Kind of a limb.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Limb {
     Leg,
     Arm,
-    /// A neck or a tail.
+    /// On the axis of the body: a neck or a tail.
     Axial,
 }
 
-/// What is known of a body when its limits are chosen.
+/// The inputs for limits, with the orientation and vertical range of the body.
 pub(super) struct Anatomy<'a> {
     pub(super) rest: &'a Rest<'a>,
     pub(super) bodies: &'a [SelectedBody],
@@ -48,7 +48,7 @@ impl<'a> Anatomy<'a> {
         anatomy
     }
 
-    /// Feet point to the front; without feet that is +Z.
+    /// Returns the direction of the feet, or +Z without feet.
     fn find_front(&self) -> Vector {
         let mut front = Vector::ZERO;
         for (index, capsule) in self.capsules.iter().enumerate() {
@@ -60,7 +60,8 @@ impl<'a> Anatomy<'a> {
         if front.length() > 0.05 * self.rest.size { front.normalize() } else { Vector::Z }
     }
 
-    /// A body's place in its limb, counted from the trunk, and how many bodies the limb has.
+    /// Returns the index of a body in its limb, counted from the trunk, and the number of bodies of
+    /// the limb.
     fn index_in_limb(&self, body: usize) -> (usize, usize) {
         let mut before = 0;
         let mut at = body;
@@ -71,7 +72,7 @@ impl<'a> Anatomy<'a> {
         (before, before + self.limb_from(body).len())
     }
 
-    /// The bodies of a limb from one to its end.
+    /// Returns the bodies from `body` to the end of its limb.
     fn limb_from(&self, body: usize) -> Vec<usize> {
         let mut limb = vec![body];
         let mut at = body;
@@ -104,7 +105,7 @@ impl<'a> Anatomy<'a> {
         if is_aside && self.has_mirror_limb(first) { Limb::Arm } else { Limb::Axial }
     }
 
-    /// Whether another limb of the same length begins at the same body.
+    /// Returns whether another limb of the same length starts at the same body.
     fn has_mirror_limb(&self, first: usize) -> bool {
         let length = self.limb_from(first).len();
         let siblings =
@@ -139,7 +140,7 @@ impl<'a> Anatomy<'a> {
             (Limb::Leg, _) => Some(JointKind::Knee),
             (Limb::Arm, _) => Some(JointKind::Elbow),
         };
-        // Animals' forelegs carry the names of arms, but stand on the ground.
+        // Forelegs of animals have the names of arms, but they reach the ground.
         match (named, shaped) {
             (Some(JointKind::Elbow), Some(JointKind::Knee))
             | (Some(JointKind::Shoulder), Some(JointKind::Hip)) => shaped,
@@ -148,7 +149,7 @@ impl<'a> Anatomy<'a> {
         }
     }
 
-    /// The joint_def of a body on the one that it hangs on.
+    /// Returns the joint definition between a body and its parent.
     pub(super) fn joint_def(&self, body: usize) -> JointDef {
         let bone = self.bone(body);
         let away = self.capsules[body].from - self.rest.positions[self.bodies[0].head];
@@ -178,8 +179,8 @@ impl<'a> Anatomy<'a> {
 
     fn cone(&self, body: usize, centre: Vector, swing: f32, twist: f32) -> JointDef {
         let bone = self.bone(body);
-        // A body that rests far from where people's do, such as an animal's, swings about its own
-        // rest.
+        // If the bone at rest is outside the usual cone of people, as with animals, the cone is
+        // centred on the bone.
         let is_within = centre.angle_between(bone) < swing - 0.15;
         let centre = if is_within { centre } else { bone };
         let frame = Rotation::from_rotation_arc(Vector::X, centre);
@@ -207,7 +208,7 @@ impl<'a> Anatomy<'a> {
         )
     }
 
-    /// Frames in model space, told from the joints that carry them.
+    /// Converts frames from model space to the spaces of the joints that they rotate with.
     fn joint_def_from_model(
         &self,
         body: usize,

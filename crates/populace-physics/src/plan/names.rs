@@ -1,19 +1,19 @@
-//! What names tell, where they tell anything: geometry decides the rest.
+//! Known words in joint names. Geometry decides where names say nothing.
 
-/// Things that a body carries, and joints that only steer others. Their subtrees stay with the body
-/// that they hang on.
+/// Words for props and for joints that only control others. Their subtrees belong to the body of
+/// the parent.
 const PROPS: &[&str] = &[
     "sword", "shield", "cape", "weapon", "prop", "helmet", "hat", "axe", "staff", "wand", "book",
     "dagger", "gun", "bow", "control", "ctrl", "pole", "target",
 ];
 
-/// Joints along a bone: never bodies of their own.
+/// Words for joints along a bone, which never start a body.
 const HELPERS: &[&str] = &["twist", "roll", "helper"];
 
-/// Joints that lie within the chest, unless the name means the arm itself.
+/// Words for joints inside the chest, which some rigs also use for the upper arm.
 const GIRDLE: &[&str] = &["shoulder", "clavicle", "collar"];
 
-/// What a name says about a limb's joint.
+/// Kind of a limb joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum JointKind {
     Knee,
@@ -24,7 +24,8 @@ pub(super) enum JointKind {
     Wrist,
 }
 
-/// The words of a name, lower case: they end at whatever is no letter, and before a capital.
+/// Splits a name into lower-case words. A word ends at a character that is not a letter, and before
+/// a capital.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut after_small = false;
@@ -59,7 +60,7 @@ pub(super) fn is_girdle(name: &str) -> bool {
     GIRDLE.iter().any(|joint_kind_from_name| lower.contains(joint_kind_from_name))
 }
 
-/// What the joint at the head of a body is, if its name says so in one of the usual ways.
+/// Returns the kind of a joint if its name contains a usual word for it.
 pub(super) fn joint_kind_from_name(name: &str) -> Option<JointKind> {
     let letters: String = name.to_lowercase().chars().filter(char::is_ascii_alphabetic).collect();
     let has = |words: &[&str]| {

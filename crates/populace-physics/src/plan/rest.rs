@@ -1,31 +1,35 @@
-//! The skeleton at rest, measured.
+//! Measurements of a skeleton in its rest pose.
 
 use populace::core::{Affine, JointIndex, Skeleton};
 
 use super::names;
 use crate::math::{Rotation, Vector, origin};
 
-/// Vertices that stray less than this part of the body's size make no body part.
+/// Least reach of a joint's vertices, relative to the body size, for the joint to count as
+/// deforming.
 const MIN_REACH: f32 = 0.005;
 
-/// A skeleton at rest in model space, and joint_kind of it has deforming_count.
+/// A skeleton in its rest pose in model space, with measurements of its deforming joints.
 pub(super) struct Rest<'a> {
     pub(super) skeleton: &'a Skeleton,
     pub(super) model_from_joint: Vec<Affine>,
-    /// Rotations alone, without joint_kind scales do to them.
+    /// Rotations down the hierarchy, without the effect of scales.
     pub(super) rotations: Vec<Rotation>,
     pub(super) positions: Vec<Vector>,
     pub(super) parents: Vec<Option<usize>>,
     pub(super) children: Vec<Vec<usize>>,
-    /// How far each joint's vertices lie from it, but no further than deforming_count does.
+    /// Distance of each joint's farthest vertex in metres, limited to the plausible thickness of a
+    /// body.
     pub(super) reach: Vec<f32>,
-    /// Whether the skeleton tells reaches at all.
+    /// Whether the skeleton has reaches at all.
     pub(super) knows_reach: bool,
-    /// Joints of each subtree that move vertices and are neither props nor controls.
+    /// Number of deforming joints in each subtree: those that move vertices and are neither props
+    /// nor controls.
     pub(super) deforming_count: Vec<usize>,
-    /// How far each subtree's deforming_count stretches from its first joint.
+    /// Largest distance in metres from each joint to the deforming joints below it, including their
+    /// reach.
     pub(super) extent: Vec<f32>,
-    /// The larger sides of the box around the deforming_count, on average, in metres.
+    /// Mean of the two larger sides of the bounding box of all deforming joints, in metres.
     pub(super) size: f32,
 }
 
@@ -108,7 +112,7 @@ impl<'a> Rest<'a> {
             _ => self.skeleton.size_m(),
         };
         for reach in &mut self.reach {
-            *reach = reach.min(0.2 * self.size); // capes and swords reach far, and are no deforming_count
+            *reach = reach.min(0.2 * self.size); // capes and swords reach too far
         }
         self.measure_extents();
     }
@@ -132,13 +136,12 @@ impl<'a> Rest<'a> {
         }
     }
 
-    /// The children whose subtrees have deforming_count.
+    /// Returns the children whose subtrees have deforming joints.
     pub(super) fn deforming_children(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
         self.children[joint].iter().copied().filter(|&c| self.deforming_count[c] > 0)
     }
 
-    /// The length of a joint's own bone_length: as far as the child with the largest subtree, 0 for a
-    /// leaf.
+    /// Returns the distance to the child with the largest subtree, or 0 for a leaf.
     pub(super) fn bone_length(&self, joint: usize) -> f32 {
         let main = self
             .deforming_children(joint)

@@ -1,28 +1,28 @@
-//! Which joints get a body of their own, and which body carries each of the others.
+//! Selection of the joints that start bodies, and assignment of all other joints to bodies.
 
 use super::names;
 use super::rest::Rest;
 
-/// A joint nearer than this part of the body's size to the head of the body above it moves with
-/// that body.
+/// Least distance of a joint from the head of the parent body, relative to the body size, to start
+/// a body of its own.
 const MIN_SPACING: f32 = 0.1;
-/// The same for joints without children.
+/// Like [`MIN_SPACING`], for joints without children.
 const MIN_LEAF_SPACING: f32 = 0.12;
-/// A bone_length as long as this part of the size is a body wherever it begins: thighs begin near the
-/// hips' own joint.
+/// Length of a bone, relative to the body size, from which it always is a body. Thighs need this,
+/// since they start near the joint of the hips.
 const LONG_BONE: f32 = 0.18;
-/// A subtree smaller than this part of the size is no body.
+/// Least extent of a subtree, relative to the body size, to become a body.
 const MIN_EXTENT: f32 = 0.06;
-/// A joint whose vertices reach this part of the size is part of the trunk, not only above it.
+/// Reach of a joint's vertices, relative to the body size, above which it belongs to the trunk.
 const TRUNK_REACH: f32 = 0.03;
 
-/// A body to be: the joint at its head, and the body that it hangs on.
+/// A selected body: its head joint and its parent body.
 pub(super) struct SelectedBody {
     pub(super) head: usize,
     pub(super) parent: Option<usize>,
 }
 
-/// Bodies, parents first, and for each joint the body that carries it.
+/// Returns the bodies, parents first, and the body of each joint.
 pub(super) fn select(rest: &Rest) -> (Vec<SelectedBody>, Vec<Option<usize>>) {
     let root = root(rest);
     let mut bodies = vec![SelectedBody { head: root, parent: None }];
@@ -39,8 +39,8 @@ pub(super) fn select(rest: &Rest) -> (Vec<SelectedBody>, Vec<Option<usize>>) {
     (bodies, body_of)
 }
 
-/// Flesh outside the trunk's subtree, such as feet that only constraints joint_def to their legs, hangs
-/// on joint_kind is nearest.
+/// Assigns deforming joints outside the trunk's subtree to the nearest body. Examples are feet that
+/// are tied to their legs only by constraints of the modelling program.
 fn select_outside(rest: &Rest, bodies: &mut Vec<SelectedBody>, body_of: &mut [Option<usize>]) {
     let inside: Vec<usize> = (0..body_of.len()).filter(|&j| body_of[j].is_some()).collect();
     for joint in 0..body_of.len() {
@@ -68,7 +68,7 @@ fn add(bodies: &mut Vec<SelectedBody>, head: usize, parent: usize) -> usize {
     bodies.len() - 1
 }
 
-/// Where the trunk begins: below joints that move nothing and only lead there.
+/// Returns the joint where the trunk starts, skipping joints above it that move no vertices.
 fn root(rest: &Rest) -> usize {
     let roots = (0..rest.positions.len()).filter(|&j| rest.parents[j].is_none());
     let mut joint = roots.max_by_key(|&j| (rest.deforming_count[j], usize::MAX - j)).unwrap_or(0);

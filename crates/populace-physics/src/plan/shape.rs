@@ -1,16 +1,16 @@
-//! How long and thick bodies are, and joint_kind they weigh.
+//! Lengths, radii and masses of bodies.
 
 use super::rest::Rest;
 use super::select::SelectedBody;
 use crate::math::Vector;
 
-/// The mass of a person of 1.8 m, in kg; others go by the cube of their size.
+/// Mass in kg of a person of [`PERSON_M`]. Other masses are proportional to the cube of the size.
 const PERSON_KG: f32 = 75.0;
 const PERSON_M: f32 = 1.8;
-/// From the mean of how tall and how wide a person's joints stand to how tall the person is.
+/// Ratio of the height of a person to [`Rest::size`], the mean of height and width between joints.
 const HEIGHT_FROM_SIZE: f32 = 1.2;
 
-/// A capsule in model space at rest.
+/// A capsule at rest in model space.
 pub(super) struct Capsule {
     pub(super) from: Vector,
     pub(super) to: Vector,
@@ -24,8 +24,8 @@ impl Capsule {
     }
 }
 
-/// Which bodies form the trunk: the first one, those that several hang on, and those between. A
-/// body with a twin on the other side is a limb, whatever hangs on it.
+/// Returns which bodies form the trunk: the first one, those with several children, and those
+/// between. A body with a mirrored sibling is part of a limb even if it has several children.
 pub(super) fn trunk(rest: &Rest, bodies: &[SelectedBody]) -> Vec<bool> {
     let mut forks = vec![false; bodies.len()];
     let mut child_count = vec![0; bodies.len()];
@@ -86,8 +86,8 @@ pub(super) fn capsules(
     bodies.iter().enumerate().map(one).collect()
 }
 
-/// The last body of a limb goes to its farthest joint and on, or straight on where it has no more
-/// joints.
+/// Returns the capsule of the last body of a limb. It reaches to the body's farthest joint and
+/// beyond; without further joints, it continues straight.
 fn leaf(rest: &Rest, index: usize, bodies: &[SelectedBody], body_of: &[Option<usize>]) -> Capsule {
     let body = &bodies[index];
     let from = rest.positions[body.head];
@@ -106,9 +106,9 @@ fn leaf(rest: &Rest, index: usize, bodies: &[SelectedBody], body_of: &[Option<us
     Capsule { from, to, radius }
 }
 
-/// Masses in kg, shared out by volume. What is light between heavy parts would tremble, so short
-/// bodies of the trunk weigh something all the same, and none weighs less than one that hangs on
-/// it.
+/// Returns the masses in kg, distributed by volume. Light bodies between heavy ones would make the
+/// simulation jitter, so short bodies of the trunk have a minimum mass, and no body is lighter than
+/// one of its children.
 pub(super) fn masses(
     rest: &Rest,
     bodies: &[SelectedBody],
