@@ -82,8 +82,11 @@ fn read_sampler(at: &Cursor, data: &Data) -> Checked<Sampler> {
     });
     let (input, output, interpolation) =
         (input?, output?, interpolation?.unwrap_or(Interpolation::Linear));
-    let times =
-        data.of_format(input, "key times", &[Format::plain(Shape::SCALAR, Component::F32)])?;
+    let times = data.accessor_with_format(
+        input,
+        "key times",
+        &[Format::plain(Shape::SCALAR, Component::F32)],
+    )?;
     let values = data.accessor(output)?;
     for accessor in [times, values] {
         if data.has_stride(accessor) {
@@ -228,7 +231,7 @@ impl<'a> Clips<'a> {
         let Some(joint) = self.rig.joint_from_node[channel.node] else {
             return Ok(None);
         };
-        let values = self.data.of_format(
+        let values = self.data.accessor_with_format(
             sampler.output,
             output_name(channel.property),
             &formats(channel.property),

@@ -46,7 +46,7 @@ impl<'a> Budget<'a> {
     }
 
     /// Raises the limits of arrays and clips for `bytes` bytes of file content.
-    pub(crate) fn allow_for(&self, bytes: usize) {
+    pub(crate) fn raise_limits_for(&self, bytes: usize) {
         let grow = |cell: &Cell<u64>, by: u64| cell.set(cell.get().saturating_add(by));
         grow(&self.arrays_left, (bytes as u64).saturating_mul(ARRAY_BYTES_PER_BYTE));
         grow(&self.poses_left, (bytes as u64).saturating_mul(POSES_PER_BYTE));
@@ -145,7 +145,7 @@ mod tests {
     fn array_bytes_are_limited_by_file_size() {
         let log = Log::default();
         let budget = Budget::new(u64::MAX, &log);
-        budget.allow_for(10);
+        budget.raise_limits_for(10);
         budget.charge("a", (64 << 20) + 640).unwrap();
         assert!(budget.charge("b", 1).is_err());
         assert!(log.finish().unwrap_err()[0].what.contains("out of proportion to the size"));

@@ -64,7 +64,7 @@ impl<'a> Data<'a> {
             root.objects("bufferViews").iter().map(|at| View::read(at, &lengths)).collect();
         let accessors =
             root.objects("accessors").iter().map(|at| Accessor::read(at, &views)).collect();
-        budget.allow_for(container.json.len() + container.bin.map_or(0, <[u8]>::len));
+        budget.raise_limits_for(container.json.len() + container.bin.map_or(0, <[u8]>::len));
         Self { log, budget, folder, buffers, views, accessors }
     }
 
@@ -81,7 +81,7 @@ impl<'a> Data<'a> {
     }
 
     /// Returns the accessor if it has one of `formats`. `what` names its use in the problem.
-    pub(crate) fn of_format(
+    pub(crate) fn accessor_with_format(
         &self,
         index: usize,
         what: &str,
@@ -110,7 +110,7 @@ impl<'a> Data<'a> {
                     let opened = opened.map_err(|what| self.log.problem(&place, what))?;
                     self.budget.take(&place, format!("the file \"{path}\""), opened.length)?;
                     let bytes = opened.read().map_err(|what| self.log.problem(&place, what))?;
-                    self.budget.allow_for(bytes.len());
+                    self.budget.raise_limits_for(bytes.len());
                     Ok(bytes)
                 };
                 let loaded = buffer.loaded.get_or_init(load);
@@ -231,8 +231,8 @@ impl<'a> Data<'a> {
         Ok(floats)
     }
 
-    /// Returns [`Self::floats`] in groups of `N`. The caller has checked with [`Self::of_format`]
-    /// that elements have `N` components.
+    /// Returns [`Self::floats`] in groups of `N`. The caller has checked with
+    /// [`Self::accessor_with_format`] that elements have `N` components.
     pub(crate) fn vectors<const N: usize>(&self, index: usize) -> Checked<Vec<[f32; N]>> {
         let floats = self.floats(index)?;
         Ok(floats.as_chunks::<N>().0.to_vec())

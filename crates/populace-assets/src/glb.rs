@@ -54,7 +54,7 @@ fn u32_at(bytes: &[u8], at: usize) -> u32 {
 
 /// Returns how many bytes of the input to read. `start` is its beginning, and `length` its length
 /// in bytes if known. `None` means to read to the end.
-pub(crate) fn wanted_bytes(start: &[u8], length: Option<u64>, log: &Log) -> Checked<Option<u64>> {
+pub(crate) fn bytes_to_read(start: &[u8], length: Option<u64>, log: &Log) -> Checked<Option<u64>> {
     if start.starts_with(MAGIC) {
         return declared_bytes(start, length, log).map(Some);
     }

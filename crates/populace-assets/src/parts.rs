@@ -49,7 +49,7 @@ impl PartBuilder<'_> {
             return Ok(None);
         };
         let formats = crate::primitive::formats("POSITION", self.extensions);
-        let accessor = self.data.of_format(positions, "POSITION", &formats)?;
+        let accessor = self.data.accessor_with_format(positions, "POSITION", &formats)?;
         if accessor.count == 0 {
             return Err(
                 self.problem(primitive, "has no vertices; POSITION must not be empty".into())
@@ -126,7 +126,7 @@ impl PartBuilder<'_> {
         };
         let components = [Component::U8, Component::U16, Component::U32];
         let formats = components.map(|c| Format::plain(Shape::SCALAR, c));
-        let accessor = self.data.of_format(index, "indices", &formats)?;
+        let accessor = self.data.accessor_with_format(index, "indices", &formats)?;
         if self.data.has_stride(accessor) {
             self.log.note(
                 &accessor.place,

@@ -151,7 +151,7 @@ pub(crate) fn check_attribute(
     let Some(index) = primitive.attribute(name) else {
         return Ok(None);
     };
-    let accessor = data.of_format(index, name, &formats(name, extensions))?;
+    let accessor = data.accessor_with_format(index, name, &formats(name, extensions))?;
     if accessor.count != count {
         return Err(problem(format!(
             "has {} elements of {name}, but {count} of POSITION; all attributes must have the same \

@@ -30,7 +30,7 @@ pub(crate) fn stream(
     let read = from.by_ref().take(START_BYTES).read_to_end(&mut bytes)? as u64;
     // The length of a stream that has already ended is known.
     let length = if read < START_BYTES { Some(read) } else { length };
-    let Ok(wanted) = glb::wanted_bytes(&bytes, length, log) else {
+    let Ok(wanted) = glb::bytes_to_read(&bytes, length, log) else {
         return Ok(Err(crate::log::Reported));
     };
     if let Err(reported) =

@@ -47,7 +47,7 @@ fn read_skin(at: &Cursor, node_count: usize, data: &Data) -> Checked<Skin> {
     }
     if let Some(index) = inverse_bind {
         let format = [Format::plain(Shape::MAT4, Component::F32)];
-        let accessor = data.of_format(index, "inverse bind matrices", &format)?;
+        let accessor = data.accessor_with_format(index, "inverse bind matrices", &format)?;
         if accessor.count < joints.len() {
             return Err(at.problem(format!(
                 "has {} joints, but only {} inverse bind matrices; each joint needs one",

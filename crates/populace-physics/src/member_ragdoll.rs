@@ -70,6 +70,7 @@ impl Fade {
         self.remaining(self.over_secs.min(MODEL_OVERRIDE_SECS))
     }
 
+    /// Returns 1 minus the smoothstep of the elapsed fraction of `over_secs`.
     fn remaining(&self, over_secs: f32) -> f32 {
         if self.elapsed_secs >= over_secs {
             return 0.0;
@@ -79,6 +80,7 @@ impl Fade {
     }
 }
 
+/// The ragdoll of one member.
 pub(crate) struct MemberRagdoll {
     pub(crate) member: Member,
     pub(crate) plan: Arc<RagdollPlan>,
@@ -97,27 +99,30 @@ pub(crate) struct MemberRagdoll {
 }
 
 impl MemberRagdoll {
+    /// Returns whether all bodies are limp.
     pub(crate) fn is_fully_limp(&self) -> bool {
         self.limp.iter().all(|l| *l)
     }
 
+    /// Returns the weight of the overrides: 1, or less while the member gets up.
     pub(crate) fn weight(&self) -> f32 {
         self.fade.map_or(1.0, |fade| fade.weight())
     }
 
+    /// Removes all bodies from the world.
     pub(crate) fn remove(&self, world: &mut World) {
         world.remove(self.id, &self.bodies);
     }
 
     /// Returns the motion of the bodies that follow clips for the coming frame. It continues that
     /// of the last frame, because the clips have not been evaluated for this frame yet.
-    pub(crate) fn drive(
+    pub(crate) fn kinematic_moves(
         &mut self,
         world: &World,
         now: Snapshot,
         dt_secs: f32,
     ) -> Vec<KinematicMove> {
-        let mut driven = Vec::new();
+        let mut moves = Vec::new();
         let times = dt_secs / self.last_dt_secs;
         for (index, body) in self.plan.bodies().iter().enumerate().filter(|(i, _)| !self.limp[*i]) {
             let Some(from) = world.physics.bodies.get(self.bodies[index]).map(|b| *b.position())
@@ -125,11 +130,11 @@ impl MemberRagdoll {
                 continue;
             };
             let to = extrapolate(&self.last.pose(body.head), &now.pose(body.head), times, dt_secs);
-            driven.push(KinematicMove { body: self.bodies[index], from, to });
+            moves.push(KinematicMove { body: self.bodies[index], from, to });
         }
         self.last = now;
         self.last_dt_secs = dt_secs;
-        driven
+        moves
     }
 
     /// Returns the limp bodies in the world.
@@ -138,6 +143,7 @@ impl MemberRagdoll {
         limp.filter_map(|(body, _)| world.physics.bodies.get(*body))
     }
 
+    /// Returns whether all limp bodies are at rest.
     pub(crate) fn is_asleep(&self, world: &World) -> bool {
         self.limp_bodies(world).all(RigidBody::is_sleeping)
     }
@@ -155,10 +161,12 @@ impl MemberRagdoll {
         world.physics.bodies.get(self.bodies[body]).map_or(Pose::IDENTITY, |b| *b.position())
     }
 
+    /// Returns the pose of the first body.
     pub(crate) fn root_pose(&self, world: &World) -> Pose {
         self.pose(world, 0)
     }
 
+    /// Returns a body for changes, or `None` if it is not limp.
     pub(crate) fn body_mut<'a>(
         &self,
         world: &'a mut World,
@@ -199,17 +207,18 @@ pub struct JointAngles {
     pub limits: Limits,
 }
 
-/// Extrapolates the motion from `before` to `now` by `times` of it. Returns `now` if that would be
-/// implausibly fast.
+/// Extrapolates `now` by `times` the motion from `before` to `now`. Returns `now` if the result
+/// would be implausibly fast.
 fn extrapolate(before: &Pose, now: &Pose, times: f32, dt_secs: f32) -> Pose {
     let step = (now.translation - before.translation) * times;
-    let turn = rotation_vector_between(before.rotation, now.rotation) * times;
-    if step.length() > FASTEST_M_PER_SEC * dt_secs || turn.length() > FASTEST_RAD_PER_SEC * dt_secs
+    let rotation = rotation_vector_between(before.rotation, now.rotation) * times;
+    if step.length() > FASTEST_M_PER_SEC * dt_secs
+        || rotation.length() > FASTEST_RAD_PER_SEC * dt_secs
     {
         return *now;
     }
     Pose::from_parts(
         now.translation + step,
-        (Rotation::from_scaled_axis(turn) * now.rotation).normalize(),
+        (Rotation::from_scaled_axis(rotation) * now.rotation).normalize(),
     )
 }

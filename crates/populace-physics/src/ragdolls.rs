@@ -272,14 +272,14 @@ impl Ragdolls {
             return Ok(());
         }
         self.start_pending(crowd, dt_secs)?;
-        let mut driven = Vec::new();
+        let mut moves = Vec::new();
         for ragdoll in self.active.iter_mut().filter(|d| !d.is_fully_limp()) {
             if let Some(now) = Snapshot::of(crowd, ragdoll.member)? {
-                driven.append(&mut ragdoll.drive(&self.world, now, dt_secs));
+                moves.append(&mut ragdoll.kinematic_moves(&self.world, now, dt_secs));
             }
         }
         if !self.active.is_empty() {
-            self.world.step(dt_secs, &driven);
+            self.world.step(dt_secs, &moves);
         }
         for ragdoll in &mut self.active {
             if let Some(fade) = &mut ragdoll.fade {

@@ -25,8 +25,8 @@ pub(crate) struct KinematicMove {
     pub(crate) to: Pose,
 }
 
-/// Pairs of bodies of each ragdoll that do not collide, because they overlap from the start, as
-/// neighbours do at joints.
+/// Pairs of bodies of each ragdoll that do not collide, because they are connected or overlap from
+/// the start.
 #[derive(Default)]
 struct Overlaps {
     by_ragdoll: HashMap<u64, Vec<(u16, u16)>>,
@@ -58,6 +58,7 @@ pub(crate) fn pack_owner(ragdoll: u64, body: usize) -> u128 {
     u128::from(ragdoll) << 16 | body as u128 & 0xffff
 }
 
+/// Rapier's world with the floor and a collision filter.
 pub(crate) struct World {
     pub(crate) physics: PhysicsWorld,
     overlaps: Overlaps,
@@ -107,10 +108,12 @@ impl World {
         body
     }
 
+    /// Sets the pairs of bodies of a ragdoll that do not collide, the lower index first.
     pub(crate) fn set_overlaps(&mut self, ragdoll: u64, pairs: Vec<(u16, u16)>) {
         self.overlaps.by_ragdoll.insert(ragdoll, pairs);
     }
 
+    /// Removes a ragdoll and its bodies.
     pub(crate) fn remove(&mut self, ragdoll: u64, bodies: &[RigidBodyHandle]) {
         self.overlaps.by_ragdoll.remove(&ragdoll);
         for &body in bodies {
@@ -119,14 +122,14 @@ impl World {
     }
 
     /// Advances by one frame in equal steps.
-    pub(crate) fn step(&mut self, dt_secs: f32, driven: &[KinematicMove]) {
+    pub(crate) fn step(&mut self, dt_secs: f32, moves: &[KinematicMove]) {
         let frame = dt_secs.min(LONGEST_FRAME_SECS);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 60")]
         let steps = (frame / LONGEST_STEP_SECS - 1e-3).ceil().max(1.0) as u32;
         self.physics.integration_parameters.dt = frame / steps as f32;
         for step in 1..=steps {
             let part = step as f32 / steps as f32;
-            for target in driven {
+            for target in moves {
                 if let Some(body) = self.physics.bodies.get_mut(target.body) {
                     body.set_next_kinematic_position(target.from.lerp(&target.to, part));
                 }

@@ -52,6 +52,7 @@ struct Capsule {
 }
 
 impl MemberRagdoll {
+    /// Adds bodies and joints of a ragdoll to the world.
     pub(crate) fn build(params: BuildParams, world: &mut World) -> Self {
         let plan = params.plan;
         let capsules: Vec<Capsule> =
@@ -92,6 +93,7 @@ fn capsule(params: &BuildParams, world: &World, body: usize) -> Capsule {
     Capsule { from, to, radius: radius.min(clear).max(0.4 * radius).max(1e-4) }
 }
 
+/// Adds a body to the world: dynamic with the velocity of the clip if it is limp, else kinematic.
 fn add_body(
     params: &BuildParams,
     world: &mut World,
@@ -119,11 +121,11 @@ fn add_body(
     }
     let middle = (from + to) * 0.5;
     let step = now.transform_point(middle) - before.transform_point(middle);
-    let turn = rotation_vector_between(before.rotation, now.rotation);
+    let rotation = rotation_vector_between(before.rotation, now.rotation);
     let dynamic = RigidBodyBuilder::dynamic()
         .pose(now)
         .linvel((step / params.dt_secs).clamp_length_max(FASTEST_M_PER_SEC))
-        .angvel((turn / params.dt_secs).clamp_length_max(FASTEST_RAD_PER_SEC))
+        .angvel((rotation / params.dt_secs).clamp_length_max(FASTEST_RAD_PER_SEC))
         .linear_damping(LINEAR_DAMPING_PER_SEC)
         .angular_damping(ANGULAR_DAMPING_PER_SEC);
     world.add_body(dynamic, shape)
@@ -142,8 +144,8 @@ fn mass_properties(
     let inertia = properties.principal_inertia();
     let least = (LEAST_INERTIA * inertia.max_element()).max(mass_kg * gyration * gyration);
     let frame = properties.principal_inertia_local_frame;
-    let eased = inertia.max(Vector::splat(least));
-    MassProperties::with_principal_inertia_frame(properties.local_com, mass_kg, eased, frame)
+    let raised = inertia.max(Vector::splat(least));
+    MassProperties::with_principal_inertia_frame(properties.local_com, mass_kg, raised, frame)
 }
 
 /// Returns the pairs of bodies that never collide: those that are connected or overlap now.
@@ -222,13 +224,15 @@ fn fitted(params: &BuildParams, plan: &JointDef, upper: &Pose, now: &Pose) -> (R
     ((upper.rotation.inverse() * carrier).normalize(), limits)
 }
 
+/// Widens limits that `now` exceeds.
 fn widened([least, most]: [f32; 2], now: f32) -> [f32; 2] {
     let least = if now < least { now - SLACK_RAD } else { least };
     [least, if now > most { now + SLACK_RAD } else { most }]
 }
 
-/// Builds the joint with the lower body first. Rapier measures the twist about the axis of the
-/// first body, so the twist about the lower body's own length stays correct for any swing.
+/// Builds the joint with the lower body first, which reverses the signs of the twist limits. Rapier
+/// measures the twist about the axis of the first body, so the twist about the lower body's own
+/// length stays correct for any swing.
 fn joint(limits: Limits, [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     let frames = |axes| {
         let joint =

@@ -7,11 +7,12 @@ use super::shape::Capsule;
 use super::{JointDef, Limits};
 use crate::math::{Rotation, Vector, joint_index};
 
-/// Least bend at rest that determines the bending direction of a hinge.
+/// Least bend at rest, in radians, from which its direction determines the hinge axis.
 const CLEAR_BEND_RAD: f32 = 0.1;
-/// Angle by which knees and elbows bend beyond straight.
+/// Angle in radians by which knees and elbows bend beyond straight.
 const BEYOND_STRAIGHT_RAD: f32 = 0.035;
-const MOST_BEND_RAD: f32 = 2.53;
+/// Largest bend of knees and elbows, measured from straight.
+const MAX_BEND_RAD: f32 = 2.53;
 
 /// Kind of a limb.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -85,6 +86,7 @@ impl<'a> Anatomy<'a> {
         limb
     }
 
+    /// Returns the kind of a body's limb from where it ends: near the ground, or to the side.
     fn limb(&self, body: usize) -> Limb {
         let mut first = body;
         while let Some(parent) = self.bodies[first].parent.filter(|&p| !self.is_trunk[p]) {
@@ -110,15 +112,17 @@ impl<'a> Anatomy<'a> {
         let length = self.limb_from(first).len();
         let siblings =
             (0..self.bodies.len()).filter(|&b| self.bodies[b].parent == self.bodies[first].parent);
-        let mut twins = siblings.filter(|&b| b != first && !self.is_trunk[b]);
-        twins.any(|b| self.limb_from(b).len() == length)
+        let mut candidates = siblings.filter(|&b| b != first && !self.is_trunk[b]);
+        candidates.any(|b| self.limb_from(b).len() == length)
     }
 
+    /// Returns the direction of a body's capsule.
     fn bone(&self, body: usize) -> Vector {
         let capsule = &self.capsules[body];
         (capsule.to - capsule.from).normalize_or(Vector::Y)
     }
 
+    /// Returns the direction from the head of the parent body to the head of `body`.
     fn upper_bone(&self, body: usize) -> Vector {
         let parent = self.bodies[body].parent.unwrap_or(0);
         let span = self.rest.positions[self.bodies[body].head]
@@ -126,12 +130,13 @@ impl<'a> Anatomy<'a> {
         span.normalize_or(Vector::Y)
     }
 
+    /// Returns the kind of the joint at a body's head, from its name if known, else from its limb.
     fn joint_kind(&self, body: usize) -> Option<JointKind> {
         let head = self.bodies[body].head;
-        let (place, length) = self.index_in_limb(body);
+        let (index, length) = self.index_in_limb(body);
         let named = joint_kind_from_name(self.rest.skeleton.name(joint_index(head)));
-        let is_last = place + 1 == length && length > 2;
-        let shaped = match (self.limb(body), place) {
+        let is_last = index + 1 == length && length > 2;
+        let shaped = match (self.limb(body), index) {
             (Limb::Axial, _) => None,
             (Limb::Leg, 0) => Some(JointKind::Hip),
             (Limb::Arm, 0) => Some(JointKind::Shoulder),
@@ -177,6 +182,7 @@ impl<'a> Anatomy<'a> {
         }
     }
 
+    /// Returns a cone joint with `swing` and `twist` in radians.
     fn cone(&self, body: usize, centre: Vector, swing: f32, twist: f32) -> JointDef {
         let bone = self.bone(body);
         // If the bone at rest is outside the usual cone of people, as with animals, the cone is
@@ -189,6 +195,8 @@ impl<'a> Anatomy<'a> {
         self.joint_def_from_model(body, frame, child, limits)
     }
 
+    /// Returns a hinge joint. Its axis is that of the bend at rest, or `usual_axis` if the limb is
+    /// nearly straight.
     fn hinge(&self, body: usize, usual_axis: Vector) -> JointDef {
         let upper = self.upper_bone(body);
         let lower = self.bone(body);
@@ -204,7 +212,7 @@ impl<'a> Anatomy<'a> {
             body,
             frame,
             frame,
-            Limits::Hinge { min_rad, max_rad: MOST_BEND_RAD - bend },
+            Limits::Hinge { min_rad, max_rad: MAX_BEND_RAD - bend },
         )
     }
 

@@ -55,23 +55,24 @@ impl<'a> Rest<'a> {
         rest
     }
 
+    /// Computes the transforms in model space.
     fn pose(&mut self) {
         for joint in self.skeleton.joints() {
             let local = self.skeleton.rest(joint);
-            let turn = Rotation::from_array(local.rotation);
-            let (model, turn) = match self.parents[joint.index()] {
+            let rotation = Rotation::from_array(local.rotation);
+            let (model, rotation) = match self.parents[joint.index()] {
                 Some(p) => {
                     self.children[p].push(joint.index());
                     (
                         self.model_from_joint[p].mul(&Affine::from_trs(local)),
-                        self.rotations[p] * turn,
+                        self.rotations[p] * rotation,
                     )
                 }
-                None => (Affine::from_trs(local), turn),
+                None => (Affine::from_trs(local), rotation),
             };
             self.positions.push(origin(&model));
             self.model_from_joint.push(model);
-            self.rotations.push(turn.normalize());
+            self.rotations.push(rotation.normalize());
         }
     }
 
@@ -92,6 +93,7 @@ impl<'a> Rest<'a> {
         }
     }
 
+    /// Computes the size, limits the reaches, and computes the extents.
     fn measure(&mut self) {
         let count = self.positions.len();
         let deforming = (0..count)

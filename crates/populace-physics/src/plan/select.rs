@@ -31,7 +31,7 @@ pub(super) fn select(rest: &Rest) -> (Vec<SelectedBody>, Vec<Option<usize>>) {
     for joint in 0..rest.positions.len() {
         let Some(parent) = rest.parents[joint].filter(|_| joint != root) else { continue };
         if let Some(body) = body_of[parent] {
-            let starts = starts_a_body(rest, joint, bodies[body].head);
+            let starts = starts_body(rest, joint, bodies[body].head);
             body_of[joint] = Some(if starts { add(&mut bodies, joint, body) } else { body });
         }
     }
@@ -48,7 +48,7 @@ fn select_outside(rest: &Rest, bodies: &mut Vec<SelectedBody>, body_of: &mut [Op
             continue;
         }
         if let Some(body) = rest.parents[joint].and_then(|p| body_of[p]) {
-            let starts = starts_a_body(rest, joint, bodies[body].head);
+            let starts = starts_body(rest, joint, bodies[body].head);
             body_of[joint] = Some(if starts { add(bodies, joint, body) } else { body });
         } else if rest.knows_reach
             && rest.deforming_count[joint] > 0
@@ -94,7 +94,8 @@ fn root(rest: &Rest) -> usize {
     joint
 }
 
-fn starts_a_body(rest: &Rest, joint: usize, head: usize) -> bool {
+/// Returns whether a joint starts a body below the one with the head joint `head`.
+fn starts_body(rest: &Rest, joint: usize, head: usize) -> bool {
     let name = rest.skeleton.name(crate::math::joint_index(joint));
     if rest.deforming_count[joint] == 0
         || names::is_helper(name)
