@@ -90,7 +90,9 @@ fn declared_bytes(start: &[u8], length: Option<u64>, log: &Log) -> Checked<u64> 
         Some(length) if declared < length => {
             log.note(
                 "header",
-                format!("the {} bytes after the end are ignored", length - declared),
+                format!(
+                    "says the file has {declared} bytes, but it has {length}; the rest is ignored"
+                ),
             );
         }
         _ => {}

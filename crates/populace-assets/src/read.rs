@@ -118,6 +118,9 @@ mod tests {
         let binary = [&b"glTF\x02\0\0\0\x20\0\0\0"[..], &[7; 100]].concat();
         assert_eq!(stream(&binary[..], Some(112), &budget, &log).unwrap().unwrap(), binary[..32]);
         let note = &log.finish().unwrap()[0];
-        assert_eq!(note.to_string(), "header: the 80 bytes after the end are ignored");
+        assert_eq!(
+            note.to_string(),
+            "header: says the file has 32 bytes, but it has 112; the rest is ignored"
+        );
     }
 }

@@ -11,7 +11,7 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use common::{Stage, beyond_limits, length, minus};
+use common::{Scene, beyond_limits, length, minus};
 use libtest_mimic::{Arguments, Failed, Trial};
 use populace::Placement;
 use populace_assets::load;
@@ -51,34 +51,34 @@ fn trials(root: &Path) -> Vec<Trial> {
 }
 
 fn fall(path: &PathBuf, scale: f32, bodies: Option<usize>) -> Result<(), Failed> {
-    let mut stage =
-        Stage::new(load(path)?.character, None, Placement::at([1.0, 0.0, 2.0]).scaled(scale));
-    let plan = stage.plan.clone();
-    let size = stage.skeleton().size_m() * scale;
+    let mut scene =
+        Scene::new(load(path)?.character, None, Placement::at([1.0, 0.0, 2.0]).scaled(scale));
+    let plan = scene.plan.clone();
+    let size = scene.skeleton().size_m() * scale;
     check_plan(&plan, bodies)?;
     let hips = plan.bodies()[0].joint();
-    stage.go_limp();
-    stage.ragdolls.push(
-        stage.member,
+    scene.go_limp();
+    scene.ragdolls.push(
+        scene.member,
         hips,
         [0.0, 0.0, -0.5 * plan.mass_kg() * scale.powi(3)],
         None,
     )?;
-    stage.frames(2);
+    scene.frames(2);
     let mut beyond: f32 = 0.0;
     let mut worst = None;
     for frame in 0..400 {
-        stage.frame();
-        for angles in stage.ragdolls.joint_angles(stage.member) {
+        scene.frame();
+        for angles in scene.ragdolls.joint_angles(scene.member) {
             if beyond_limits(&angles) > beyond {
                 beyond = beyond_limits(&angles);
                 worst = Some((frame, angles));
             }
         }
     }
-    let before = stage.positions();
-    stage.frames(20);
-    let lying = stage.positions();
+    let before = scene.positions();
+    scene.frames(20);
+    let lying = scene.positions();
     let heads: Vec<usize> = plan.bodies().iter().map(|b| b.joint().index()).collect();
     let lowest = heads.iter().map(|j| lying[*j][1]).fold(f32::MAX, f32::min) / size;
     let moved =

@@ -115,7 +115,7 @@ fn invalid_chunks_are_refused() {
     assert_problem(&container(&[(*b"JSON", vec![])]), "chunk 0: is empty");
     let good = container(&[json]);
     assert_problem(&good[..good.len() - 1], "header: says the file has");
-    assert_note(&[&good[..], b"x"].concat(), "header: the 1 bytes after the end");
+    assert_note(&[&good[..], b"x"].concat(), "header: says the file has");
     let mut wrong = good.clone();
     wrong[4] = 1;
     assert_problem(&wrong, "header: says container version 1");

@@ -140,7 +140,7 @@ fn two_skins_may_bind_a_joint_differently() {
     assert_eq!(
         character.palette.len(),
         3,
-        "the skins share the pair of the head, but not of the hips"
+        "the skins share the pair of the head, but not that of the hips"
     );
     assert_eq!(character.skins.len(), 2);
     let last = &character.parts[1].mesh.influences;

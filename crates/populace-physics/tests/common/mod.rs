@@ -12,7 +12,8 @@ use populace_physics::{JointAngles, Limits, RagdollPlan, Ragdolls};
 pub(crate) const DT: f32 = 1.0 / 60.0;
 pub(crate) const GRAVITY: [f32; 3] = [0.0, -9.81, 0.0];
 
-pub(crate) struct Stage {
+/// A crowd with one member, its ragdoll plan, and the ragdolls.
+pub(crate) struct Scene {
     pub(crate) crowd: Crowd,
     pub(crate) ragdolls: Ragdolls,
     pub(crate) plan: Arc<RagdollPlan>,
@@ -20,7 +21,7 @@ pub(crate) struct Stage {
     pub(crate) member: Member,
 }
 
-impl Stage {
+impl Scene {
     /// Spawns one member that plays `clip` from phase 0.2, and updates once.
     pub(crate) fn new(character: Character, clip: Option<&str>, placement: Placement) -> Self {
         let mut crowd = Crowd::builder().device(Device::native()).capacity(8).build().unwrap();
@@ -32,10 +33,10 @@ impl Stage {
         }
         let plan =
             Arc::new(RagdollPlan::from_skeleton(&crowd.character(character).unwrap().skeleton));
-        let mut stage =
+        let mut scene =
             Self { crowd, ragdolls: Ragdolls::new(GRAVITY).unwrap(), plan, character, member };
-        stage.crowd.update(0.3).unwrap();
-        stage
+        scene.crowd.update(0.3).unwrap();
+        scene
     }
 
     /// Spawns the built-in man with his full rig, walking.
