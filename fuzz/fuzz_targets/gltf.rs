@@ -1,9 +1,9 @@
-//! Any bytes: the importer gives a character or says what is wrong, and never panics, hangs or
-//! fills the memory.
+//! Feeds arbitrary bytes to the glTF importer, which must return a character or an error that says
+//! what is wrong. It must never panic, hang or exhaust memory.
 //!
-//! `cargo +nightly fuzz run gltf`; the seeds run as ordinary tests in
-//! `crates/populace-assets/tests/gltf/mutations.rs`, and `POPULACE_WRITE_SEEDS=fuzz/corpus/gltf
-//! cargo test -p populace-assets seeds` writes them where this finds them.
+//! Run with `cargo +nightly fuzz run gltf`. The seeds are also ordinary tests, in
+//! `crates/populace-assets/tests/gltf/mutations.rs`. To write them to the corpus, run
+//! `POPULACE_WRITE_SEEDS=fuzz/corpus/gltf cargo test -p populace-assets seeds`.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

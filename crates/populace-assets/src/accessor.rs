@@ -1,10 +1,10 @@
-//! Accessors and buffer views as the file declares them, checked against each other (glTF 2.0,
-//! section 3.6.2).
+//! Declarations of accessors and buffer views, checked against each other (glTF 2.0, section
+//! 3.6.2).
 
 use crate::json::Cursor;
 use crate::log::Checked;
 
-/// What one component is stored as.
+/// Storage type of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Component {
     I8,
@@ -36,14 +36,13 @@ impl Component {
     fn read(at: &Cursor) -> Checked<Self> {
         let code = at.uint()?;
         let known = Self::ALL.iter().find(|(c, _)| *c == code);
-        known.map(|(_, component)| *component).ok_or_else(|| {
-            at.problem(format!("is {code}; component types are 5120 to 5123, 5125 and 5126"))
-        })
+        known
+            .map(|(_, component)| *component)
+            .ok_or_else(|| at.problem(format!("is {code}; it must be 5120 to 5123, 5125 or 5126")))
     }
 }
 
-/// How components form an element: columns and rows of a matrix, one column for scalars and
-/// vectors.
+/// Columns and rows of an element. Scalars and vectors have one column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
     pub(crate) columns: usize,
@@ -84,12 +83,12 @@ impl Shape {
         let text = at.text()?;
         let known = Self::NAMES.iter().find(|(name, _)| *name == text);
         known.map(|(_, shape)| *shape).ok_or_else(|| {
-            at.problem(format!("is \"{text}\"; types are SCALAR, VEC2 to VEC4 and MAT2 to MAT4"))
+            at.problem(format!("is \"{text}\"; it must be SCALAR, VEC2 to VEC4 or MAT2 to MAT4"))
         })
     }
 }
 
-/// A stretch of a buffer.
+/// A buffer view: a byte range of a buffer.
 #[derive(Clone, Debug)]
 pub(crate) struct View {
     pub(crate) place: String,
@@ -117,7 +116,7 @@ impl View {
         let buffer_length = buffer_lengths[buffer]?;
         if offset.checked_add(length).is_none_or(|end| end > buffer_length) {
             return Err(at.problem(format!(
-                "reaches from byte {offset} for {length} bytes, but buffer {buffer} has \
+                "covers {length} bytes from byte {offset} on, but buffer {buffer} has only \
                  {buffer_length}"
             )));
         }
@@ -125,50 +124,52 @@ impl View {
     }
 }
 
-/// Elements in a buffer view.
+/// The bytes of a buffer view from an offset on.
 #[derive(Clone, Debug)]
-pub(crate) struct Stretch {
+pub(crate) struct ViewSlice {
     pub(crate) view: usize,
     pub(crate) offset: usize,
 }
 
-/// Elements that stand in for some of an accessor's.
+/// Replacements for some elements of an accessor.
 #[derive(Clone, Debug)]
 pub(crate) struct Sparse {
     pub(crate) count: usize,
-    pub(crate) indices: Stretch,
+    pub(crate) indices: ViewSlice,
     pub(crate) index_component: Component,
-    pub(crate) values: Stretch,
+    pub(crate) values: ViewSlice,
 }
 
-/// A typed array, all of which lies in its buffer views.
+/// A typed array. [`Accessor::read`] has checked that it lies inside its buffer views.
 #[derive(Clone, Debug)]
 pub(crate) struct Accessor {
     pub(crate) place: String,
     pub(crate) component: Component,
     pub(crate) shape: Shape,
     pub(crate) normalized: bool,
-    /// May be 0, which glTF forbids: exporters write empty animations so. Whoever needs elements
-    /// has to ask.
+    /// Number of elements. It may be 0 although glTF forbids that, since some exporters write empty
+    /// animations this way. Users that need elements must check.
     pub(crate) count: usize,
-    pub(crate) base: Option<Stretch>,
+    /// The elements; all zero if `None`.
+    pub(crate) base: Option<ViewSlice>,
     pub(crate) sparse: Option<Sparse>,
+    /// Whether `min` and `max` are present.
     pub(crate) has_bounds: bool,
 }
 
 impl Accessor {
-    /// From one column of a matrix to the next; columns start at multiples of 4 bytes.
+    /// Bytes from one matrix column to the next. Columns start at multiples of 4 bytes.
     pub(crate) const fn column_bytes(&self) -> usize {
         let bytes = self.shape.rows * self.component.bytes();
         if self.shape.columns > 1 { bytes.next_multiple_of(4) } else { bytes }
     }
 
-    /// From one element to the next, where no stride says otherwise.
+    /// Bytes from one element to the next if the view has no stride.
     pub(crate) const fn element_bytes(&self) -> usize {
         self.column_bytes() * self.shape.columns
     }
 
-    /// From the first byte of an element to its last; the last column needs no padding.
+    /// Bytes of an element without the padding of its last column.
     const fn filled_bytes(&self) -> usize {
         self.column_bytes() * (self.shape.columns - 1) + self.shape.rows * self.component.bytes()
     }
@@ -183,7 +184,7 @@ impl Accessor {
         let normalized = normalized?.unwrap_or(false);
         if normalized && matches!(component, Component::F32 | Component::U32) {
             return Err(at.problem(
-                "is normalised; only 8-bit and 16-bit integers can be (glTF 2.0, section 3.6.2.2)",
+                "is normalised; only 8-bit and 16-bit integers may be (glTF 2.0, section 3.6.2.2)",
             ));
         }
         let mut accessor = Self {
@@ -197,11 +198,11 @@ impl Accessor {
             has_bounds: at.get("min").is_some() && at.get("max").is_some(),
         };
         if count == 0 {
-            at.note("has no elements; glTF wants at least one");
+            at.note("has no elements; glTF requires at least one");
         }
-        // Both are looked at before either's problem counts, so that each is found.
+        // Both are checked before either is unwrapped, so that the problems of both are reported.
         let base = base.and_then(|base| {
-            base.iter().try_for_each(|stretch| accessor.check_fits(at, views, stretch, count))?;
+            base.iter().try_for_each(|slice| accessor.check_fits(at, views, slice, count))?;
             Ok(base)
         });
         let sparse = at.optional("sparse", |sparse| accessor.read_sparse(sparse, views));
@@ -209,30 +210,31 @@ impl Accessor {
         Ok(accessor)
     }
 
-    /// That `count` elements lie in their view, each aligned.
+    /// Checks that `count` elements are aligned and lie inside their view.
     fn check_fits(
         &self,
         at: &Cursor,
         views: &[Checked<View>],
-        stretch: &Stretch,
+        slice: &ViewSlice,
         count: usize,
     ) -> Checked<()> {
-        let view = views[stretch.view].as_ref().map_err(|reported| *reported)?;
+        let view = views[slice.view].as_ref().map_err(|reported| *reported)?;
         let element = self.element_bytes();
-        // Columns of matrices start at multiples of 4, whatever they consist of.
+        // Matrix columns start at multiples of 4 bytes for all component types.
         let align = if self.shape.columns > 1 { 4 } else { self.component.bytes() };
-        let start = view.offset.saturating_add(stretch.offset);
+        let start = view.offset.saturating_add(slice.offset);
         let mut failed = Ok(());
-        if !stretch.offset.is_multiple_of(align) || !start.is_multiple_of(align) {
+        if !slice.offset.is_multiple_of(align) || !start.is_multiple_of(align) {
             failed = Err(at.problem(format!(
-                "starts at byte {} of {}, {start} of the buffer; both must be multiples of {align}",
-                stretch.offset, view.place
+                "starts at byte {} of {}, which is byte {start} of the buffer; both must be \
+                 multiples of {align}",
+                slice.offset, view.place
             )));
         }
         let stride = view.stride.unwrap_or(element);
         if stride < element {
             failed = Err(at.problem(format!(
-                "has elements of {element} bytes, but {} says {stride} from one to the next",
+                "has elements of {element} bytes, but {} has a byteStride of {stride}",
                 view.place
             )));
         }
@@ -240,12 +242,12 @@ impl Accessor {
             .saturating_sub(1)
             .checked_mul(stride)
             .and_then(|bytes| bytes.checked_add(if count == 0 { 0 } else { self.filled_bytes() }))
-            .and_then(|bytes| bytes.checked_add(stretch.offset));
+            .and_then(|bytes| bytes.checked_add(slice.offset));
         if end.is_none_or(|end| end > view.length) {
             failed = Err(at.problem(format!(
-                "has {count} elements of {element} bytes from byte {} on, which do not fit the {} \
-                 bytes of {}",
-                stretch.offset, view.length, view.place
+                "has {count} elements of {element} bytes from byte {} on, which do not fit into \
+                 the {} bytes of {}",
+                slice.offset, view.length, view.place
             )));
         }
         failed
@@ -258,24 +260,24 @@ impl Accessor {
                 return Ok(count);
             }
             Err(c.problem(format!(
-                "is {count}; it must be at least 1 and at most the accessor's {}",
+                "is {count}; it must be from 1 to the accessor's count of {}",
                 self.count
             )))
         });
-        let place_of = |key: &str| {
-            let stretch = at.require(key)?;
-            Ok((read_stretch(&stretch, views)?, stretch))
+        let located_slice = |key: &str| {
+            let slice = at.require(key)?;
+            Ok((read_slice(&slice, views)?, slice))
         };
-        let (indices, values) = (place_of("indices"), place_of("values"));
+        let (indices, values) = (located_slice("indices"), located_slice("values"));
         let (count, (indices, indices_at), (values, values_at)) = (count?, indices?, values?);
         let index_type = indices_at.require("componentType")?;
         let index_component = Component::read(&index_type)?;
         if !matches!(index_component, Component::U8 | Component::U16 | Component::U32) {
             return Err(index_type.problem("must be an unsigned integer: 5121, 5123 or 5125"));
         }
-        for (part, place) in [(&indices, &indices_at), (&values, &values_at)] {
-            if views[part.view].as_ref().is_ok_and(|v| v.stride.is_some()) {
-                place.note("has a byteStride, which only vertex data may have; it is followed");
+        for (slice, at) in [(&indices, &indices_at), (&values, &values_at)] {
+            if views[slice.view].as_ref().is_ok_and(|v| v.stride.is_some()) {
+                at.note("has a byteStride, which only vertex data may have; it is used anyway");
             }
         }
         let plain = Self { shape: Shape::SCALAR, component: index_component, ..self.clone() };
@@ -285,18 +287,18 @@ impl Accessor {
     }
 }
 
-fn read_base(at: &Cursor, views: &[Checked<View>]) -> Checked<Option<Stretch>> {
+fn read_base(at: &Cursor, views: &[Checked<View>]) -> Checked<Option<ViewSlice>> {
     if at.get("bufferView").is_some() {
-        return read_stretch(at, views).map(Some);
+        return read_slice(at, views).map(Some);
     }
     if at.get("byteOffset").is_some() {
-        return Err(at.problem("has a byteOffset, but no bufferView for it to count from"));
+        return Err(at.problem("has a byteOffset, but no bufferView that it could refer to"));
     }
     Ok(None)
 }
 
-fn read_stretch(at: &Cursor, views: &[Checked<View>]) -> Checked<Stretch> {
+fn read_slice(at: &Cursor, views: &[Checked<View>]) -> Checked<ViewSlice> {
     let view = at.require("bufferView").and_then(|v| v.index(views.len(), "buffer view"));
     let offset = at.optional("byteOffset", Cursor::uint);
-    Ok(Stretch { view: view?, offset: offset?.unwrap_or(0) })
+    Ok(ViewSlice { view: view?, offset: offset?.unwrap_or(0) })
 }

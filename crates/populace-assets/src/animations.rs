@@ -1,4 +1,4 @@
-//! Animations become clips (glTF 2.0, section 3.11).
+//! Conversion of animations to clips (glTF 2.0, section 3.11).
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::log::{Checked, Log};
 use crate::nodes::Node;
 use crate::rig::Rig;
 
-/// A sampler: keyframes.
+/// A sampler: accessors of key times and values.
 #[derive(Clone, Debug)]
 struct Sampler {
     place: String,
@@ -21,7 +21,7 @@ struct Sampler {
     interpolation: Interpolation,
 }
 
-/// A channel that drives a node.
+/// A channel that drives a property of a node.
 #[derive(Clone, Debug)]
 pub(crate) struct Channel {
     place: String,
@@ -30,7 +30,7 @@ pub(crate) struct Channel {
     property: Property,
 }
 
-/// An animation as the file declares it.
+/// The declaration of an animation.
 #[derive(Clone, Debug)]
 pub(crate) struct Animation {
     name: String,
@@ -39,7 +39,7 @@ pub(crate) struct Animation {
     pub(crate) channels: Vec<Channel>,
 }
 
-/// Reads and checks the declarations.
+/// Reads and checks the declarations of all animations.
 pub(crate) fn read(root: &Cursor, nodes: &[Node], data: &Data) -> Vec<Animation> {
     let read = |at: &Cursor| read_animation(at, nodes, data);
     root.objects("animations").iter().map(read).collect()
@@ -51,7 +51,7 @@ fn read_animation(at: &Cursor, nodes: &[Node], data: &Data) -> Animation {
     let mut targets = BTreeMap::new();
     let items = at.objects("channels");
     if items.is_empty() {
-        at.note("has no channels; it is a clip that drives nothing");
+        at.note("has no channels; it becomes a clip without tracks");
     }
     for item in items {
         let Ok(Some(channel)) = read_channel(&item, nodes, samplers.len()) else {
@@ -61,7 +61,7 @@ fn read_animation(at: &Cursor, nodes: &[Node], data: &Data) -> Animation {
             targets.insert((channel.node, channel.property), item.place().to_owned())
         {
             item.problem(format!(
-                "drives the same property of node {} as {first}; one channel may",
+                "drives the same property of node {} as {first}; only one channel may",
                 channel.node
             ));
             continue;
@@ -82,27 +82,32 @@ fn read_sampler(at: &Cursor, data: &Data) -> Checked<Sampler> {
     });
     let (input, output, interpolation) =
         (input?, output?, interpolation?.unwrap_or(Interpolation::Linear));
-    let times =
-        data.of_format(input, "key times", &[Format::plain(Shape::SCALAR, Component::F32)])?;
+    let times = data.accessor_with_format(
+        input,
+        "key times",
+        &[Format::plain(Shape::SCALAR, Component::F32)],
+    )?;
     let values = data.accessor(output)?;
     for accessor in [times, values] {
         if data.has_stride(accessor) {
             at.note(
                 "reads a buffer view with a byteStride, which only vertex data may have; it is \
-                 followed",
+                 used anyway",
             );
         }
     }
     if !times.has_bounds {
-        at.note("has key times without min and max, which they must have; they are not needed");
+        at.note("has key times without min and max, which glTF requires; they are not used here");
     }
     if interpolation == Interpolation::CubicSpline && times.count < 2 {
-        return Err(at.problem(format!("has {} keys; a cubic spline needs two", times.count)));
+        return Err(
+            at.problem(format!("has {} keys; a cubic spline needs at least 2", times.count))
+        );
     }
     Ok(Sampler { place: at.place().to_owned(), input, output, interpolation })
 }
 
-/// A channel, or nothing where it drives nothing that is animated here.
+/// Reads a channel. Returns `None` if its target is not supported and is ignored.
 fn read_channel(at: &Cursor, nodes: &[Node], sampler_count: usize) -> Checked<Option<Channel>> {
     let sampler = at.require("sampler").and_then(|s| s.index(sampler_count, "sampler"));
     let target = at.require("target")?;
@@ -127,26 +132,26 @@ fn read_channel(at: &Cursor, nodes: &[Node], sampler_count: usize) -> Checked<Op
         }
     };
     let Some(node) = node else {
-        target.note("names no node and is ignored");
+        target.note("has no node and is ignored");
         return Ok(None);
     };
     if nodes[node].has_matrix {
         return Err(target.problem(format!(
-            "drives node {node}, which has a matrix; animated nodes have translation, rotation \
-             and scale instead"
+            "drives node {node}, which has a matrix; animated nodes must have translation, \
+             rotation and scale instead"
         )));
     }
     Ok(Some(Channel { place: at.place().to_owned(), sampler, node, property }))
 }
 
-/// Bytes that a joint takes in a row while a clip is made.
+/// Bytes per joint and row while a clip is being built.
 const POSE_BYTES: u64 = Clip::POSE_BYTES as u64;
-/// Rows that a clip's columns take as much memory and time as, beside those that it has.
+/// Overhead of a clip's columns in memory and time, expressed in rows.
 const COLUMN_ROWS: u64 = 4;
-/// Rows that may be begun where a gap between keys is divided, beyond the last that is allowed.
+/// Rows by which a clip may exceed its limit while a gap between keys is being subdivided.
 const BEGUN_ROWS: u64 = 16;
 
-/// Makes clips of animations.
+/// Converts animations to clips.
 pub(crate) struct Clips<'a> {
     data: &'a Data<'a>,
     log: &'a Log,
@@ -158,7 +163,7 @@ impl<'a> Clips<'a> {
         Self { data, log, rig }
     }
 
-    /// Makes the clips of all animations, each looked at even where one before it fails.
+    /// Converts all animations. Continues after a failure to report the problems of the others.
     pub(crate) fn all(&self, animations: &[Animation]) -> Checked<Vec<Arc<Clip>>> {
         let clips: Vec<_> = animations.iter().map(|a| self.clip(a)).collect();
         clips.into_iter().collect()
@@ -176,45 +181,49 @@ impl<'a> Clips<'a> {
         if let Some(reported) = failed {
             return Err(reported);
         }
-        let most_rows = self.most_rows(animation, &tracks)?;
+        let max_rows = self.max_rows(animation, &tracks)?;
         let source = ClipSource { name: animation.name.clone(), tracks };
-        let clip = Clip::with_at_most(most_rows, source, &self.rig.skeleton)
+        let clip = Clip::with_at_most(max_rows, source, &self.rig.skeleton)
             .map_err(|e| self.log.problem(&animation.place, e.to_string()))?;
         let stats = clip.stats();
         self.data.budget.spend_poses(self.poses(stats.row_count as u64 + COLUMN_ROWS));
         let columns = self.poses(COLUMN_ROWS) * POSE_BYTES;
         self.data.budget.take(&animation.place, "its rows", stats.row_bytes as u64 + columns)?;
         if stats.error_bound_m > stats.tolerance_m {
-            let off = format!("{} m, more than {} m", stats.error_bound_m, stats.tolerance_m);
-            let what = format!("has curves too wild to be stored; poses may be off by {off}");
+            let off = format!(
+                "{} m, above the tolerance of {} m",
+                stats.error_bound_m, stats.tolerance_m
+            );
+            let what =
+                format!("has curves that need more rows than allowed; poses may be off by {off}");
             self.log.note(&animation.place, what);
         }
         Ok(Arc::new(clip))
     }
 
-    /// Joint poses in `rows` rows: each row holds all joints of the skeleton.
+    /// Returns the number of joint poses in `rows` rows. Each row holds all joints of the skeleton.
     fn poses(&self, rows: u64) -> u64 {
         rows.saturating_mul(self.rig.skeleton.joint_count() as u64)
     }
 
-    /// How many rows the clip may be given before all of its keys have one, if the budget allows
-    /// for the rows of the keys.
-    fn most_rows(&self, animation: &Animation, tracks: &[Track]) -> Checked<usize> {
-        let times_of = |steps_alone: bool| {
-            let counts = |t: &&Track| !steps_alone || t.interpolation == Interpolation::Step;
+    /// Returns the number of rows above which gaps between keys are no longer subdivided. Fails if
+    /// the budget does not even allow the rows at the key times.
+    fn max_rows(&self, animation: &Animation, tracks: &[Track]) -> Checked<usize> {
+        let distinct_times = |steps_only: bool| {
+            let counts = |t: &&Track| !steps_only || t.interpolation == Interpolation::Step;
             let tracks = tracks.iter().filter(counts);
             tracks.flat_map(|t| t.times.iter().map(|s| s.to_bits())).collect::<HashSet<u32>>().len()
         };
-        let keys = times_of(false).max(1);
-        // A step is two rows at one time.
-        let least = (keys + times_of(true)) as u64 + COLUMN_ROWS;
+        let keys = distinct_times(false).max(1);
+        // A step needs two rows at the same time.
+        let least = (keys + distinct_times(true)) as u64 + COLUMN_ROWS;
         let (budget, joints) = (self.data.budget, self.rig.skeleton.joint_count() as u64);
         let what = format!("rows of {joints} joints at {keys} key times");
         let poses_left = budget.poses_left(&animation.place, &what, self.poses(least))?;
         let bytes = self.poses(least).saturating_mul(POSE_BYTES);
         budget.check(&animation.place, what, bytes)?;
-        let room = poses_left.min((budget.left() - bytes) / POSE_BYTES) / joints;
-        Ok(usize::try_from(room.saturating_sub(BEGUN_ROWS)).unwrap_or(usize::MAX))
+        let rows = poses_left.min((budget.left() - bytes) / POSE_BYTES) / joints;
+        Ok(usize::try_from(rows.saturating_sub(BEGUN_ROWS)).unwrap_or(usize::MAX))
     }
 
     fn track(&self, animation: &Animation, channel: &Channel) -> Checked<Option<Track>> {
@@ -222,7 +231,7 @@ impl<'a> Clips<'a> {
         let Some(joint) = self.rig.joint_from_node[channel.node] else {
             return Ok(None);
         };
-        let values = self.data.of_format(
+        let values = self.data.accessor_with_format(
             sampler.output,
             output_name(channel.property),
             &formats(channel.property),
@@ -233,14 +242,14 @@ impl<'a> Clips<'a> {
             return Err(self.log.problem(
                 &channel.place,
                 format!(
-                    "has {keys} keys and {} values; there must be {per_key} for each key",
+                    "has {keys} keys and {} values; it must have {per_key} per key",
                     values.count
                 ),
             ));
         }
         let times = self.data.accessor(sampler.input)?;
         if keys == 0 || (times.base.is_none() && times.sparse.is_none()) {
-            self.log.note(&channel.place, "has no key times and drives nothing");
+            self.log.note(&channel.place, "has no key times and is ignored");
             return Ok(None);
         }
         let name = self.rig.skeleton.name(joint);
@@ -259,8 +268,8 @@ impl<'a> Clips<'a> {
         let times = self.data.floats(sampler.input)?;
         if let Some(at) = times.windows(2).position(|w| w[0] >= w[1]) {
             let what = format!(
-                "has key {} at {} s after key {at} at {} s; times must increase (glTF 2.0, \
-                 section 3.11)",
+                "has key {} at {} s after key {at} at {} s; times must increase strictly (glTF \
+                 2.0, section 3.11)",
                 at + 1,
                 times[at + 1],
                 times[at]

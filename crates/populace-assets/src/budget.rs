@@ -1,28 +1,30 @@
-//! The memory that one load may take, and the work that a file of its size may ask for.
+//! Limits on the memory of one load and on its work relative to the size of the file.
 
 use std::cell::Cell;
 use std::fmt::Display;
 
 use crate::log::{Checked, Log, Reported};
 
-/// Bytes of arrays that any file may ask for, however small.
+/// Array bytes that every file may use, regardless of its size.
 const ARRAY_BYTES: u64 = 64 << 20;
-/// Bytes of arrays for each byte of a file. Real files share arrays, but not without end.
+/// Additional array bytes per byte of the file. Real files share arrays between users, but only to
+/// this extent.
 const ARRAY_BYTES_PER_BYTE: u64 = 64;
-/// Poses of one joint that the clips of any file may hold, however small.
+/// Joint poses that the clips of every file may hold, regardless of its size.
 const POSES: u64 = 1 << 18;
-/// Joint poses for each byte of a file. Clips hold a row of all joints for each key time of any
-/// track: a few bytes each of keys and joints multiply to work out of proportion.
+/// Additional joint poses per byte of the file. A clip has a row of all joints for each key time of
+/// any track, so the work grows with the product of keys and joints, each of which takes few bytes.
 const POSES_PER_BYTE: u64 = 2;
 
-/// Remaining memory and work of one load. Estimates past it are refused before any allocation.
+/// Remaining memory and work of one load. Estimates that exceed it are refused before the
+/// allocation.
 pub(crate) struct Budget<'a> {
     log: &'a Log,
     limit: u64,
     used: Cell<u64>,
     arrays_left: Cell<u64>,
     poses_left: Cell<u64>,
-    /// Set once the log says that the file asks for work out of proportion to its size.
+    /// Whether the log already has a problem about disproportionate work. It is reported once.
     is_out_of_proportion: Cell<bool>,
 }
 
@@ -38,19 +40,19 @@ impl<'a> Budget<'a> {
         }
     }
 
-    /// Bytes that can still be taken.
+    /// Returns the number of bytes that are still available.
     pub(crate) fn left(&self) -> u64 {
         self.limit - self.used.get()
     }
 
-    /// Raises the limits of arrays and clips in proportion to `bytes` bytes of a file.
-    pub(crate) fn allow_for(&self, bytes: usize) {
+    /// Raises the limits of arrays and clips for `bytes` bytes of file content.
+    pub(crate) fn raise_limits_for(&self, bytes: usize) {
         let grow = |cell: &Cell<u64>, by: u64| cell.set(cell.get().saturating_add(by));
         grow(&self.arrays_left, (bytes as u64).saturating_mul(ARRAY_BYTES_PER_BYTE));
         grow(&self.poses_left, (bytes as u64).saturating_mul(POSES_PER_BYTE));
     }
 
-    /// That `bytes` for `what` fit the limit beside what is taken.
+    /// Checks that `bytes` for `what` fit into the remaining memory, without reserving them.
     pub(crate) fn check(&self, place: &str, what: impl Display, bytes: u64) -> Checked<()> {
         if bytes <= self.left() {
             return Ok(());
@@ -58,8 +60,8 @@ impl<'a> Budget<'a> {
         Err(self.log.problem(
             place,
             format!(
-                "needs {} for {what} beside {} taken before; the memory limit is {} \
-                 (--memory-limit, `LoadOptions::memory_limit_bytes`)",
+                "needs {} for {what} in addition to {} already in use; the memory limit is {}; \
+                 raise it with --memory-limit or `LoadOptions::memory_limit_bytes`",
                 Mebibytes(bytes),
                 Mebibytes(self.used.get()),
                 Mebibytes(self.limit),
@@ -67,15 +69,15 @@ impl<'a> Budget<'a> {
         ))
     }
 
-    /// Takes `bytes` for `what` until the load ends.
+    /// Reserves `bytes` for `what` until the load ends.
     pub(crate) fn take(&self, place: &str, what: impl Display, bytes: u64) -> Checked<()> {
         self.check(place, what, bytes)?;
         self.used.set(self.used.get() + bytes);
         Ok(())
     }
 
-    /// Takes `bytes` for data of arrays, which must also be in proportion to the file: a small file
-    /// that uses one array again and again would take long.
+    /// Reserves `bytes` of array data. They also count towards the limit that is proportional to
+    /// the file size. Otherwise a small file could use one array many times and take long to load.
     pub(crate) fn charge(&self, place: &str, bytes: usize) -> Checked<()> {
         let bytes = bytes as u64;
         self.take(place, "its data", bytes)?;
@@ -88,8 +90,8 @@ impl<'a> Budget<'a> {
         }
     }
 
-    /// Poses of one joint that clips can still hold beside `poses`, which the keys of one need for
-    /// `what`.
+    /// Returns how many joint poses clips may still hold after `poses`, which a clip needs at least
+    /// for `what`. Fails if even `poses` exceed the limit.
     pub(crate) fn poses_left(&self, place: &str, what: impl Display, poses: u64) -> Checked<u64> {
         let left = self.poses_left.get().checked_sub(poses);
         left.ok_or_else(|| self.out_of_proportion(place, what))
@@ -99,17 +101,17 @@ impl<'a> Budget<'a> {
         if self.is_out_of_proportion.replace(true) {
             return Reported;
         }
-        let rule = "that, with what the file asks for before, is out of proportion to its size";
+        let rule = "together with earlier data, that is out of proportion to the size of the file";
         self.log.problem(place, format!("needs {what}; {rule}"))
     }
 
-    /// Counts poses that a clip holds.
+    /// Subtracts the joint poses of a finished clip from the remaining ones.
     pub(crate) fn spend_poses(&self, poses: u64) {
         self.poses_left.set(self.poses_left.get().saturating_sub(poses));
     }
 }
 
-/// Bytes, shown as MiB and rounded up.
+/// A number of bytes that displays as MiB, rounded up.
 struct Mebibytes(u64);
 
 impl Display for Mebibytes {
@@ -123,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_limit_can_be_reached_but_not_passed() {
+    fn memory_limit_can_be_reached_but_not_exceeded() {
         let log = Log::default();
         let budget = Budget::new(3 << 20, &log);
         budget.take("a", "this", 2 << 20).unwrap();
@@ -134,18 +136,18 @@ mod tests {
         let problems = log.finish().unwrap_err();
         assert_eq!(
             problems[0].to_string(),
-            "b: needs 2 MiB for that beside 2 MiB taken before; the memory limit is 3 MiB \
-             (--memory-limit, `LoadOptions::memory_limit_bytes`)"
+            "b: needs 2 MiB for that in addition to 2 MiB already in use; the memory limit is 3 \
+             MiB; raise it with --memory-limit or `LoadOptions::memory_limit_bytes`"
         );
     }
 
     #[test]
-    fn arrays_stay_in_proportion_to_the_file() {
+    fn array_bytes_are_limited_by_file_size() {
         let log = Log::default();
         let budget = Budget::new(u64::MAX, &log);
-        budget.allow_for(10);
+        budget.raise_limits_for(10);
         budget.charge("a", (64 << 20) + 640).unwrap();
         assert!(budget.charge("b", 1).is_err());
-        assert!(log.finish().unwrap_err()[0].what.contains("out of proportion to its size"));
+        assert!(log.finish().unwrap_err()[0].what.contains("out of proportion to the size"));
     }
 }

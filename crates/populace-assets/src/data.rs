@@ -1,9 +1,9 @@
-//! The binary data of a file: buffers, and typed arrays read from them.
+//! Binary data of a file: buffers, and typed arrays read from them.
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
 
-use crate::accessor::{Accessor, Component, Shape, Stretch, View};
+use crate::accessor::{Accessor, Component, Shape, View, ViewSlice};
 use crate::budget::Budget;
 use crate::folder::Folder;
 use crate::glb::Container;
@@ -12,13 +12,13 @@ use crate::log::{Checked, Log};
 use crate::uri::Uri;
 
 enum Source<'a> {
-    /// In the file itself.
-    Here(Cow<'a, [u8]>),
-    /// In a file beside it, read when asked for.
-    Beside(String),
-    /// Nowhere: a placeholder that an extension fills, or a BIN chunk that was left out. The text
-    /// says what is missing.
-    Nowhere(&'static str),
+    /// Bytes of the BIN chunk or of a data URI.
+    Embedded(Cow<'a, [u8]>),
+    /// Path of another file, which is read on first use.
+    External(String),
+    /// No data: a placeholder for an extension, or a missing BIN chunk. The text is the problem to
+    /// report on use.
+    Missing(&'static str),
 }
 
 struct Buffer<'a> {
@@ -39,7 +39,7 @@ pub(crate) struct Data<'a> {
 }
 
 impl<'a> Data<'a> {
-    /// Reads and checks all declarations; the contents of other files only when they are asked for.
+    /// Reads and checks all declarations. The content of other files is read on first use.
     pub(crate) fn new(
         root: &Cursor<'a>,
         log: &'a Log,
@@ -64,7 +64,7 @@ impl<'a> Data<'a> {
             root.objects("bufferViews").iter().map(|at| View::read(at, &lengths)).collect();
         let accessors =
             root.objects("accessors").iter().map(|at| Accessor::read(at, &views)).collect();
-        budget.allow_for(container.json.len() + container.bin.map_or(0, <[u8]>::len));
+        budget.raise_limits_for(container.json.len() + container.bin.map_or(0, <[u8]>::len));
         Self { log, budget, folder, buffers, views, accessors }
     }
 
@@ -80,8 +80,8 @@ impl<'a> Data<'a> {
         self.accessors[index].as_ref().map_err(|reported| *reported)
     }
 
-    /// That an accessor is one of the `formats` that `what` may have.
-    pub(crate) fn of_format(
+    /// Returns the accessor if it has one of `formats`. `what` names its use in the problem.
+    pub(crate) fn accessor_with_format(
         &self,
         index: usize,
         what: &str,
@@ -101,16 +101,16 @@ impl<'a> Data<'a> {
     fn buffer(&self, index: usize) -> Checked<&[u8]> {
         let buffer = self.buffers[index].as_ref().map_err(|reported| *reported)?;
         match &buffer.source {
-            Source::Here(bytes) => Ok(bytes),
-            Source::Nowhere(what) => Err(self.log.problem(&buffer.place, *what)),
-            Source::Beside(path) => {
+            Source::Embedded(bytes) => Ok(bytes),
+            Source::Missing(what) => Err(self.log.problem(&buffer.place, *what)),
+            Source::External(path) => {
                 let load = || {
                     let place = format!("{}.uri", buffer.place);
                     let opened = self.folder.open(path, Some(buffer.length));
                     let opened = opened.map_err(|what| self.log.problem(&place, what))?;
                     self.budget.take(&place, format!("the file \"{path}\""), opened.length)?;
                     let bytes = opened.read().map_err(|what| self.log.problem(&place, what))?;
-                    self.budget.allow_for(bytes.len());
+                    self.budget.raise_limits_for(bytes.len());
                     Ok(bytes)
                 };
                 let loaded = buffer.loaded.get_or_init(load);
@@ -119,33 +119,33 @@ impl<'a> Data<'a> {
         }
     }
 
-    /// Notes the buffers that were never needed: files that were not opened, and what is nowhere.
-    pub(crate) fn note_unopened(&self) {
+    /// Adds a note for each buffer that was never needed and was not opened or has no data.
+    pub(crate) fn note_unused_buffers(&self) {
         for buffer in self.buffers.iter().flatten() {
             let what = match buffer.source {
-                Source::Beside(_) if buffer.loaded.get().is_none() => "is not opened",
-                Source::Nowhere(_) => "has no uri",
+                Source::External(_) if buffer.loaded.get().is_none() => "is not opened",
+                Source::Missing(_) => "has no uri",
                 _ => continue,
             };
-            let what = format!("{what}; nothing that is drawn or played needs it");
+            let what = format!("{what}; nothing that is drawn or animated uses it");
             self.log.note(&buffer.place, what);
         }
     }
 
-    /// The bytes of a buffer view.
+    /// Returns the bytes of a buffer view.
     pub(crate) fn view_bytes(&self, index: usize) -> Checked<&[u8]> {
         let view = self.views[index].as_ref().map_err(|reported| *reported)?;
-        // A loaded buffer has its declared length at least, and the view was checked against that.
+        // A loaded buffer has at least its declared length, which the view was checked against.
         Ok(&self.buffer(view.buffer)?[view.offset..view.offset + view.length])
     }
 
-    /// Whether elements of a view are further apart than their size says.
+    /// Returns whether the buffer view of the accessor has a `byteStride`.
     pub(crate) fn has_stride(&self, accessor: &Accessor) -> bool {
         let view = accessor.base.as_ref().map(|base| self.views[base.view].as_ref());
         view.is_some_and(|view| view.is_ok_and(|v| v.stride.is_some()))
     }
 
-    /// The elements, packed: no gaps between them, nor between columns of matrices.
+    /// Returns the elements without padding between elements or between matrix columns.
     fn packed(&self, accessor: &Accessor) -> Checked<Cow<'_, [u8]>> {
         let size = accessor.shape.components() * accessor.component.bytes();
         let total = accessor.count.saturating_mul(size);
@@ -164,36 +164,37 @@ impl<'a> Data<'a> {
             let indices = self.gather(&sparse.indices, &as_indices, sparse.count)?;
             let packed = packed.to_mut();
             let mut next = 0;
-            for (place, value) in
+            for (index, value) in
                 widen_uints(&indices, sparse.index_component).zip(values.chunks(size))
             {
-                let place = place as usize;
-                if place < next || place >= accessor.count {
+                let index = index as usize;
+                if index < next || index >= accessor.count {
                     return Err(self.log.problem(
                         format!("{}.sparse.indices", accessor.place),
                         format!(
-                            "holds {place}; indices must increase and stay below the count of {}",
+                            "holds {index}; indices must increase strictly and be less than the \
+                             accessor's count of {}",
                             accessor.count
                         ),
                     ));
                 }
-                next = place + 1;
-                packed[place * size..next * size].copy_from_slice(value);
+                next = index + 1;
+                packed[index * size..next * size].copy_from_slice(value);
             }
         }
         Ok(packed)
     }
 
-    /// Packs `count` elements of the accessor's kind; that they lie in the view was checked at the
-    /// start.
+    /// Packs `count` elements of the accessor's format. [`Accessor::read`] has checked that they
+    /// lie inside the view.
     fn gather(
         &self,
-        stretch: &Stretch,
+        slice: &ViewSlice,
         accessor: &Accessor,
         count: usize,
     ) -> Checked<Cow<'_, [u8]>> {
-        let view = self.views[stretch.view].as_ref().map_err(|reported| *reported)?;
-        let bytes = &self.view_bytes(stretch.view)?[stretch.offset..];
+        let view = self.views[slice.view].as_ref().map_err(|reported| *reported)?;
+        let bytes = &self.view_bytes(slice.view)?[slice.offset..];
         let (column, element) = (accessor.column_bytes(), accessor.element_bytes());
         let stride = view.stride.unwrap_or(element);
         let row_bytes = accessor.shape.rows * accessor.component.bytes();
@@ -209,20 +210,20 @@ impl<'a> Data<'a> {
         Ok(Cow::Owned(packed))
     }
 
-    /// All components as floats, normalised integers as the fractions they stand for; every one is
-    /// finite and at most [`LARGEST`] in size.
+    /// Returns all components as floats, with normalised integers converted to fractions. Fails if
+    /// a component is not finite or its magnitude exceeds [`LARGEST`].
     pub(crate) fn floats(&self, index: usize) -> Checked<Vec<f32>> {
         let accessor = self.accessor(index)?;
         let packed = self.packed(accessor)?;
         let width = 4 / accessor.component.bytes();
         self.budget.charge(&accessor.place, packed.len().saturating_mul(width))?;
         let floats = widen_floats(&packed, accessor.component, accessor.normalized);
-        let within = |v: &f32| f64::from(v.abs()) <= LARGEST; // which no NaN is
+        let within = |v: &f32| f64::from(v.abs()) <= LARGEST; // false for NaN
         if let Some(at) = floats.iter().position(|v| !within(v)) {
             let element = at / accessor.shape.components();
             let what = format!(
-                "holds {:?} in element {element}; numbers must be finite and at most {LARGEST:e} \
-                 in size",
+                "holds {:?} in element {element}; numbers must be finite, with a magnitude of at \
+                 most {LARGEST:e}",
                 floats[at]
             );
             return Err(self.log.problem(&accessor.place, what));
@@ -230,14 +231,14 @@ impl<'a> Data<'a> {
         Ok(floats)
     }
 
-    /// [`Self::floats`], `N` to an element. The accessor's shape must have been expected to be
-    /// that.
+    /// Returns [`Self::floats`] in groups of `N`. The caller has checked with
+    /// [`Self::accessor_with_format`] that elements have `N` components.
     pub(crate) fn vectors<const N: usize>(&self, index: usize) -> Checked<Vec<[f32; N]>> {
         let floats = self.floats(index)?;
         Ok(floats.as_chunks::<N>().0.to_vec())
     }
 
-    /// All components as unsigned integers.
+    /// Returns all components as unsigned integers.
     pub(crate) fn uints(&self, index: usize) -> Checked<Vec<u32>> {
         let accessor = self.accessor(index)?;
         let packed = self.packed(accessor)?;
@@ -253,7 +254,7 @@ fn widen_uints(bytes: &[u8], component: Component) -> impl Iterator<Item = u32> 
         .map(|c| c.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte)))
 }
 
-/// Decodes components as glTF 2.0, section 3.11 does.
+/// Converts components to floats (glTF 2.0, section 3.11).
 fn widen_floats(bytes: &[u8], component: Component, normalized: bool) -> Vec<f32> {
     let scaled = |value: f32, most: f32| {
         if normalized { (value / most).max(-1.0) } else { value }
@@ -282,30 +283,30 @@ fn read_buffer<'a>(
     let length = at.require("byteLength").and_then(|length| {
         let value = length.uint()?;
         if value == 0 {
-            return Err(length.problem("is 0; a buffer has at least one byte"));
+            return Err(length.problem("is 0; it must be at least 1"));
         }
         Ok(value)
     });
     let source = match at.get("uri") {
         Some(uri) => uri_source(&uri, budget),
         None if index == 0 && container.binary => match container.bin {
-            Some(bin) => Ok(Source::Here(Cow::Borrowed(bin))),
-            None => Ok(Source::Nowhere("has no uri, and the file has no BIN chunk for it")),
+            Some(bin) => Ok(Source::Embedded(Cow::Borrowed(bin))),
+            None => Ok(Source::Missing("has no uri, and the file has no BIN chunk for it")),
         },
         None => {
-            Ok(Source::Nowhere("has no uri; only the first buffer of a binary file may do without"))
+            Ok(Source::Missing("has no uri; only the first buffer of a binary file may omit it"))
         }
     };
     let (length, source) = (length?, source?);
-    if let Source::Here(bytes) = &source {
+    if let Source::Embedded(bytes) = &source {
         if bytes.len() < length {
             return Err(at.problem(format!(
-                "has {} bytes, but {length} are declared; it may be cut off",
+                "has {} bytes, but {length} are declared; the file may be truncated",
                 bytes.len()
             )));
         }
         if matches!(bytes, Cow::Borrowed(_)) && bytes.len() > length.next_multiple_of(4) {
-            at.note("is shorter than the BIN chunk by more than padding");
+            at.note("is shorter than the BIN chunk by more than the padding of up to 3 bytes");
         }
     }
     Ok(Buffer { place: at.place().to_owned(), length, source, loaded: OnceCell::new() })
@@ -317,19 +318,19 @@ fn uri_source<'a>(uri: &Cursor<'a>, budget: &Budget) -> Checked<Source<'a>> {
             let known = ["application/octet-stream", "application/gltf-buffer"];
             if !known.iter().any(|k| k.eq_ignore_ascii_case(data.media_type)) {
                 let what = format!(
-                    "is of media type \"{}\", which is not one for buffers",
+                    "has the media type \"{}\", which is not one of buffers; it is read anyway",
                     data.media_type
                 );
                 uri.note(what);
             }
             budget.take(uri.place(), "the data of its URI", data.decoded_bytes())?;
-            Ok(Source::Here(Cow::Owned(data.decode().map_err(|what| uri.problem(what))?)))
+            Ok(Source::Embedded(Cow::Owned(data.decode().map_err(|what| uri.problem(what))?)))
         }
-        Uri::File(path) => Ok(Source::Beside(path)),
+        Uri::File(path) => Ok(Source::External(path)),
     }
 }
 
-/// A format that an accessor may have for some use.
+/// Element format of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Format {
     pub(crate) shape: Shape,

@@ -1,15 +1,15 @@
-//! What can be wrong with a file, and what is worth saying about one that loads.
+//! Problems of refused files and notes about loaded ones.
 
 use std::fmt;
 use std::path::PathBuf;
 
-/// One thing that is wrong with a file.
+/// One problem of a refused file.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Problem {
-    /// Where in the file, as `animations[2].channels[0]`; `header` and `chunk 1` are places of a
-    /// binary file.
+    /// Location in the file: a JSON path such as `animations[2].channels[0]`, or `header` or
+    /// `chunk 1` of a binary file, or `file` for the file as a whole.
     pub place: String,
-    /// What is wrong, and the rule.
+    /// The defect and the rule that it breaks.
     pub what: String,
 }
 
@@ -19,12 +19,13 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Something that did not stop a file from loading: data that was ignored and why, or repaired.
+/// A remark about a file that was loaded: data that was ignored or repaired, with the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Note {
-    /// Where in the file, as `animations[2].channels[0]`; the first place, where there are several.
+    /// Location in the file, such as `animations[2].channels[0]`. If the note applies to several
+    /// locations, this is the first one.
     pub place: String,
-    /// What was found and what was made of it.
+    /// The finding and its consequence.
     pub what: String,
 }
 
@@ -34,24 +35,26 @@ impl fmt::Display for Note {
     }
 }
 
-/// Why a file did not load.
+/// The reason why a file was not loaded.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The file itself could not be read. Files that it names are [`Problem`]s.
+    /// The file itself could not be read. Failures to read files that it refers to are reported as
+    /// [`Problem`]s.
     #[error("{} cannot be read", path.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The file is not what it should be. Displays one problem a line.
+    /// The file is not valid glTF, uses an unsupported feature, or exceeds a limit. Displays one
+    /// problem per line.
     #[error("{file} is refused:{}", lines(problems))]
     Rejected {
-        /// The file's path, or `glTF data` for bytes without one.
+        /// Path of the file, or `glTF data` for bytes in memory.
         file: String,
-        /// Every problem that was found, at least one.
+        /// All problems that were found, at least one.
         problems: Vec<Problem>,
     },
 }
@@ -65,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_problem_has_a_line() {
+    fn rejected_displays_one_problem_per_line() {
         let problem = |place: &str| Problem { place: place.into(), what: "is wrong".into() };
         let error = Error::Rejected {
             file: "a.glb".into(),

@@ -1,18 +1,18 @@
-//! Which extensions a file may require, and what is said of those that are ignored.
+//! Extensions: supported, ignored and refused ones.
 
 use crate::json::Cursor;
 use crate::log::Checked;
 
-/// Extensions that are honoured.
+/// Supported extensions.
 const SUPPORTED: [&str; 3] = ["KHR_mesh_quantization", "KHR_texture_transform", "EXT_texture_webp"];
 
-/// Extensions that can be ignored even where a file requires them: they change how a character
-/// looks or what stands around it, not how it moves. All material extensions, whoever defines them,
-/// are of that kind too.
+/// Extensions that can be ignored even if a file requires them: they change the appearance of a
+/// character or its surroundings, not its motion. Material extensions of all vendors are harmless
+/// too (see [`is_material`]).
 const HARMLESS: [&str; 4] =
     ["KHR_lights_punctual", "KHR_xmp", "KHR_xmp_json_ld", "KHR_node_visibility"];
 
-/// Why the better known extensions are refused where a file requires them.
+/// Well-known extensions that are refused if a file requires them, with the reason and the remedy.
 const REFUSED: [(&str, &str); 4] = [
     (
         "KHR_draco_mesh_compression",
@@ -29,14 +29,15 @@ const REFUSED: [(&str, &str); 4] = [
     ("KHR_texture_basisu", "Basis Universal textures cannot be read; export PNG, JPEG or WebP"),
 ];
 
-/// What a file says about its extensions.
+/// Extensions of a file that affect later stages.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extensions {
     /// Whether vertex data may be stored as integers.
     pub(crate) mesh_quantization: bool,
 }
 
-/// Refuses by name what a file requires and this crate lacks (glTF 2.0, section 3.12).
+/// Refuses required extensions that are not supported, and notes ignored ones (glTF 2.0, section
+/// 3.12).
 pub(crate) fn check(root: &Cursor) -> Checked<Extensions> {
     let mut failed = None;
     let mut mesh_quantization = false;
@@ -45,7 +46,7 @@ pub(crate) fn check(root: &Cursor) -> Checked<Extensions> {
         mesh_quantization |= name == "KHR_mesh_quantization";
         if !SUPPORTED.contains(&name) && !is_harmless(name) {
             let why = REFUSED.iter().find(|(refused, _)| *refused == name);
-            let why = why.map_or("it is not supported", |(_, why)| why);
+            let why = why.map_or("it is not supported; export without it", |(_, why)| why);
             failed = Some(at.problem(format!("requires {name}: {why}")));
         }
     }
@@ -63,7 +64,8 @@ fn is_harmless(name: &str) -> bool {
     is_material(name) || HARMLESS.contains(&name)
 }
 
-/// Names are a vendor, what is extended, and a name for it: `KHR_materials_unlit`.
+/// Returns whether an extension concerns materials. Names consist of vendor, subject and feature,
+/// such as `KHR_materials_unlit`.
 fn is_material(name: &str) -> bool {
     name.contains("_materials_")
 }
@@ -71,12 +73,12 @@ fn is_material(name: &str) -> bool {
 fn why_ignored(name: &str) -> &'static str {
     match name {
         "KHR_animation_pointer" => "only translation, rotation and scale of nodes are animated",
-        "KHR_lights_punctual" => "a character brings no lights",
-        "KHR_texture_basisu" => "the PNG or JPEG beside it is taken",
+        "KHR_lights_punctual" => "characters have no lights",
+        "KHR_texture_basisu" => "the PNG or JPEG alternative is used",
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "the uncompressed data beside it is taken"
+            "the uncompressed alternative is used"
         }
-        _ if is_material(name) => "surfaces have a base colour only",
+        _ if is_material(name) => "only the base colour of materials is read",
         _ => "it is not supported, and the file does not require it",
     }
 }

@@ -1,5 +1,4 @@
-//! How large the transforms of a file can become where those of its nodes are multiplied down the
-//! hierarchy.
+//! Bounds of the world transforms that nodes and clips can produce along the hierarchy.
 
 use std::sync::Arc;
 
@@ -10,21 +9,24 @@ use crate::log::{Checked, Log};
 use crate::nodes::Node;
 use crate::rig::Rig;
 
-/// Largest product of scales, and largest distance, along a chain of joints. Single precision still
-/// holds its product with a bind matrix and a vertex of [`LARGEST`].
+/// Largest product of scales, and largest distance in metres, along a chain of joints. The product
+/// with a bind matrix and a vertex of magnitude [`LARGEST`] still fits single precision.
 const LARGEST_OF_CHAIN: f64 = LARGEST * LARGEST;
-/// Largest overshoot that a tangent adds to a spline, as a fraction of the tangent's size.
+/// Largest overshoot that a tangent adds to a cubic spline, as a fraction of the tangent's length:
+/// the maximum of the Hermite basis function `t (1 - t)^2` on 0 to 1.
 const TANGENT: f64 = 4.0 / 27.0;
 
-/// For each joint the most that its rest and the keys of all clips make of its scale and its
-/// distance from its parent. However clips are mixed, a joint's own transform stays within.
+/// Bounds of each joint's local transform over the rest pose and the keys of all clips. Any blend
+/// of the clips stays within them.
 pub(crate) struct Extents {
     joints: Vec<Extent>,
 }
 
 #[derive(Clone, Copy)]
 struct Extent {
+    /// Largest absolute scale along an axis.
     scale: f64,
+    /// Largest distance from the parent in metres.
     distance: f64,
 }
 
@@ -33,7 +35,7 @@ impl Extents {
         let skeleton = &rig.skeleton;
         let at_rest = skeleton.joints().map(|joint| {
             let rest = skeleton.rest(joint);
-            Extent { scale: most(&rest.scale), distance: length(&rest.translation) }
+            Extent { scale: max_component(&rest.scale), distance: length(&rest.translation) }
         });
         let mut joints: Vec<_> = at_rest.collect();
         for track in clips.iter().flat_map(|clip| &clip.source().tracks) {
@@ -43,15 +45,15 @@ impl Extents {
                 Property::Translation => {
                     extent.distance = extent.distance.max(largest(track, length))
                 }
-                Property::Scale => extent.scale = extent.scale.max(largest(track, most)),
+                Property::Scale => extent.scale = extent.scale.max(largest(track, max_component)),
                 Property::Rotation => {}
             }
         }
         Self { joints }
     }
 
-    /// That no chain of joints comes to more than may be; each chain is told once, by its first
-    /// node that does.
+    /// Checks that no chain of joints exceeds [`LARGEST_OF_CHAIN`]. Each chain is reported once, at
+    /// the first node that exceeds it.
     pub(crate) fn check(&self, rig: &Rig, nodes: &[Node], log: &Log) -> Checked<()> {
         let node_from_joint = rig.node_from_joint();
         let mut chains: Vec<Option<Extent>> = Vec::with_capacity(self.joints.len());
@@ -66,8 +68,8 @@ impl Extents {
             let large = chain.filter(|c| c.scale.max(c.distance) > LARGEST_OF_CHAIN);
             if let (Some(chain), Some(node)) = (large, node_from_joint[joint.index()]) {
                 let what = format!(
-                    "can be scaled by {:.1e} and be {:.1e} m away, by its own transform and keys \
-                     and those of the nodes above it; at most {LARGEST_OF_CHAIN:e} is possible",
+                    "can be scaled by {:.1e} and be {:.1e} m away through its own transform and \
+                     keys and those of its ancestors; both must be at most {LARGEST_OF_CHAIN:e}",
                     chain.scale, chain.distance
                 );
                 failed = Err(log.problem(&nodes[node].place, what));
@@ -78,22 +80,22 @@ impl Extents {
     }
 }
 
-/// The most that `size` makes of a track's values; a spline's tangents count by what they add
-/// between two keys.
+/// Returns the maximum of `size` over the values of a track. For cubic splines it includes an upper
+/// bound of the overshoot between two keys.
 fn largest(track: &Track, size: fn(&[f32]) -> f64) -> f64 {
-    let most = |part: usize, parts: usize| {
+    let max_of = |part: usize, parts: usize| {
         let vectors = track.values.chunks(track.property.width()).skip(part).step_by(parts);
         vectors.map(size).fold(0.0, f64::max)
     };
     if track.interpolation != Interpolation::CubicSpline {
-        return most(0, 1);
+        return max_of(0, 1);
     }
     let longest =
         track.times.windows(2).map(|w| f64::from(w[1]) - f64::from(w[0])).fold(0.0, f64::max);
-    most(1, 3) + TANGENT * longest * (most(0, 3) + most(2, 3))
+    max_of(1, 3) + TANGENT * longest * (max_of(0, 3) + max_of(2, 3))
 }
 
-fn most(vector: &[f32]) -> f64 {
+fn max_component(vector: &[f32]) -> f64 {
     vector.iter().map(|v| f64::from(v.abs())).fold(0.0, f64::max)
 }
 

@@ -1,57 +1,61 @@
-//! The folder that a file's URIs are relative to, and what may be read from there.
+//! The base folder of relative URIs, and access control for the files in it.
 
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// Symbolic links followed at most for one path.
+/// Maximum number of symbolic links to follow for one path.
 const MOST_LINKS: usize = 40;
 
-/// Where the files lie that a file names.
+/// The folder in which the files that a glTF file refers to are looked up.
 pub(crate) struct Folder {
-    /// Without one, files count as missing.
+    /// If `None`, all files count as missing.
     path: Option<PathBuf>,
     allow_outside: bool,
 }
 
-/// A file that may be read, opened.
+/// An open file that may be read.
 pub(crate) struct Opened {
     file: File,
-    /// How many bytes are to be read.
+    /// Number of bytes to read.
     pub(crate) length: u64,
 }
 
 impl Folder {
     pub(crate) fn new(path: Option<&Path>, allow_outside: bool) -> Self {
-        // The parent of a bare file name is an empty path, which stands for the current folder.
+        // The parent of a bare file name is an empty path, which means the current folder.
         let named = path.map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p });
         Self { path: named.map(Path::to_owned), allow_outside }
     }
 
-    /// Where a file would be that is named by a path, whether it may be read or not.
+    /// Joins `path` to the folder without checking whether the file exists or may be read.
     pub(crate) fn join(&self, path: &str) -> Option<PathBuf> {
         Some(self.path.as_ref()?.join(path))
     }
 
-    /// Opens a file to read its first `wanted` bytes, which must be there, or all of it.
+    /// Opens a file to read its first `wanted` bytes, or all of it if `wanted` is `None`. Fails if
+    /// the file is shorter.
     ///
-    /// Only regular files are opened, since devices and pipes may never end. What is said of a path
-    /// that leads outside the folder does not depend on what is there: nothing outside is looked
-    /// at.
+    /// Only regular files are opened, since reading a device or pipe may never end. The error for a
+    /// path that leads outside the folder is the same whether the file exists or not, because
+    /// nothing outside the folder is accessed.
     pub(crate) fn open(&self, path: &str, wanted: Option<usize>) -> Result<Opened, String> {
         let folder = self.path.as_deref().ok_or_else(|| {
-            format!("names the file \"{path}\", but files beside this one are not looked at here")
+            format!(
+                "refers to the file \"{path}\", but this input has no folder to find it in; load \
+                 the file by its path, or embed the data"
+            )
         })?;
-        let failed = |e: io::Error| format!("names \"{path}\", which cannot be read: {e}");
+        let failed = |e: io::Error| format!("refers to \"{path}\", which cannot be read: {e}");
         let found = if self.allow_outside {
             folder.join(path)
         } else {
             resolve(&folder.canonicalize().map_err(failed)?, path).map_err(failed)?.ok_or_else(
                 || {
                     format!(
-                        "names \"{path}\", which leads outside the file's folder; to read it all \
-                         the same use --allow-outside (`LoadOptions::allow_outside`)"
+                        "refers to \"{path}\", which is outside the folder of the file; to read it \
+                         anyway, use --allow-outside or `LoadOptions::allow_outside`"
                     )
                 },
             )?
@@ -60,8 +64,8 @@ impl Folder {
         let has = file.metadata().map_err(failed)?.len();
         match wanted.map(|w| w as u64) {
             Some(wanted) if wanted > has => Err(format!(
-                "names \"{path}\", which has {has} bytes where {wanted} are declared; it may be \
-                 cut off"
+                "refers to \"{path}\", which has {has} bytes, but {wanted} are declared; it may be \
+                 truncated"
             )),
             wanted => Ok(Opened { file, length: wanted.unwrap_or(has) }),
         }
@@ -69,19 +73,22 @@ impl Folder {
 }
 
 impl Opened {
-    /// Reads the bytes; fewer are an error.
+    /// Reads [`Self::length`] bytes. Fails if the file ends before that.
     pub(crate) fn read(self) -> Result<Vec<u8>, String> {
-        let failed = |e: io::Error| format!("names a file that cannot be read: {e}");
+        let failed = |e: io::Error| format!("refers to a file that cannot be read: {e}");
         let mut bytes = Vec::new();
         self.file.take(self.length).read_to_end(&mut bytes).map_err(failed)?;
         if (bytes.len() as u64) < self.length {
-            return Err("names a file that ended while it was read".into());
+            return Err(
+                "refers to a file that became shorter while it was read; load it again".into()
+            );
         }
         Ok(bytes)
     }
 }
 
-/// Opens a file unless it is a folder, pipe, socket or device. Opening a pipe would already wait.
+/// Opens a regular file. Folders, pipes, sockets and devices are refused before they are opened,
+/// since opening a pipe can already block.
 pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
     if !std::fs::metadata(path)?.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file"));
@@ -89,19 +96,19 @@ pub(crate) fn open_regular(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// Where a path leads from a folder, all symbolic links in the folder followed; `None` where that
-/// is outside. Nothing outside is looked at, so that the answer does not depend on it. `folder` is
-/// absolute and without links.
+/// Resolves `path` relative to `folder`, following the symbolic links inside the folder. Returns
+/// `None` if the result lies outside. Nothing outside the folder is accessed, so the result does
+/// not depend on what is there. `folder` must be absolute and free of symbolic links.
 fn resolve(folder: &Path, path: &str) -> io::Result<Option<PathBuf>> {
     let mut at = folder.to_owned();
-    let mut ahead = steps(Path::new(path));
+    let mut pending = components_reversed(Path::new(path));
     let mut links = 0;
-    while let Some(step) = ahead.pop() {
-        match Path::new(&step).components().next() {
+    while let Some(component) = pending.pop() {
+        match Path::new(&component).components().next() {
             Some(Component::ParentDir) => {
                 at.pop();
             }
-            Some(Component::RootDir | Component::Prefix(_)) => at.push(&step),
+            Some(Component::RootDir | Component::Prefix(_)) => at.push(&component),
             Some(Component::Normal(name)) => {
                 at.push(name);
                 if at.starts_with(folder) && std::fs::symlink_metadata(&at)?.is_symlink() {
@@ -109,7 +116,7 @@ fn resolve(folder: &Path, path: &str) -> io::Result<Option<PathBuf>> {
                     if links > MOST_LINKS {
                         return Err(io::Error::other("it is behind too many symbolic links"));
                     }
-                    ahead.extend(steps(&std::fs::read_link(&at)?));
+                    pending.extend(components_reversed(&std::fs::read_link(&at)?));
                     at.pop();
                 }
             }
@@ -119,9 +126,9 @@ fn resolve(folder: &Path, path: &str) -> io::Result<Option<PathBuf>> {
     Ok(at.starts_with(folder).then_some(at))
 }
 
-/// The components of a path, the first one last.
-fn steps(path: &Path) -> Vec<OsString> {
-    path.components().rev().map(|step| step.as_os_str().to_owned()).collect()
+/// Returns the components of a path in reverse order.
+fn components_reversed(path: &Path) -> Vec<OsString> {
+    path.components().rev().map(|component| component.as_os_str().to_owned()).collect()
 }
 
 #[cfg(all(test, unix))]
@@ -130,7 +137,7 @@ mod tests {
     use std::os::unix::fs::symlink;
 
     #[test]
-    fn paths_are_followed_as_far_as_the_folder_goes() {
+    fn paths_resolve_only_inside_the_folder() {
         let root = tempfile::tempdir().unwrap();
         let root = root.path().canonicalize().unwrap();
         let folder = root.join("folder");

@@ -1,12 +1,12 @@
-//! Triangles and normals.
+//! Triangulation and normals.
 
 use glam::DVec3;
 
 use crate::json::to_f32;
 use crate::primitive::Topology;
 
-/// The triangles of a list, strip or fan (glTF 2.0, section 3.7.2.1); vertices left over at the end
-/// form none.
+/// Converts a triangle list, strip or fan to a triangle list (glTF 2.0, section 3.7.2.1). Leftover
+/// vertices at the end are dropped.
 pub(crate) fn triangulate(indices: Vec<u32>, topology: Topology) -> Vec<u32> {
     match topology {
         Topology::Triangles => {
@@ -14,7 +14,7 @@ pub(crate) fn triangulate(indices: Vec<u32>, topology: Topology) -> Vec<u32> {
             indices.truncate(indices.len() / 3 * 3);
             indices
         }
-        // Every other triangle of a strip turns the other way, so that all face the same side.
+        // Every other triangle of a strip has its winding reversed, so that all face the same way.
         Topology::Strip => indices
             .windows(3)
             .enumerate()
@@ -27,24 +27,24 @@ pub(crate) fn triangulate(indices: Vec<u32>, topology: Topology) -> Vec<u32> {
     }
 }
 
-/// Turns every triangle over.
+/// Reverses the winding of every triangle.
 pub(crate) fn flip(indices: &mut [u32]) {
     for triangle in indices.chunks_exact_mut(3) {
         triangle.swap(1, 2);
     }
 }
 
-/// Flat normals, where a file has none (glTF 2.0, section 3.7.2.1).
+/// Flat normals for a primitive without normals (glTF 2.0, section 3.7.2.1).
 pub(crate) struct FlatNormals {
-    /// One for each vertex, those of the file first.
+    /// One normal per vertex: first the vertices of the file, then the copies.
     pub(crate) normals: Vec<[f32; 3]>,
-    /// Which vertex of the file each one after them repeats.
+    /// For each copy, the index of the vertex in the file that it duplicates.
     pub(crate) copies: Vec<u32>,
 }
 
-/// Gives each triangle a normal of its own. Vertices of the file keep their place and take the
-/// normal of the first triangle that has them; where another triangle lies at an angle to that,
-/// `indices` is led to a copy at the end.
+/// Computes one normal per triangle. Vertices of the file keep their index and take the normal of
+/// the first triangle that uses them. If another triangle has a different normal, a copy of the
+/// vertex is appended and `indices` is changed to refer to it.
 pub(crate) fn flat_normals(positions: &[[f32; 3]], indices: &mut [u32]) -> FlatNormals {
     let mut normals: Vec<Option<[f32; 3]>> = vec![None; positions.len()];
     let mut copies = Vec::new();
@@ -66,7 +66,7 @@ pub(crate) fn flat_normals(positions: &[[f32; 3]], indices: &mut [u32]) -> FlatN
     FlatNormals { normals: own.chain(copied_normals).collect(), copies }
 }
 
-/// What stands in for a normal that has no direction.
+/// Replacement for a normal of length zero.
 const UP: [f32; 3] = [0.0, 1.0, 0.0];
 
 fn triangle_normal(corners: [[f32; 3]; 3]) -> [f32; 3] {
@@ -78,7 +78,7 @@ fn unit(vector: DVec3) -> [f32; 3] {
     vector.try_normalize().map_or(UP, |n| n.to_array().map(to_f32))
 }
 
-/// Makes normals unit length, whatever they were stored as.
+/// Scales normals to unit length.
 pub(crate) fn normalize(normals: &mut [[f32; 3]]) {
     for normal in normals {
         *normal = unit(DVec3::from_array(normal.map(f64::from)));
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strips_and_fans_keep_their_facing() {
+    fn strips_and_fans_keep_their_winding() {
         assert_eq!(triangulate(vec![0, 1, 2, 3, 4], Topology::Strip), [0, 1, 2, 1, 3, 2, 2, 3, 4]);
         assert_eq!(triangulate(vec![0, 1, 2, 3], Topology::Fan), [1, 2, 0, 2, 3, 0]);
         assert_eq!(triangulate(vec![0, 1, 2, 3], Topology::Triangles), [0, 1, 2]);
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn flat_normals_split_an_edge_and_keep_the_files_vertices_first() {
+    fn flat_normals_append_copies_at_a_folded_edge() {
         // A square folded along its diagonal 0-1: z up for the first triangle, x up for the second.
         let positions = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
         let mut indices = [0, 1, 2, 0, 1, 3];

@@ -1,4 +1,4 @@
-//! Images, decoded when a material asks for them.
+//! Images, decoded on first use by a material.
 
 use std::io::Cursor as Bytes;
 
@@ -12,12 +12,12 @@ use crate::json::Cursor;
 use crate::log::{Checked, Log};
 use crate::uri::Uri;
 
-/// Pixels along a side.
-const MOST_PIXELS: u32 = 16_384;
-/// Bytes of a pixel of a decoded image.
+/// Maximum width and height in pixels.
+const MAX_SIDE: u32 = 16_384;
+/// Bytes per pixel of a decoded image.
 const RGBA_BYTES: u64 = 4;
 
-/// Where an image's bytes are.
+/// Location of the encoded bytes of an image.
 enum Source<'a> {
     View(usize),
     Uri(Uri<'a>),
@@ -26,11 +26,12 @@ enum Source<'a> {
 struct Entry<'a> {
     place: String,
     source: Option<Source<'a>>,
-    /// `None` until asked for; then the index of the decoded image, if it could be had.
+    /// `None` until first use. Then the index of the decoded image, or `Some(None)` if it is not
+    /// available.
     decoded: Option<Option<usize>>,
 }
 
-/// All images of a file.
+/// The images of a file.
 pub(crate) struct ImageStore<'a> {
     data: &'a Data<'a>,
     log: &'a Log,
@@ -40,8 +41,9 @@ pub(crate) struct ImageStore<'a> {
     images: Vec<Image>,
 }
 
-/// Why an image could not be had: the text is for a note.
-type Had<T> = Checked<Result<T, String>>;
+/// An image, or the text of a note that says why it is not available. The outer error stands for a
+/// problem that refuses the file.
+type ImageResult<T> = Checked<Result<T, String>>;
 
 impl<'a> ImageStore<'a> {
     pub(crate) fn new(
@@ -68,9 +70,9 @@ impl<'a> ImageStore<'a> {
         self.images
     }
 
-    /// The index of an image among the decoded ones; `None` where it could not be had, which is
-    /// noted. Only what the file itself gets wrong, or what would take too much memory, is a
-    /// problem: a texture that was not shipped along stops nobody from moving.
+    /// Returns the index of an image among the decoded ones, decoding it on first use. Returns
+    /// `None` and adds a note if the image is not available: a character can be animated without
+    /// its textures. Fails only for invalid references and images that exceed the memory limit.
     pub(crate) fn decoded(&mut self, index: usize) -> Checked<Option<usize>> {
         if let Some(known) = self.entries[index].decoded {
             return Ok(known);
@@ -83,7 +85,10 @@ impl<'a> ImageStore<'a> {
                 Some(self.images.len() - 1)
             }
             Err(what) => {
-                self.log.note(&entry.place, format!("{what}; materials keep their plain colour"));
+                self.log.note(
+                    &entry.place,
+                    format!("{what}; materials use their plain colour instead"),
+                );
                 None
             }
         };
@@ -91,7 +96,7 @@ impl<'a> ImageStore<'a> {
         Ok(decoded)
     }
 
-    fn image(&self, place: &str, source: &Source) -> Had<Image> {
+    fn image(&self, place: &str, source: &Source) -> ImageResult<Image> {
         let bytes = match source {
             Source::View(view) => return self.decode(place, self.data.view_bytes(*view)?),
             Source::Uri(Uri::Data(data)) => {
@@ -112,16 +117,17 @@ impl<'a> ImageStore<'a> {
         }
     }
 
-    /// Decodes PNG, JPEG or WebP, told apart by content, if the size in its header fits the budget.
-    fn decode(&self, place: &str, bytes: &[u8]) -> Had<Image> {
+    /// Decodes a PNG, JPEG or WebP image if the size in its header fits the budget. The format is
+    /// detected from the content.
+    fn decode(&self, place: &str, bytes: &[u8]) -> ImageResult<Image> {
         let format = image::guess_format(bytes).ok();
         let known = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP];
         let Some(format) = format.filter(|f| known.contains(f)) else {
-            return Ok(Err("is neither PNG nor JPEG nor WebP".into()));
+            return Ok(Err("is not a PNG, JPEG or WebP image".into()));
         };
         let mut limits = Limits::default();
-        limits.max_image_width = Some(MOST_PIXELS);
-        limits.max_image_height = Some(MOST_PIXELS);
+        limits.max_image_width = Some(MAX_SIDE);
+        limits.max_image_height = Some(MAX_SIDE);
         limits.max_alloc = Some(self.budget.left());
         let mut reader = ImageReader::with_format(Bytes::new(bytes), format);
         reader.limits(limits);
@@ -132,12 +138,12 @@ impl<'a> ImageStore<'a> {
         };
         let (width, height) = decoder.dimensions();
         let pixels = u64::from(width) * u64::from(height);
-        // What the decoder works with is gone before its pixels become RGBA, where they are not
-        // that already.
+        // The decoder's working memory is freed before its pixels are converted to RGBA, so only
+        // the larger of the two counts.
         let converted = if decoder.color_type() == ColorType::Rgba8 { 0 } else { RGBA_BYTES };
-        let beside = pixels * converted.max(working_bytes(format)) + bytes.len() as u64;
+        let extra = pixels * converted.max(working_bytes(format)) + bytes.len() as u64;
         let what = format!("an image of {width} x {height} pixels");
-        self.budget.check(place, &what, decoder.total_bytes() + beside)?;
+        self.budget.check(place, &what, decoder.total_bytes() + extra)?;
         match DynamicImage::from_decoder(decoder) {
             Ok(decoded) => {
                 self.budget.take(place, &what, RGBA_BYTES * pixels)?;
@@ -148,8 +154,8 @@ impl<'a> ImageStore<'a> {
     }
 }
 
-/// Bytes for each pixel that a decoder takes at most beside what it gives: a progressive JPEG's
-/// coefficients, a WebP's frame.
+/// Returns an upper bound of the decoder's working memory in bytes per pixel, without its output:
+/// the coefficients of a progressive JPEG, the frame of a WebP.
 const fn working_bytes(format: ImageFormat) -> u64 {
     match format {
         ImageFormat::Jpeg => 6,
@@ -169,7 +175,7 @@ fn read_source<'a>(at: &Cursor<'a>, data: &Data) -> Checked<Option<Source<'a>>> 
     match Uri::parse(uri.text()?) {
         Ok(uri) => Ok(Some(Source::Uri(uri))),
         Err(what) => {
-            uri.note(format!("{what}; materials keep their plain colour"));
+            uri.note(format!("{what}; materials use their plain colour instead"));
             Ok(None)
         }
     }
@@ -205,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_come_out_as_they_went_in() {
+    fn png_round_trip_keeps_pixels() {
         let image = decoded(&png(3, 2), 1 << 20).unwrap();
         assert_eq!((image.width, image.height), (3, 2));
         assert_eq!(image.rgba[4 * 5..], [2, 1, 7, 255]);
@@ -217,25 +223,25 @@ mod tests {
         assert!(
             decoded(&good[..good.len() / 2], 1 << 20).unwrap_err().contains("cannot be decoded")
         );
-        assert!(decoded(b"GIF89a", 1 << 20).unwrap_err().contains("neither PNG"));
-        let wide = png(MOST_PIXELS + 1, 1);
+        assert!(decoded(b"GIF89a", 1 << 20).unwrap_err().contains("is not a PNG"));
+        let wide = png(MAX_SIDE + 1, 1);
         assert!(decoded(&wide, 1 << 30).unwrap_err().contains("cannot be decoded"));
     }
 
     #[test]
-    fn the_size_in_the_header_counts_before_anything_is_decoded() {
+    fn memory_is_checked_against_the_header_before_decoding() {
         let mut large = png(3, 2);
-        // Width and height in the header, and its checksum; there are no such pixels.
+        // Width and height in the header and its checksum. The file has no such pixels.
         large[16..24].copy_from_slice(&[0, 0, 0x40, 0, 0, 0, 0x40, 0]);
         let checksum = crc(&large[12..29]).to_be_bytes();
         large[29..33].copy_from_slice(&checksum);
         let said = decoded(&large, 1 << 30).unwrap_err();
-        let words = "images[0]: needs 1025 MiB for an image of 16384 x 16384 pixels beside 0 MiB";
+        let words = "images[0]: needs 1025 MiB for an image of 16384 x 16384 pixels in addition";
         assert!(said.starts_with(words), "{said}");
         assert!(decoded(&large, 3 << 30).unwrap_err().contains("cannot be decoded"));
     }
 
-    /// The checksum of a PNG's chunk.
+    /// Computes the CRC-32 of a PNG chunk.
     fn crc(bytes: &[u8]) -> u32 {
         !bytes.iter().fold(!0, |sum, byte| {
             (0..8).fold(sum ^ u32::from(*byte), |s, _| {

@@ -1,4 +1,4 @@
-//! From the bytes of a file to a character: calls everything else, in order.
+//! Top level of the import: runs all stages in order, from bytes to a character.
 
 use std::path::PathBuf;
 
@@ -14,8 +14,8 @@ use crate::influences::Palette;
 use crate::json::Cursor;
 use crate::log::{Checked, Log};
 use crate::materials;
-use crate::nodes::{self, Counts, Node, Walk};
-use crate::parts::{Maker, Mover, Place};
+use crate::nodes::{self, Ancestry, Counts, Node};
+use crate::parts::{Mover, PartBuilder, PartSource};
 use crate::primitive::{self, Mesh};
 use crate::rig::Rig;
 use crate::skins::{self, Skin};
@@ -23,7 +23,7 @@ use crate::tree;
 use crate::uri::Uri;
 use crate::{Imported, SkinInfo, glb};
 
-/// Imports a file's bytes; what is wrong with them is in the log.
+/// Imports the bytes of a file. Problems and notes go to the log.
 pub(crate) fn import(
     bytes: &[u8],
     name: &str,
@@ -45,18 +45,18 @@ pub(crate) fn import(
     let assembly = Assembly {
         document: &document,
         rig: &rig,
-        maker: Maker { data: &data, log, extensions, textures: &surfaces.textures },
+        builder: PartBuilder { data: &data, log, extensions, textures: &surfaces.textures },
     };
     let mut palette = Palette::default();
     let built = assembly.parts(&mut palette);
     if let Ok((parts, ..)) = &built {
-        rig.reach_vertices(palette.entries(), parts);
+        rig.measure_vertices(palette.entries(), parts);
     }
     let clips = Clips::new(&data, log, &rig).all(&document.animations);
     let (parts, vertex_counts, skins) = built?;
     let clips = clips?;
     Extents::of(&rig, &clips).check(&rig, &document.nodes, log)?;
-    data.note_unopened();
+    data.note_unused_buffers();
     let node_from_joint = rig.node_from_joint();
     let character = Character::new(CharacterSource {
         name: name.to_owned(),
@@ -79,7 +79,7 @@ pub(crate) fn import(
     })
 }
 
-/// The files that buffers and images name, in the file's order.
+/// Returns the paths that buffers and images refer to, in file order.
 fn named_files(root: &Cursor, folder: &Folder) -> Vec<PathBuf> {
     let holders = root.list("buffers").into_iter().chain(root.list("images"));
     let uris = holders.filter_map(|holder| holder.get("uri")?.text().ok());
@@ -90,32 +90,36 @@ fn named_files(root: &Cursor, folder: &Folder) -> Vec<PathBuf> {
     uris.filter_map(path).collect()
 }
 
-/// Some exporters pad the chunk with zeros where spaces are due.
+/// Removes zeros from the end of the JSON chunk, which some exporters write in place of spaces.
 fn without_padding<'a>(json: &'a [u8], log: &Log) -> &'a [u8] {
     let end = json.iter().rposition(|b| *b != 0).map_or(0, |at| at + 1);
     if end < json.len() {
         log.note(
             "chunk 0",
-            "is padded with zeros; JSON is padded with spaces (glTF 2.0, section 4.4.3.2)",
+            "is padded with zeros; JSON must be padded with spaces (glTF 2.0, section 4.4.3.2)",
         );
     }
     &json[..end]
 }
 
-/// Checks the version; gives what wrote the file (glTF 2.0, section 3.2).
+/// Checks the version and returns the generator (glTF 2.0, section 3.2).
 fn check_asset(root: &Cursor) -> Checked<Option<String>> {
     let asset = root.require("asset")?;
     let version = asset.require("version")?;
     if version.text()?.split('.').next() != Some("2") {
-        return Err(version.problem(format!("is \"{}\"; version 2 is supported", version.text()?)));
+        return Err(
+            version.problem(format!("is \"{}\"; only version 2 is supported", version.text()?))
+        );
     }
     if let Some(least) = asset.get("minVersion") {
         match least.text()? {
             "2.0" => {}
             text if text.split('.').next() == Some("2") => {
-                least.note(format!("asks for version {text}; what 2.0 does not define is ignored"));
+                least.note(format!("asks for version {text}; features after 2.0 are ignored"));
             }
-            text => return Err(least.problem(format!("is \"{text}\"; version 2 is supported"))),
+            text => {
+                return Err(least.problem(format!("is \"{text}\"; only version 2 is supported")));
+            }
         }
     }
     Ok(asset.optional("generator", Cursor::text)?.map(str::to_owned))
@@ -127,10 +131,10 @@ impl SkinInfo {
     }
 }
 
-/// Everything that a file declares about what moves and is drawn.
+/// The declarations of nodes, meshes, skins and animations.
 struct Document {
     nodes: Vec<Node>,
-    /// Whether the nodes form one.
+    /// Whether the nodes form a forest.
     forest: Checked<()>,
     meshes: Vec<Mesh>,
     skins: Vec<Checked<Skin>>,
@@ -154,13 +158,13 @@ impl Document {
         Self { nodes, forest, meshes, skins, animations }
     }
 
-    /// The skeleton: joints, what hangs on them, nodes with meshes of their own, and nodes that
-    /// clips move.
+    /// Builds the skeleton from skin joints and their descendants, nodes with meshes of their own,
+    /// and animated nodes.
     fn rig(&self, log: &Log) -> Checked<Rig> {
-        let walk = Walk::new(&self.nodes);
+        let ancestry = Ancestry::new(&self.nodes);
         let mut joints = Vec::new();
         for skin in self.skins.iter().flatten() {
-            skin.note_roots(&self.nodes, &walk, log);
+            skin.note_roots(&self.nodes, &ancestry, log);
             joints.extend_from_slice(&skin.joints);
         }
         let rigid = (0..self.nodes.len())
@@ -169,25 +173,25 @@ impl Document {
         Rig::new(&self.nodes, rigid.chain(driven), &joints, log)
     }
 
-    /// Whether a node carries anything that moves with it.
+    /// Returns whether a node has a mesh that moves rigidly with it.
     fn is_rigid(&self, node: &Node) -> bool {
         let mut primitives = node.mesh.iter().flat_map(|m| self.meshes[*m].iter().flatten());
         primitives.any(|p| node.skin.is_none() || !p.is_skinned())
     }
 }
 
-/// What a part takes beside its mesh, at least.
+/// Least memory of a part in bytes, without its mesh.
 const PART_BYTES: usize = size_of::<Part>();
 
 struct Assembly<'a> {
     document: &'a Document,
     rig: &'a Rig,
-    maker: Maker<'a>,
+    builder: PartBuilder<'a>,
 }
 
 impl Assembly<'_> {
-    /// The parts of all nodes in the scene, for each the number of vertices that the file has, and
-    /// the skins of those nodes that have one.
+    /// Builds the parts of all nodes in the scene. Also returns the file's vertex count of each
+    /// part, and the skins of the nodes that have one.
     fn parts(&self, palette: &mut Palette) -> Checked<(Vec<Part>, Vec<usize>, Vec<SkinInstance>)> {
         let (mut parts, mut vertex_counts, mut skins) = (Vec::new(), Vec::new(), Vec::new());
         let mut failed = None;
@@ -199,15 +203,16 @@ impl Assembly<'_> {
             };
             for (primitive, declared) in self.document.meshes[mesh].iter().enumerate() {
                 let node_name = self.rig.node_name(&self.document.nodes, index);
-                // Many nodes times many primitives that show nothing would take long and no memory.
-                self.maker.data.budget.charge(&node.place, PART_BYTES + node_name.len())?;
+                // Charged even if the primitive has no triangles: many nodes times many empty
+                // primitives would take long without using memory.
+                self.builder.data.budget.charge(&node.place, PART_BYTES + node_name.len())?;
                 let Ok(declared) = declared else { continue };
                 let mover = match &skin {
                     Some(skin) if declared.is_skinned() => Mover::Skin(&skin.joints),
                     _ => self.rigid_mover(index, node, declared, skin.is_some())?,
                 };
-                let place = Place { node: index, node_name, primitive };
-                match self.maker.part(place, declared, mover, palette) {
+                let source = PartSource { node: index, node_name, primitive };
+                match self.builder.part(source, declared, mover, palette) {
                     Ok(made) => {
                         vertex_counts.extend(made.as_ref().map(|(_, count)| *count));
                         parts.extend(made.map(|(part, _)| part));
@@ -227,32 +232,31 @@ impl Assembly<'_> {
         declared: &primitive::Primitive,
         has_skin: bool,
     ) -> Checked<Mover<'_>> {
-        let log = self.maker.log;
+        let log = self.builder.log;
         if has_skin {
             log.note(
                 &declared.place,
-                "has no joints and weights, though its node has a skin; it moves with the node",
+                "has no joints and weights, although its node has a skin; it moves with the node",
             );
         }
-        let joint = self.rig.joint_from_node[index].ok_or_else(|| {
-            log.problem(&node.place, "carries a mesh, but did not become a joint")
-        })?;
+        let joint = self.rig.joint_from_node[index]
+            .ok_or_else(|| log.problem(&node.place, "has a mesh, but did not become a joint"))?;
         Ok(Mover::Rigid { joint, mirrored: node.mirrored })
     }
 
-    /// The skin of a mesh node, bound to the skeleton.
+    /// Returns the skin of a mesh node with its joints mapped to the skeleton.
     fn skin_instance(&self, index: usize, node: &Node) -> Checked<Option<SkinInstance>> {
         let Some(skin_index) = node.skin else {
             return Ok(None);
         };
         let skin = self.document.skins[skin_index].as_ref().map_err(|reported| *reported)?;
-        self.maker
+        self.builder
             .data
             .budget
             .charge(&node.place, skin.joints.len().saturating_mul(size_of::<PaletteEntry>()))?;
-        let matrices = skin.bind_matrices(self.maker.data, self.maker.log)?;
+        let matrices = skin.bind_matrices(self.builder.data, self.builder.log)?;
         let entry = |(node, joint_from_bind): (&usize, Affine)| {
-            // All joints of all skins are in the skeleton.
+            // The skeleton contains all joints of all skins, so this is never `None`.
             Some(PaletteEntry { joint: self.rig.joint_from_node[*node]?, joint_from_bind })
         };
         Ok(Some(SkinInstance {

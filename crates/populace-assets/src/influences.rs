@@ -1,4 +1,4 @@
-//! Which joints move the vertices, and the palette of all that do.
+//! Joint influences of vertices, and the palette of joint and bind matrix pairs.
 
 use std::collections::HashMap;
 
@@ -6,10 +6,10 @@ use populace_core::{Affine, Influences, JointIndex, PaletteEntry};
 
 use crate::log::{Checked, Log};
 
-/// Entries that a 16-bit index reaches.
+/// Number of entries that a 16-bit index can address.
 const PALETTE_LIMIT: usize = 1 << 16;
 
-/// The distinct pairs of joint and bind matrix that something uses, in the order of first use.
+/// Distinct pairs of joint and bind matrix, in the order of first use.
 #[derive(Default)]
 pub(crate) struct Palette {
     entries: Vec<PaletteEntry>,
@@ -17,7 +17,7 @@ pub(crate) struct Palette {
 }
 
 impl Palette {
-    /// The index of a pair; bitwise equal ones share it.
+    /// Returns the index of a pair, adding it if necessary. Bitwise equal pairs share an index.
     pub(crate) fn entry(&mut self, entry: &PaletteEntry, place: &str, log: &Log) -> Checked<u16> {
         let bits = entry.joint_from_bind.rows.map(|row| row.map(f32::to_bits));
         if let Some(&known) = self.known.get(&(entry.joint, bits)) {
@@ -27,8 +27,8 @@ impl Palette {
             log.problem(
                 place,
                 format!(
-                    "needs more than {PALETTE_LIMIT} pairs of joint and bind matrix, all that a \
-                     vertex can name"
+                    "needs more than {PALETTE_LIMIT} pairs of joint and bind matrix, the most that \
+                     16-bit indices can address; split the file"
                 ),
             )
         })?;
@@ -46,7 +46,7 @@ impl Palette {
     }
 }
 
-/// Every vertex moves with `joint` alone.
+/// Returns influences that bind every vertex to `joint` alone.
 pub(crate) fn rigid(
     joint: JointIndex,
     vertex_count: usize,
@@ -63,16 +63,16 @@ pub(crate) fn rigid(
     })
 }
 
-/// Joints and weights of a primitive's vertices: one or two sets of four.
+/// Joints and weights of the vertices of a primitive: one or two sets of four per vertex.
 pub(crate) struct Sets {
     pub(crate) joints: Vec<Vec<u32>>,
     pub(crate) weights: Vec<Vec<f32>>,
 }
 
-/// Sums of weights this far from 1 are worth a note; rounded weights come within it.
-const OFF_BY: f64 = 0.01;
+/// Deviation of the sum of weights from 1 above which a note is added. Rounding errors are smaller.
+const SUM_TOLERANCE: f64 = 0.01;
 
-/// Maps a skin's joints to palette entries.
+/// Returns influences with the joints of a skin mapped to palette entries.
 pub(crate) fn skinned(
     sets: &Sets,
     skin: &[PaletteEntry],
@@ -81,9 +81,9 @@ pub(crate) fn skinned(
     log: &Log,
 ) -> Checked<Influences> {
     let vertex_count = sets.joints[0].len() / 4;
-    // A second set that weighs nothing is not worth its memory.
-    let weighs = |set: &Vec<f32>| set.iter().any(|w| *w != 0.0);
-    let used = sets.weights.iter().rposition(weighs).unwrap_or(0) + 1;
+    // A second set without weights is dropped to save memory.
+    let has_weight = |set: &Vec<f32>| set.iter().any(|w| *w != 0.0);
+    let used = sets.weights.iter().rposition(has_weight).unwrap_or(0) + 1;
     let mapped = vec![None; skin.len()];
     let mut binder = Binder { skin, mapped, palette, place, log };
     let mut influences = Influences {
@@ -107,7 +107,7 @@ pub(crate) fn skinned(
 
 struct Binder<'a> {
     skin: &'a [PaletteEntry],
-    /// For each joint of the skin its palette entry, once some vertex needs it.
+    /// Palette entry of each joint of the skin, `None` until a vertex uses it.
     mapped: Vec<Option<u16>>,
     palette: &'a mut Palette,
     place: &'a str,
@@ -115,8 +115,9 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    /// Fills one vertex's entries; weights stay as the file has them. Influences without weight
-    /// repeat one that has some: the joints they name need not even exist.
+    /// Fills in the entries of one vertex and keeps its weights, except for negative and all-zero
+    /// ones. Influences without weight use the entry of a weighted one, because their joint indices
+    /// may be invalid.
     fn bind_vertex(
         &mut self,
         vertex: usize,
@@ -125,25 +126,24 @@ impl Binder<'_> {
         weights: &mut [f32],
     ) -> Checked<()> {
         for weight in weights.iter_mut().filter(|w| **w < 0.0) {
-            self.log.note(self.place, "has negative weights; they are taken as zero");
+            self.log.note(self.place, "has negative weights; they are treated as zero");
             *weight = 0.0;
         }
         let sum: f64 = weights.iter().copied().map(f64::from).sum();
         if sum > 0.0 {
-            if (sum - 1.0).abs() > OFF_BY {
-                let what = "has vertices whose weights do not sum to 1; they are kept as they are";
+            if (sum - 1.0).abs() > SUM_TOLERANCE {
+                let what = "has vertices whose weights do not sum to 1; they are not changed";
                 self.log.note(self.place, what);
             }
         } else {
-            let what =
-                "has vertices whose weights are all zero; they follow the first joint they name";
+            let what = "has vertices whose weights are all zero; they follow their first joint";
             self.log.note(self.place, what);
             weights[0] = 1.0;
         }
-        let weighty = weights.iter().position(|w| *w > 0.0).unwrap_or(0);
-        let stand_in = self.entry(vertex, joints[weighty])?;
+        let first_weighted = weights.iter().position(|w| *w > 0.0).unwrap_or(0);
+        let default_entry = self.entry(vertex, joints[first_weighted])?;
         for ((entry, joint), weight) in entries.iter_mut().zip(joints).zip(weights) {
-            *entry = if *weight > 0.0 { self.entry(vertex, *joint)? } else { stand_in };
+            *entry = if *weight > 0.0 { self.entry(vertex, *joint)? } else { default_entry };
         }
         Ok(())
     }
@@ -152,7 +152,7 @@ impl Binder<'_> {
         let index = joint as usize;
         let Some(entry) = self.skin.get(index) else {
             let what = format!(
-                "binds vertex {vertex} to joint {joint}, but the skin has {}",
+                "binds vertex {vertex} to joint {joint}, but the skin has only {} joints",
                 self.skin.len()
             );
             return Err(self.log.problem(self.place, what));
@@ -197,11 +197,11 @@ mod tests {
         let (influences, palette) = bind(&[[1, 0, 2, 3]], &[[2.0, 1.0, 1.0, 0.0]]).unwrap();
         assert_eq!(influences.weights, [2.0, 1.0, 1.0, 0.0]);
         assert_eq!(influences.entries[..3], [0, 1, 1]);
-        assert_eq!(palette, [entry(6, 1.0), entry(5, 0.0)], "joint 3 moves nothing");
+        assert_eq!(palette, [entry(6, 1.0), entry(5, 0.0)], "joint 3 has no weight");
     }
 
     #[test]
-    fn two_sets_are_kept_together_and_an_idle_second_one_is_dropped() {
+    fn second_set_is_dropped_if_all_its_weights_are_zero() {
         let (both, palette) =
             bind(&[[0, 0, 0, 0], [1, 0, 0, 0]], &[[0.25, 0.0, 0.0, 0.0], [0.75, 0.0, 0.0, 0.0]])
                 .unwrap();
@@ -213,17 +213,17 @@ mod tests {
     }
 
     #[test]
-    fn joints_must_exist_where_they_weigh_something() {
+    fn joint_indices_are_checked_only_for_nonzero_weights() {
         assert!(bind(&[[0, 99, 99, 99]], &[[1.0, 0.0, 0.0, -0.5]]).is_ok());
         let error = bind(&[[0, 99, 0, 0]], &[[0.5, 0.5, 0.0, 0.0]]).unwrap_err();
-        assert_eq!(error, "here: binds vertex 0 to joint 99, but the skin has 4");
+        assert_eq!(error, "here: binds vertex 0 to joint 99, but the skin has only 4 joints");
         let (zero, palette) = bind(&[[1, 0, 0, 0]], &[[0.0; 4]]).unwrap();
         assert_eq!(zero.weights, [1.0, 0.0, 0.0, 0.0]);
         assert_eq!(palette, [entry(6, 1.0)]);
     }
 
     #[test]
-    fn the_palette_ends_at_16_bits() {
+    fn palette_is_limited_to_16_bit_indices() {
         let (log, mut palette) = (Log::default(), Palette::default());
         for joint in 0..65_536 {
             palette.entry(&entry(joint, 0.0), "here", &log).unwrap();

@@ -1,13 +1,13 @@
-//! A place in the JSON of a file: reads typed values and logs what is not as it should be.
+//! Typed access to the JSON of a file. Mismatches are logged with their JSON path.
 
 use crate::log::{Checked, Log, Reported};
 use crate::tree::Value;
 
-/// Largest size of a number in transforms, keys and vertices. Products of several stay within
-/// single precision.
+/// Largest magnitude of a number in transforms, keys and vertices. Products of several such numbers
+/// stay within single precision.
 pub(crate) const LARGEST: f64 = populace_core::LARGEST as f64;
 
-/// A JSON value, where it stands, and the log that its problems go to.
+/// A JSON value with its path and the log for its problems.
 #[derive(Clone)]
 pub(crate) struct Cursor<'a> {
     value: &'a Value<'a>,
@@ -21,7 +21,7 @@ impl<'a> Cursor<'a> {
         Self { value, place, log }
     }
 
-    /// The path, as `animations[2].channels[0]`.
+    /// Returns the JSON path, such as `animations[2].channels[0]`, or `file` for the root.
     pub(crate) fn place(&self) -> &str {
         if self.place.is_empty() { "file" } else { &self.place }
     }
@@ -34,7 +34,7 @@ impl<'a> Cursor<'a> {
         self.log.note(self.place(), what);
     }
 
-    /// A property, if it is there. Something that is no object has none.
+    /// Returns a property, or `None` if it is missing or this is not an object.
     pub(crate) fn get(&self, key: &str) -> Option<Self> {
         let Value::Object(object) = self.value else { return None };
         let value = object.get(key)?;
@@ -45,14 +45,14 @@ impl<'a> Cursor<'a> {
         if self.place.is_empty() { key.to_owned() } else { format!("{}.{key}", self.place) }
     }
 
-    /// A property that must be there.
+    /// Returns a required property.
     pub(crate) fn require(&self, key: &str) -> Checked<Self> {
         self.object()?;
         self.get(key)
             .ok_or_else(|| self.log.problem(self.place_of(key), "is missing; it is required"))
     }
 
-    /// A property that may be left out, read by `read`.
+    /// Reads an optional property with `read`.
     pub(crate) fn optional<T>(
         &self,
         key: &str,
@@ -61,7 +61,7 @@ impl<'a> Cursor<'a> {
         self.get(key).map(|at| read(&at)).transpose()
     }
 
-    /// An extension's object.
+    /// Returns the object of an extension.
     pub(crate) fn extension(&self, name: &str) -> Option<Self> {
         self.get("extensions")?.get(name)
     }
@@ -78,24 +78,24 @@ impl<'a> Cursor<'a> {
         self.problem(format!("must be {wanted}, but is {is}"))
     }
 
-    /// That this is an object.
+    /// Checks that this is an object.
     pub(crate) fn object(&self) -> Checked<()> {
         matches!(self.value, Value::Object(_))
             .then_some(())
             .ok_or_else(|| self.wrong_type("an object"))
     }
 
-    /// The property names of an object.
+    /// Returns the property names of an object.
     pub(crate) fn keys(&self) -> impl Iterator<Item = &'a str> {
         let object = if let Value::Object(object) = self.value { Some(object) } else { None };
         object.into_iter().flat_map(|o| o.keys())
     }
 
-    /// The items of an array.
+    /// Returns the items of an array.
     pub(crate) fn items(&self) -> Checked<Vec<Self>> {
         let Value::Array(items) = self.value else { return Err(self.wrong_type("an array")) };
         if items.is_empty() {
-            self.note("is empty; glTF wants empty arrays left out");
+            self.note("is empty; glTF requires that empty arrays are omitted");
         }
         Ok(items
             .iter()
@@ -108,17 +108,17 @@ impl<'a> Cursor<'a> {
             .collect())
     }
 
-    /// How many items an array has; none where this is no array.
+    /// Returns the length of an array, or 0 if this is not an array.
     pub(crate) fn item_count(&self) -> usize {
         if let Value::Array(items) = self.value { items.len() } else { 0 }
     }
 
-    /// The items of an array property; none if it is not there or is no array.
+    /// Returns the items of an array property, or none if it is missing or not an array.
     pub(crate) fn list(&self, key: &str) -> Vec<Self> {
         self.get(key).and_then(|at| at.items().ok()).unwrap_or_default()
     }
 
-    /// Like [`Self::list`], and each item must be an object.
+    /// Returns [`Self::list`] and checks that each item is an object.
     pub(crate) fn objects(&self, key: &str) -> Vec<Self> {
         let list = self.list(key);
         for item in &list {
@@ -127,9 +127,9 @@ impl<'a> Cursor<'a> {
         list
     }
 
-    /// A whole number that is not negative. `3.0` is one too.
+    /// Reads a non-negative whole number. `3.0` is accepted too.
     pub(crate) fn uint(&self) -> Checked<usize> {
-        const EXACT: f64 = 9_007_199_254_740_992.0; // 2^53: above it, doubles skip whole numbers
+        const EXACT: f64 = 9_007_199_254_740_992.0; // 2^53: not all whole numbers above are doubles
         let Value::Number(written) = self.value else {
             return Err(self.wrong_type("a whole number"));
         };
@@ -147,35 +147,35 @@ impl<'a> Cursor<'a> {
         match whole.map(usize::try_from) {
             Some(Ok(whole)) => Ok(whole),
             _ => Err(self.problem(format!(
-                "is {written}; it must be a whole number from 0 on, of a size that a file can have"
+                "is {written}; it must be a whole number from 0 to {}",
+                usize::MAX
             ))),
         }
     }
 
-    /// The index of one of `count` things called `what`.
+    /// Reads the index of one of `count` objects; `what` names their kind in the problem.
     pub(crate) fn index(&self, count: usize, what: &str) -> Checked<usize> {
         let index = self.uint()?;
         if index < count {
             return Ok(index);
         }
         Err(self.problem(match count {
-            0 => format!("names {what} {index}, but there is none"),
-            1 => format!("names {what} {index}, but there is only {what} 0"),
-            _ => format!("names {what} {index}, but there are only {what} 0 to {}", count - 1),
+            0 => format!("refers to {what} {index}, but there is none"),
+            _ => format!("refers to {what} {index}, but the last one is {what} {}", count - 1),
         }))
     }
 
-    /// A number of at most [`LARGEST`] in size.
+    /// Reads a number whose magnitude is at most [`LARGEST`].
     pub(crate) fn number(&self) -> Checked<f64> {
         let Value::Number(written) = self.value else { return Err(self.wrong_type("a number")) };
         let number = written.as_f64().unwrap_or(f64::INFINITY);
         if number.abs() <= LARGEST {
             return Ok(number);
         }
-        Err(self.problem(format!("is {written}; numbers may be at most {LARGEST:e} in size")))
+        Err(self.problem(format!("is {written}; the magnitude must be at most {LARGEST:e}")))
     }
 
-    /// An array of exactly `N` numbers.
+    /// Reads an array of exactly `N` numbers.
     pub(crate) fn numbers<const N: usize>(&self) -> Checked<[f64; N]> {
         let Value::Array(items) = self.value else {
             return Err(self.wrong_type(&format!("an array of {N} numbers")));
@@ -200,7 +200,7 @@ impl<'a> Cursor<'a> {
         Ok(*flag)
     }
 
-    /// The `name` property, empty where there is none.
+    /// Returns the `name` property, or an empty string if it is missing.
     pub(crate) fn name(&self) -> String {
         let name = self.optional("name", Self::text);
         name.ok().flatten().unwrap_or_default().to_owned()
@@ -208,7 +208,7 @@ impl<'a> Cursor<'a> {
 }
 
 /// Rounds to the nearest `f32`.
-#[expect(clippy::cast_possible_truncation, reason = "rounding is what is wanted")]
+#[expect(clippy::cast_possible_truncation, reason = "rounding is intended")]
 pub(crate) fn to_f32(value: f64) -> f32 {
     value as f32
 }
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn every_problem_has_its_path() {
+    fn problems_have_json_paths() {
         let value = tree(r#"{"a": [{"i": 7}, 3, {"i": "x"}, {"i": -1}, {}]}"#);
         let found = problems(&value, |root| {
             for item in root.objects("a") {
@@ -237,17 +237,16 @@ mod tests {
             found,
             [
                 "a[1]: must be an object, but is a number",
-                "a[0].i: names node 7, but there are only node 0 to 1",
+                "a[0].i: refers to node 7, but the last one is node 1",
                 "a[2].i: must be a whole number, but is a string",
-                "a[3].i: is -1; it must be a whole number from 0 on, of a size that a file can \
-                 have",
+                &format!("a[3].i: is -1; it must be a whole number from 0 to {}", usize::MAX),
                 "a[4].i: is missing; it is required",
             ]
         );
     }
 
     #[test]
-    fn whole_numbers_may_be_written_as_floats_but_not_beyond_reason() {
+    fn uint_accepts_whole_floats_up_to_2_pow_53() {
         let value = tree(r#"{"a": 3.0, "b": 3.5, "c": 1e300}"#);
         let log = Log::default();
         let root = Cursor::root(&value, &log);
@@ -257,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn arrays_of_numbers_have_a_length_and_fit_floats() {
+    fn numbers_checks_length_and_magnitude() {
         let value = tree(r#"{"short": [1, 2], "wide": [1, 1e39, 2], "good": [1, 2.5, -3]}"#);
         let log = Log::default();
         let root = Cursor::root(&value, &log);

@@ -1,8 +1,8 @@
 //! Reads characters and clips from glTF 2.0 files, text or binary, into the types of
 //! [`populace_core`].
 //!
-//! Units and spaces are those of glTF: metres, seconds, radians, Y up, +Z front; nothing is scaled
-//! or turned.
+//! Units and axes are those of glTF: metres, seconds, radians, +Y up, +Z front. Nothing is scaled
+//! or rotated.
 //!
 //! ```
 //! let file = br#"{
@@ -16,7 +16,7 @@
 //! assert_eq!(skeleton.parent(head), skeleton.find("hips"));
 //! assert_eq!(skeleton.rest(head).translation, [0.0, 0.6, 0.0]);
 //!
-//! // Everything that is wrong with a file is listed, each with its place.
+//! // The error lists every problem of the file with its location.
 //! let broken = br#"{
 //!     "asset": {"version": "2.0"},
 //!     "nodes": [{"children": [7]}],
@@ -24,26 +24,30 @@
 //! }"#;
 //! let error = populace_assets::load_from_slice(broken, None).unwrap_err();
 //! assert_eq!(error.to_string(), "glTF data is refused:\n\
-//!     nodes[0].children[0]: names node 7, but there is only node 0\n\
+//!     nodes[0].children[0]: refers to node 7, but the last one is node 0\n\
 //!     skins[0].joints[1]: must be a whole number, but is a string");
 //! # Ok::<(), populace_assets::Error>(())
 //! ```
 //!
-//! What becomes of a file: nodes that are joints, stand above or below one, carry a mesh of their
-//! own or are moved by an animation form the skeleton. The meshes of the default scene become
-//! parts, animations become clips. What the file holds beyond that is ignored, and
-//! [`Imported::notes`] says what and why.
+//! # Mapping
 //!
-//! The main decision: JSON is read through a cursor that knows its own path and a log that gathers
-//! problems, rather than into declared structures that fail at the first surprise. A file is
-//! refused with all of its problems or taken whole.
+//! A node becomes a joint of the skeleton if it is a skin joint, an ancestor or descendant of one,
+//! carries a mesh of its own, or is animated. The meshes of the default scene become parts, and
+//! animations become clips. Other data is ignored; [`Imported::notes`] lists it with the reasons.
 //!
-//! Files need not be trusted. By default URIs stay inside the folder of the file, and one load
-//! takes at most 1 GiB, which is estimated before it is allocated ([`LoadOptions`]). Arrays and
-//! clips stay in proportion to the size of the file, and so does the time that loading takes; at
-//! most 131,072 nodes are read. Numbers of transforms, keys and vertices may be up to 1e9 in size,
-//! and 1e18 where they are multiplied and added up along a chain of nodes, so that palettes stay
-//! finite.
+//! # Errors
+//!
+//! JSON is read through a cursor that tracks its own path and a log that collects problems. Serde
+//! structures would stop at the first mismatch. A file is either loaded completely or refused with
+//! a list of all of its problems.
+//!
+//! # Untrusted files
+//!
+//! By default, URIs must stay inside the folder of the file, and one load may use at most 1 GiB of
+//! memory, which is estimated before each allocation ([`LoadOptions`]). The size of arrays and
+//! clips, and with it the loading time, is limited in proportion to the size of the file. At most
+//! 131,072 nodes are read. The magnitude of numbers in transforms, keys and vertices is limited to
+//! 1e9, and that of products and sums along a chain of nodes to 1e18, so that palettes stay finite.
 
 mod accessor;
 mod animations;
@@ -83,35 +87,36 @@ use log::{Checked, Log};
 pub use error::{Error, Note, Problem};
 pub use options::LoadOptions;
 
-/// A file, as far as crowds are concerned.
+/// The result of loading a file.
 #[derive(Clone, Debug)]
 pub struct Imported {
-    /// The skeleton, what is drawn on it, and its clips. A file of clips alone gives a character
-    /// without parts, whose clips bind to other skeletons by joint name.
+    /// Skeleton, parts, materials and clips. A file that holds only clips gives a character without
+    /// parts. Its clips bind to other skeletons by joint name.
     pub character: Character,
-    /// What was ignored and why, and what was repaired.
+    /// Data that was ignored or repaired, with the reasons.
     pub notes: Vec<Note>,
-    /// What wrote the file, if it says so.
+    /// The program that wrote the file (`asset.generator`), if the file says so.
     pub generator: Option<String>,
-    /// The skins of the file, used or not, in its order.
+    /// All skins in file order, including unused ones.
     pub skins: Vec<SkinInfo>,
-    /// For each joint, in level order, the file's index of the node that it is; `None` for a joint
-    /// that was made up.
+    /// The node index in the file of each joint, in level order. `None` for a joint that was added
+    /// by the importer.
     pub node_from_joint: Vec<Option<usize>>,
-    /// Every file that the file's buffers and images name, read or not, below its folder.
+    /// Paths of all files that buffers and images refer to, joined to the folder of the file,
+    /// whether they were read or not.
     pub named_files: Vec<PathBuf>,
-    /// For each part of the character the number of vertices that the file has. They come first and
-    /// keep their order; those after them repeat some with the normals of other triangles, where
-    /// the file has no normals.
+    /// The number of vertices that the file has for each part. These vertices come first and keep
+    /// their order. If the file has no normals, copies of some of them follow, which carry the flat
+    /// normals of further triangles.
     pub vertex_counts: Vec<usize>,
 }
 
-/// A skin, for people to read of.
+/// Name and size of a skin, for display.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SkinInfo {
-    /// Its name; may be empty.
+    /// The name; empty if the file gives none.
     pub name: String,
-    /// How many joints it has.
+    /// The number of joints.
     pub joint_count: usize,
 }
 
@@ -119,18 +124,18 @@ pub struct SkinInfo {
 ///
 /// # Errors
 ///
-/// As [`load_with`].
+/// See [`load_with`].
 pub fn load(path: impl AsRef<Path>) -> Result<Imported, Error> {
     load_with(path, &LoadOptions::default())
 }
 
-/// Loads a `.gltf` or `.glb` file; which of the two it is, its content tells. Buffers and images
-/// that it names are read from its folder.
+/// Loads a `.gltf` or `.glb` file. The format is detected from the content, not from the file name.
+/// Buffers and images that the file refers to are read from its folder.
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the file cannot be read or is no regular file, [`Error::Rejected`] if it is not
-/// what it should be or goes beyond `options`.
+/// [`Error::Io`] if the file cannot be read or is not a regular file. [`Error::Rejected`] if it is
+/// not valid glTF, uses an unsupported feature, or exceeds the limits of `options`.
 pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Imported, Error> {
     let path = path.as_ref();
     let job = Job {
@@ -142,13 +147,13 @@ pub fn load_with(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Import
     job.run(|budget, log| read::file(path, budget, log))
 }
 
-/// Loads the bytes of a `.gltf` or `.glb` file from a stream, as standard input. It ends with the
-/// stream, or where the header of a binary file says. Other files that it names count as missing.
-/// `name` stands for the stream in messages and is the name of the character.
+/// Loads a `.gltf` or `.glb` file from a stream such as standard input. Reads up to the end of the
+/// stream, or up to the length in the header of a binary file. Files that the data refers to count
+/// as missing. `name` identifies the stream in messages and becomes the name of the character.
 ///
 /// # Errors
 ///
-/// As [`load_with`].
+/// See [`load_with`].
 pub fn load_from_reader(
     reader: impl Read,
     name: &str,
@@ -159,23 +164,25 @@ pub fn load_from_reader(
     job.run(|budget, log| read::stream(reader, None, budget, log))
 }
 
-/// Loads the bytes of a `.gltf` or `.glb` file with the default [`LoadOptions`]. Files that it
-/// names are looked for below `base_folder`; without one they count as missing. The character is
-/// called `character`.
+/// Loads a `.gltf` or `.glb` file from memory with the default [`LoadOptions`]. Files that the data
+/// refers to are looked up in `base_folder`; if that is `None`, they count as missing. The name of
+/// the character is `character`.
 ///
 /// # Errors
 ///
-/// [`Error::Rejected`] if the bytes are not what they should be.
+/// [`Error::Rejected`] if the bytes are not valid glTF, use an unsupported feature, or exceed the
+/// default limits.
 pub fn load_from_slice(bytes: &[u8], base_folder: Option<&Path>) -> Result<Imported, Error> {
     load_from_slice_with(bytes, base_folder, &LoadOptions::default())
 }
 
-/// [`load_from_slice`] with other options. The bytes themselves do not count as memory that the
-/// load takes.
+/// Loads a `.gltf` or `.glb` file from memory like [`load_from_slice`], with the given options.
+/// `bytes` itself does not count towards the memory limit.
 ///
 /// # Errors
 ///
-/// [`Error::Rejected`] if the bytes are not what they should be or go beyond `options`.
+/// [`Error::Rejected`] if the bytes are not valid glTF, use an unsupported feature, or exceed the
+/// limits of `options`.
 pub fn load_from_slice_with(
     bytes: &[u8],
     base_folder: Option<&Path>,
@@ -186,17 +193,18 @@ pub fn load_from_slice_with(
     job.run(|_, _| Ok(Ok(bytes)))
 }
 
-/// One load.
+/// The inputs of one load, without the bytes.
 struct Job<'a> {
-    /// The character's name.
+    /// Name of the character.
     name: String,
-    /// For messages.
+    /// Path or name of the input in messages.
     file: PathBuf,
     folder: Folder,
     options: &'a LoadOptions,
 }
 
 impl Job<'_> {
+    /// Reads the bytes, imports them, and turns the log into notes or an error.
     fn run<B: AsRef<[u8]>>(
         &self,
         bytes: impl FnOnce(&Budget, &Log) -> std::io::Result<Checked<B>>,
@@ -210,8 +218,9 @@ impl Job<'_> {
         let rejected =
             |problems| Error::Rejected { file: self.file.display().to_string(), problems };
         let notes = log.finish().map_err(rejected)?;
-        // Whoever gives up has said why; should one not have, that must not look like success.
-        let silent = || vec![Problem { place: "file".into(), what: "cannot be imported".into() }];
-        built.map(|imported| Imported { notes, ..imported }).map_err(|_| rejected(silent()))
+        // A failed import always logs a problem. If it did not, it must still not look like
+        // success.
+        let unlogged = || Problem { place: "file".into(), what: "cannot be imported".into() };
+        built.map(|imported| Imported { notes, ..imported }).map_err(|_| rejected(vec![unlogged()]))
     }
 }

@@ -1,4 +1,4 @@
-//! Materials: base colours and how their textures are laid (glTF 2.0, sections 3.8 and 3.9).
+//! Materials: base colours and textures (glTF 2.0, sections 3.8 and 3.9).
 
 use populace_core::{AlphaMode, Image, Material, Texture, TextureFilter, Wrap};
 
@@ -9,7 +9,7 @@ use crate::images::ImageStore;
 use crate::json::{Cursor, to_f32};
 use crate::log::{Checked, Log};
 
-/// KHR_texture_transform.
+/// A transform of texture coordinates (KHR_texture_transform).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct UvTransform {
     offset: [f64; 2],
@@ -19,7 +19,7 @@ pub(crate) struct UvTransform {
 }
 
 impl UvTransform {
-    /// Scale, then rotation, then offset.
+    /// Applies scale, then rotation, then offset.
     pub(crate) fn apply(&self, uv: [f32; 2]) -> [f32; 2] {
         let [u, v] = [f64::from(uv[0]) * self.scale[0], f64::from(uv[1]) * self.scale[1]];
         let (sin, cos) = self.rotation.sin_cos();
@@ -30,21 +30,21 @@ impl UvTransform {
 /// How a material uses its texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TextureUse {
-    /// The set of texture coordinates.
+    /// Index of the set of texture coordinates.
     pub(crate) set: usize,
     pub(crate) transform: Option<UvTransform>,
 }
 
-/// Materials, their textures, and the images of those.
+/// Materials, textures and images of a file.
 pub(crate) struct Surfaces {
     pub(crate) materials: Vec<Material>,
-    /// For each material.
+    /// Texture use of each material.
     pub(crate) textures: Vec<Option<TextureUse>>,
     pub(crate) images: Vec<Image>,
 }
 
-/// Reads everything. An image that cannot be had is noted and left out: a character without it
-/// still moves.
+/// Reads all materials and decodes their images. An image that is not available is noted and left
+/// out, since the character can be animated without it.
 pub(crate) fn read<'a>(
     root: &Cursor<'a>,
     data: &'a Data<'a>,
@@ -78,12 +78,12 @@ fn read_sampler(at: &Cursor) -> Sampler {
         Some(33071) => Wrap::ClampToEdge,
         Some(33648) => Wrap::MirroredRepeat,
         Some(other) => {
-            at.note(format!("has a {key} of {other}, which is none; the texture repeats"));
+            at.note(format!("has the unknown {key} {other}; the texture repeats"));
             Wrap::Repeat
         }
     };
     let filter = |key| at.optional(key, Cursor::uint).ok().flatten();
-    // 9728, 9984 and 9986 take the nearest texel; so does a texture that is magnified that way.
+    // 9728, 9984 and 9986 are the filters that use the nearest texel. `magFilter` has precedence.
     let nearest = match filter("magFilter") {
         Some(filter) => filter == 9728,
         None => matches!(filter("minFilter"), Some(9728 | 9984 | 9986)),
@@ -92,7 +92,8 @@ fn read_sampler(at: &Cursor) -> Sampler {
     (wrap("wrapS"), wrap("wrapT"), filter)
 }
 
-/// A texture whose image is not decoded yet; nothing where it names none that can be read.
+/// Reads a texture with the index of its encoded image. Returns `None` if it has no supported
+/// image.
 fn read_texture(
     at: &Cursor,
     image_count: usize,
@@ -106,7 +107,7 @@ fn read_texture(
     let (wrap_u, wrap_v, filter) = sampler.map_or_else(Default::default, |s| samplers[s]);
     let image = webp?.or(source?);
     if image.is_none() {
-        at.note("has no image that can be read");
+        at.note("has no image of a supported format");
     }
     Ok(image.map(|image| Texture { image, wrap_u, wrap_v, filter }))
 }
@@ -157,7 +158,7 @@ fn read_alpha(at: &Cursor) -> Checked<AlphaMode> {
         Some("MASK") => Ok(AlphaMode::Mask { cutoff: to_f32(cutoff) }),
         Some("BLEND") => Ok(AlphaMode::Blend),
         Some(other) => {
-            at.note(format!("has the unknown alphaMode \"{other}\"; it is taken as opaque"));
+            at.note(format!("has the unknown alphaMode \"{other}\"; it is treated as opaque"));
             Ok(AlphaMode::Opaque)
         }
     }
@@ -183,13 +184,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_texture_transform_scales_then_turns_then_moves() {
+    fn texture_transform_scales_then_rotates_then_offsets() {
         let transform = UvTransform {
             offset: [0.5, 0.25],
             rotation: std::f64::consts::FRAC_PI_2,
             scale: [2.0, 4.0],
         };
-        // The extension's own matrix for a quarter turn takes (u, v) to (v, -u).
+        // The extension's matrix for a rotation by 90 degrees maps (u, v) to (v, -u).
         let [u, v] = transform.apply([0.25, 0.5]);
         assert!((u - 2.5).abs() < 1e-6 && (v + 0.25).abs() < 1e-6, "{u} {v}");
     }

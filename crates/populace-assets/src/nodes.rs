@@ -1,4 +1,4 @@
-//! Nodes as a forest, and which of them the scene shows (glTF 2.0, section 3.5).
+//! The node forest and the nodes of the imported scene (glTF 2.0, section 3.5).
 
 use glam::{DMat3, DQuat, DVec3};
 use populace_core::Trs;
@@ -7,15 +7,15 @@ use crate::budget::Budget;
 use crate::json::{Cursor, to_f32};
 use crate::log::{Checked, Log, Reported};
 
-/// A matrix counts as sheared where a column of what it decomposes to is off by more than this part
-/// of its length.
+/// Tolerance of the shear test: the largest error of a matrix column after decomposition, relative
+/// to the length of the column.
 const SHEAR: f64 = 1e-3;
 
-/// One node.
+/// A node.
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
     pub(crate) place: String,
-    /// Empty where the file gives none.
+    /// Empty if the file gives none.
     pub(crate) name: String,
     pub(crate) parent: Option<usize>,
     pub(crate) children: Vec<usize>,
@@ -23,14 +23,14 @@ pub(crate) struct Node {
     pub(crate) has_matrix: bool,
     pub(crate) mesh: Option<usize>,
     pub(crate) skin: Option<usize>,
-    /// Whether the scene that is imported holds the node.
+    /// Whether the node belongs to the imported scene.
     pub(crate) in_scene: bool,
-    /// Whether the world transform of a node in the scene mirrors, so that its triangles face the
-    /// other way (glTF 2.0, section 3.7.4).
+    /// Whether the world transform is a reflection, which reverses the winding of triangles (glTF
+    /// 2.0, section 3.7.4). Only set for nodes of the imported scene.
     pub(crate) mirrored: bool,
 }
 
-/// How many there are of what nodes refer to.
+/// Numbers of the objects that nodes can refer to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Counts {
     pub(crate) meshes: usize,
@@ -38,54 +38,55 @@ pub(crate) struct Counts {
     pub(crate) cameras: usize,
 }
 
-/// Nodes that a file may have.
-const MOST_NODES: usize = 1 << 17;
-/// Bytes that a node takes at most while it becomes a joint, beside its name and its JSON.
+/// Maximum number of nodes of a file.
+const MAX_NODES: usize = 1 << 17;
+/// Upper bound of the memory of a node during the import in bytes, without its name and JSON.
 const NODE_BYTES: u64 = 1200;
 
-/// That there are not too many nodes.
+/// Checks the number of nodes and reserves their memory.
 pub(crate) fn check_count(root: &Cursor, budget: &Budget) -> Checked<()> {
     let Some(at) = root.get("nodes") else { return Ok(()) };
     let count = at.item_count();
-    if count > MOST_NODES {
-        return Err(at.problem(format!("has {count} nodes; at most {MOST_NODES} are read")));
+    if count > MAX_NODES {
+        return Err(at.problem(format!("has {count} nodes; at most {MAX_NODES} are supported")));
     }
     budget.take(at.place(), format!("{count} nodes"), count as u64 * NODE_BYTES)
 }
 
-/// Reads all nodes and scenes. The second value says whether the nodes form a forest to work with;
-/// wrong properties of single nodes are in the log and read as if they were left out.
+/// Reads all nodes and marks those of the scene. The second value says whether the nodes form a
+/// forest, which later stages need. Invalid properties of single nodes are logged and treated as
+/// missing.
 pub(crate) fn read(root: &Cursor, log: &Log, counts: Counts) -> (Vec<Node>, Checked<()>) {
     let items = root.objects("nodes");
     let mut nodes: Vec<_> = items.iter().map(|at| read_node(at, items.len(), counts)).collect();
     let linked = link(&mut nodes, log);
     let acyclic = check_cycles(&nodes, log);
     let roots = scene_roots(root, &nodes);
-    let forest = linked.and(acyclic).and(roots.map(|roots| show(&mut nodes, roots)));
+    let forest = linked.and(acyclic).and(roots.map(|roots| mark_scene(&mut nodes, roots)));
     (nodes, forest)
 }
 
-/// Marks what the scene holds.
-fn show(nodes: &mut [Node], roots: Vec<usize>) {
+/// Marks the nodes at and below `roots` as part of the scene and sets their `mirrored` flags.
+fn mark_scene(nodes: &mut [Node], roots: Vec<usize>) {
     let mut rest = roots;
     while let Some(node) = rest.pop() {
         if !std::mem::replace(&mut nodes[node].in_scene, true) {
-            let above = nodes[node].parent.is_some_and(|p| nodes[p].mirrored);
-            nodes[node].mirrored = above ^ mirrors(&nodes[node].local);
+            let parent_mirrored = nodes[node].parent.is_some_and(|p| nodes[p].mirrored);
+            nodes[node].mirrored = parent_mirrored ^ mirrors(&nodes[node].local);
             rest.extend_from_slice(&nodes[node].children);
         }
     }
 }
 
-/// A forest walked through once, so that who stands above whom is told at once, however deep it is.
-pub(crate) struct Walk {
-    /// For each node the root above it.
+/// Depth-first numbering of a forest, which answers ancestor queries in constant time.
+pub(crate) struct Ancestry {
+    /// Root of each node's tree.
     pub(crate) roots: Vec<usize>,
-    /// For each node when it is met, and when the last below it has been.
+    /// For each node, the half-open range of depth-first indices of its subtree.
     spans: Vec<(usize, usize)>,
 }
 
-impl Walk {
+impl Ancestry {
     pub(crate) fn new(nodes: &[Node]) -> Self {
         let mut roots: Vec<_> = (0..nodes.len()).collect();
         let mut spans = vec![(0, 0); nodes.len()];
@@ -107,6 +108,7 @@ impl Walk {
         Self { roots, spans }
     }
 
+    /// Returns whether `node` is `root` or one of its descendants.
     pub(crate) fn is_at_or_below(&self, node: usize, root: usize) -> bool {
         (self.spans[root].0..self.spans[root].1).contains(&self.spans[node].0)
     }
@@ -140,7 +142,7 @@ fn read_local(at: &Cursor) -> Checked<Trs> {
     let (translation, rotation, scale) = (translation?, rotation?, scale?);
     if let Some(matrix) = at.get("matrix") {
         if translation.is_some() || rotation.is_some() || scale.is_some() {
-            at.note("has a matrix beside translation, rotation or scale; the matrix counts");
+            at.note("has both a matrix and translation, rotation or scale; the matrix is used");
         }
         return decompose(&matrix, matrix.numbers::<16>()?);
     }
@@ -150,7 +152,7 @@ fn read_local(at: &Cursor) -> Checked<Trs> {
         return Err(at.problem("has a rotation of length zero; it must be a unit quaternion"));
     }
     if (length - 1.0).abs() > 1e-3 {
-        at.note("has a rotation that is not of length one; it is normalised");
+        at.note("has a rotation that is not a unit quaternion; it is normalised");
     }
     Ok(Trs {
         translation: translation.unwrap_or([0.0; 3]).map(to_f32),
@@ -159,11 +161,11 @@ fn read_local(at: &Cursor) -> Checked<Trs> {
     })
 }
 
-/// Translation, rotation and scale of a matrix, which must have no shear (glTF 2.0, section 3.5.3).
+/// Decomposes a column-major matrix. Fails if it has shear (glTF 2.0, section 3.5.3).
 fn decompose(at: &Cursor, matrix: [f64; 16]) -> Checked<Trs> {
     let last_row = [matrix[3], matrix[7], matrix[11], matrix[15] - 1.0];
     if last_row.iter().any(|v| v.abs() > 1e-5) {
-        return Err(at.problem("has a last row that is not 0 0 0 1; it must be affine"));
+        return Err(at.problem("has a last row other than 0 0 0 1; the matrix must be affine"));
     }
     let columns = [0, 4, 8].map(|c| DVec3::new(matrix[c], matrix[c + 1], matrix[c + 2]));
     let mut scale = columns.map(DVec3::length);
@@ -171,9 +173,9 @@ fn decompose(at: &Cursor, matrix: [f64; 16]) -> Checked<Trs> {
         scale[0] = -scale[0];
     }
     let axes = axes(columns, scale);
-    let off =
+    let is_sheared =
         (0..3).any(|c| (axes.col(c) * scale[c] - columns[c]).length() > SHEAR * scale[c].abs());
-    if off {
+    if is_sheared {
         return Err(at.problem(
             "is sheared; a node's matrix must be a product of translation, rotation and scale \
              (glTF 2.0, section 3.5.3)",
@@ -186,7 +188,8 @@ fn decompose(at: &Cursor, matrix: [f64; 16]) -> Checked<Trs> {
     })
 }
 
-/// The rotation whose axes are the columns, or, where a column has no length, fit the others.
+/// Returns the rotation with the directions of `columns` as axes. Columns of length zero are
+/// replaced by directions perpendicular to the others.
 fn axes(columns: [DVec3; 3], scale: [f64; 3]) -> DMat3 {
     let axis = |c: usize| (scale[c] != 0.0).then(|| columns[c] / scale[c]);
     let (x, y) = match [axis(0), axis(1), axis(2)] {
@@ -206,15 +209,15 @@ fn axes(columns: [DVec3; 3], scale: [f64; 3]) -> DMat3 {
     DMat3::from_cols(x, y, x.cross(y))
 }
 
-/// Gives each child its parent; a node may have one.
+/// Sets the parent of each child. Fails if a node is listed as a child twice.
 fn link(nodes: &mut [Node], log: &Log) -> Checked<()> {
     let mut failed = None;
     for parent in 0..nodes.len() {
         for child in nodes[parent].children.clone() {
             if let Some(first) = nodes[child].parent.replace(parent) {
                 let what = format!(
-                    "makes node {child} a child, but it is one of node {first}; a node has one \
-                     parent"
+                    "lists node {child} as a child, but it is already a child of node {first}; a \
+                     node has at most one parent"
                 );
                 failed = Some(log.problem(format!("{}.children", nodes[parent].place), what));
             }
@@ -223,7 +226,8 @@ fn link(nodes: &mut [Node], log: &Log) -> Checked<()> {
     failed.map_or(Ok(()), Err)
 }
 
-/// Every node has one parent at most, so each cycle is a ring; each is reported once.
+/// Checks that there are no cycles. Each cycle is reported once. Every node has at most one parent,
+/// so following the parents finds all cycles.
 fn check_cycles(nodes: &[Node], log: &Log) -> Checked<()> {
     let mut failed = None;
     let mut seen_from = vec![usize::MAX; nodes.len()];
@@ -241,20 +245,21 @@ fn check_cycles(nodes: &[Node], log: &Log) -> Checked<()> {
     failed.map_or(Ok(()), Err)
 }
 
-/// The roots of the scene to import: the default one, else the first, else every node without a
-/// parent.
+/// Returns the roots of the scene to import: the default scene, else the first one. If there are no
+/// scenes, returns all nodes without a parent.
 fn scene_roots(root: &Cursor, nodes: &[Node]) -> Checked<Vec<usize>> {
     let read_scene = |at: &Cursor| -> Checked<Vec<usize>> {
         let roots = at.list("nodes").into_iter().map(|item| {
             let node = item.index(nodes.len(), "node")?;
             match nodes[node].parent {
                 Some(parent) => Err(item.problem(format!(
-                    "names node {node}, which is a child of node {parent}; a scene lists roots"
+                    "refers to node {node}, which is a child of node {parent}; a scene may only \
+                     list root nodes"
                 ))),
                 None => Ok(node),
             }
         });
-        // All of them, so that each problem is found, not the first alone.
+        // Collected first, so that all problems are reported.
         let roots: Vec<_> = roots.collect();
         roots.into_iter().collect()
     };
@@ -262,7 +267,7 @@ fn scene_roots(root: &Cursor, nodes: &[Node]) -> Checked<Vec<usize>> {
     if root.get("scenes").is_none() {
         if let Some(at) = root.get("scene") {
             at.uint()?;
-            at.note("names a scene, but the file has none; all nodes are taken");
+            at.note("refers to a scene, but the file has none; all nodes are imported");
         }
         return Ok((0..nodes.len()).filter(|n| nodes[*n].parent.is_none()).collect());
     }
@@ -271,12 +276,16 @@ fn scene_roots(root: &Cursor, nodes: &[Node]) -> Checked<Vec<usize>> {
         return Ok(Vec::new());
     }
     if scenes.len() > 1 {
-        root.note(format!("has {} scenes; scene {} is taken", scenes.len(), default.unwrap_or(0)));
+        root.note(format!(
+            "has {} scenes; scene {} is imported",
+            scenes.len(),
+            default.unwrap_or(0)
+        ));
     }
     scenes.swap_remove(default.unwrap_or(0)).map_err(|Reported| Reported)
 }
 
-/// Whether a local transform mirrors.
+/// Returns whether a local transform is a reflection.
 fn mirrors(local: &Trs) -> bool {
     local.scale.iter().filter(|s| **s < 0.0).count() % 2 == 1
 }
@@ -295,25 +304,27 @@ mod tests {
     }
 
     #[test]
-    fn a_walk_knows_who_is_below_whom() {
+    fn ancestry_lists_descendants_of_each_node() {
         let value = tree(
-            r#"{"nodes": [{"children": [2, 1]}, {"children": [3]}, {}, {}, {"children": [5]}, {}]}"#,
+            r#"{"nodes": [
+                {"children": [2, 1]}, {"children": [3]}, {}, {}, {"children": [5]}, {}
+            ]}"#,
         );
         let log = Log::default();
         let counts = Counts { meshes: 0, skins: 0, cameras: 0 };
         let (nodes, forest) = read(&Cursor::root(&value, &log), &log, counts);
         forest.unwrap();
-        let walk = Walk::new(&nodes);
-        assert_eq!(walk.roots, [0, 0, 0, 0, 4, 4]);
+        let ancestry = Ancestry::new(&nodes);
+        assert_eq!(ancestry.roots, [0, 0, 0, 0, 4, 4]);
         let below: Vec<_> = (0..6)
-            .map(|root| (0..6).filter(|n| walk.is_at_or_below(*n, root)).collect::<Vec<_>>())
+            .map(|root| (0..6).filter(|n| ancestry.is_at_or_below(*n, root)).collect::<Vec<_>>())
             .collect();
         assert_eq!(below, [vec![0, 1, 2, 3], vec![1, 3], vec![2], vec![3], vec![4, 5], vec![5]]);
     }
 
     #[test]
-    fn a_matrix_becomes_translation_rotation_and_scale() {
-        // A quarter turn about z of a scale by 2, 3, 4.
+    fn matrix_decomposes_into_translation_rotation_and_scale() {
+        // A scale by 2, 3, 4, then a rotation by 90 degrees about z.
         let trs = local([
             0.0, 2.0, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 5.0, 6.0, 7.0, 1.0,
         ])
@@ -326,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn mirrors_and_flat_matrices_have_a_decomposition_and_shear_has_none() {
+    fn reflections_and_singular_matrices_decompose_and_shear_fails() {
         let diagonal =
             |x, y, z| [x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0, 1.0];
         for [x, y, z] in

@@ -1,6 +1,7 @@
-//! What a load may read and how much memory it may take.
+//! Limits of a load.
 
-/// What a load may read and how much memory it may take; see [`load_with`](crate::load_with).
+/// Limits of a load: the files that it may read and the memory that it may use. See
+/// [`load_with`](crate::load_with).
 ///
 /// ```
 /// use populace_assets::LoadOptions;
@@ -10,13 +11,13 @@
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoadOptions {
-    /// Whether buffers and images may lie outside the folder of the file that names them. By
-    /// default absolute paths, paths with `..` and symbolic links that lead out of that folder are
-    /// refused.
+    /// Whether buffers and images may lie outside the folder of the file that refers to them. By
+    /// default, absolute paths, paths with `..` and symbolic links are refused if they lead out of
+    /// that folder.
     pub allow_outside: bool,
-    /// Memory in bytes that one load may take: the file, its JSON, nodes, buffers, arrays, decoded
-    /// images and the rows of clips. It is estimated from headers before anything is allocated. 1
-    /// GiB by default.
+    /// Memory limit of one load in bytes, 1 GiB by default. The file, its JSON, nodes, buffers,
+    /// arrays, decoded images and clip rows count towards it. Sizes are estimated from headers
+    /// before anything is allocated.
     pub memory_limit_bytes: u64,
 }
 

@@ -1,4 +1,4 @@
-//! From primitives to parts: the triangles that are drawn.
+//! Conversion of mesh primitives to parts.
 
 use populace_core::{JointIndex, Mesh, PaletteEntry, Part};
 
@@ -10,56 +10,58 @@ use crate::log::{Checked, Log, Reported};
 use crate::materials::{TextureUse, UvTransform};
 use crate::primitive::{Primitive, Topology, check_attribute};
 
-/// What moves the vertices of a part.
+/// The joints that move the vertices of a part.
 #[derive(Clone, Copy)]
 pub(crate) enum Mover<'a> {
-    /// One joint, as the part is no skin; `mirrored` turns its triangles over.
+    /// One joint. `mirrored` reverses the winding of the triangles.
     Rigid { joint: JointIndex, mirrored: bool },
-    /// A skin's joints, in its own order.
+    /// The joints of a skin, in its order.
     Skin(&'a [PaletteEntry]),
 }
 
-/// The node that a part hangs on.
-pub(crate) struct Place {
+/// The node and primitive that a part comes from.
+pub(crate) struct PartSource {
     pub(crate) node: usize,
     pub(crate) node_name: String,
     pub(crate) primitive: usize,
 }
 
-/// What all parts share.
-pub(crate) struct Maker<'a> {
+/// Builds parts; holds the inputs that all parts share.
+pub(crate) struct PartBuilder<'a> {
     pub(crate) data: &'a Data<'a>,
     pub(crate) log: &'a Log,
     pub(crate) extensions: Extensions,
-    /// How each material uses its texture.
+    /// Texture use of each material.
     pub(crate) textures: &'a [Option<TextureUse>],
 }
 
-impl Maker<'_> {
-    /// Makes a part, with the number of vertices that the file has: copies of some may follow them.
-    /// `None` where the primitive shows nothing.
+impl PartBuilder<'_> {
+    /// Builds a part. Also returns the number of vertices that the file has, which may be followed
+    /// by copies. Returns `None` if the primitive has no triangles.
     pub(crate) fn part(
         &self,
-        place: Place,
+        source: PartSource,
         primitive: &Primitive,
         mover: Mover,
         palette: &mut Palette,
     ) -> Checked<Option<(Part, usize)>> {
-        let Some((topology, positions)) = self.shown(primitive) else {
+        let Some((topology, positions)) = self.triangles(primitive) else {
             return Ok(None);
         };
         let formats = crate::primitive::formats("POSITION", self.extensions);
-        let accessor = self.data.of_format(positions, "POSITION", &formats)?;
+        let accessor = self.data.accessor_with_format(positions, "POSITION", &formats)?;
         if accessor.count == 0 {
-            return Err(self.problem(primitive, "has no vertices".into()));
+            return Err(
+                self.problem(primitive, "has no vertices; POSITION must not be empty".into())
+            );
         }
         if !accessor.has_bounds {
-            let what = "has no min and max, which POSITION must have; they are not needed";
+            let what =
+                "has no min and max, which glTF requires of POSITION; they are not used here";
             self.log.note(&accessor.place, what);
         }
         let count = accessor.count;
-        // All of a primitive's problems are wanted, so nothing is given up before each attribute
-        // was looked at.
+        // All attributes are read before the first `?`, so that all problems are reported.
         let indices = self.indices(primitive, topology, count);
         let normals = self.attribute::<3>(primitive, "NORMAL", count);
         let uvs = self.uvs(primitive, count);
@@ -84,20 +86,21 @@ impl Maker<'_> {
         if matches!(mover, Mover::Rigid { mirrored: true, .. }) {
             geometry::flip(&mut mesh.indices);
         }
-        let Place { node, node_name, primitive: index } = place;
+        let PartSource { node, node_name, primitive: index } = source;
         let part = Part { node, node_name, primitive: index, material: primitive.material, mesh };
         Ok(Some((part, count)))
     }
 
-    /// How a primitive is joined and where its vertices are; nothing where it shows nothing.
-    fn shown(&self, primitive: &Primitive) -> Option<(Topology, usize)> {
+    /// Returns the topology and the accessor of positions. Returns `None` and adds a note if the
+    /// primitive has no triangles.
+    fn triangles(&self, primitive: &Primitive) -> Option<(Topology, usize)> {
         let found = (primitive.topology, primitive.attribute("POSITION"));
         match found {
             (Some(topology), Some(positions)) => return Some((topology, positions)),
             (None, _) => {
-                self.log.note(&primitive.place, "is made of points or lines and is left out")
+                self.log.note(&primitive.place, "consists of points or lines and is ignored")
             }
-            (_, None) => self.log.note(&primitive.place, "has no POSITION and is left out"),
+            (_, None) => self.log.note(&primitive.place, "has no POSITION and is ignored"),
         }
         None
     }
@@ -116,18 +119,19 @@ impl Maker<'_> {
         use crate::data::Format;
         let Some(index) = primitive.indices else {
             let all = u32::try_from(count).map_err(|_| {
-                self.problem(primitive, "has more vertices than 32-bit indices reach".into())
+                self.problem(primitive, "has more vertices than 32-bit indices can address".into())
             })?;
             self.data.budget.charge(&primitive.place, count.saturating_mul(12))?;
             return Ok(geometry::triangulate((0..all).collect(), topology));
         };
         let components = [Component::U8, Component::U16, Component::U32];
         let formats = components.map(|c| Format::plain(Shape::SCALAR, c));
-        let accessor = self.data.of_format(index, "indices", &formats)?;
+        let accessor = self.data.accessor_with_format(index, "indices", &formats)?;
         if self.data.has_stride(accessor) {
             self.log.note(
                 &accessor.place,
-                "is in a buffer view with a byteStride, which only vertex data may have",
+                "is in a buffer view with a byteStride, which only vertex data may have; it is \
+                 used anyway",
             );
         }
         let indices = self.data.uints(index)?;
@@ -137,8 +141,8 @@ impl Maker<'_> {
             return Err(self.log.problem(
                 &accessor.place,
                 format!(
-                    "holds index {} in element {first}, but {} has {count} vertices ({wrong} of \
-                     {} are past the end)",
+                    "holds index {} in element {first}, but {} has only {count} vertices \
+                     ({wrong} of {} indices are out of range)",
                     indices[first],
                     primitive.place,
                     indices.len()
@@ -152,7 +156,7 @@ impl Maker<'_> {
         if !whole {
             self.log.note(
                 &primitive.place,
-                "has indices that make no whole triangle; they are left out",
+                "has indices at the end that do not form a triangle; they are ignored",
             );
         }
         if topology != Topology::Triangles {
@@ -161,7 +165,7 @@ impl Maker<'_> {
         Ok(geometry::triangulate(indices, topology))
     }
 
-    /// One attribute, checked; `None` where there is none.
+    /// Returns the accessor of an attribute after checking it, or `None` if the primitive lacks it.
     fn checked(&self, primitive: &Primitive, name: &str, count: usize) -> Checked<Option<usize>> {
         let problem = |what| self.problem(primitive, what);
         check_attribute(primitive, name, count, self.data, self.extensions, problem)
@@ -177,14 +181,14 @@ impl Maker<'_> {
         index.map(|index| self.data.vectors::<N>(index)).transpose()
     }
 
-    /// Texture coordinates of the base colour, moved as KHR_texture_transform says.
+    /// Returns the texture coordinates of the base colour after KHR_texture_transform.
     fn uvs(&self, primitive: &Primitive, count: usize) -> Checked<Vec<[f32; 2]>> {
         let texture = primitive.material.and_then(|m| self.textures.get(m)?.as_ref());
         let set = texture.map_or(0, |t| t.set);
         let name = format!("TEXCOORD_{set}");
         let uvs = self.attribute::<2>(primitive, &name, count)?;
         if uvs.is_none() && texture.is_some() {
-            self.log.note(&primitive.place, format!("has no {name}, which its texture is laid by"));
+            self.log.note(&primitive.place, format!("has no {name}, which its texture needs"));
         }
         let mut uvs = uvs.unwrap_or_default();
         if let Some(transform) = texture.and_then(|t| t.transform) {
@@ -192,7 +196,7 @@ impl Maker<'_> {
             if uvs.iter().flatten().any(|v| !v.is_finite()) {
                 return Err(self.problem(
                     primitive,
-                    "has texture coordinates that overflow when transformed".into(),
+                    "has texture coordinates that overflow after KHR_texture_transform".into(),
                 ));
             }
         }
@@ -241,7 +245,7 @@ impl Maker<'_> {
                 }
                 (None, None) => {}
                 _ => {
-                    let what = format!("must have both {} and {} or neither", names[0], names[1]);
+                    let what = format!("must have both {} and {}, or neither", names[0], names[1]);
                     return Err(self.problem(primitive, what));
                 }
             }
@@ -249,14 +253,14 @@ impl Maker<'_> {
         if primitive.attribute("JOINTS_2").is_some() {
             self.log.note(
                 &primitive.place,
-                "has more than eight influences a vertex; the first eight are taken",
+                "has more than 8 influences per vertex; the first 8 are used",
             );
         }
         Ok(sets)
     }
 
     fn add_flat_normals(&self, primitive: &Primitive, mesh: &mut Mesh) -> Checked<()> {
-        self.log.note(&primitive.place, "has no NORMAL; flat normals are made");
+        self.log.note(&primitive.place, "has no NORMAL; flat normals are computed");
         self.data.budget.charge(&primitive.place, mesh.indices.len().saturating_mul(64))?;
         let flat = geometry::flat_normals(&mesh.positions, &mut mesh.indices);
         mesh.normals = flat.normals;

@@ -1,4 +1,4 @@
-//! Mesh primitives as the file declares them (glTF 2.0, section 3.7.2).
+//! Declarations of mesh primitives (glTF 2.0, section 3.7.2).
 
 use crate::accessor::{Component, Shape};
 use crate::data::{Data, Format};
@@ -14,14 +14,14 @@ pub(crate) enum Topology {
     Fan,
 }
 
-/// A primitive: accessors of what its vertices have, and how they are joined.
+/// A primitive: accessors of its vertex attributes and indices, and its topology.
 #[derive(Clone, Debug)]
 pub(crate) struct Primitive {
     pub(crate) place: String,
     pub(crate) attributes: Vec<(String, usize)>,
     pub(crate) indices: Option<usize>,
     pub(crate) material: Option<usize>,
-    /// Nothing where it is made of points or lines.
+    /// `None` for points and lines.
     pub(crate) topology: Option<Topology>,
     pub(crate) has_morph_targets: bool,
 }
@@ -31,13 +31,13 @@ impl Primitive {
         self.attributes.iter().find(|(n, _)| n == name).map(|(_, accessor)| *accessor)
     }
 
-    /// Whether its vertices name joints.
+    /// Returns whether the vertices have joints and weights.
     pub(crate) fn is_skinned(&self) -> bool {
         self.attribute("JOINTS_0").is_some() && self.attribute("WEIGHTS_0").is_some()
     }
 }
 
-/// A mesh: its primitives.
+/// The primitives of a mesh.
 pub(crate) type Mesh = Vec<Checked<Primitive>>;
 
 pub(crate) fn read_meshes(
@@ -62,7 +62,7 @@ fn read_primitive(at: &Cursor, accessor_count: usize, material_count: usize) -> 
         4 => Ok(Some(Topology::Triangles)),
         5 => Ok(Some(Topology::Strip)),
         6 => Ok(Some(Topology::Fan)),
-        other => Err(mode.problem(format!("is {other}; modes are 0 to 6"))),
+        other => Err(mode.problem(format!("is {other}; it must be from 0 to 6"))),
     });
     let attributes = at.require("attributes").and_then(|object| {
         object.object()?;
@@ -103,7 +103,8 @@ const fn normalized<const N: usize>(shape: Shape, components: [Component; N]) ->
     formats
 }
 
-/// What vertex attributes may be stored as: glTF 2.0, section 3.7.2.1, and KHR_mesh_quantization.
+/// Returns the allowed formats of a vertex attribute (glTF 2.0, section 3.7.2.1, and
+/// KHR_mesh_quantization).
 pub(crate) fn formats(attribute: &str, extensions: Extensions) -> Vec<Format> {
     use Component::{F32, I8, I16, U8, U16};
     let set = attribute.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -137,7 +138,8 @@ pub(crate) fn formats(attribute: &str, extensions: Extensions) -> Vec<Format> {
     plain(shape, [F32]).into_iter().chain(own).chain(quantized).collect()
 }
 
-/// Reads one attribute, if the primitive has it; `count` is the number of vertices.
+/// Checks format and length of an attribute; `count` is the number of vertices. Returns its
+/// accessor, or `None` if the primitive lacks it.
 pub(crate) fn check_attribute(
     primitive: &Primitive,
     name: &str,
@@ -149,10 +151,11 @@ pub(crate) fn check_attribute(
     let Some(index) = primitive.attribute(name) else {
         return Ok(None);
     };
-    let accessor = data.of_format(index, name, &formats(name, extensions))?;
+    let accessor = data.accessor_with_format(index, name, &formats(name, extensions))?;
     if accessor.count != count {
         return Err(problem(format!(
-            "has {} of {name} for {count} of POSITION; all attributes need the same number",
+            "has {} elements of {name}, but {count} of POSITION; all attributes must have the same \
+             number",
             accessor.count
         )));
     }

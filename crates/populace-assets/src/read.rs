@@ -1,4 +1,4 @@
-//! The bytes of the file itself, read no further than they are good.
+//! Reads the bytes of the input, and stops early if they cannot be glTF or exceed the budget.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -8,7 +8,7 @@ use crate::folder::open_regular;
 use crate::glb;
 use crate::log::{Checked, Log};
 
-/// Bytes looked at before the rest is read.
+/// Number of bytes that are checked before the rest is read.
 const START_BYTES: u64 = 4096;
 
 /// Reads a regular file.
@@ -18,8 +18,8 @@ pub(crate) fn file(path: &Path, budget: &Budget, log: &Log) -> io::Result<Checke
     stream(file, Some(length), budget, log)
 }
 
-/// Reads a stream of a length that may be known: its start first, and the rest if that is the start
-/// of glTF data and fits the budget.
+/// Reads a stream; `length` is its length in bytes if known. Reads the first [`START_BYTES`], and
+/// the rest only if they look like glTF and the whole fits the budget.
 pub(crate) fn stream(
     mut from: impl Read,
     length: Option<u64>,
@@ -28,9 +28,9 @@ pub(crate) fn stream(
 ) -> io::Result<Checked<Vec<u8>>> {
     let mut bytes = Vec::new();
     let read = from.by_ref().take(START_BYTES).read_to_end(&mut bytes)? as u64;
-    // A stream that ended already has told its length.
+    // The length of a stream that has already ended is known.
     let length = if read < START_BYTES { Some(read) } else { length };
-    let Ok(wanted) = glb::wanted_bytes(&bytes, length, log) else {
+    let Ok(wanted) = glb::bytes_to_read(&bytes, length, log) else {
         return Ok(Err(crate::log::Reported));
     };
     if let Err(reported) =
@@ -38,7 +38,7 @@ pub(crate) fn stream(
     {
         return Ok(Err(reported));
     }
-    // Of a stream of unknown length one byte more than fits is read, which is then refused.
+    // If the length is unknown, read one byte more than fits, so that the budget check below fails.
     let most = wanted.unwrap_or_else(|| budget.left().saturating_add(1));
     from.take(most.saturating_sub(read)).read_to_end(&mut bytes)?;
     bytes.truncate(usize::try_from(most).unwrap_or(usize::MAX));
@@ -52,7 +52,7 @@ pub(crate) fn stream(
 mod tests {
     use super::*;
 
-    /// Ones that never end, after a start; counts the bytes that were read.
+    /// An endless stream of ones after `start`. Counts the bytes that were read.
     struct Endless<'a> {
         start: &'a [u8],
         read: u64,
@@ -60,14 +60,14 @@ mod tests {
 
     impl Read for Endless<'_> {
         fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
-            let begun = self.start.read(to)?;
-            to[begun..].fill(1);
+            let copied = self.start.read(to)?;
+            to[copied..].fill(1);
             self.read += to.len() as u64;
             Ok(to.len())
         }
     }
 
-    /// What is said of a stream, and how much of it was read.
+    /// Returns the problem of a refused stream and the number of bytes that were read.
     fn refused(start: &[u8], length: Option<u64>, limit: u64) -> (String, u64) {
         let log = Log::default();
         let mut endless = Endless { start, read: 0 };
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_begin_as_gltf_is_read_no_further() {
+    fn reading_stops_if_the_start_is_not_gltf() {
         for start in [&b""[..], b"\x89PNG", b" \n\t x", b"\xEF\xBB\xBF{}"] {
             let (problem, read) = refused(start, Some(3 << 30), 4 << 30);
             assert!(
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_long_is_not_read() {
+    fn input_beyond_the_limit_is_not_read() {
         let header = |length: u32| [&b"glTF\x02\0\0\0"[..], &length.to_le_bytes()].concat();
         for (start, length, words) in [
             (b"{".to_vec(), Some(3 << 30), "needs 3072 MiB for its content"),
@@ -104,14 +104,13 @@ mod tests {
             let (problem, read) = refused(&start, length, 1 << 20);
             assert!(problem.contains(words) && read <= 2 * START_BYTES, "{problem} after {read}");
         }
-        // How long JSON is that comes through a pipe is known once it has been read, at most up to
-        // the limit.
+        // The length of piped JSON is unknown until its end, so it is read up to the limit.
         let (problem, read) = refused(b"{", None, 1 << 20);
         assert!(problem.contains("for its content") && read <= 3 << 20, "{problem} after {read}");
     }
 
     #[test]
-    fn a_stream_is_read_to_its_end_and_a_binary_one_to_its_own() {
+    fn json_is_read_to_the_end_and_binary_to_its_declared_length() {
         let log = Log::default();
         let budget = Budget::new(1 << 20, &log);
         let long = [&b"{"[..], &[b' '; 5000]].concat();
@@ -119,6 +118,9 @@ mod tests {
         let binary = [&b"glTF\x02\0\0\0\x20\0\0\0"[..], &[7; 100]].concat();
         assert_eq!(stream(&binary[..], Some(112), &budget, &log).unwrap().unwrap(), binary[..32]);
         let note = &log.finish().unwrap()[0];
-        assert_eq!(note.to_string(), "header: the 80 bytes after the end are ignored");
+        assert_eq!(
+            note.to_string(),
+            "header: says the file has 32 bytes, but it has 112; the rest is ignored"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! Which nodes become joints, and their names.
+//! Selection and naming of the nodes that become joints.
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,17 +9,17 @@ use populace_core::{
 use crate::log::{Checked, Log};
 use crate::nodes::Node;
 
-/// A skeleton and how nodes map to it.
+/// A skeleton and the mapping of nodes to joints.
 #[derive(Debug)]
 pub(crate) struct Rig {
     pub(crate) skeleton: Skeleton,
-    /// For each node its joint, if it is one.
+    /// Joint of each node; `None` if the node is not part of the skeleton.
     pub(crate) joint_from_node: Vec<Option<JointIndex>>,
 }
 
 impl Rig {
-    /// Makes a skeleton of the nodes that are `wanted`, all above them, and all below `joints`,
-    /// where props are hung.
+    /// Builds a skeleton from the nodes `wanted` and `joints`, their ancestors, and the descendants
+    /// of `joints`, which are attachment points.
     pub(crate) fn new(
         nodes: &[Node],
         wanted: impl Iterator<Item = usize>,
@@ -43,7 +43,7 @@ impl Rig {
             })
             .collect();
         if sources.is_empty() {
-            log.note("file", "has nothing that moves or is drawn; its skeleton is one joint");
+            log.note("file", "has nothing to animate or draw; its skeleton is a single joint");
             sources.push(JointSource { name: "root".into(), parent: None, rest: Trs::IDENTITY });
         }
         let skeleton = Skeleton::new(&sources).map_err(|e| log.problem("nodes", e.to_string()))?;
@@ -54,15 +54,15 @@ impl Rig {
         Ok(Self { skeleton, joint_from_node })
     }
 
-    /// Lets clips be stored so that these vertices too stay within the error bound, and feet be
-    /// kept above the ground.
-    pub(crate) fn reach_vertices(&mut self, palette: &[PaletteEntry], parts: &[Part]) {
+    /// Adds the reach of vertices and the sole points to the skeleton. Clip compression needs the
+    /// former to bound the error of vertices, foot placement the latter.
+    pub(crate) fn measure_vertices(&mut self, palette: &[PaletteEntry], parts: &[Part]) {
         let reach = vertex_reach_m(&self.skeleton, palette, parts);
         let soles = sole_points(&self.skeleton, palette, parts);
         self.skeleton = self.skeleton.clone().with_reach(&reach).with_soles(&soles);
     }
 
-    /// For each joint the node that it is; `None` for a joint that was made up.
+    /// Returns the node of each joint; `None` for a joint that was added by the importer.
     pub(crate) fn node_from_joint(&self) -> Vec<Option<usize>> {
         let mut nodes = vec![None; self.skeleton.joint_count()];
         for (node, joint) in self.joint_from_node.iter().enumerate() {
@@ -73,7 +73,7 @@ impl Rig {
         nodes
     }
 
-    /// The joint's name, or the node's own, or one made of its index.
+    /// Returns the name of the node's joint, else the node's own name, else a name with its index.
     pub(crate) fn node_name(&self, nodes: &[Node], node: usize) -> String {
         match self.joint_from_node[node] {
             Some(joint) => self.skeleton.name(joint).to_owned(),
@@ -83,7 +83,7 @@ impl Rig {
     }
 }
 
-/// Which nodes become joints.
+/// Returns for each node whether it becomes a joint.
 fn choose(nodes: &[Node], wanted: impl Iterator<Item = usize>, joints: &[usize]) -> Vec<bool> {
     let mut chosen = vec![false; nodes.len()];
     let mut below = joints.to_vec();
@@ -104,9 +104,9 @@ fn choose(nodes: &[Node], wanted: impl Iterator<Item = usize>, joints: &[usize])
     chosen
 }
 
-/// Names that differ: the first of each name keeps it, later ones get `#2`, `#3` and so on, nodes
-/// without a name are called after their index. Clips of other files bind by name, so names in the
-/// file are never changed needlessly.
+/// Returns unique names. The first node of a name keeps it, later ones get the suffix `#2`, `#3`
+/// and so on, and nodes without a name are named after their index. Names are changed only where
+/// necessary, because clips of other files bind by name.
 fn unique_names(list: &[usize], nodes: &[Node], log: &Log) -> Vec<String> {
     let mut taken: HashSet<String> = HashSet::new();
     let mut names: Vec<Option<String>> = list
@@ -129,7 +129,7 @@ fn unique_names(list: &[usize], nodes: &[Node], log: &Log) -> Vec<String> {
         if !own.is_empty() {
             log.note(
                 &nodes[node].place,
-                format!("shares the name \"{own}\" with another; later ones are numbered"),
+                format!("has the name \"{own}\" of an earlier node; later ones are numbered"),
             );
         }
         *slot = Some(name);
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn names_stay_where_they_can_and_never_collide() {
+    fn names_are_unique_and_change_only_if_taken() {
         let log = Log::default();
         let names = ["a", "", "a", "a#2", "node1", "a", ""];
         let nodes: Vec<_> = names.iter().map(|n| node(n, None, &[])).collect();
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn ancestors_and_attachment_points_come_along_and_bystanders_do_not() {
+    fn skeleton_includes_ancestors_and_descendants_of_joints_only() {
         let nodes = [
             node("armature", None, &[1, 5]),
             node("hips", Some(0), &[2]),

@@ -1,4 +1,4 @@
-//! JSON as a tree that takes little memory, built within the budget.
+//! A compact JSON tree that is built within the memory budget.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -10,7 +10,7 @@ use serde_json::Number;
 use crate::budget::Budget;
 use crate::log::{Checked, Log, Reported};
 
-/// A JSON value. Texts without escapes are those of the file.
+/// A JSON value. Strings without escapes borrow from the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Value<'a> {
     Null,
@@ -21,12 +21,12 @@ pub(crate) enum Value<'a> {
     Object(Object<'a>),
 }
 
-/// Properties in the order of their names, each once.
+/// Properties sorted by name, without duplicates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Object<'a>(Box<[(Cow<'a, str>, Value<'a>)]>);
 
 impl<'a> Object<'a> {
-    /// Of properties of one name the last counts.
+    /// Sorts the properties. If a name occurs several times, the last one is kept.
     fn new(mut properties: Vec<(Cow<'a, str>, Value<'a>)>) -> Self {
         properties.reverse();
         properties.sort_by(|a, b| a.0.cmp(&b.0));
@@ -44,7 +44,7 @@ impl<'a> Object<'a> {
     }
 }
 
-/// Bytes of an array or object beside its items: its own block of memory.
+/// Overhead of a heap allocation in bytes.
 const BLOCK_BYTES: u64 = 16;
 
 /// Parses the JSON of a file.
@@ -52,15 +52,16 @@ pub(crate) fn parse<'a>(json: &'a [u8], budget: &Budget, log: &Log) -> Checked<V
     let mut deserializer = serde_json::Deserializer::from_slice(json);
     let parsed = Builder { budget }.deserialize(&mut deserializer);
     parsed.and_then(|value| deserializer.end().map(|()| value)).map_err(|error| {
-        // Only the budget refuses values, and it has said so.
+        // Data errors come only from the budget, which has logged them.
         if error.is_data() {
             Reported
         } else {
-            log.problem("file", format!("is no valid JSON: {error}"))
+            log.problem("file", format!("is not valid JSON: {error}"))
         }
     })
 }
 
+/// Builds values and reserves their memory.
 #[derive(Clone, Copy)]
 struct Builder<'b> {
     budget: &'b Budget<'b>,
@@ -139,7 +140,7 @@ impl<'de> Visitor<'de> for Builder<'_> {
     }
 }
 
-/// Reads the name of a property.
+/// Deserializes a property name.
 struct Name;
 
 impl<'de> DeserializeSeed<'de> for Name {
@@ -170,20 +171,20 @@ impl<'de> Visitor<'de> for Name {
 pub(crate) mod tests {
     use super::*;
 
-    /// The tree of a text that is JSON.
+    /// Parses valid JSON.
     pub(crate) fn tree(text: &str) -> Value<'_> {
         let log = Log::default();
         parse(text.as_bytes(), &Budget::new(u64::MAX, &log), &log).unwrap()
     }
 
     #[test]
-    fn values_come_out_as_they_are_written() {
+    fn all_kinds_of_values_parse() {
         let root =
             tree(r#"{"b": [1, -2, 2.5, "x", "\n", null, true], "a": {}, "b\u0061": 1, "ba": 2}"#);
         let Value::Object(root) = root else { panic!("{root:?}") };
         assert_eq!(root.keys().collect::<Vec<_>>(), ["a", "b", "ba"]);
         assert_eq!(root.get("a"), Some(&Value::Object(Object::default())));
-        assert_eq!(root.get("ba"), Some(&Value::Number(2.into())), "the last of one name counts");
+        assert_eq!(root.get("ba"), Some(&Value::Number(2.into())), "the last duplicate is kept");
         assert_eq!(root.get("c"), None);
         let items = [
             Value::Number(1.into()),
@@ -198,17 +199,17 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_no_json_says_so() {
+    fn invalid_json_is_reported() {
         for text in ["", "{", "[1,]", "{} x", "{\"a\": 1e999}", "nul"] {
             let log = Log::default();
             parse(text.as_bytes(), &Budget::new(u64::MAX, &log), &log).unwrap_err();
             let problem = log.finish().unwrap_err()[0].to_string();
-            assert!(problem.starts_with("file: is no valid JSON"), "{text}: {problem}");
+            assert!(problem.starts_with("file: is not valid JSON"), "{text}: {problem}");
         }
     }
 
     #[test]
-    fn a_tree_stops_growing_at_the_limit() {
+    fn parsing_stops_at_the_memory_limit() {
         let many = format!("[{}0]", "{\"a\":[0]},".repeat(1000));
         let log = Log::default();
         parse(many.as_bytes(), &Budget::new(50_000, &log), &log).unwrap_err();

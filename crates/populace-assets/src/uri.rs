@@ -1,4 +1,4 @@
-//! What a URI in a file names: data written out in it, or a file beside it (glTF 2.0, section 2.8).
+//! URIs of buffers and images: embedded data, or the path of another file (glTF 2.0, section 2.8).
 
 use std::borrow::Cow;
 
@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 
-/// Exporters disagree on whether the last bytes are padded, and nothing depends on it.
+/// Base64 with optional padding: some exporters omit it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new()
@@ -14,16 +14,20 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
-/// A URI, taken apart.
+/// A parsed URI.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Uri<'a> {
-    /// Data written out in the URI.
+    /// Data embedded in the URI.
     Data(DataUri<'a>),
-    /// The path of a file, percent-decoded.
+    /// Percent-decoded path of a file.
     File(String),
 }
 
-/// A `data:` URI, not decoded yet.
+/// A `data:` URI whose payload is not decoded yet.
+///
+/// The crate `data-url` is not used, because it hides the payload: the memory budget needs the
+/// decoded size before the allocation. It also accepts malformed parameters and ends the data at a
+/// `#` without an error, and its errors do not say where the base64 is invalid.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct DataUri<'a> {
     pub(crate) media_type: &'a str,
@@ -32,28 +36,30 @@ pub(crate) struct DataUri<'a> {
 }
 
 impl<'a> Uri<'a> {
-    /// Takes a URI apart, or says why it is refused.
+    /// Parses a URI. The error completes a message that begins with the location.
     pub(crate) fn parse(text: &'a str) -> Result<Self, String> {
         if let Some(data) = text.strip_prefix("data:") {
             return parse_data(data).map(Self::Data);
         }
         if text.is_empty() {
-            return Err("is empty; it must name a file".into());
+            return Err("is empty; it must be a path or a data: URI".into());
         }
         if let Some(scheme) = scheme(text) {
-            return Err(format!("is a \"{scheme}:\" address; only data: URIs and paths are read"));
+            return Err(format!(
+                "is a \"{scheme}:\" URI; only data: URIs and relative paths are supported, so save \
+                 the file locally and refer to it by path"
+            ));
         }
         let decoded = percent_decode_str(text).decode_utf8();
-        let path = decoded.map_err(|_| "does not percent-decode to UTF-8".to_owned())?;
+        let path = decoded.map_err(|_| "is not valid UTF-8 after percent-decoding".to_owned())?;
         if path.contains('\0') || path.starts_with('\\') {
-            return Err("does not decode to a path".into());
+            return Err("is not a valid path after percent-decoding".into());
         }
         Ok(Self::File(path.into_owned()))
     }
 }
 
-/// What stands before a colon in the first segment of a path; a drive letter counts, and nothing at
-/// all too.
+/// Returns the text before a colon in the first path segment. It may be a drive letter, or empty.
 fn scheme(text: &str) -> Option<&str> {
     let (scheme, _) = text.split_once(':')?;
     (!scheme.contains(['/', '\\', '%', '?', '#'])).then_some(scheme)
@@ -70,17 +76,17 @@ fn parse_data(data: &str) -> Result<DataUri<'_>, String> {
         _ => (false, &parameters[..]),
     };
     if parameters.iter().any(|p| !p.contains('=')) {
-        return Err("is a data: URI with a parameter that has no value".into());
+        return Err("is a data: URI with a parameter that is not `name=value`".into());
     }
     Ok(DataUri { media_type, base64, payload })
 }
 
 impl DataUri<'_> {
-    /// Bytes that decoding takes at most.
+    /// Returns an upper bound of the memory that [`Self::decode`] allocates, in bytes.
     pub(crate) fn decoded_bytes(&self) -> u64 {
         let written = self.payload.len() as u64;
-        // The decoder makes room for 3 bytes for every 4 characters, of a copy where some are
-        // escaped.
+        // Base64 decoding allocates 3 bytes for every 4 characters, and a copy of the payload if
+        // some characters are percent-encoded.
         match (self.base64, self.payload.contains('%')) {
             (false, _) => written,
             (true, false) => written.div_ceil(4) * 3,
@@ -88,13 +94,13 @@ impl DataUri<'_> {
         }
     }
 
-    /// The bytes that are written out.
+    /// Decodes the payload.
     pub(crate) fn decode(&self) -> Result<Vec<u8>, String> {
         let bytes: Cow<[u8]> = percent_decode_str(self.payload).into();
         if !self.base64 {
             return Ok(bytes.into_owned());
         }
-        BASE64.decode(bytes).map_err(|e| format!("is a data: URI of broken base64: {e}"))
+        BASE64.decode(bytes).map_err(|e| format!("is a data: URI with invalid base64: {e}"))
     }
 }
 
@@ -103,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn data_is_decoded_with_and_without_base64() {
+    fn data_uris_decode_with_and_without_base64() {
         let decoded = |text| match Uri::parse(text) {
             Ok(Uri::Data(data)) => {
                 let bytes = data.decode().ok()?;
@@ -115,7 +121,7 @@ mod tests {
         let data = |text| decoded(text).unwrap_or_else(|| panic!("{text}"));
         assert_eq!(data("data:application/octet-stream;base64,AQID"), [1, 2, 3]);
         assert_eq!(data("data:;base64,AQ=="), [1]);
-        assert_eq!(data("data:;base64,AQ"), [1], "padding may be left out");
+        assert_eq!(data("data:;base64,AQ"), [1], "padding is optional");
         assert_eq!(data("data:;base64,%41QI%44"), [1, 2, 3]);
         assert_eq!(data("data:text/plain;charset=utf-8,a%20b"), b"a b");
         let broken = ["data:", "data:;base64", "data:a;;base64,AA==", "data:;base64,A*=="];
@@ -125,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_name_files_and_addresses_do_not() {
+    fn relative_paths_parse_and_other_schemes_are_refused() {
         let path = |text: &str| match Uri::parse(text) {
             Ok(Uri::File(path)) => Some(path),
             _ => None,

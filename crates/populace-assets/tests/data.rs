@@ -1,6 +1,6 @@
-//! One test for each file below the folder that the environment variable `POPULACE_TEST_DATA`
-//! names: bad files must be refused for the right reason, odd ones must load, and characters must
-//! stand where an independent computation says.
+//! One test for each file in the folder `POPULACE_TEST_DATA` (environment variable). Bad files must
+//! be refused with the expected problems, unusual ones must load, and the rest pose of characters
+//! must agree with an independent computation.
 
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ const FOLDERS: [&str; 4] = ["gltf_bad", "gltf_edge", "characters", "animals"];
 fn main() {
     let mut arguments = Arguments::from_args();
     let trials = std::env::var_os(VARIABLE).map_or_else(ignored, |root| trials(Path::new(&root)));
-    // Decoding is memory-hungry enough not to run one file per core of a large machine.
+    // Decoding needs much memory, so not every core of a large machine runs a test.
     arguments.test_threads = arguments.test_threads.or(Some(2));
     libtest_mimic::run(&arguments, trials).exit();
 }
@@ -72,7 +72,7 @@ fn check(holds: bool, message: impl FnOnce() -> String) -> Result<(), Failed> {
 
 fn run(name: &str, path: &Path, reference: Option<&Value>) -> Result<(), Failed> {
     let expected = expectations::of(name)
-        .ok_or("this bad file is not in tests/expectations; add what must become of it")?;
+        .ok_or("this file of `gltf_bad` is not in tests/expectations; add the expected result")?;
     match (expected, load(path)) {
         (Expected::Loads, Ok(imported)) => check_loaded(name, &imported, reference),
         (Expected::LoadsWithNote(what), Ok(imported)) => {
@@ -122,8 +122,7 @@ fn check_loaded(name: &str, imported: &Imported, reference: Option<&Value>) -> R
     Ok(())
 }
 
-/// Holds the box around the vertices at rest, and the vertices' places in their parts, against the
-/// reference.
+/// Compares the bounds of the rest pose, the clip names and single vertices with the reference.
 fn check_rest(name: &str, imported: &Imported, reference: &Value) -> Result<(), Failed> {
     let rest = &reference["rest"];
     let corner = |key: &str| -> Vec<f64> {
@@ -158,7 +157,7 @@ fn check_rest(name: &str, imported: &Imported, reference: &Value) -> Result<(), 
     Ok(())
 }
 
-/// Holds one vertex at rest against a row `[node, primitive, vertex, x, y, z]`.
+/// Compares a vertex in the rest pose with a row `[node, primitive, vertex, x, y, z]`.
 fn check_vertex(character: &Character, row: &Value, tolerance: f64) -> Result<(), Failed> {
     let index = |i: usize| row[i].as_u64().and_then(|v| usize::try_from(v).ok());
     let part = character

@@ -1,45 +1,47 @@
-//! What can go wrong with ragdolls; none of it harms them or the crowd.
+//! Errors of ragdolls.
 
-/// Why a call was refused. Ragdolls and crowd are as they were before.
+/// The reason why a call was refused. Ragdolls and crowd are unchanged after an error.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The crowd refused: a stale member, or a failing device.
+    /// The crowd refused the call: a stale member, or a failing device.
     #[error(transparent)]
     Crowd(#[from] populace::Error),
-    /// A plan made for another skeleton.
+    /// The plan was made for another skeleton.
     #[error(
-        "the plan is for a skeleton of {plan} joints, and the member has {member}; plan from the \
-         member's own"
+        "the plan is for a skeleton of {plan} joints, but the member has {member}; make the plan \
+         from the member's own skeleton"
     )]
     WrongPlan {
-        /// Joints of the skeleton that the plan was made from.
+        /// Number of joints of the plan's skeleton.
         plan: usize,
-        /// Joints of the member's skeleton.
+        /// Number of joints of the member's skeleton.
         member: usize,
     },
-    /// A joint that no body of the plan carries, or that the skeleton does not have.
-    #[error("joint {joint} is carried by no body of the ragdoll")]
+    /// The joint belongs to no body of the plan, or the skeleton does not have it.
+    #[error("joint {joint} belongs to no body of the ragdoll; see `RagdollPlan::body_of`")]
     NoBody {
-        /// Index in level order.
+        /// Index of the joint in level order.
         joint: u32,
     },
-    /// A member that is not limp, or not at that joint.
-    #[error("the member is not limp there; let it go limp first")]
+    /// The member is not limp, or not at that joint.
+    #[error(
+        "the member is not limp at that joint; call `Ragdolls::go_limp` or `go_limp_from` first"
+    )]
     NotLimp,
-    /// A number that would poison the simulation.
+    /// A number is out of range and would corrupt the simulation.
     #[error("{what} is {value}; it must be {rule}")]
     BadValue {
-        /// What was given.
+        /// Name of the value.
         what: &'static str,
         /// The value.
         value: f32,
-        /// What is allowed.
+        /// The values that are allowed.
         rule: &'static str,
     },
 }
 
-/// Refuses values that are not finite.
+/// Fails if a value is not finite.
 pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
     match values.iter().find(|v| !v.is_finite()) {
         Some(&value) => Err(Error::BadValue { what, value, rule: "a finite number" }),
@@ -47,7 +49,7 @@ pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
     }
 }
 
-/// Refuses times that are negative or not finite.
+/// Fails if a time is negative or not finite.
 pub(crate) fn seconds(what: &'static str, value: f32) -> Result<(), Error> {
     if value >= 0.0 && value.is_finite() {
         Ok(())

@@ -1,8 +1,10 @@
-//! Ragdolls for crowds: any member goes limp from the pose and the speed that it has, is moved by
-//! `rapier3d`, and gets up again by blending back to its clips. An arm alone, too.
+//! Ragdolls for crowds. A member goes limp with its current pose and velocity, is simulated by
+//! `rapier3d`, and gets up again by blending back to its clips. A part of a member, such as an arm,
+//! can go limp alone.
 //!
-//! Spaces and units are those of [`populace`]: right-handed, Y up, metres, seconds, radians; masses
-//! in kg, impulses in newton-seconds. Bodies live in the world, so placements must be in it too.
+//! Axes and units are those of [`populace`]: right-handed, Y up, metres, seconds, radians. Masses
+//! are in kg, impulses in newton-seconds. Bodies are simulated in world space, so placements must
+//! be in world space too.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -24,11 +26,11 @@
 //! ragdolls.go_limp(&crowd, member, &plan)?;
 //! ragdolls.push(member, chest, [0.0, 0.0, -60.0], None)?;
 //! for _ in 0..90 {
-//!     ragdolls.step(&mut crowd, 1.0 / 60.0)?; // before the update, which takes over where the joints are
+//!     ragdolls.step(&mut crowd, 1.0 / 60.0)?; // writes overrides for the update that follows
 //!     crowd.update(1.0 / 60.0)?;
 //! }
 //! let hips = crowd.model_from_joints(member)?[0];
-//! assert!(hips.rows[1][3] < 0.4, "he lies");
+//! assert!(hips.rows[1][3] < 0.4, "he lies on the ground");
 //!
 //! ragdolls.get_up(&mut crowd, member, 1.0)?;
 //! for _ in 0..61 {
@@ -40,20 +42,22 @@
 //! # }
 //! ```
 //!
-//! The main decision: being limp is a set of overrides and nothing else. Joints turn against their
-//! parents as the bodies do, keeping their own lengths and scales, and only the first one is told
-//! where in model space it is; so a member never changes buffer, handle or drawing path, never
-//! comes apart, and blends back joint by joint.
+//! # Design
+//!
+//! A ragdoll only writes joint overrides. The joints rotate against their parents like the
+//! simulated bodies and keep their lengths and scales; only the first joint gets a position in
+//! model space. So a limp member keeps its buffers, handle and rendering path, its joints never
+//! come apart, and it can blend back joint by joint.
 
-mod doll;
 mod error;
 mod math;
+mod member_ragdoll;
 mod plan;
 mod ragdolls;
 mod snapshot;
 mod world;
 
-pub use doll::Bend;
 pub use error::Error;
+pub use member_ragdoll::JointAngles;
 pub use plan::{Limits, PlannedBody, RagdollPlan};
 pub use ragdolls::{Ragdolls, State};

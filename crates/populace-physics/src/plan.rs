@@ -1,4 +1,4 @@
-//! What a ragdoll is made of, planned once for a skeleton and shared by all its members.
+//! Bodies and limits of a ragdoll, planned once per skeleton and shared by all members.
 
 mod limits;
 mod names;
@@ -8,112 +8,114 @@ mod shape;
 
 use populace::core::{JointIndex, Skeleton};
 
-use crate::math::{Rotation, Vector, joint_index, point_before};
+use crate::math::{Rotation, Vector, inverse_transform_point, joint_index};
 use limits::Anatomy;
 use rest::Rest;
 
-/// How far a body may turn against the one that it hangs on, in radians.
+/// Limits of a body's rotation against its parent body, in radians.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limits {
-    /// About one axis, as knees and elbows do; 0 is the rest pose, and positive angles bend
-    /// further.
+    /// Rotation about one axis, as of knees and elbows. 0 is the rest pose, and positive angles
+    /// bend further.
     Hinge {
-        /// The least angle.
+        /// Least angle.
         min_rad: f32,
-        /// The greatest.
+        /// Greatest angle.
         max_rad: f32,
     },
-    /// Away from the middle of a cone in any direction, and about its own length.
+    /// Swing in any direction within a cone, and twist about the body's own length.
     Cone {
-        /// The most that the body may swing from the cone's middle.
+        /// Largest angle between the body and the axis of the cone.
         swing_rad: f32,
-        /// The least and the most that it may turn about its length; 0 is the rest pose.
+        /// Least and greatest twist. 0 is the rest pose.
         twist_rad: [f32; 2],
     },
 }
 
-/// How a body hangs on another: the frames whose x axes a hinge or a cone's middle lie along.
+/// Definition of the joint between a body and its parent. The x axes of both frames lie along the
+/// hinge axis or the cone axis.
 #[derive(Clone, Debug)]
-pub(crate) struct Hold {
-    /// The joint whose turns carry the upper frame along.
+pub(crate) struct JointDef {
+    /// Index of the skeleton joint that the upper frame rotates with.
     pub(crate) carrier: usize,
     pub(crate) carrier_from_frame: Rotation,
     pub(crate) head_from_frame: Rotation,
     pub(crate) limits: Limits,
 }
 
-/// A rigid part of a ragdoll: a capsule, carrying one joint or several.
+/// A rigid body of a ragdoll: a capsule that moves one or more joints.
 #[derive(Clone, Debug)]
 pub struct PlannedBody {
     pub(crate) head: usize,
     pub(crate) parent: Option<usize>,
-    /// The capsule's ends in the head joint's own space.
+    /// Ends of the capsule's axis in the space of the head joint.
     pub(crate) from: Vector,
     pub(crate) to: Vector,
     pub(crate) length_m: f32,
     pub(crate) radius_m: f32,
     pub(crate) mass_kg: f32,
-    /// The least radius of gyration: no body is as easily turned as a thin capsule would be, since
-    /// limits could not hold what turns that lightly.
+    /// Least radius of gyration. Thin capsules would have so little inertia that the solver could
+    /// not enforce their limits.
     pub(crate) gyration_m: f32,
-    /// `None` for the first body, which nothing holds.
-    pub(crate) hold: Option<Hold>,
+    /// `None` for the first body, which has no parent.
+    pub(crate) joint_def: Option<JointDef>,
 }
 
 impl PlannedBody {
-    /// The joint at which the body begins, and about which it turns.
+    /// Returns the joint at the head of the body, about which it rotates.
     #[must_use]
     pub fn joint(&self) -> JointIndex {
         joint_index(self.head)
     }
 
-    /// The body that it hangs on, by its place in [`RagdollPlan::bodies`]; `None` for the first.
+    /// Returns the index of the parent body in [`RagdollPlan::bodies`], or `None` for the first
+    /// body.
     #[must_use]
     pub fn parent(&self) -> Option<usize> {
         self.parent
     }
 
-    /// From one end of the capsule's axis to the other, in metres, for a member of scale 1.
+    /// Returns the length of the capsule's axis in metres for a member of scale 1.
     #[must_use]
     pub fn length_m(&self) -> f32 {
         self.length_m
     }
 
-    /// The capsule's radius in metres, for a member of scale 1.
+    /// Returns the capsule's radius in metres for a member of scale 1.
     #[must_use]
     pub fn radius_m(&self) -> f32 {
         self.radius_m
     }
 
-    /// Its mass in kg, for a member of scale 1.
+    /// Returns the mass in kg for a member of scale 1.
     #[must_use]
     pub fn mass_kg(&self) -> f32 {
         self.mass_kg
     }
 
-    /// How far it may turn; `None` for the first body, which nothing holds.
+    /// Returns the rotation limits, or `None` for the first body, which has no parent.
     #[must_use]
     pub fn limits(&self) -> Option<Limits> {
-        self.hold.as_ref().map(|hold| hold.limits)
+        self.joint_def.as_ref().map(|joint_def| joint_def.limits)
     }
 }
 
-/// Bodies, masses and limits of a ragdoll, found from a skeleton alone: from where its joints lie
-/// at rest, how far they move vertices, and what their names tell where they tell something. Any
-/// skeleton has one; one of a single joint is a single body.
+/// Bodies, masses and limits of a ragdoll. They are derived from the skeleton alone: from the
+/// positions of joints at rest, the reach of their vertices, and known words in joint names. Every
+/// skeleton has a plan; a skeleton of a single joint gives a single body.
 #[derive(Clone, Debug)]
 pub struct RagdollPlan {
     bodies: Vec<PlannedBody>,
     body_of: Vec<Option<usize>>,
-    rest_turn: Rotation,
-    rest_place: Vector,
+    rest_rotation: Rotation,
+    rest_position: Vector,
 }
 
 impl RagdollPlan {
-    /// Plans a ragdoll: a capsule for each bone that matters, with fingers, twists and props as
-    /// part of the body that they hang on. A person of 1.8 m weighs 75 kg; others go by the cube of
-    /// their size.
+    /// Plans a ragdoll with a capsule for each significant bone. Fingers, twist joints and props
+    /// belong to the body of their parents. A person of 1.8 m weighs 75 kg, and the mass of others
+    /// is proportional to the cube of their size.
     #[must_use]
     pub fn from_skeleton(skeleton: &Skeleton) -> Self {
         let rest = Rest::new(skeleton);
@@ -128,61 +130,61 @@ impl RagdollPlan {
             PlannedBody {
                 head: body.head,
                 parent: body.parent,
-                from: point_before(model_from_head, capsule.from),
-                to: point_before(model_from_head, capsule.to),
+                from: inverse_transform_point(model_from_head, capsule.from),
+                to: inverse_transform_point(model_from_head, capsule.to),
                 length_m: capsule.from.distance(capsule.to),
                 radius_m: capsule.radius,
                 mass_kg: masses[index],
                 gyration_m: rest.size * if is_trunk[index] { 0.08 } else { 0.03 },
-                hold: body.parent.map(|_| anatomy.hold(index)),
+                joint_def: body.parent.map(|_| anatomy.joint_def(index)),
             }
         };
         let root = chosen[0].head;
         Self {
             bodies: (0..chosen.len()).map(planned).collect(),
-            rest_turn: rest.turns[root],
-            rest_place: rest.places[root],
+            rest_rotation: rest.rotations[root],
+            rest_position: rest.positions[root],
             body_of,
         }
     }
 
-    /// The bodies, each after the one that it hangs on.
+    /// Returns the bodies. Parents come before their children.
     #[must_use]
     pub fn bodies(&self) -> &[PlannedBody] {
         &self.bodies
     }
 
-    /// The body that carries a joint, by its place in [`bodies`](Self::bodies); `None` where none
-    /// does, as above the first body's joint.
+    /// Returns the index in [`bodies`](Self::bodies) of the body that moves `joint`. Returns `None`
+    /// if there is none, as for joints above the first body.
     #[must_use]
     pub fn body_of(&self, joint: JointIndex) -> Option<usize> {
         self.body_of.get(joint.index()).copied().flatten()
     }
 
-    /// The mass of all bodies in kg, for a member of scale 1.
+    /// Returns the mass of all bodies in kg for a member of scale 1.
     #[must_use]
     pub fn mass_kg(&self) -> f32 {
         self.bodies.iter().map(PlannedBody::mass_kg).sum()
     }
 
-    /// Joints of the skeleton that this was planned from.
+    /// Returns the number of joints of the skeleton that the plan was made from.
     #[must_use]
     pub fn joint_count(&self) -> usize {
         self.body_of.len()
     }
 
-    /// The first body's joint at rest in model space: its turn and its place.
+    /// Returns rotation and position of the first body's joint at rest in model space.
     pub(crate) fn rest(&self) -> (Rotation, Vector) {
-        (self.rest_turn, self.rest_place)
+        (self.rest_rotation, self.rest_position)
     }
 
-    /// A body and all that hang on it.
-    pub(crate) fn with_all_below(&self, body: usize) -> Vec<bool> {
-        let mut below = vec![false; self.bodies.len()];
-        below[body] = true;
+    /// Returns for each body whether it is `body` or one of its descendants.
+    pub(crate) fn with_descendants(&self, body: usize) -> Vec<bool> {
+        let mut included = vec![false; self.bodies.len()];
+        included[body] = true;
         for index in body + 1..self.bodies.len() {
-            below[index] = self.bodies[index].parent.is_some_and(|p| below[p]);
+            included[index] = self.bodies[index].parent.is_some_and(|p| included[p]);
         }
-        below
+        included
     }
 }

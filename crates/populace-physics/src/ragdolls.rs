@@ -1,82 +1,83 @@
-//! All ragdolls of a crowd: who is limp, who goes limp, who gets up.
+//! The ragdolls of a crowd and their states.
 
 use std::sync::Arc;
 
 use populace::{Crowd, JointIndex, Member};
 
-use crate::doll::{Bend, Doll, Fade, Recipe};
 use crate::error::{finite, seconds};
 use crate::math::Vector;
+use crate::member_ragdoll::{BuildParams, Fade, JointAngles, MemberRagdoll};
 use crate::snapshot::Snapshot;
 use crate::world::World;
 use crate::{Error, RagdollPlan};
 
-/// The longest step of the clock; a longer one is a mistake.
+/// Longest time step that is accepted. A longer one is considered a mistake of the caller.
 const LONGEST_SECS: f32 = 1e6;
 
-/// How limp a member is.
+/// Ragdoll state of a member.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum State {
-    /// Its clips move it.
+    /// Clips move the member; it has no ragdoll.
     Animated,
-    /// Asked to go limp; its speed is measured from this frame to the next.
+    /// The member will go limp as soon as its velocity is known, which takes two frames.
     GoingLimp,
-    /// The simulation moves it, or a part of it.
+    /// The simulation moves the member or a part of it.
     Limp {
-        /// Whether all its bodies have come to rest.
+        /// Whether all of its bodies have come to rest.
         asleep: bool,
     },
-    /// On its way back to its clips.
+    /// The member blends back to its clips.
     GettingUp {
-        /// What is left of the ragdoll's weight, from 1 to 0.
+        /// Remaining weight of the ragdoll, from 1 to 0.
         weight: f32,
     },
 }
 
-/// An impulse for a body, in newton-seconds, at a point of the world.
+/// An impulse in newton-seconds on a body, at a point in world space or at the centre of mass.
 struct Push {
     body: usize,
     impulse: Vector,
     at: Option<Vector>,
 }
 
-/// A member whose speed is being measured.
-struct Waiting {
+/// A member that goes limp once its velocity has been measured.
+struct PendingRagdoll {
     member: Member,
     plan: Arc<RagdollPlan>,
     limp: Vec<bool>,
-    /// The first reading, and how long after it the next one is.
+    /// The first snapshot, and the time to the next one in seconds.
     before: Option<(Snapshot, f32)>,
     pushes: Vec<Push>,
 }
 
-/// The ragdolls of a crowd, in a world of their own with a floor and boxes to fall on.
+/// The ragdolls of a crowd, simulated in one world with a floor and boxes.
 ///
-/// A frame is [`step`](Self::step), then placing those members that move by themselves, then
-/// [`Crowd::update`]. The placement of one that is limp as a whole is best left alone: its body
-/// lies in the world, and follows a placement only a frame later. A member keeps its handle, its
-/// place in the buffers and its clips throughout: being limp is a set of overrides.
+/// A frame consists of [`step`](Self::step), then changes of placements by the application, then
+/// [`Crowd::update`]. Do not move a member that is limp as a whole: its bodies are in world space,
+/// so it would follow the new placement only one frame later. A limp member keeps its handle, its
+/// buffer ranges and its clips, because a ragdoll only writes joint overrides.
 pub struct Ragdolls {
     world: World,
-    waiting: Vec<Waiting>,
-    dolls: Vec<Doll>,
+    pending: Vec<PendingRagdoll>,
+    active: Vec<MemberRagdoll>,
     next_id: u64,
 }
 
 impl Ragdolls {
-    /// A world with this gravity, in m/s² (usually `[0.0, -9.81, 0.0]`), and a floor at height 0.
+    /// Creates a world with `gravity` in m/s² (usually `[0.0, -9.81, 0.0]`) and a floor at height
+    /// 0.
     ///
     /// # Errors
     ///
-    /// [`Error::BadValue`] if the gravity is not finite.
+    /// [`Error::BadValue`] if a component of the gravity is not finite.
     pub fn new(gravity: [f32; 3]) -> Result<Self, Error> {
         finite("gravity", &gravity)?;
         let world = World::new(Vector::from_array(gravity));
-        Ok(Self { world, waiting: Vec::new(), dolls: Vec::new(), next_id: 1 })
+        Ok(Self { world, pending: Vec::new(), active: Vec::new(), next_id: 1 })
     }
 
-    /// Puts the floor at another height, in metres.
+    /// Sets the height of the floor in metres.
     ///
     /// # Errors
     ///
@@ -87,11 +88,11 @@ impl Ragdolls {
         Ok(())
     }
 
-    /// Adds a box that stands still, by its centre and its half sides in metres, turned about +Y.
+    /// Adds a fixed box with its centre and half sides in metres, rotated by `yaw_rad` about +Y.
     ///
     /// # Errors
     ///
-    /// [`Error::BadValue`] for numbers that are not finite, or sides that are not above zero.
+    /// [`Error::BadValue`] if a number is not finite or a half side is not above zero.
     pub fn add_box(
         &mut self,
         centre: [f32; 3],
@@ -112,29 +113,30 @@ impl Ragdolls {
         Ok(())
     }
 
-    /// Lets a member go limp as a whole, with the pose and the speed that it has. The speed is
-    /// measured from this frame to the next: the second [`step`](Self::step) from now moves it
-    /// first. A member that is limp already stays so, and one that is getting up falls again.
+    /// Makes a whole member go limp with its current pose and velocity. The velocity is measured
+    /// from this frame to the next, so the second [`step`](Self::step) from now is the first to
+    /// move the member. Has no effect on a member that is already limp as a whole. A member that is
+    /// getting up falls again.
     ///
     /// # Errors
     ///
-    /// A stale member, or [`Error::WrongPlan`].
+    /// [`Error::Crowd`] for a stale member, or [`Error::WrongPlan`].
     pub fn go_limp(
         &mut self,
         crowd: &Crowd,
         member: Member,
         plan: &Arc<RagdollPlan>,
     ) -> Result<(), Error> {
-        self.wait(crowd, member, plan, vec![true; plan.bodies().len()])
+        self.request(crowd, member, plan, vec![true; plan.bodies().len()])
     }
 
-    /// Lets a part of a member go limp: the body that carries a joint, and all that hang on it,
-    /// such as an arm by its upper joint. The rest follows its clips, bit for bit as before, and
-    /// carries the limp part along. Parts add up.
+    /// Makes a part of a member go limp: the body of `joint` and all of its descendants, for
+    /// example an arm, given its upper joint. The other joints follow their clips bit for bit as
+    /// before and move the limp part along. Calls for several parts add up.
     ///
     /// # Errors
     ///
-    /// A stale member, [`Error::WrongPlan`], or [`Error::NoBody`].
+    /// [`Error::Crowd`] for a stale member, [`Error::WrongPlan`], or [`Error::NoBody`].
     pub fn go_limp_from(
         &mut self,
         crowd: &Crowd,
@@ -143,10 +145,10 @@ impl Ragdolls {
         joint: JointIndex,
     ) -> Result<(), Error> {
         let body = plan.body_of(joint).ok_or(Error::NoBody { joint: joint.0 })?;
-        self.wait(crowd, member, plan, plan.with_all_below(body))
+        self.request(crowd, member, plan, plan.with_descendants(body))
     }
 
-    fn wait(
+    fn request(
         &mut self,
         crowd: &Crowd,
         member: Member,
@@ -161,21 +163,21 @@ impl Ragdolls {
             });
         }
         let same = |other: &Arc<RagdollPlan>| Arc::ptr_eq(other, plan);
-        let standing =
-            self.dolls.iter().find(|d| d.member == member && d.fade.is_none() && same(&d.plan));
-        if let Some(doll) = standing {
-            if limp.iter().zip(&doll.limp).all(|(new, old)| *old || !new) {
+        let current =
+            self.active.iter().find(|d| d.member == member && d.fade.is_none() && same(&d.plan));
+        if let Some(ragdoll) = current {
+            if limp.iter().zip(&ragdoll.limp).all(|(new, old)| *old || !new) {
                 return Ok(());
             }
-            limp.iter_mut().zip(&doll.limp).for_each(|(new, old)| *new |= old);
+            limp.iter_mut().zip(&ragdoll.limp).for_each(|(new, old)| *new |= old);
         }
-        if let Some(waiting) = self.waiting.iter_mut().find(|w| w.member == member && same(&w.plan))
+        if let Some(pending) = self.pending.iter_mut().find(|w| w.member == member && same(&w.plan))
         {
-            waiting.limp.iter_mut().zip(&limp).for_each(|(old, new)| *old |= new);
+            pending.limp.iter_mut().zip(&limp).for_each(|(old, new)| *old |= new);
             return Ok(());
         }
-        self.waiting.retain(|w| w.member != member);
-        self.waiting.push(Waiting {
+        self.pending.retain(|w| w.member != member);
+        self.pending.push(PendingRagdoll {
             member,
             plan: Arc::clone(plan),
             limp,
@@ -185,13 +187,14 @@ impl Ragdolls {
         Ok(())
     }
 
-    /// Pushes a limp member, or one that was asked to go limp, at the body that carries a joint: an
-    /// impulse in newton-seconds in the world, at a point of the world in metres or else at the
-    /// body's centre of mass. A person of 75 kg who is pushed with 75 Ns is 1 m/s faster.
+    /// Applies an impulse in newton-seconds to the body of `joint`. `at` is the point of
+    /// application in world space in metres; if it is `None`, the centre of mass is used. The
+    /// member must be limp or about to go limp. An impulse of 75 Ns changes the velocity of a
+    /// person of 75 kg by 1 m/s.
     ///
     /// # Errors
     ///
-    /// [`Error::NotLimp`], [`Error::NoBody`], or numbers that are not finite.
+    /// [`Error::NotLimp`], [`Error::NoBody`], or [`Error::BadValue`] if a number is not finite.
     pub fn push(
         &mut self,
         member: Member,
@@ -203,27 +206,28 @@ impl Ragdolls {
         finite("the point of a push", at.as_ref().map_or(&[], |p| p))?;
         let no_body = Error::NoBody { joint: joint.0 };
         let (impulse, at) = (Vector::from_array(impulse_ns), at.map(Vector::from_array));
-        if let Some(waiting) = self.waiting.iter_mut().find(|w| w.member == member) {
-            let body = waiting.plan.body_of(joint).ok_or(no_body)?;
-            if !waiting.limp[body] {
+        if let Some(pending) = self.pending.iter_mut().find(|w| w.member == member) {
+            let body = pending.plan.body_of(joint).ok_or(no_body)?;
+            if !pending.limp[body] {
                 return Err(Error::NotLimp);
             }
-            waiting.pushes.push(Push { body, impulse, at });
+            pending.pushes.push(Push { body, impulse, at });
             return Ok(());
         }
-        let doll = self.dolls.iter().find(|d| d.member == member).ok_or(Error::NotLimp)?;
-        let body = doll.plan.body_of(joint).ok_or(no_body)?;
-        push(doll, &mut self.world, &Push { body, impulse, at })
+        let ragdoll = self.active.iter().find(|d| d.member == member).ok_or(Error::NotLimp)?;
+        let body = ragdoll.plan.body_of(joint).ok_or(no_body)?;
+        push(ragdoll, &mut self.world, &Push { body, impulse, at })
     }
 
-    /// Lets a limp member get up: over this time its joints go back to what its clips say, and at
-    /// its end are exactly that. One that is limp as a whole is placed where it lies, facing the
-    /// way that takes the least turning, on what is under its hips. Until then it can still be
-    /// pushed. A member that was only asked to go limp stays as it is.
+    /// Blends a limp member back to its clips over `over_secs` seconds. Afterwards its joints are
+    /// exactly those of the clips. A member that is limp as a whole is first placed where it lies,
+    /// on the floor below its hips, with the heading that needs the least rotation. It can be
+    /// pushed until the blend ends. A member that has not gone limp yet stays as it is.
     ///
     /// # Errors
     ///
-    /// A stale member, [`Error::NotLimp`], or a time that is negative or not finite.
+    /// [`Error::Crowd`] for a stale member, [`Error::NotLimp`], or [`Error::BadValue`] if the time
+    /// is negative or not finite.
     pub fn get_up(
         &mut self,
         crowd: &mut Crowd,
@@ -232,144 +236,150 @@ impl Ragdolls {
     ) -> Result<(), Error> {
         seconds("the time to get up", over_secs)?;
         crowd.placement(member)?;
-        let was_waiting = self.waiting.iter().any(|w| w.member == member);
-        self.waiting.retain(|w| w.member != member);
-        let Some(doll) = self.dolls.iter_mut().find(|d| d.member == member) else {
-            return if was_waiting { Ok(()) } else { Err(Error::NotLimp) };
+        let was_pending = self.pending.iter().any(|w| w.member == member);
+        self.pending.retain(|w| w.member != member);
+        let Some(ragdoll) = self.active.iter_mut().find(|d| d.member == member) else {
+            return if was_pending { Ok(()) } else { Err(Error::NotLimp) };
         };
-        if doll.fade.is_some() {
+        if ragdoll.fade.is_some() {
             return Ok(());
         }
-        if doll.is_whole() {
-            crowd.place(member, doll.place_to_get_up(crowd.placement(member)?, &self.world))?;
+        if ragdoll.is_fully_limp() {
+            crowd.place(
+                member,
+                ragdoll.placement_to_get_up(crowd.placement(member)?, &self.world),
+            )?;
         }
-        doll.fade = Some(Fade { elapsed_secs: 0.0, over_secs });
-        doll.write(crowd, &self.world)
+        ragdoll.fade = Some(Fade { elapsed_secs: 0.0, over_secs });
+        ragdoll.write(crowd, &self.world)
     }
 
-    /// Moves all limp members on and tells the crowd where their joints are, for the update that
-    /// follows. Frames are simulated in even steps of 1/120 s at most, and half a second at most.
-    /// Members that were despawned are forgotten.
+    /// Advances the simulation by `dt_secs` and writes the joint overrides for the following
+    /// update. The frame is divided into equal steps of at most 1/120 s, and at most half a second
+    /// is simulated. Ragdolls of despawned members are removed.
     ///
     /// # Errors
     ///
-    /// A time that is negative or not finite, or a failing device.
+    /// [`Error::BadValue`] if the time is negative, not finite or above 1,000,000 s.
+    /// [`Error::Crowd`] if a device fails.
     pub fn step(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
         if !(0.0..=LONGEST_SECS).contains(&dt_secs) {
             let rule = "from 0 to 1,000,000 seconds";
             return Err(Error::BadValue { what: "the time step", value: dt_secs, rule });
         }
-        self.forget(crowd);
+        self.remove_despawned(crowd);
         if dt_secs <= 0.0 {
             return Ok(());
         }
-        self.start(crowd, dt_secs)?;
-        let mut driven = Vec::new();
-        for doll in self.dolls.iter_mut().filter(|d| !d.is_whole()) {
-            if let Some(now) = Snapshot::of(crowd, doll.member)? {
-                driven.append(&mut doll.drive(&self.world, now, dt_secs));
+        self.start_pending(crowd, dt_secs)?;
+        let mut moves = Vec::new();
+        for ragdoll in self.active.iter_mut().filter(|d| !d.is_fully_limp()) {
+            if let Some(now) = Snapshot::of(crowd, ragdoll.member)? {
+                moves.append(&mut ragdoll.kinematic_moves(&self.world, now, dt_secs));
             }
         }
-        if !self.dolls.is_empty() {
-            self.world.step(dt_secs, &driven);
+        if !self.active.is_empty() {
+            self.world.step(dt_secs, &moves);
         }
-        for doll in &mut self.dolls {
-            if let Some(fade) = &mut doll.fade {
+        for ragdoll in &mut self.active {
+            if let Some(fade) = &mut ragdoll.fade {
                 fade.elapsed_secs += dt_secs;
             }
-            if doll.weight() > 0.0 {
-                doll.write(crowd, &self.world)?;
+            if ragdoll.weight() > 0.0 {
+                ragdoll.write(crowd, &self.world)?;
             } else {
-                doll.release(crowd)?;
-                doll.remove(&mut self.world);
+                ragdoll.release(crowd)?;
+                ragdoll.remove(&mut self.world);
             }
         }
-        self.dolls.retain(|d| d.weight() > 0.0);
+        self.active.retain(|d| d.weight() > 0.0);
         Ok(())
     }
 
-    /// Lets go of members that are no more.
-    fn forget(&mut self, crowd: &Crowd) {
-        self.waiting.retain(|w| crowd.placement(w.member).is_ok());
-        for doll in self.dolls.iter().filter(|d| crowd.placement(d.member).is_err()) {
-            doll.remove(&mut self.world);
+    /// Removes the ragdolls of despawned members.
+    fn remove_despawned(&mut self, crowd: &Crowd) {
+        self.pending.retain(|w| crowd.placement(w.member).is_ok());
+        for ragdoll in self.active.iter().filter(|d| crowd.placement(d.member).is_err()) {
+            ragdoll.remove(&mut self.world);
         }
-        self.dolls.retain(|d| crowd.placement(d.member).is_ok());
+        self.active.retain(|d| crowd.placement(d.member).is_ok());
     }
 
-    /// Reads those who wait for their speed, and puts into the world those who have it. Those whom
-    /// no update has evaluated go on waiting.
-    fn start(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
-        let snapshots = self.waiting.iter().map(|waiting| Snapshot::of(crowd, waiting.member));
+    /// Takes a snapshot of each pending member, and builds the ragdolls of those that have two.
+    /// Members that no update has evaluated yet stay pending.
+    fn start_pending(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
+        let snapshots = self.pending.iter().map(|pending| Snapshot::of(crowd, pending.member));
         let snapshots: Vec<_> = snapshots.collect::<Result<_, _>>()?;
-        for (mut waiting, now) in std::mem::take(&mut self.waiting).into_iter().zip(snapshots) {
+        for (mut pending, now) in std::mem::take(&mut self.pending).into_iter().zip(snapshots) {
             let Some(now) = now else {
-                self.waiting.push(waiting);
+                self.pending.push(pending);
                 continue;
             };
-            let Some((before, between_secs)) = waiting.before.take() else {
-                waiting.before = Some((now, dt_secs));
-                self.waiting.push(waiting);
+            let Some((before, between_secs)) = pending.before.take() else {
+                pending.before = Some((now, dt_secs));
+                self.pending.push(pending);
                 continue;
             };
             let before = before.without_jump(&now, between_secs);
-            if let Some(old) = self.dolls.iter().position(|d| d.member == waiting.member) {
-                let old = self.dolls.remove(old);
+            if let Some(old) = self.active.iter().position(|d| d.member == pending.member) {
+                let old = self.active.remove(old);
                 old.release(crowd)?;
                 old.remove(&mut self.world);
             }
-            let character = crowd.character(crowd.character_of(waiting.member)?)?;
-            let recipe = Recipe {
-                member: waiting.member,
+            let character = crowd.character(crowd.character_of(pending.member)?)?;
+            let params = BuildParams {
+                member: pending.member,
                 skeleton: &character.skeleton,
-                plan: &waiting.plan,
+                plan: &pending.plan,
                 id: self.next_id,
-                limp: waiting.limp,
+                limp: pending.limp,
                 before: &before,
                 now,
                 dt_secs: between_secs,
             };
             self.next_id += 1;
-            let doll = Doll::build(recipe, &mut self.world);
-            for given in &waiting.pushes {
-                push(&doll, &mut self.world, given)?;
+            let ragdoll = MemberRagdoll::build(params, &mut self.world);
+            for given in &pending.pushes {
+                push(&ragdoll, &mut self.world, given)?;
             }
-            self.dolls.push(doll);
+            self.active.push(ragdoll);
         }
         Ok(())
     }
 
-    /// How limp a member is.
+    /// Returns the ragdoll state of a member.
     #[must_use]
     pub fn state(&self, member: Member) -> State {
-        if self.waiting.iter().any(|w| w.member == member) {
+        if self.pending.iter().any(|w| w.member == member) {
             return State::GoingLimp;
         }
-        match self.dolls.iter().find(|d| d.member == member) {
+        match self.active.iter().find(|d| d.member == member) {
             None => State::Animated,
-            Some(doll) if doll.fade.is_some() => State::GettingUp { weight: doll.weight() },
-            Some(doll) => State::Limp { asleep: doll.is_asleep(&self.world) },
+            Some(ragdoll) if ragdoll.fade.is_some() => {
+                State::GettingUp { weight: ragdoll.weight() }
+            }
+            Some(ragdoll) => State::Limp { asleep: ragdoll.is_asleep(&self.world) },
         }
     }
 
-    /// How each limp body of a member is bent against the one that it hangs on, and what limits
-    /// that.
+    /// Returns the angles of each limp body against its parent body, with their limits. Empty for a
+    /// member that is not limp.
     #[must_use]
-    pub fn bends(&self, member: Member) -> Vec<Bend> {
-        let doll = self.dolls.iter().find(|d| d.member == member);
-        doll.map_or_else(Vec::new, |d| d.bends(&self.world).collect())
+    pub fn joint_angles(&self, member: Member) -> Vec<JointAngles> {
+        let ragdoll = self.active.iter().find(|d| d.member == member);
+        ragdoll.map_or_else(Vec::new, |d| d.joint_angles(&self.world).collect())
     }
 
-    /// Kinetic and potential energy of a member's limp bodies in joules, the latter counted from
-    /// height 0; `None` for a member that is not limp.
+    /// Returns the kinetic plus potential energy of a member's limp bodies in joules. The potential
+    /// energy is relative to height 0. Returns `None` for a member that is not limp.
     #[must_use]
     pub fn energy_j(&self, member: Member) -> Option<f32> {
-        Some(self.dolls.iter().find(|d| d.member == member)?.energy_j(&self.world))
+        Some(self.active.iter().find(|d| d.member == member)?.energy_j(&self.world))
     }
 }
 
-fn push(doll: &Doll, world: &mut World, given: &Push) -> Result<(), Error> {
-    let body = doll.body_mut(world, given.body).ok_or(Error::NotLimp)?;
+fn push(ragdoll: &MemberRagdoll, world: &mut World, given: &Push) -> Result<(), Error> {
+    let body = ragdoll.body_mut(world, given.body).ok_or(Error::NotLimp)?;
     match given.at {
         Some(at) => body.apply_impulse_at_point(given.impulse, at, true),
         None => body.apply_impulse(given.impulse, true),

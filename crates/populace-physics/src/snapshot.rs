@@ -1,27 +1,29 @@
-//! Where a member's joints were in the world at one instant.
+//! Snapshots of a member's joints in world space.
 
 use populace::core::JointIndex;
 use populace::{Affine, BackendError, Crowd, Member, Placement};
 
 use crate::Error;
-use crate::math::{Pose, Rotation, Vector, heading, local, origin, point, rotation_of};
+use crate::math::{Pose, Rotation, Vector, local, origin, point, rotation_of, yaw_rotation};
 
-/// Nothing that a clip or a placement does is as fast as this; what is, is a jump, and no speed.
+/// Largest plausible velocity of clips and placements. A faster change is treated as a jump that
+/// causes no velocity.
 pub(crate) const FASTEST_M_PER_SEC: f32 = 30.0;
 
+/// Joints and placement of a member after an update.
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
     pub(crate) model_from_joints: Vec<Affine>,
-    /// Rotations down the hierarchy, without what scales do to them, in model space.
-    turns: Vec<Rotation>,
-    pub(crate) place: Placement,
+    /// Rotations down the hierarchy in model space, without the effect of scales.
+    rotations: Vec<Rotation>,
+    pub(crate) placement: Placement,
 }
 
 impl Snapshot {
-    /// Reads a member's joints back, as the last update left them. `None` where no update has
-    /// evaluated the member on the crowd's device.
+    /// Reads back a member's joints of the last update. Returns `None` if no update has evaluated
+    /// the member on the crowd's device yet.
     pub(crate) fn of(crowd: &mut Crowd, member: Member) -> Result<Option<Self>, Error> {
-        let place = crowd.placement(member)?;
+        let placement = crowd.placement(member)?;
         let model_from_joints = match crowd.model_from_joints(member) {
             Ok(joints) => joints,
             Err(populace::Error::Backend(BackendError::NotEvaluated)) => return Ok(None),
@@ -37,45 +39,46 @@ impl Snapshot {
             });
         }
         let skeleton = &crowd.character(crowd.character_of(member)?)?.skeleton;
-        let mut turns: Vec<Rotation> = Vec::with_capacity(model_from_joints.len());
+        let mut rotations: Vec<Rotation> = Vec::with_capacity(model_from_joints.len());
         for joint in skeleton.joints() {
             let parent = skeleton.parent(joint).map(JointIndex::index);
             let own =
                 local(parent.map(|p| &model_from_joints[p]), &model_from_joints[joint.index()]);
-            let turn = parent.map_or(Rotation::IDENTITY, |p| turns[p]) * rotation_of(&own);
-            turns.push(turn.normalize());
+            let rotation = parent.map_or(Rotation::IDENTITY, |p| rotations[p]) * rotation_of(&own);
+            rotations.push(rotation.normalize());
         }
-        Ok(Some(Self { model_from_joints, turns, place }))
+        Ok(Some(Self { model_from_joints, rotations, placement }))
     }
 
-    /// This one as if it had stood where the next one does, if from the one to the other the member
-    /// was moved faster than anything goes: that was a jump, and gives no speed.
+    /// Returns this snapshot at the placement of `next` if the member moved there implausibly fast.
+    /// Such a jump must not cause a velocity.
     pub(crate) fn without_jump(mut self, next: &Self, dt_secs: f32) -> Self {
-        let [from, to] = [&self, next].map(|s| Vector::from_array(s.place.position()));
+        let [from, to] = [&self, next].map(|s| Vector::from_array(s.placement.position()));
         if from.distance(to) > FASTEST_M_PER_SEC * dt_secs {
-            self.place = next.place;
+            self.placement = next.placement;
         }
         self
     }
 
-    /// A joint's rotation in the world.
-    pub(crate) fn turn(&self, joint: usize) -> Rotation {
-        heading(&self.place) * self.turns[joint]
+    /// Returns the rotation of a joint in world space.
+    pub(crate) fn rotation(&self, joint: usize) -> Rotation {
+        yaw_rotation(&self.placement) * self.rotations[joint]
     }
 
-    /// A joint's rotation in model space.
-    pub(crate) fn model_turn(&self, joint: usize) -> Rotation {
-        self.turns[joint]
+    /// Returns the rotation of a joint in model space.
+    pub(crate) fn model_rotation(&self, joint: usize) -> Rotation {
+        self.rotations[joint]
     }
 
-    /// Where a joint is in the world, without its scale.
+    /// Returns position and rotation of a joint in world space, without scale.
     pub(crate) fn pose(&self, joint: usize) -> Pose {
-        let place = point(&self.place.world_from_model(), origin(&self.model_from_joints[joint]));
-        Pose::from_parts(place, self.turn(joint))
+        let position =
+            point(&self.placement.world_from_model(), origin(&self.model_from_joints[joint]));
+        Pose::from_parts(position, self.rotation(joint))
     }
 
-    /// A point of a joint's own space in the world.
+    /// Transforms a point from the space of a joint to world space.
     pub(crate) fn point(&self, joint: usize, p: Vector) -> Vector {
-        point(&self.place.world_from_model(), point(&self.model_from_joints[joint], p))
+        point(&self.placement.world_from_model(), point(&self.model_from_joints[joint], p))
     }
 }

@@ -1,4 +1,4 @@
-//! The simulated world: what stands still in it, and how it moves on.
+//! The simulated world: fixed obstacles, collision filter and time steps.
 
 use std::collections::HashMap;
 
@@ -11,53 +11,54 @@ use rapier3d::prelude::{
 
 use crate::math::{Pose, Rotation, Vector};
 
-/// The longest step of the simulation, in seconds; longer frames are divided evenly.
+/// Longest simulation step in seconds. Longer frames are divided into equal steps.
 const LONGEST_STEP_SECS: f32 = 1.0 / 120.0;
-/// A frame longer than this is simulated for this long only, so that one hitch does not bring on
-/// the next.
+/// Longest simulated part of a frame in seconds, so that one slow frame does not cause another.
 const LONGEST_FRAME_SECS: f32 = 0.5;
-/// Cloth and skin on floor.
+/// Friction coefficient of cloth and skin on a floor.
 const FRICTION: f32 = 0.8;
 
-/// Bodies that move on a given way in the coming frame.
-pub(crate) struct Driven {
+/// Motion of a kinematic body in the coming frame.
+pub(crate) struct KinematicMove {
     pub(crate) body: RigidBodyHandle,
     pub(crate) from: Pose,
     pub(crate) to: Pose,
 }
 
-/// Which bodies of one ragdoll pass through each other: those that overlap from the start, as skin
-/// does at joints.
+/// Pairs of bodies of each ragdoll that do not collide, because they are connected or overlap from
+/// the start.
 #[derive(Default)]
 struct Overlaps {
-    of: HashMap<u64, Vec<(u16, u16)>>,
+    by_ragdoll: HashMap<u64, Vec<(u16, u16)>>,
 }
 
 impl PhysicsHooks for Overlaps {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
         let [a, b] =
             [context.collider1, context.collider2].map(|c| context.colliders.get(c).map(owner));
-        let (Some((doll, a)), Some((other, b))) = (a?, b?) else {
+        let (Some((ragdoll, a)), Some((other, b))) = (a?, b?) else {
             return Some(SolverFlags::default());
         };
-        let overlap =
-            doll == other && self.of.get(&doll).is_some_and(|o| o.contains(&(a.min(b), a.max(b))));
+        let overlap = ragdoll == other
+            && self.by_ragdoll.get(&ragdoll).is_some_and(|o| o.contains(&(a.min(b), a.max(b))));
         (!overlap).then(SolverFlags::default)
     }
 }
 
-/// The ragdoll and the place in it that a collider is of; `None` for what stands still.
+/// Returns the ragdoll and the body index of a collider; `None` for fixed colliders.
 fn owner(collider: &Collider) -> Option<(u64, u16)> {
-    #[expect(clippy::cast_possible_truncation, reason = "packed by `mark`")]
+    #[expect(clippy::cast_possible_truncation, reason = "packed by `pack_owner`")]
     let unpacked = ((collider.user_data >> 16) as u64, collider.user_data as u16);
     (collider.user_data != 0).then_some(unpacked)
 }
 
-/// Packs whose a collider is; ragdolls count from 1, so that 0 is nobody.
-pub(crate) fn mark(doll: u64, body: usize) -> u128 {
-    u128::from(doll) << 16 | body as u128 & 0xffff
+/// Packs ragdoll and body index into user data. Ragdoll ids start at 1, so 0 means a fixed
+/// collider.
+pub(crate) fn pack_owner(ragdoll: u64, body: usize) -> u128 {
+    u128::from(ragdoll) << 16 | body as u128 & 0xffff
 }
 
+/// Rapier's world with the floor and a collision filter.
 pub(crate) struct World {
     pub(crate) physics: PhysicsWorld,
     overlaps: Overlaps,
@@ -69,8 +70,10 @@ impl World {
         let mut physics = PhysicsWorld::new();
         physics.gravity = gravity;
         let parameters = &mut physics.integration_parameters;
-        parameters.num_solver_iterations = 12; // limbs are chains of light bodies on heavy ones
-        parameters.normalized_max_corrective_velocity = 10.0; // what starts inside the ground leaves it gently
+        // Limbs are chains of light bodies on heavy ones, which converge slowly.
+        parameters.num_solver_iterations = 12;
+        // Bodies that start inside the ground leave it slowly.
+        parameters.normalized_max_corrective_velocity = 10.0;
         let ground =
             ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)).friction(FRICTION).build();
         let ground = physics.insert_collider(ground, None);
@@ -105,37 +108,38 @@ impl World {
         body
     }
 
-    pub(crate) fn set_overlaps(&mut self, doll: u64, pairs: Vec<(u16, u16)>) {
-        self.overlaps.of.insert(doll, pairs);
+    /// Sets the pairs of bodies of a ragdoll that do not collide, the lower index first.
+    pub(crate) fn set_overlaps(&mut self, ragdoll: u64, pairs: Vec<(u16, u16)>) {
+        self.overlaps.by_ragdoll.insert(ragdoll, pairs);
     }
 
-    pub(crate) fn remove(&mut self, doll: u64, bodies: &[RigidBodyHandle]) {
-        self.overlaps.of.remove(&doll);
+    /// Removes a ragdoll and its bodies.
+    pub(crate) fn remove(&mut self, ragdoll: u64, bodies: &[RigidBodyHandle]) {
+        self.overlaps.by_ragdoll.remove(&ragdoll);
         for &body in bodies {
             self.physics.remove_body(body);
         }
     }
 
-    /// Moves on by a frame, in even steps.
-    pub(crate) fn step(&mut self, dt_secs: f32, driven: &[Driven]) {
+    /// Advances by one frame in equal steps.
+    pub(crate) fn step(&mut self, dt_secs: f32, moves: &[KinematicMove]) {
         let frame = dt_secs.min(LONGEST_FRAME_SECS);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 60")]
         let steps = (frame / LONGEST_STEP_SECS - 1e-3).ceil().max(1.0) as u32;
         self.physics.integration_parameters.dt = frame / steps as f32;
         for step in 1..=steps {
             let part = step as f32 / steps as f32;
-            for way in driven {
-                if let Some(body) = self.physics.bodies.get_mut(way.body) {
-                    body.set_next_kinematic_position(way.from.lerp(&way.to, part));
+            for target in moves {
+                if let Some(body) = self.physics.bodies.get_mut(target.body) {
+                    body.set_next_kinematic_position(target.from.lerp(&target.to, part));
                 }
             }
             self.physics.step_with_events(&self.overlaps, &());
         }
     }
 
-    /// How high the topmost thing that stands still lies under a point, if there is one within
-    /// `reach` metres.
-    pub(crate) fn floor_under(&self, point: Vector, reach: f32) -> Option<f32> {
+    /// Returns the height of the topmost fixed collider below `point`, within `reach` metres.
+    pub(crate) fn floor_height_below(&self, point: Vector, reach: f32) -> Option<f32> {
         let ray = Ray::new(point, -Vector::Y);
         let filter = QueryFilter::only_fixed();
         self.physics.cast_ray(&ray, reach, true, filter).map(|(_, depth)| point.y - depth)

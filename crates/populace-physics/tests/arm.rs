@@ -1,67 +1,67 @@
-//! A part of a member goes limp, and the rest goes on.
+//! A part of a member goes limp while the rest follows its clips.
 
 #![expect(
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "tests tell figures, and end where they cannot go on"
+    reason = "tests print measurements and panic on errors"
 )]
 
 mod common;
 
-use common::{DT, Stage, length, minus};
+use common::{DT, Scene, length, minus};
 use populace::{Placement, Play};
 use populace_physics::{Error, State};
 
 #[test]
-fn an_arm_hangs_while_the_walk_goes_on_bit_for_bit() {
-    let mut stage = Stage::walking_man();
-    let mut twin = Stage::walking_man();
-    let (arm, hand) = (stage.joint("LeftUpperArm"), stage.joint("LeftHand"));
-    stage.ragdolls.go_limp_from(&stage.crowd, stage.member, &stage.plan, arm).unwrap();
-    let is_of_arm = |stage: &Stage, joint| {
-        let up = |j| stage.skeleton().parent(j);
+fn limp_arm_hangs_and_other_joints_stay_bitwise_equal() {
+    let mut scene = Scene::walking_man();
+    let mut twin = Scene::walking_man();
+    let (arm, hand) = (scene.joint("LeftUpperArm"), scene.joint("LeftHand"));
+    scene.ragdolls.go_limp_from(&scene.crowd, scene.member, &scene.plan, arm).unwrap();
+    let is_of_arm = |scene: &Scene, joint| {
+        let up = |j| scene.skeleton().parent(j);
         std::iter::successors(Some(joint), |j| up(*j)).any(|j| j == arm)
     };
     let mut swing: f32 = 0.0;
     for frame in 0..120 {
-        stage.frame();
+        scene.frame();
         twin.frame();
-        let (joints, clips) = (stage.joints(), twin.joints());
-        for joint in stage.skeleton().joints().filter(|j| !is_of_arm(&stage, *j)) {
+        let (joints, clips) = (scene.joints(), twin.joints());
+        for joint in scene.skeleton().joints().filter(|j| !is_of_arm(&scene, *j)) {
             assert_eq!(joints[joint.index()], clips[joint.index()], "{joint:?} in frame {frame}");
         }
-        let upper = minus(stage.place(hand), stage.place(arm));
-        let clip = minus(twin.place(hand), twin.place(arm));
+        let upper = minus(scene.position(hand), scene.position(arm));
+        let clip = minus(twin.position(hand), twin.position(arm));
         swing = swing.max(length(minus(upper, clip)));
         if frame > 60 {
             assert!(upper[1] < -0.8 * length(upper), "the arm hangs: {upper:?} in frame {frame}");
         }
     }
-    println!("the hand is up to {swing} m from where the clip has it");
+    println!("the hand is up to {swing} m from its position in the clip");
     assert!(swing > 0.05);
-    assert!(matches!(stage.ragdolls.state(stage.member), State::Limp { .. }));
-    let head = stage.joint("Head");
-    let refused = stage.ragdolls.push(stage.member, head, [1.0, 0.0, 0.0], None);
-    assert_eq!(refused, Err(Error::NotLimp), "the head follows clips");
+    assert!(matches!(scene.ragdolls.state(scene.member), State::Limp { .. }));
+    let head = scene.joint("Head");
+    let refused = scene.ragdolls.push(scene.member, head, [1.0, 0.0, 0.0], None);
+    assert_eq!(refused, Err(Error::NotLimp), "the head follows the clips");
 }
 
 #[test]
-fn the_arm_of_one_who_walks_along_goes_along() {
-    let mut stage = Stage::walking_man();
-    let (arm, hand) = (stage.joint("RightUpperArm"), stage.joint("RightHand"));
-    stage.ragdolls.go_limp_from(&stage.crowd, stage.member, &stage.plan, arm).unwrap();
-    stage.crowd.place(stage.member, Placement::at([0.0; 3])).unwrap();
+fn limp_arm_follows_a_moving_member() {
+    let mut scene = Scene::walking_man();
+    let (arm, hand) = (scene.joint("RightUpperArm"), scene.joint("RightHand"));
+    scene.ragdolls.go_limp_from(&scene.crowd, scene.member, &scene.plan, arm).unwrap();
+    scene.crowd.place(scene.member, Placement::at([0.0; 3])).unwrap();
     let mut furthest: f32 = 0.0;
     let mut worst: f32 = 0.0;
     let mut before: Option<([f32; 3], [f32; 3])> = None;
     for frame in 1..150 {
-        stage.ragdolls.step(&mut stage.crowd, DT).unwrap();
-        stage
+        scene.ragdolls.step(&mut scene.crowd, DT).unwrap();
+        scene
             .crowd
-            .place(stage.member, Placement::at([0.0, 0.0, 1.4 * DT * frame as f32]))
+            .place(scene.member, Placement::at([0.0, 0.0, 1.4 * DT * frame as f32]))
             .unwrap();
-        stage.crowd.update(DT).unwrap();
-        let (shoulder, hand) = (stage.place(arm), stage.place(hand));
+        scene.crowd.update(DT).unwrap();
+        let (shoulder, hand) = (scene.position(arm), scene.position(hand));
         let hang = minus(hand, shoulder);
         furthest = furthest.max(hang[2].abs());
         if let Some((hand_before, step_before)) = before {
@@ -73,26 +73,26 @@ fn the_arm_of_one_who_walks_along_goes_along() {
         }
     }
     println!(
-        "the hand strays {furthest} m along the way, and its speed changes by {worst} m/s a frame \
-         at most"
+        "the hand is at most {furthest} m ahead or behind, and its velocity changes by at most \
+         {worst} m/s per frame"
     );
     assert!(furthest < 0.5 && worst < 2.5);
 }
 
 #[test]
-fn parts_add_up_and_give_way_to_the_whole() {
-    let mut stage = Stage::walking_man();
+fn limp_parts_add_up_until_the_whole_is_limp() {
+    let mut scene = Scene::walking_man();
     for name in ["LeftUpperArm", "RightUpperArm"] {
-        let arm = stage.joint(name);
-        stage.ragdolls.go_limp_from(&stage.crowd, stage.member, &stage.plan, arm).unwrap();
-        stage.frames(20);
+        let arm = scene.joint(name);
+        scene.ragdolls.go_limp_from(&scene.crowd, scene.member, &scene.plan, arm).unwrap();
+        scene.frames(20);
     }
-    assert_eq!(stage.ragdolls.bends(stage.member).len(), 6);
-    stage.go_limp();
-    stage.frames(200);
-    assert!(stage.places()[0][1] < 0.4, "he lies");
-    let walk = stage.crowd.clip(stage.character, "Run").unwrap();
-    stage.crowd.play(stage.member, walk, Play::looping()).unwrap();
-    stage.frames(10);
-    assert!(stage.places()[0][1] < 0.4, "clips do not lift him");
+    assert_eq!(scene.ragdolls.joint_angles(scene.member).len(), 6);
+    scene.go_limp();
+    scene.frames(200);
+    assert!(scene.positions()[0][1] < 0.4, "he lies on the ground");
+    let walk = scene.crowd.clip(scene.character, "Run").unwrap();
+    scene.crowd.play(scene.member, walk, Play::looping()).unwrap();
+    scene.frames(10);
+    assert!(scene.positions()[0][1] < 0.4, "clips do not move him");
 }

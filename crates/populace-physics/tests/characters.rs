@@ -1,25 +1,24 @@
-//! Real people and animals fall: one test for each character below the folder that
-//! `POPULACE_TEST_DATA` names.
+//! Falls of downloaded people and animals. One test per character in the folder
+//! `POPULACE_TEST_DATA` (environment variable).
 
 #![expect(
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "tests tell figures, and end where they cannot go on"
+    reason = "tests print measurements and panic on errors"
 )]
 
 mod common;
 
 use std::path::{Path, PathBuf};
 
-use common::{Stage, beyond_limits, length, minus};
+use common::{Scene, beyond_limits, length, minus};
 use libtest_mimic::{Arguments, Failed, Trial};
 use populace::Placement;
 use populace_assets::load;
 use populace_physics::{Limits, RagdollPlan};
 
 const VARIABLE: &str = "POPULACE_TEST_DATA";
-/// Files, the scale at which they are about as large as in life, and how many bodies they are known
-/// to want.
+/// Files, the scale that gives them about life size, and the expected number of bodies if known.
 const FILES: [(&str, f32, Option<usize>); 9] = [
     ("characters/kaykit_knight.glb", 1.0, Some(16)),
     ("characters/kaykit_mage.glb", 1.0, Some(16)),
@@ -52,47 +51,47 @@ fn trials(root: &Path) -> Vec<Trial> {
 }
 
 fn fall(path: &PathBuf, scale: f32, bodies: Option<usize>) -> Result<(), Failed> {
-    let mut stage =
-        Stage::new(load(path)?.character, None, Placement::at([1.0, 0.0, 2.0]).scaled(scale));
-    let plan = stage.plan.clone();
-    let size = stage.skeleton().size_m() * scale;
+    let mut scene =
+        Scene::new(load(path)?.character, None, Placement::at([1.0, 0.0, 2.0]).scaled(scale));
+    let plan = scene.plan.clone();
+    let size = scene.skeleton().size_m() * scale;
     check_plan(&plan, bodies)?;
     let hips = plan.bodies()[0].joint();
-    stage.go_limp();
-    stage.ragdolls.push(
-        stage.member,
+    scene.go_limp();
+    scene.ragdolls.push(
+        scene.member,
         hips,
         [0.0, 0.0, -0.5 * plan.mass_kg() * scale.powi(3)],
         None,
     )?;
-    stage.frames(2);
+    scene.frames(2);
     let mut beyond: f32 = 0.0;
     let mut worst = None;
     for frame in 0..400 {
-        stage.frame();
-        for bend in stage.ragdolls.bends(stage.member) {
-            if beyond_limits(&bend) > beyond {
-                beyond = beyond_limits(&bend);
-                worst = Some((frame, bend));
+        scene.frame();
+        for angles in scene.ragdolls.joint_angles(scene.member) {
+            if beyond_limits(&angles) > beyond {
+                beyond = beyond_limits(&angles);
+                worst = Some((frame, angles));
             }
         }
     }
-    let before = stage.places();
-    stage.frames(20);
-    let lying = stage.places();
+    let before = scene.positions();
+    scene.frames(20);
+    let lying = scene.positions();
     let heads: Vec<usize> = plan.bodies().iter().map(|b| b.joint().index()).collect();
     let lowest = heads.iter().map(|j| lying[*j][1]).fold(f32::MAX, f32::min) / size;
     let moved =
         heads.iter().map(|j| length(minus(lying[*j], before[*j]))).fold(0.0, f32::max) / size;
-    let told = format!(
-        "{} bodies; limits passed by {:.1} degrees; lowest joint at {lowest:.3} of its size, \
+    let measured = format!(
+        "{} bodies; limits exceeded by {:.1} degrees; lowest joint at {lowest:.3} of the size, \
          moves by {moved:.4}; {worst:?}",
         plan.bodies().len(),
         beyond.to_degrees()
     );
-    println!("{}: {told}", path.display());
+    println!("{}: {measured}", path.display());
     let is_good = beyond < 0.14 && lowest > -0.06 && moved < 0.02;
-    if is_good { Ok(()) } else { Err(told.into()) }
+    if is_good { Ok(()) } else { Err(measured.into()) }
 }
 
 fn check_plan(plan: &RagdollPlan, bodies: Option<usize>) -> Result<(), Failed> {

@@ -1,66 +1,66 @@
-//! Back to the clips: no jump on the way, and exactly the clips at the end.
+//! Getting up: no jump on the way, and exactly the clips at the end.
 
 #![expect(
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "tests tell figures, and end where they cannot go on"
+    reason = "tests print measurements and panic on errors"
 )]
 
 mod common;
 
-use common::{DT, Stage, length, minus};
+use common::{DT, Scene, length, minus};
 use populace_physics::{Error, State};
 
 #[test]
-fn getting_up_ends_at_the_clip_to_the_bit_and_keeps_handle_and_buffers() {
-    let mut stage = Stage::walking_man();
-    let mut twin = Stage::walking_man();
-    let place = |stage: &Stage| {
-        stage.crowd.instances().map(|i| (i.member, i.palette_first)).collect::<Vec<_>>()
+fn getting_up_ends_bitwise_at_the_clip_and_keeps_buffers() {
+    let mut scene = Scene::walking_man();
+    let mut twin = Scene::walking_man();
+    let buffers = |scene: &Scene| {
+        scene.crowd.instances().map(|i| (i.member, i.palette_first)).collect::<Vec<_>>()
     };
-    let at_first = place(&stage);
-    stage.go_limp();
+    let initial_buffers = buffers(&scene);
+    scene.go_limp();
     for _ in 0..180 {
-        stage.frame();
+        scene.frame();
         twin.frame();
-        assert_eq!(place(&stage), at_first);
+        assert_eq!(buffers(&scene), initial_buffers);
     }
-    stage.ragdolls.get_up(&mut stage.crowd, stage.member, 1.0).unwrap();
+    scene.ragdolls.get_up(&mut scene.crowd, scene.member, 1.0).unwrap();
     for _ in 0..59 {
-        stage.frame();
+        scene.frame();
         twin.frame();
-        assert!(stage.joints() != twin.joints(), "still on the way");
-        assert_eq!(place(&stage), at_first);
+        assert!(scene.joints() != twin.joints(), "still blending");
+        assert_eq!(buffers(&scene), initial_buffers);
     }
     for _ in 0..2 {
-        stage.frame();
+        scene.frame();
         twin.frame();
     }
-    assert_eq!(stage.ragdolls.state(stage.member), State::Animated);
-    assert_eq!(stage.joints(), twin.joints());
+    assert_eq!(scene.ragdolls.state(scene.member), State::Animated);
+    assert_eq!(scene.joints(), twin.joints());
     assert_eq!(
-        stage.crowd.palette(stage.member).unwrap(),
+        scene.crowd.palette(scene.member).unwrap(),
         twin.crowd.palette(twin.member).unwrap()
     );
 }
 
 #[test]
-fn getting_up_starts_where_the_body_lies_without_a_jump() {
+fn getting_up_starts_where_the_body_lies() {
     for push in [[0.0, 0.0, -150.0], [120.0, 0.0, 60.0]] {
-        let mut stage = Stage::walking_man();
-        let (chest, hips) = (stage.joint("Spine4"), stage.joint("Pelvis"));
-        let from = stage.place(hips);
-        stage.go_limp();
-        stage.ragdolls.push(stage.member, chest, push, None).unwrap();
-        stage.frames(240);
-        let lying = stage.places();
-        stage.ragdolls.get_up(&mut stage.crowd, stage.member, 1.5).unwrap();
+        let mut scene = Scene::walking_man();
+        let (chest, hips) = (scene.joint("Spine4"), scene.joint("Pelvis"));
+        let from = scene.position(hips);
+        scene.go_limp();
+        scene.ragdolls.push(scene.member, chest, push, None).unwrap();
+        scene.frames(240);
+        let lying = scene.positions();
+        scene.ragdolls.get_up(&mut scene.crowd, scene.member, 1.5).unwrap();
         let mut before = lying.clone();
         let mut fastest: f32 = 0.0;
         let mut first = None;
         for _ in 0..95 {
-            stage.frame();
-            let now = stage.places();
+            scene.frame();
+            let now = scene.positions();
             let moved = now
                 .iter()
                 .zip(&before)
@@ -74,31 +74,31 @@ fn getting_up_starts_where_the_body_lies_without_a_jump() {
         let aside = length(minus([up[0], 0.0, up[2]], [lying[0][0], 0.0, lying[0][2]]));
         let away = length(minus(lying[0], from));
         println!(
-            "fell {away} m off; joints start at {first:?} m/s and reach {fastest} m/s; hips rise \
-             {aside} m aside"
+            "fell at {away} m; joints start at {first:?} m/s and reach {fastest} m/s; hips end \
+             {aside} m from where they lay"
         );
         assert!(away > 0.3 && aside < 0.15 && fastest < 6.0);
         assert!(first.unwrap() < 0.2);
-        assert!(before.iter().map(|p| p[1]).fold(f32::MIN, f32::max) > 1.4, "he stands");
+        assert!(before.iter().map(|p| p[1]).fold(f32::MIN, f32::max) > 1.4, "he stands up");
     }
 }
 
 #[test]
-fn who_falls_again_while_getting_up_falls_without_a_jump() {
-    let mut stage = Stage::walking_man();
-    stage.go_limp();
-    stage.frames(120);
-    stage.ragdolls.get_up(&mut stage.crowd, stage.member, 1.0).unwrap();
-    stage.frames(45);
+fn falling_again_while_getting_up_has_no_jump() {
+    let mut scene = Scene::walking_man();
+    scene.go_limp();
+    scene.frames(120);
+    scene.ragdolls.get_up(&mut scene.crowd, scene.member, 1.0).unwrap();
+    scene.frames(45);
     assert!(
-        matches!(stage.ragdolls.state(stage.member), State::GettingUp { weight } if weight < 0.3)
+        matches!(scene.ragdolls.state(scene.member), State::GettingUp { weight } if weight < 0.3)
     );
-    stage.go_limp();
-    let mut before = stage.places();
+    scene.go_limp();
+    let mut before = scene.positions();
     let mut fastest: f32 = 0.0;
     for _ in 0..180 {
-        stage.frame();
-        let now = stage.places();
+        scene.frame();
+        let now = scene.positions();
         fastest = fastest.max(
             now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b)) / DT).fold(0.0, f32::max),
         );
@@ -109,17 +109,17 @@ fn who_falls_again_while_getting_up_falls_without_a_jump() {
 }
 
 #[test]
-fn who_is_not_limp_cannot_get_up() {
-    let mut stage = Stage::walking_man();
-    let refused = stage.ragdolls.get_up(&mut stage.crowd, stage.member, 1.0);
+fn get_up_of_a_member_that_is_not_limp_is_refused() {
+    let mut scene = Scene::walking_man();
+    let refused = scene.ragdolls.get_up(&mut scene.crowd, scene.member, 1.0);
     assert_eq!(refused, Err(Error::NotLimp));
-    stage.go_limp();
-    stage.ragdolls.get_up(&mut stage.crowd, stage.member, 0.0).unwrap();
-    stage.frames(5);
-    assert_eq!(stage.ragdolls.state(stage.member), State::Animated);
-    stage.go_limp();
-    stage.frames(5);
-    stage.ragdolls.get_up(&mut stage.crowd, stage.member, 0.0).unwrap();
-    stage.frame();
-    assert_eq!(stage.ragdolls.state(stage.member), State::Animated);
+    scene.go_limp();
+    scene.ragdolls.get_up(&mut scene.crowd, scene.member, 0.0).unwrap();
+    scene.frames(5);
+    assert_eq!(scene.ragdolls.state(scene.member), State::Animated);
+    scene.go_limp();
+    scene.frames(5);
+    scene.ragdolls.get_up(&mut scene.crowd, scene.member, 0.0).unwrap();
+    scene.frame();
+    assert_eq!(scene.ragdolls.state(scene.member), State::Animated);
 }

@@ -1,47 +1,48 @@
-//! Members that go limp as a whole: speed, pushes, limits, rest.
+//! Members that go limp as a whole: velocity, pushes, limits, rest.
 
 #![expect(
     clippy::print_stdout,
     clippy::unwrap_used,
-    reason = "tests tell figures, and end where they cannot go on"
+    reason = "tests print measurements and panic on errors"
 )]
 
 mod common;
 
-use common::{DT, GRAVITY, Stage, beyond_limits, chain, length, minus};
+use common::{DT, GRAVITY, Scene, beyond_limits, chain, length, minus};
 use populace::{Feet, Foot, Placement};
 use populace_physics::{Ragdolls, State};
 
-/// How fast the built-in man walks in these tests, in m/s: the pace of his placement.
-const PACE_M_PER_SEC: f32 = 1.4;
+/// Speed of the built-in man's placement in m/s.
+const WALK_M_PER_SEC: f32 = 1.4;
 
-/// A frame in which the member is moved along, as locomotion would, until it is limp.
-fn pace(stage: &mut Stage, z: &mut f32) {
-    stage.ragdolls.step(&mut stage.crowd, DT).unwrap();
-    if !matches!(stage.ragdolls.state(stage.member), State::Limp { .. }) {
-        *z += PACE_M_PER_SEC * DT;
-        stage.crowd.place(stage.member, Placement::at([0.0, 0.0, *z])).unwrap();
+/// Runs a frame that moves the placement, as locomotion would, until the member is limp.
+fn walk_frame(scene: &mut Scene, z: &mut f32) {
+    scene.ragdolls.step(&mut scene.crowd, DT).unwrap();
+    if !matches!(scene.ragdolls.state(scene.member), State::Limp { .. }) {
+        *z += WALK_M_PER_SEC * DT;
+        scene.crowd.place(scene.member, Placement::at([0.0, 0.0, *z])).unwrap();
     }
-    stage.crowd.update(DT).unwrap();
+    scene.crowd.update(DT).unwrap();
 }
 
-/// The largest change of joints' speeds in the world over four frames, in m/s, around one in which
-/// a member may have gone limp: of feet, which the ground may stop, and of all other joints.
-fn largest_jumps(frames_before: usize, limp: bool) -> [f32; 2] {
-    let mut stage = Stage::walking_man();
+/// Returns the largest change of joint velocities per frame in m/s over four frames, in which a
+/// member goes limp if `limp` is true: first of feet, which the ground may stop, then of all other
+/// joints.
+fn largest_velocity_changes(frames_before: usize, limp: bool) -> [f32; 2] {
+    let mut scene = Scene::walking_man();
     let mut z = 0.0;
-    (0..frames_before).for_each(|_| pace(&mut stage, &mut z));
+    (0..frames_before).for_each(|_| walk_frame(&mut scene, &mut z));
     if limp {
-        stage.go_limp();
+        scene.go_limp();
     }
     let mut seen = Vec::new();
     for _ in 0..4 {
-        seen.push(stage.places()); // the third is the first that the simulation made
-        pace(&mut stage, &mut z);
+        seen.push(scene.positions()); // the third is the first simulated one
+        walk_frame(&mut scene, &mut z);
     }
     let mut worst: [f32; 2] = [0.0; 2];
-    for joint in stage.skeleton().joints() {
-        let name = stage.skeleton().name(joint);
+    for joint in scene.skeleton().joints() {
+        let name = scene.skeleton().name(joint);
         let group = usize::from(!name.contains("Foot") && !name.contains("Toes"));
         for frames in seen.windows(3) {
             let step = |at: usize| minus(frames[at + 1][joint.index()], frames[at][joint.index()]);
@@ -52,12 +53,13 @@ fn largest_jumps(frames_before: usize, limp: bool) -> [f32; 2] {
 }
 
 #[test]
-fn the_first_steps_have_no_speed_jump() {
+fn first_simulated_frames_keep_the_velocity() {
     for frames_before in [3, 10, 17, 24, 31] {
-        let [walking, limp] = [false, true].map(|limp| largest_jumps(frames_before, limp));
+        let [walking, limp] =
+            [false, true].map(|limp| largest_velocity_changes(frames_before, limp));
         println!(
-            "after {frames_before} frames: feet, rest change by {limp:.2?} m/s a frame, \
-             {walking:.2?} while walking"
+            "after {frames_before} frames: feet and other joints change by {limp:.2?} m/s per \
+             frame, {walking:.2?} while walking"
         );
         let falling = 9.81 * DT;
         assert!(
@@ -68,29 +70,29 @@ fn the_first_steps_have_no_speed_jump() {
 }
 
 #[test]
-fn what_spins_goes_on_spinning() {
-    let turn = 0.05; // in a frame: 3 rad/s
-    let mut stage = Stage::new(chain(&[[0.0; 3]]), None, Placement::at([0.0, 5.0, 0.0]));
-    stage.ragdolls = Ragdolls::new([0.0; 3]).unwrap();
-    stage.go_limp();
+fn angular_velocity_is_kept() {
+    let turn = 0.05; // per frame: 3 rad/s
+    let mut scene = Scene::new(chain(&[[0.0; 3]]), None, Placement::at([0.0, 5.0, 0.0]));
+    scene.ragdolls = Ragdolls::new([0.0; 3]).unwrap();
+    scene.go_limp();
     let mut heading = 0.0;
     let mut seen = Vec::new();
     for _ in 0..6 {
-        stage.ragdolls.step(&mut stage.crowd, DT).unwrap();
-        if stage.ragdolls.state(stage.member) == State::GoingLimp {
+        scene.ragdolls.step(&mut scene.crowd, DT).unwrap();
+        if scene.ragdolls.state(scene.member) == State::GoingLimp {
             heading += turn;
-            stage
+            scene
                 .crowd
-                .place(stage.member, Placement::at([0.0, 5.0, 0.0]).facing(heading))
+                .place(scene.member, Placement::at([0.0, 5.0, 0.0]).facing(heading))
                 .unwrap();
         }
-        stage.crowd.update(DT).unwrap();
-        let world_from_model = stage.crowd.placement(stage.member).unwrap().world_from_model();
-        let rows = world_from_model.mul(&stage.joints()[0]).rows;
+        scene.crowd.update(DT).unwrap();
+        let world_from_model = scene.crowd.placement(scene.member).unwrap().world_from_model();
+        let rows = world_from_model.mul(&scene.joints()[0]).rows;
         seen.push(rows[0][2].atan2(rows[2][2]));
     }
     let turns: Vec<f32> = seen.windows(2).map(|w| w[1] - w[0]).collect();
-    println!("it turns by {turns:.4?} rad a frame, and by {turn} before");
+    println!("it rotates by {turns:.4?} rad per frame, and by {turn} before");
     assert!(turns.iter().all(|t| (t - turn).abs() < 0.1 * turn));
 }
 
@@ -98,13 +100,13 @@ fn what_spins_goes_on_spinning() {
 fn opposite_pushes_land_on_opposite_sides() {
     let mut landed = Vec::new();
     for push in [-120.0, 120.0] {
-        let mut stage = Stage::walking_man();
-        let (chest, hips) = (stage.joint("Spine4"), stage.joint("Pelvis"));
-        let from = stage.place(hips);
-        stage.go_limp();
-        stage.ragdolls.push(stage.member, chest, [push, 0.0, 0.0], None).unwrap();
-        stage.frames(150);
-        landed.push(minus(stage.place(hips), from)[0]);
+        let mut scene = Scene::walking_man();
+        let (chest, hips) = (scene.joint("Spine4"), scene.joint("Pelvis"));
+        let from = scene.position(hips);
+        scene.go_limp();
+        scene.ragdolls.push(scene.member, chest, [push, 0.0, 0.0], None).unwrap();
+        scene.frames(150);
+        landed.push(minus(scene.position(hips), from)[0]);
     }
     println!("hips land at {landed:?} m along the push");
     assert!(landed[0] < -0.2 && landed[1] > 0.2, "{landed:?}");
@@ -116,137 +118,137 @@ fn joint_limits_hold_in_a_violent_fall() {
     for (push, up) in
         [([400.0, 150.0, 0.0], 0.5), ([-200.0, 0.0, 300.0], 2.0), ([0.0, 300.0, -300.0], 0.0)]
     {
-        let mut stage = Stage::walking_man();
-        let chest = stage.joint("Spine4");
-        stage.go_limp();
-        let [x, y, z] = stage.place(chest);
-        stage.ragdolls.push(stage.member, chest, push, Some([x, y + 0.1 * up, z])).unwrap();
-        stage.frames(2);
+        let mut scene = Scene::walking_man();
+        let chest = scene.joint("Spine4");
+        scene.go_limp();
+        let [x, y, z] = scene.position(chest);
+        scene.ragdolls.push(scene.member, chest, push, Some([x, y + 0.1 * up, z])).unwrap();
+        scene.frames(2);
         for frame in 0..240 {
-            stage.frame();
-            for bend in stage.ragdolls.bends(stage.member) {
-                let beyond = beyond_limits(&bend);
-                assert!(beyond < 0.1, "frame {frame}: {bend:?}");
+            scene.frame();
+            for angles in scene.ragdolls.joint_angles(scene.member) {
+                let beyond = beyond_limits(&angles);
+                assert!(beyond < 0.1, "frame {frame}: {angles:?}");
                 worst = worst.max(beyond);
             }
         }
     }
-    println!("limits are passed by {:.1} degrees at most", worst.to_degrees());
+    println!("limits are exceeded by at most {:.1} degrees", worst.to_degrees());
 }
 
 #[test]
-fn a_fallen_member_comes_to_rest_on_the_ground() {
-    let mut stage = Stage::walking_man();
-    stage.go_limp();
-    stage.frames(360);
-    let before = stage.places();
-    stage.frames(30);
-    let now = stage.places();
+fn fallen_member_comes_to_rest_on_the_ground() {
+    let mut scene = Scene::walking_man();
+    scene.go_limp();
+    scene.frames(360);
+    let before = scene.positions();
+    scene.frames(30);
+    let now = scene.positions();
     let lowest = now.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
     let highest = now.iter().map(|p| p[1]).fold(f32::MIN, f32::max);
     let moved = now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
     println!(
         "joints lie from {lowest} to {highest} m; in half a second they move {moved} m; {:?}",
-        stage.ragdolls.state(stage.member)
+        scene.ragdolls.state(scene.member)
     );
     assert!(lowest > -0.06 && highest < 0.7 && moved < 0.02);
 }
 
 #[test]
 fn energy_does_not_grow() {
-    let mut stage = Stage::walking_man();
-    stage.go_limp();
-    stage.frames(2);
+    let mut scene = Scene::walking_man();
+    scene.go_limp();
+    scene.frames(2);
     let mut least = f32::MAX;
     let mut grown: f32 = 0.0;
-    let first = stage.ragdolls.energy_j(stage.member).unwrap();
+    let first = scene.ragdolls.energy_j(scene.member).unwrap();
     for _ in 0..300 {
-        stage.frame();
-        let now = stage.ragdolls.energy_j(stage.member).unwrap();
+        scene.frame();
+        let now = scene.ragdolls.energy_j(scene.member).unwrap();
         grown = grown.max(now - least);
         least = least.min(now);
     }
-    println!("energy falls from {first} to {least} J and grows by {grown} J at most on the way");
+    println!("energy falls from {first} to {least} J and grows by at most {grown} J in between");
     assert!(least < 0.5 * first && grown < 0.02 * first);
 }
 
 #[test]
-fn the_same_twice() {
+fn simulation_is_deterministic() {
     let run = || {
-        let mut stage = Stage::walking_man();
-        let chest = stage.joint("Spine4");
-        stage.go_limp();
-        stage.ragdolls.push(stage.member, chest, [30.0, 10.0, -50.0], None).unwrap();
-        stage.frames(120);
-        stage.joints()
+        let mut scene = Scene::walking_man();
+        let chest = scene.joint("Spine4");
+        scene.go_limp();
+        scene.ragdolls.push(scene.member, chest, [30.0, 10.0, -50.0], None).unwrap();
+        scene.frames(120);
+        scene.joints()
     };
     assert_eq!(run(), run());
 }
 
 #[test]
-fn a_scaled_member_on_a_box_lies_on_it_and_keeps_its_lengths() {
+fn scaled_member_lies_on_a_box_and_keeps_bone_lengths() {
     let man = populace_cast::person(&populace_cast::Look::man()).unwrap();
-    let mut stage = Stage::new(man, Some("Idle"), Placement::at([5.0, 1.0, 3.0]).scaled(0.5));
-    stage.ragdolls.add_box([5.0, 0.5, 3.0], [2.0, 0.5, 2.0], 0.3).unwrap();
-    let (knee, ankle) = (stage.joint("LeftShin"), stage.joint("LeftFoot"));
-    let shin = |stage: &mut Stage| length(minus(stage.place(knee), stage.place(ankle)));
-    let before = shin(&mut stage);
-    stage.go_limp();
-    stage.frames(240);
-    let lowest = stage.places().iter().map(|p| p[1]).fold(f32::MAX, f32::min);
-    let after = shin(&mut stage);
+    let mut scene = Scene::new(man, Some("Idle"), Placement::at([5.0, 1.0, 3.0]).scaled(0.5));
+    scene.ragdolls.add_box([5.0, 0.5, 3.0], [2.0, 0.5, 2.0], 0.3).unwrap();
+    let (knee, ankle) = (scene.joint("LeftShin"), scene.joint("LeftFoot"));
+    let shin = |scene: &mut Scene| length(minus(scene.position(knee), scene.position(ankle)));
+    let before = shin(&mut scene);
+    scene.go_limp();
+    scene.frames(240);
+    let lowest = scene.positions().iter().map(|p| p[1]).fold(f32::MAX, f32::min);
+    let after = shin(&mut scene);
     println!("lowest joint at {lowest} m, shin {before} then {after} m");
     assert!(lowest > 0.97 && lowest < 1.2 && (before - after).abs() < 1e-5);
 }
 
 #[test]
 fn two_members_fall_on_each_other() {
-    let mut stage = Stage::walking_man();
-    let other = stage.crowd.spawn(stage.character, Placement::at([2.0, 1.9, -1.0])).unwrap();
-    stage.crowd.update(DT).unwrap();
-    stage.go_limp();
-    stage.ragdolls.go_limp(&stage.crowd, other, &stage.plan).unwrap();
-    stage.frames(300);
-    stage.crowd.despawn(other).unwrap();
-    stage.frames(2);
-    assert_eq!(stage.ragdolls.state(other), State::Animated);
-    assert!(stage.places().iter().flatten().all(|v| v.is_finite()));
+    let mut scene = Scene::walking_man();
+    let other = scene.crowd.spawn(scene.character, Placement::at([2.0, 1.9, -1.0])).unwrap();
+    scene.crowd.update(DT).unwrap();
+    scene.go_limp();
+    scene.ragdolls.go_limp(&scene.crowd, other, &scene.plan).unwrap();
+    scene.frames(300);
+    scene.crowd.despawn(other).unwrap();
+    scene.frames(2);
+    assert_eq!(scene.ragdolls.state(other), State::Animated);
+    assert!(scene.positions().iter().flatten().all(|v| v.is_finite()));
 }
 
 #[test]
-fn constraints_do_not_move_who_is_limp() {
+fn planted_feet_do_not_move_a_limp_member() {
     let fall = |planted: bool| {
-        let mut stage = Stage::walking_man();
+        let mut scene = Scene::walking_man();
         if planted {
             let foot = |side: &str| Foot {
-                hip: stage.joint(&format!("{side}Thigh")),
-                knee: stage.joint(&format!("{side}Shin")),
-                ankle: stage.joint(&format!("{side}Foot")),
+                hip: scene.joint(&format!("{side}Thigh")),
+                knee: scene.joint(&format!("{side}Shin")),
+                ankle: scene.joint(&format!("{side}Foot")),
             };
             let feet = vec![foot("Left"), foot("Right")];
-            let feet = Feet { pelvis: stage.joint("Pelvis"), feet, weight: 1.0 };
-            stage.go_limp();
-            stage.frames(2);
-            stage.crowd.plant_with(stage.member, &feet).unwrap();
+            let feet = Feet { pelvis: scene.joint("Pelvis"), feet, weight: 1.0 };
+            scene.go_limp();
+            scene.frames(2);
+            scene.crowd.plant_with(scene.member, &feet).unwrap();
         } else {
-            stage.go_limp();
-            stage.frames(2);
+            scene.go_limp();
+            scene.frames(2);
         }
-        stage.frames(40);
-        stage.places()
+        scene.frames(40);
+        scene.positions()
     };
-    let apart =
+    let distance =
         fall(true).iter().zip(&fall(false)).map(|(a, b)| length(minus(*a, *b))).fold(0.0, f32::max);
-    println!("joints are {apart} m apart at most");
-    assert!(apart < 1e-4);
+    println!("joints are at most {distance} m apart");
+    assert!(distance < 1e-4);
 }
 
 #[test]
-fn nothing_falls_without_gravity() {
-    let mut stage = Stage::walking_man();
-    stage.ragdolls = Ragdolls::new([0.0; 3]).unwrap();
-    stage.go_limp();
-    stage.frames(30);
-    let height = |s: &mut Stage| s.places()[0][1];
-    assert!(height(&mut stage) > 0.8, "{GRAVITY:?} is not what pulls here");
+fn member_without_gravity_does_not_fall() {
+    let mut scene = Scene::walking_man();
+    scene.ragdolls = Ragdolls::new([0.0; 3]).unwrap();
+    scene.go_limp();
+    scene.frames(30);
+    let height = |s: &mut Scene| s.positions()[0][1];
+    assert!(height(&mut scene) > 0.8, "{GRAVITY:?} must not apply");
 }

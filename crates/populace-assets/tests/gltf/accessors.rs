@@ -8,7 +8,7 @@ fn positions(file: &File) -> Vec<[f32; 3]> {
 }
 
 #[test]
-fn interleaved_vertices_are_read_by_their_stride() {
+fn interleaved_vertices_use_byte_stride() {
     let mut file = rigid();
     let mut mixed = Vec::new();
     for corner in TRIANGLE.chunks(3) {
@@ -16,7 +16,7 @@ fn interleaved_vertices_are_read_by_their_stride() {
             mixed.extend_from_slice(&value.to_le_bytes());
         }
     }
-    mixed.truncate(mixed.len() - 8); // the last element needs no gap after it
+    mixed.truncate(mixed.len() - 8); // no padding after the last element
     let view = file.view(&mixed);
     file.json["bufferViews"][view]["byteStride"] = 20.into();
     file.json["accessors"][0]["bufferView"] = view.into();
@@ -24,7 +24,7 @@ fn interleaved_vertices_are_read_by_their_stride() {
     file.json["bufferViews"][view]["byteStride"] = 8.into();
     assert_problem(
         &file.glb(),
-        "accessors[0]: has elements of 12 bytes, but bufferViews[4] says 8",
+        "accessors[0]: has elements of 12 bytes, but bufferViews[4] has a byteStride of 8",
     );
     for stride in [2, 6, 256] {
         file.json["bufferViews"][view]["byteStride"] = stride.into();
@@ -36,7 +36,7 @@ fn interleaved_vertices_are_read_by_their_stride() {
 }
 
 #[test]
-fn sparse_elements_stand_in_for_others() {
+fn sparse_values_replace_elements() {
     let mut file = rigid();
     let indices = file.view(&[1, 2]);
     let values: Vec<u8> =
@@ -48,7 +48,7 @@ fn sparse_elements_stand_in_for_others() {
         "values": {"bufferView": values}
     });
     assert_eq!(positions(&file), [[0.0; 3], [5.0, 6.0, 7.0], [8.0, 9.0, 10.0]]);
-    // Without a buffer view the others are zero.
+    // Without a buffer view, the other elements are zero.
     file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     assert_eq!(positions(&file)[1], [5.0, 6.0, 7.0]);
     let at =
@@ -68,12 +68,12 @@ fn sparse_elements_stand_in_for_others() {
 }
 
 #[test]
-fn nothing_reaches_past_its_end() {
+fn ranges_past_the_end_are_refused() {
     let mut file = rigid();
     file.json["accessors"][0]["count"] = 4.into();
     assert_problem(
         &file.glb(),
-        "accessors[0]: has 4 elements of 12 bytes from byte 0 on, which do not fit the 36",
+        "accessors[0]: has 4 elements of 12 bytes from byte 0 on, which do not fit into the 36",
     );
     file.json["accessors"][0]["count"] = 3.into();
     file.json["accessors"][0]["byteOffset"] = 4.into();
@@ -86,10 +86,10 @@ fn nothing_reaches_past_its_end() {
     file.json["bufferViews"][0]["byteOffset"] = 100_000.into();
     assert_problem(
         &file.glb(),
-        "bufferViews[0]: reaches from byte 100000 for 36 bytes, but buffer 0 has",
+        "bufferViews[0]: covers 36 bytes from byte 100000 on, but buffer 0 has",
     );
     file.json["bufferViews"][0]["byteOffset"] = u64::MAX.into();
-    assert_problem(&file.glb(), "bufferViews[0]: reaches from byte 18446744073709551615");
+    assert_problem(&file.glb(), "bufferViews[0]: covers 36 bytes from byte 18446744073709551615");
     let mut file = rigid();
     file.json["buffers"] = json!([{"byteLength": file.bin.len() + 4}]);
     assert_problem(&file.glb(), "buffers[0]: has");
@@ -98,7 +98,7 @@ fn nothing_reaches_past_its_end() {
 }
 
 #[test]
-fn elements_are_aligned_and_their_kinds_known() {
+fn misaligned_and_unknown_formats_are_refused() {
     let mut file = rigid();
     file.json["accessors"][0]["byteOffset"] = 2.into();
     file.json["accessors"][0]["count"] = 2.into();
@@ -117,7 +117,7 @@ fn elements_are_aligned_and_their_kinds_known() {
 }
 
 #[test]
-fn elements_of_one_and_two_bytes_need_no_multiple_of_four() {
+fn small_components_need_only_their_own_alignment() {
     for (component, size) in [(U8, 1), (U16, 2)] {
         for offset in [size, 3 * size] {
             let mut file = rigid();
@@ -129,10 +129,12 @@ fn elements_of_one_and_two_bytes_need_no_multiple_of_four() {
             let (starts, length) =
                 (file.json["bufferViews"][view]["byteOffset"].clone(), bytes.len());
             let indices = &mut file.json["accessors"][3];
-            *indices = json!({"bufferView": view, "componentType": component, "count": 3, "type": "SCALAR"});
+            *indices = json!({
+                "bufferView": view, "componentType": component, "count": 3, "type": "SCALAR"
+            });
             indices["byteOffset"] = offset.into();
             assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [2, 0, 1]);
-            // The same of the view's own offset.
+            // The same with the offset moved to the view.
             file.json["accessors"][3]["byteOffset"] = 0.into();
             file.json["bufferViews"][view]["byteOffset"] =
                 (starts.as_u64().unwrap() + offset as u64).into();
@@ -143,7 +145,7 @@ fn elements_of_one_and_two_bytes_need_no_multiple_of_four() {
 }
 
 #[test]
-fn numbers_are_finite() {
+fn non_finite_numbers_are_refused() {
     for bad in [f32::NAN, f32::INFINITY] {
         let mut file = rigid();
         file.bin[16..20].copy_from_slice(&bad.to_le_bytes());
@@ -152,7 +154,7 @@ fn numbers_are_finite() {
 }
 
 #[test]
-fn a_small_file_cannot_ask_for_much_memory() {
+fn small_file_cannot_allocate_much_memory() {
     let mut file = rigid();
     file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     for count in [1_u64 << 33, u64::MAX >> 4] {
@@ -160,7 +162,7 @@ fn a_small_file_cannot_ask_for_much_memory() {
         let listed = problems(&file.glb());
         assert!(listed.iter().any(|p| p.contains("the memory limit is 1024 MiB")), "{listed:?}");
     }
-    // Nor by using one array again and again.
+    // Using one array many times is refused too.
     let mut file = rigid();
     let big = file.floats("VEC3", &vec![0.0; 3 * 40_000]);
     file.json["meshes"] = json!([{"primitives": [{"attributes": {"POSITION": big}}]}]);
@@ -168,11 +170,11 @@ fn a_small_file_cannot_ask_for_much_memory() {
         file.add("nodes", json!({"mesh": 0}));
     }
     let listed = problems(&file.glb());
-    assert!(listed.len() == 1 && listed[0].contains("out of proportion to its size"), "{listed:?}");
+    assert!(listed.len() == 1 && listed[0].contains("out of proportion to the size"), "{listed:?}");
 }
 
 #[test]
-fn integers_become_the_numbers_they_stand_for() {
+fn integers_convert_plain_and_normalised() {
     let mut file = rigid();
     file.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     let shorts: Vec<u8> = [0i16, 0, 0, 0, 32767, 0, 0, 0, -32768, 16384, 0, 0]

@@ -4,7 +4,7 @@ use serde_json::json;
 use super::builder::{File, skinned};
 use super::{assert_note, assert_problem, loaded};
 
-/// Gives the clip's only sampler these keys.
+/// Returns the skinned file with the given keys in the only sampler of its clip.
 fn with_keys(times: &[f32], kind: &str, values: &[f32], path: &str, interpolation: &str) -> File {
     let mut file = skinned();
     let input = file.floats("SCALAR", times);
@@ -63,7 +63,7 @@ fn rotations_may_be_normalised_integers() {
 }
 
 #[test]
-fn times_increase_and_values_fit_them() {
+fn invalid_key_times_and_values_are_refused() {
     let same = with_keys(&[1.0, 1.0], "VEC3", &[0.0; 6], "scale", "LINEAR");
     assert_problem(&same.glb(), "animations[0].samplers[0]: has key 1 at 1 s after key 0 at 1 s");
     let few = with_keys(&[0.0, 1.0], "VEC3", &[0.0; 9], "scale", "LINEAR");
@@ -71,7 +71,7 @@ fn times_increase_and_values_fit_them() {
     let single = with_keys(&[0.0], "VEC3", &[0.0; 9], "scale", "CUBICSPLINE");
     assert_problem(
         &single.glb(),
-        "animations[0].samplers[0]: has 1 keys; a cubic spline needs two",
+        "animations[0].samplers[0]: has 1 keys; a cubic spline needs at least 2",
     );
     let zero = with_keys(
         &[0.0, 1.0],
@@ -93,20 +93,20 @@ fn times_increase_and_values_fit_them() {
 }
 
 #[test]
-fn tangents_of_length_zero_are_no_rotations() {
+fn rotation_tangents_may_have_length_zero() {
     let mut values = [0.0; 24];
     (values[7], values[19]) = (1.0, 1.0);
     loaded(&with_keys(&[0.0, 1.0], "VEC4", &values, "rotation", "CUBICSPLINE").glb());
 }
 
 #[test]
-fn what_drives_nothing_is_noted_and_stays_a_clip() {
+fn unsupported_channels_are_noted_and_the_clip_kept() {
     let mut file = skinned();
     let target =
         |file: &mut File, target| file.json["animations"][0]["channels"][0]["target"] = target;
     let place = "animations[0].channels[0].target: ";
     for (value, note) in [
-        (json!({"path": "rotation"}), "names no node"),
+        (json!({"path": "rotation"}), "has no node"),
         (json!({"node": 2, "path": "weights"}), "drives morph targets"),
         (json!({"path": "pointer"}), "drives a pointer"),
         (json!({"node": 2, "path": "colour"}), "has the unknown path \"colour\""),
@@ -122,7 +122,7 @@ fn what_drives_nothing_is_noted_and_stays_a_clip() {
 }
 
 #[test]
-fn one_channel_drives_a_property_and_never_that_of_a_matrix() {
+fn duplicate_targets_and_matrix_nodes_are_refused() {
     let mut file = skinned();
     let again = file.json["animations"][0]["channels"][0].clone();
     file.json["animations"][0]["channels"].as_array_mut().unwrap().push(again);
@@ -149,7 +149,7 @@ fn channels_share_a_sampler() {
 }
 
 #[test]
-fn a_file_of_clips_alone_binds_to_another_by_name() {
+fn clips_of_a_file_without_meshes_bind_by_name() {
     let mut clips = skinned();
     for list in ["meshes", "skins"] {
         clips.json.as_object_mut().unwrap().remove(list);
@@ -167,7 +167,7 @@ fn a_file_of_clips_alone_binds_to_another_by_name() {
 }
 
 #[test]
-fn many_keys_times_many_joints_are_refused() {
+fn product_of_keys_and_joints_is_limited() {
     let mut file = skinned();
     let times: Vec<f32> = (0..20_000).map(|t| t as f32).collect();
     let input = file.floats("SCALAR", &times);
@@ -181,6 +181,6 @@ fn many_keys_times_many_joints_are_refused() {
     file.json["nodes"][2]["children"] = (first..first + 5_000).collect::<Vec<_>>().into();
     assert_problem(
         &file.glb(),
-        "animations[0]: needs rows of 5002 joints at 20000 key times; that, with",
+        "animations[0]: needs rows of 5002 joints at 20000 key times; together with",
     );
 }

@@ -1,4 +1,4 @@
-//! Writes small glTF files.
+//! Builds small glTF files.
 
 use base64::Engine;
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ pub(crate) const U16: u32 = 5123;
 pub(crate) const U32: u32 = 5125;
 pub(crate) const F32: u32 = 5126;
 
-/// A file in the making.
+/// JSON and binary data of a file under construction.
 #[derive(Clone, Debug)]
 pub(crate) struct File {
     pub(crate) json: Value,
@@ -20,17 +20,17 @@ impl File {
         Self { json: json!({"asset": {"version": "2.0"}}), bin: Vec::new() }
     }
 
-    /// Adds to a list of the file; gives the index.
+    /// Appends `item` to a list of the file and returns its index.
     pub(crate) fn add(&mut self, list: &str, item: Value) -> usize {
         if self.json[list].is_null() {
             self.json[list] = json!([]);
         }
-        let items = self.json[list].as_array_mut().expect("it was just made one");
+        let items = self.json[list].as_array_mut().expect("the value is an array");
         items.push(item);
         items.len() - 1
     }
 
-    /// Adds a buffer view of these bytes, at the next multiple of 4.
+    /// Adds a buffer view of `bytes`, aligned to 4 bytes, and returns its index.
     pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let offset = self.bin.len();
@@ -41,7 +41,8 @@ impl File {
         )
     }
 
-    /// Adds an accessor of everything in a new buffer view.
+    /// Adds a buffer view of `bytes` with an accessor for all of it, and returns the accessor's
+    /// index.
     pub(crate) fn accessor(
         &mut self,
         bytes: &[u8],
@@ -53,7 +54,10 @@ impl File {
         let bounds = [0.0];
         self.add(
             "accessors",
-            json!({"bufferView": view, "componentType": component, "count": count, "type": kind, "min": bounds, "max": bounds}),
+            json!({
+                "bufferView": view, "componentType": component, "count": count, "type": kind,
+                "min": bounds, "max": bounds
+            }),
         )
     }
 
@@ -71,12 +75,12 @@ impl File {
         self.accessor(&bytes, U16, values.len() / width(kind), kind)
     }
 
-    /// The first primitive of the first mesh.
+    /// Returns the first primitive of the first mesh.
     pub(crate) fn primitive(&mut self) -> &mut Value {
         &mut self.json["meshes"][0]["primitives"][0]
     }
 
-    /// The JSON with its buffer declared.
+    /// Returns the JSON with its buffer declared.
     fn finished(&self, uri: Option<String>) -> Value {
         let mut json = self.json.clone();
         if json["buffers"].is_null() && !self.bin.is_empty() {
@@ -88,19 +92,19 @@ impl File {
         json
     }
 
-    /// As text, with the buffer in a data URI.
+    /// Returns a text file with the buffer in a data URI.
     pub(crate) fn gltf(&self) -> Vec<u8> {
         let base64 = base64::engine::general_purpose::STANDARD.encode(&self.bin);
         let uri = format!("data:application/octet-stream;base64,{base64}");
         self.finished(Some(uri)).to_string().into_bytes()
     }
 
-    /// As text, with the buffer in another file.
-    pub(crate) fn gltf_beside(&self, uri: &str) -> Vec<u8> {
+    /// Returns a text file with the buffer in an external file.
+    pub(crate) fn gltf_with_buffer_uri(&self, uri: &str) -> Vec<u8> {
         self.finished(Some(uri.into())).to_string().into_bytes()
     }
 
-    /// As a binary file.
+    /// Returns a binary file.
     pub(crate) fn glb(&self) -> Vec<u8> {
         let json = self.finished(None).to_string().into_bytes();
         let mut chunks = vec![(*b"JSON", padded(json, b' '))];
@@ -111,7 +115,7 @@ impl File {
     }
 }
 
-/// A binary file of these chunks.
+/// Returns a binary file of `chunks`.
 pub(crate) fn container(chunks: &[([u8; 4], Vec<u8>)]) -> Vec<u8> {
     let length = 12 + chunks.iter().map(|(_, data)| 8 + data.len()).sum::<usize>();
     let number = |n: usize| u32::try_from(n).expect("test files are small").to_le_bytes();
@@ -154,12 +158,12 @@ pub(crate) fn rigid() -> File {
     file
 }
 
-/// Column-major, moving by `y`.
+/// A column-major matrix that translates by `y` along Y.
 pub(crate) fn moved_up(y: f32) -> [f32; 16] {
     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, y, 0.0, 1.0]
 }
 
-/// Hips, a head one metre above them, a triangle on both, and a clip that turns the head.
+/// Hips, a head one metre above them, a triangle skinned to both, and a clip that rotates the head.
 pub(crate) fn skinned() -> File {
     let mut file = rigid();
     let joints = file.bytes("VEC4", &[0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0]);

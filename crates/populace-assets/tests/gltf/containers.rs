@@ -5,7 +5,7 @@ use super::builder::{File, container, padded, rigid, skinned};
 use super::{assert_note, assert_problem, loaded, problems};
 
 #[test]
-fn text_and_binary_files_give_the_same() {
+fn text_and_binary_files_load_equally() {
     let file = skinned();
     let (text, binary) = (loaded(&file.gltf()), loaded(&file.glb()));
     assert_eq!(text.character.parts, binary.character.parts);
@@ -14,7 +14,7 @@ fn text_and_binary_files_give_the_same() {
 }
 
 #[test]
-fn content_not_name_tells_the_kind_and_buffers_are_found_beside_the_file() {
+fn format_is_detected_from_content_and_buffer_files_are_found() {
     let folder = tempfile::tempdir().unwrap();
     let file = rigid();
     let path = folder.path().join("binary.gltf");
@@ -24,34 +24,34 @@ fn content_not_name_tells_the_kind_and_buffers_are_found_beside_the_file() {
     std::fs::create_dir(folder.path().join("data")).unwrap();
     std::fs::write(folder.path().join("data/a b.bin"), [&file.bin[..], b"more"].concat()).unwrap();
     let path = folder.path().join("text.glb");
-    std::fs::write(&path, file.gltf_beside("data/a%20b.bin")).unwrap();
+    std::fs::write(&path, file.gltf_with_buffer_uri("data/a%20b.bin")).unwrap();
     assert_eq!(load(&path).unwrap().character.parts.len(), 1);
     std::fs::write(folder.path().join("data/a b.bin"), &file.bin[..8]).unwrap();
     let error = load(&path).unwrap_err().to_string();
     assert!(
-        error.contains("buffers[0].uri: names \"data/a b.bin\", which has 8 bytes where"),
+        error.contains("buffers[0].uri: refers to \"data/a b.bin\", which has 8 bytes where"),
         "{error}"
     );
 }
 
 #[test]
-fn missing_files_and_folders_are_told_apart_from_bad_ones() {
+fn missing_files_and_folders_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     assert!(matches!(load(folder.path().join("none.glb")), Err(Error::Io { .. })));
     std::fs::create_dir(folder.path().join("folder")).unwrap();
-    let file = rigid().gltf_beside("folder");
+    let file = rigid().gltf_with_buffer_uri("folder");
     let error = load_from_slice(&file, Some(folder.path())).unwrap_err().to_string();
     assert!(
         error.contains(
-            "buffers[0].uri: names \"folder\", which cannot be read: it is not a regular file"
+            "buffers[0].uri: refers to \"folder\", which cannot be read: it is not a regular file"
         ),
         "{error}"
     );
-    assert_problem(&file, "buffers[0].uri: names the file \"folder\", but files beside this one");
+    assert_problem(&file, "buffers[0].uri: refers to the file \"folder\", but this input has no");
 }
 
 #[test]
-fn addresses_and_absolute_paths_are_refused() {
+fn other_schemes_and_absolute_paths_are_refused() {
     for uri in [
         "http://example.com/a.bin",
         "/etc/passwd",
@@ -59,12 +59,12 @@ fn addresses_and_absolute_paths_are_refused() {
         "%2Fetc/passwd",
         "C:%5Ca.bin",
     ] {
-        assert_problem(&rigid().gltf_beside(uri), "buffers[0].uri: ");
+        assert_problem(&rigid().gltf_with_buffer_uri(uri), "buffers[0].uri: ");
     }
 }
 
 #[test]
-fn an_unused_buffer_need_not_exist() {
+fn unused_buffer_file_need_not_exist() {
     let mut file = rigid();
     file.json["buffers"] =
         json!([{"byteLength": file.bin.len()}, {"byteLength": 9, "uri": "gone.bin"}]);
@@ -72,7 +72,7 @@ fn an_unused_buffer_need_not_exist() {
 }
 
 #[test]
-fn a_buffer_that_is_nowhere_may_be_there_until_it_is_read() {
+fn buffer_without_data_is_refused_only_on_use() {
     let mut file = File::new();
     file.json["buffers"] = json!([{"byteLength": 48}]);
     file.add("bufferViews", json!({"buffer": 0, "byteLength": 48}));
@@ -81,7 +81,7 @@ fn a_buffer_that_is_nowhere_may_be_there_until_it_is_read() {
         json!({"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}),
     );
     for bytes in [file.glb(), file.json.to_string().into_bytes()] {
-        assert_note(&bytes, "buffers[0]: has no uri; nothing that is drawn or played needs it");
+        assert_note(&bytes, "buffers[0]: has no uri; nothing that is drawn or animated uses it");
     }
     file.add("meshes", json!({"primitives": [{"attributes": {"POSITION": 0}}]}));
     file.add("nodes", json!({"mesh": 0}));
@@ -93,7 +93,7 @@ fn a_buffer_that_is_nowhere_may_be_there_until_it_is_read() {
 }
 
 #[test]
-fn chunks_must_be_whole_aligned_and_in_order() {
+fn invalid_chunks_are_refused() {
     let json = padded(br#"{"asset":{"version":"2.0"}}"#.to_vec(), b' ');
     let bin = vec![0; 4];
     let (json, bin) = ((*b"JSON", json), (*b"BIN\0", bin));
@@ -115,7 +115,7 @@ fn chunks_must_be_whole_aligned_and_in_order() {
     assert_problem(&container(&[(*b"JSON", vec![])]), "chunk 0: is empty");
     let good = container(&[json]);
     assert_problem(&good[..good.len() - 1], "header: says the file has");
-    assert_note(&[&good[..], b"x"].concat(), "header: the 1 bytes after the end");
+    assert_note(&[&good[..], b"x"].concat(), "header: says the file has");
     let mut wrong = good.clone();
     wrong[4] = 1;
     assert_problem(&wrong, "header: says container version 1");
@@ -125,13 +125,13 @@ fn chunks_must_be_whole_aligned_and_in_order() {
 }
 
 #[test]
-fn what_is_no_gltf_says_so() {
+fn input_other_than_gltf_2_is_refused() {
     assert_problem(b"", "file: is empty");
-    assert_problem(b"; FBX 7.4.0", "file: is no glTF file");
+    assert_problem(b"; FBX 7.4.0", "file: is not a glTF file");
     assert_problem(b"\xEF\xBB\xBF{}", "file: begins with a byte order mark");
-    assert_problem(b"{", "file: is no valid JSON");
+    assert_problem(b"{", "file: is not valid JSON");
     assert_problem(b"{}", "asset: is missing");
-    assert_problem(&b"{\"a\":".repeat(100_000), "file: is no valid JSON: recursion limit");
+    assert_problem(&b"{\"a\":".repeat(100_000), "file: is not valid JSON: recursion limit");
     let mut file = File::new();
     file.json["asset"]["version"] = "1.0".into();
     assert_problem(&file.gltf(), "asset.version: is \"1.0\"");
@@ -142,7 +142,7 @@ fn what_is_no_gltf_says_so() {
 }
 
 #[test]
-fn all_problems_are_listed_not_the_first_alone() {
+fn all_problems_are_listed() {
     let mut file = skinned();
     file.json["nodes"][0]["mesh"] = 9.into();
     file.json["skins"][0]["joints"] = json!([1, 77]);
@@ -152,17 +152,17 @@ fn all_problems_are_listed_not_the_first_alone() {
         problems(&file.gltf()),
         [
             "materials[0].pbrMetallicRoughness.baseColorFactor: has 3 numbers; it must have 4",
-            "nodes[0].mesh: names mesh 9, but there is only mesh 0",
-            "skins[0].joints[1]: names node 77, but there are only node 0 to 2",
+            "nodes[0].mesh: refers to mesh 9, but the last one is mesh 0",
+            "skins[0].joints[1]: refers to node 77, but the last one is node 2",
             "animations[0].channels[0].target.node: must be a whole number, but is a string",
         ]
     );
 }
 
 #[test]
-fn an_empty_file_is_one_joint_that_draws_nothing() {
+fn empty_file_gives_a_single_joint_without_parts() {
     let imported = loaded(&File::new().gltf());
     assert_eq!(imported.character.skeleton.joint_count(), 1);
     assert!(imported.character.parts.is_empty());
-    assert!(imported.notes[0].what.contains("nothing that moves or is drawn"));
+    assert!(imported.notes[0].what.contains("nothing to animate or draw"));
 }

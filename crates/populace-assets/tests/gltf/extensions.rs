@@ -4,7 +4,7 @@ use super::builder::rigid;
 use super::{assert_note, assert_problem, loaded};
 
 #[test]
-fn required_extensions_that_are_not_supported_are_refused_by_name() {
+fn unsupported_required_extensions_are_refused() {
     for name in [
         "KHR_draco_mesh_compression",
         "EXT_meshopt_compression",
@@ -21,7 +21,7 @@ fn required_extensions_that_are_not_supported_are_refused_by_name() {
 }
 
 #[test]
-fn required_extensions_that_change_looks_alone_are_ignored_and_noted() {
+fn appearance_extensions_are_ignored_with_a_note() {
     for name in
         ["KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness", "KHR_lights_punctual"]
     {

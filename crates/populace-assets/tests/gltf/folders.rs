@@ -1,4 +1,4 @@
-//! What may be read from disk: regular files in the folder of the file that names them.
+//! Access to files: only regular files in the folder of the file that refers to them are read.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use super::builder::{File, rigid};
 
 const OUTSIDE: LoadOptions = LoadOptions { allow_outside: true, memory_limit_bytes: 1 << 30 };
 
-/// A folder "model" with "file.gltf" in it, whose buffer and image have this URI.
+/// Creates the folder `model` with `file.gltf`, whose buffer and image both have `uri`.
 fn model(root: &Path, uri: &str) -> (File, std::path::PathBuf) {
     let mut file = rigid();
     file.json["images"] = json!([{"uri": uri}]);
@@ -17,12 +17,12 @@ fn model(root: &Path, uri: &str) -> (File, std::path::PathBuf) {
     file.json["materials"] = json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
     let path = root.join("model/file.gltf");
     std::fs::create_dir_all(root.join("model")).expect("a folder");
-    std::fs::write(&path, file.gltf_beside(uri)).expect("written");
+    std::fs::write(&path, file.gltf_with_buffer_uri(uri)).expect("written");
     (file, path)
 }
 
 #[test]
-fn files_outside_are_read_only_where_that_is_allowed() {
+fn outside_files_are_read_only_with_allow_outside() {
     let root = tempfile::tempdir().unwrap();
     let absolute = root.path().join("secret").to_string_lossy().into_owned();
     for uri in ["../secret", "a/../../secret", "%2E%2E/secret", &absolute] {
@@ -31,11 +31,11 @@ fn files_outside_are_read_only_where_that_is_allowed() {
         std::fs::write(root.path().join("secret"), &file.bin).unwrap();
         let there = load(&path).unwrap_err().to_string();
         assert!(
-            there.contains("buffers[0].uri: names") && there.contains("--allow-outside"),
+            there.contains("buffers[0].uri: refers to") && there.contains("--allow-outside"),
             "{there}"
         );
         assert_eq!(load_with(&path, &OUTSIDE).unwrap().character.parts.len(), 1, "{uri}");
-        // What is said does not tell whether the file is there.
+        // The message does not reveal whether the file exists.
         std::fs::remove_file(root.path().join("secret")).unwrap();
         assert_eq!(load(&path).unwrap_err().to_string(), there, "{uri}");
         assert_ne!(load_with(&path, &OUTSIDE).unwrap_err().to_string(), there);
@@ -43,7 +43,7 @@ fn files_outside_are_read_only_where_that_is_allowed() {
 }
 
 #[test]
-fn notes_of_images_do_not_tell_what_is_outside() {
+fn image_notes_do_not_reveal_outside_files() {
     let root = tempfile::tempdir().unwrap();
     let (mut file, path) = model(root.path(), "../secret");
     file.json["buffers"] = json!(null);
@@ -51,18 +51,18 @@ fn notes_of_images_do_not_tell_what_is_outside() {
     let notes = || load(&path).unwrap().notes;
     let gone = notes();
     assert!(
-        gone.iter().any(|n| n.place == "images[0]" && n.what.contains("leads outside")),
+        gone.iter().any(|n| n.place == "images[0]" && n.what.contains("is outside")),
         "{gone:?}"
     );
     std::fs::write(root.path().join("secret"), "no image").unwrap();
     assert_eq!(notes(), gone);
     let allowed = load_with(&path, &OUTSIDE).unwrap().notes;
-    assert!(allowed.iter().any(|n| n.what.contains("neither PNG")), "{allowed:?}");
+    assert!(allowed.iter().any(|n| n.what.contains("is not a PNG")), "{allowed:?}");
 }
 
 #[cfg(unix)]
 #[test]
-fn links_are_followed_before_that_is_judged() {
+fn symbolic_links_are_resolved_before_the_check() {
     use std::os::unix::fs::symlink;
     let root = tempfile::tempdir().unwrap();
     let (file, path) = model(root.path(), "link");
@@ -77,9 +77,9 @@ fn links_are_followed_before_that_is_judged() {
     };
     std::fs::write(root.path().join("secret"), &file.bin).unwrap();
     let there = refused("../secret");
-    assert!(there.contains("leads outside"), "{there}");
+    assert!(there.contains("is outside"), "{there}");
     assert_eq!(there, refused("../gone"));
-    // A link to the file itself is no way out: its own folder is the one it was named in.
+    // If the glTF file itself is a link, its folder is that of the link.
     symlink(&path, root.path().join("named.gltf")).unwrap();
     std::fs::write(root.path().join("link"), &file.bin).unwrap();
     assert_eq!(load(root.path().join("named.gltf")).unwrap().character.parts.len(), 1);
@@ -100,13 +100,13 @@ fn pipes_devices_sockets_and_folders_are_not_read() {
     }
     let error = load(&path).unwrap_err().to_string();
     assert!(
-        error.contains("names \"pipe\", which cannot be read: it is not a regular file"),
+        error.contains("refers to \"pipe\", which cannot be read: it is not a regular file"),
         "{error}"
     );
 }
 
 #[test]
-fn a_stream_is_loaded_alone() {
+fn stream_loads_without_other_files() {
     let options = LoadOptions::default();
     let bytes = rigid().glb();
     let imported = load_from_reader(&bytes[..], "a stream", &options).unwrap();
@@ -114,8 +114,9 @@ fn a_stream_is_loaded_alone() {
     let error = load_from_reader(&bytes[..99], "a stream", &options).unwrap_err().to_string();
     assert!(error.starts_with("a stream is refused:\nheader: says the file has"), "{error}");
     let error =
-        load_from_reader(&rigid().gltf_beside("Cargo.toml")[..], "a stream", &OUTSIDE).unwrap_err();
-    assert!(error.to_string().contains("files beside this one are not looked at here"), "{error}");
+        load_from_reader(&rigid().gltf_with_buffer_uri("Cargo.toml")[..], "a stream", &OUTSIDE)
+            .unwrap_err();
+    assert!(error.to_string().contains("this input has no folder to find it in"), "{error}");
     let error = load_from_reader(std::io::repeat(0), "a stream", &options).unwrap_err().to_string();
-    assert!(error.contains("file: is no glTF file"), "{error}");
+    assert!(error.contains("file: is not a glTF file"), "{error}");
 }

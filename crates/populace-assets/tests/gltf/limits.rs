@@ -1,5 +1,5 @@
-//! Small files that ask for much: memory is estimated first, work is in proportion, and numbers
-//! stay within bounds.
+//! Small files that would need much memory or time: memory is estimated before allocation, work is
+//! limited in proportion to the file size, and numbers are bounded.
 
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use serde_json::json;
 use super::builder::{F32, File, rigid, skinned};
 use super::{assert_problem, loaded, problems};
 
-/// The problems of a file under a memory limit in bytes.
+/// Returns the problems of a file under a memory limit in bytes.
 fn problems_within(file: &[u8], memory_limit_bytes: u64) -> Vec<String> {
     let options = LoadOptions { memory_limit_bytes, ..LoadOptions::default() };
     match load_from_slice_with(file, None, &options) {
@@ -21,19 +21,19 @@ fn problems_within(file: &[u8], memory_limit_bytes: u64) -> Vec<String> {
     }
 }
 
-/// Nodes, each the child of the one before, all of them joints.
+/// Writes a chain of `count` nodes that are all joints, followed by the JSON text `more`.
 fn chain(count: usize, more: &str) -> Vec<u8> {
     let mut text = String::from(r#"{"asset":{"version":"2.0"},"nodes":["#);
     for child in 1..count {
-        write!(text, r#"{{"children":[{child}]}},"#).expect("a text takes all");
+        write!(text, r#"{{"children":[{child}]}},"#).expect("writing to a string succeeds");
     }
     write!(text, r#"{{}}],"skins":[{{"joints":[{}]}}]{more}}}"#, count - 1)
-        .expect("a text takes all");
+        .expect("writing to a string succeeds");
     text.into_bytes()
 }
 
 #[test]
-fn everything_that_takes_memory_counts_and_is_named() {
+fn every_kind_of_memory_counts_towards_the_limit() {
     let file = skinned();
     assert!(problems_within(&file.gltf(), 1 << 20).is_empty());
     let refused = |file: &[u8], limit: u64, place: &str, what: &str| {
@@ -72,11 +72,11 @@ fn everything_that_takes_memory_counts_and_is_named() {
 }
 
 #[test]
-fn a_large_image_in_a_small_file_is_refused_by_its_header() {
-    // The header of a PNG of 16,384 x 16,384 pixels of one bit, with its checksum, and the start of
-    // its data.
-    let start =
-        b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x40\0\0\0\x40\0\x01\0\0\0\0\x81\xb3\x2d\x29\0\0\0\x04IDAT";
+fn huge_image_is_refused_by_its_header() {
+    // The header of a PNG of 16,384 x 16,384 pixels of one bit with its checksum, and the start of
+    // the data.
+    let start = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x40\0\0\0\x40\0\x01\0\0\0\0\
+                  \x81\xb3\x2d\x29\0\0\0\x04IDAT";
     let mut file = rigid();
     let view = file.view(start);
     for image in 0..2 {
@@ -99,30 +99,34 @@ fn a_large_image_in_a_small_file_is_refused_by_its_header() {
 }
 
 #[test]
-fn long_chains_load_and_endless_ones_are_refused() {
+fn chain_of_100_000_nodes_loads_and_too_many_nodes_are_refused() {
     let skeleton = &loaded(&chain(100_000, "")).character.skeleton;
     assert_eq!((skeleton.joint_count(), skeleton.levels().len()), (100_000, 100_000));
-    assert_problem(&chain((1 << 17) + 1, ""), "nodes: has 131073 nodes; at most 131072 are read");
+    assert_problem(
+        &chain((1 << 17) + 1, ""),
+        "nodes: has 131073 nodes; at most 131072 are supported",
+    );
 }
 
-/// Each of these would take minutes and gigabytes if what is small were multiplied.
+/// Each of these files is small, but the product of two of its counts would take minutes and
+/// gigabytes.
 #[test]
-fn many_of_one_thing_times_many_of_another_are_refused() {
+fn large_products_of_counts_are_refused() {
     let animations =
         format!(r#","animations":[{}{{}}]"#, r#"{"channels":[],"samplers":[]},"#.repeat(20_000));
     let found = problems(&chain(20_000, &animations));
-    assert!(found.len() == 1 && found[0].contains("out of proportion to its size"), "{found:?}");
+    assert!(found.len() == 1 && found[0].contains("out of proportion to the size"), "{found:?}");
 
     let mut named = rigid();
     named.json["nodes"][0]["name"] = "x".repeat(60_000).into();
     let primitive = named.primitive().clone();
     named.json["meshes"][0]["primitives"] = vec![primitive; 20_000].into();
     let found = problems(&named.glb());
-    assert!(found.len() == 1 && found[0].contains("its size"), "{found:?}");
+    assert!(found.len() == 1 && found[0].contains("out of proportion"), "{found:?}");
 }
 
 #[test]
-fn curves_that_no_rows_hold_get_rows_in_proportion() {
+fn row_count_of_incompressible_curves_is_limited_by_file_size() {
     let (joints, keys) = (300, 700);
     let mut file = File::new();
     let times: Vec<f32> = (0..keys).map(|t| t as f32).collect();
@@ -138,13 +142,13 @@ fn curves_that_no_rows_hold_get_rows_in_proportion() {
     file.add("animations", json!({"samplers": [sampler], "channels": channels}));
     let bytes = file.glb();
     let clip = loaded(&bytes).character.clips[0].stats();
-    // As many poses as the file allows for, and what was begun.
+    // The pose limit for this file size, and 16 rows of a gap that is being subdivided.
     let most = ((1 << 18) + 2 * bytes.len()) / joints + 16;
     assert!(clip.row_count >= keys && clip.row_count < most, "{} rows of {most}", clip.row_count);
 }
 
 #[test]
-fn numbers_are_of_a_size_that_can_be_multiplied() {
+fn number_magnitudes_are_limited() {
     for (key, value) in [
         ("translation", json!([0, 1.1e9, 0])),
         ("scale", json!([1e38, 1, 1])),
@@ -153,7 +157,7 @@ fn numbers_are_of_a_size_that_can_be_multiplied() {
         let mut file = rigid();
         file.json["nodes"][0][key] = value;
         assert_problem(&file.glb(), &format!("nodes[0].{key}["));
-        assert!(problems(&file.glb())[0].contains("at most 1e9 in size"), "{key}");
+        assert!(problems(&file.glb())[0].contains("must be at most 1e9"), "{key}");
     }
     // Positions, bind matrices, key times and values.
     for (accessor, what) in [(0, "POSITION"), (6, "bind"), (7, "times"), (8, "values")] {
@@ -164,12 +168,12 @@ fn numbers_are_of_a_size_that_can_be_multiplied() {
         assert_eq!(file.json["accessors"][accessor]["componentType"], F32);
         file.bin[at..at + 4].copy_from_slice(&(-1e38_f32).to_le_bytes());
         assert_problem(&file.glb(), &format!("accessors[{accessor}]: holds -1e38 in element 0"));
-        assert!(problems(&file.glb())[0].contains("at most 1e9 in size"), "{what}");
+        assert!(problems(&file.glb())[0].contains("magnitude of at most 1e9"), "{what}");
     }
 }
 
 #[test]
-fn chains_do_not_come_to_more_than_palettes_can_hold() {
+fn products_along_node_chains_are_limited() {
     let chain = |links: usize, key: &str, value: [f32; 3]| {
         let mut file = skinned();
         for child in 3..links + 3 {
@@ -185,7 +189,7 @@ fn chains_do_not_come_to_more_than_palettes_can_hold() {
     let mut far = chain(2, "scale", [1e9; 3]);
     far.json["nodes"][5] = json!({"translation": [0, 2, 0]});
     assert_problem(&far.glb(), "nodes[5]: can be scaled by 1.0e18 and be 2.0e18 m away");
-    // What keys make of it counts too, and what tangents add between them.
+    // Keys count too, as does the overshoot of tangents between them.
     let mut keyed = chain(2, "scale", [1e9; 3]);
     let input = keyed.floats("SCALAR", &[0.0, 1000.0]);
     let output = keyed
@@ -197,7 +201,7 @@ fn chains_do_not_come_to_more_than_palettes_can_hold() {
         json!({"samplers": [sampler], "channels": [{"sampler": 0, "target": target}]}),
     );
     assert_problem(&keyed.glb(), "nodes[5]: can be scaled by 3.0e20");
-    // Each chain is told once.
+    // Each chain is reported once.
     let long = chain(7, "scale", [1e9; 3]);
     assert_eq!(problems(&long.glb()).len(), 1);
 }

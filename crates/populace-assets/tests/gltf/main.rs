@@ -1,4 +1,4 @@
-//! Imports small files made here, each of which shows one rule kept or broken.
+//! Imports small generated files that each follow or break one rule.
 
 mod accessors;
 mod animations;
@@ -15,12 +15,12 @@ mod skins;
 
 use populace_assets::{Error, Imported, load_from_slice};
 
-/// What a good file becomes.
+/// Loads a valid file.
 fn loaded(file: &[u8]) -> Imported {
     load_from_slice(file, None).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// All problems of a bad file.
+/// Returns all problems of a refused file.
 fn problems(file: &[u8]) -> Vec<String> {
     match load_from_slice(file, None) {
         Err(Error::Rejected { problems, .. }) => problems.iter().map(ToString::to_string).collect(),
@@ -29,7 +29,7 @@ fn problems(file: &[u8]) -> Vec<String> {
     }
 }
 
-/// Asserts that a file has exactly one problem, which begins so.
+/// Asserts that a file has exactly one problem and that it begins with `begins`.
 #[track_caller]
 fn assert_problem(file: &[u8], begins: &str) {
     let problems = problems(file);
@@ -39,7 +39,7 @@ fn assert_problem(file: &[u8], begins: &str) {
     );
 }
 
-/// Asserts that a file loads and some note begins so.
+/// Asserts that a file loads and that one of its notes begins with `begins`.
 #[track_caller]
 fn assert_note(file: &[u8], begins: &str) {
     let notes: Vec<_> = loaded(file).notes.iter().map(ToString::to_string).collect();

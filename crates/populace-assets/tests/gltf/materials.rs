@@ -11,7 +11,7 @@ fn encoded(format: image::ImageFormat) -> Vec<u8> {
     let pixels = image::RgbImage::from_fn(2, 1, |x, _| {
         image::Rgb(if x == 0 { [255, 0, 0] } else { [0, 0, 255] })
     });
-    pixels.write_to(&mut bytes, format).expect("memory takes it all");
+    pixels.write_to(&mut bytes, format).expect("encoding to memory succeeds");
     bytes.into_inner()
 }
 
@@ -76,7 +76,7 @@ fn png_jpeg_and_webp_are_decoded_by_content() {
 }
 
 #[test]
-fn samplers_say_how_textures_are_read() {
+fn samplers_set_wrap_modes_and_filter() {
     let mut file = textured(&encoded(image::ImageFormat::Png));
     file.add("samplers", json!({"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}));
     file.json["textures"][0]["sampler"] = 0.into();
@@ -84,23 +84,23 @@ fn samplers_say_how_textures_are_read() {
     assert_eq!((texture.wrap_u, texture.wrap_v), (Wrap::ClampToEdge, Wrap::MirroredRepeat));
     assert_eq!(texture.filter, TextureFilter::Nearest);
     file.json["textures"][0]["sampler"] = 1.into();
-    assert_problem(&file.glb(), "textures[0].sampler: names sampler 1");
+    assert_problem(&file.glb(), "textures[0].sampler: refers to sampler 1");
 }
 
 #[test]
-fn the_webp_extension_names_the_better_image() {
+fn webp_extension_replaces_the_source() {
     let mut file = textured(&encoded(image::ImageFormat::Png));
     let view = file.view(&encoded(image::ImageFormat::WebP));
     file.add("images", json!({"bufferView": view, "mimeType": "image/webp"}));
     file.json["textures"][0]["source"] = 9.into();
-    assert_problem(&file.glb(), "textures[0].source: names image 9");
+    assert_problem(&file.glb(), "textures[0].source: refers to image 9");
     file.json["textures"][0] = json!({"extensions": {"EXT_texture_webp": {"source": 1}}});
     assert_eq!(loaded(&file.glb()).character.images.len(), 1);
     assert!(material(&file).base_color_texture.is_some());
 }
 
 #[test]
-fn an_image_that_cannot_be_had_leaves_a_note_and_the_plain_colour() {
+fn unavailable_image_is_noted_and_colour_used() {
     let mut broken = encoded(image::ImageFormat::Png);
     broken.truncate(40);
     let mut file = textured(&broken);
@@ -111,11 +111,11 @@ fn an_image_that_cannot_be_had_leaves_a_note_and_the_plain_colour() {
         assert_eq!(material(&file).base_color_texture, None, "{uri}");
     }
     file.json["images"][0] = json!({"bufferView": 99});
-    assert_problem(&file.glb(), "images[0].bufferView: names buffer view 99");
+    assert_problem(&file.glb(), "images[0].bufferView: refers to buffer view 99");
 }
 
 #[test]
-fn texture_coordinates_are_those_of_the_texture_moved_as_it_says() {
+fn texture_coordinates_follow_texcoord_and_transform() {
     let mut file = textured(&encoded(image::ImageFormat::Png));
     let second = file.floats("VEC2", &[0.0, 0.0, 0.5, 0.0, 0.0, 0.5]);
     file.primitive()["attributes"]["TEXCOORD_1"] = second.into();

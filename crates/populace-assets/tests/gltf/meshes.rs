@@ -18,7 +18,7 @@ fn square(fold: f32) -> File {
 }
 
 #[test]
-fn lists_strips_and_fans_become_triangles_and_points_and_lines_nothing() {
+fn topologies_are_triangulated_and_points_and_lines_ignored() {
     let mut file = square(0.0);
     let indices = file.shorts("SCALAR", &[0, 1, 2, 3]);
     file.primitive()["indices"] = indices.into();
@@ -28,22 +28,25 @@ fn lists_strips_and_fans_become_triangles_and_points_and_lines_nothing() {
     };
     assert_eq!(triangles(4), [0, 1, 2]);
     assert_eq!(triangles(5), [0, 1, 2, 1, 3, 2]);
-    // Fanned out in this order the square folds over, and its second triangle gets vertices of its
-    // own.
+    // In this order the fan folds over, so the second triangle gets copies of its vertices.
     assert_eq!(triangles(6), [1, 2, 0, 4, 3, 5]);
     for mode in 0..4 {
         file.primitive()["mode"] = mode.into();
-        assert_note(&file.glb(), "meshes[0].primitives[0]: is made of points or lines");
+        assert_note(&file.glb(), "meshes[0].primitives[0]: consists of points or lines");
     }
     file.primitive()["mode"] = 7.into();
     assert_problem(&file.glb(), "meshes[0].primitives[0].mode: is 7");
     file.primitive()["mode"] = 5.into();
     file.primitive().as_object_mut().unwrap().remove("indices");
-    assert_eq!(mesh(&file).indices, [0, 1, 2, 1, 3, 2], "without indices vertices count in order");
+    assert_eq!(
+        mesh(&file).indices,
+        [0, 1, 2, 1, 3, 2],
+        "without indices, vertices are used in order"
+    );
 }
 
 #[test]
-fn how_many_vertices_the_file_has_is_told() {
+fn vertex_counts_exclude_copies() {
     for (mode, indexed) in [(4, false), (5, false), (6, false), (5, true), (6, true)] {
         let mut file = square(1.0);
         file.primitive()["mode"] = mode.into();
@@ -58,20 +61,20 @@ fn how_many_vertices_the_file_has_is_told() {
         assert_eq!(
             positions.len() > 4,
             mode != 4,
-            "the folded square's second triangle has normals of its own"
+            "the second triangle of the folded square has other normals"
         );
     }
 }
 
 #[test]
-fn indices_stay_below_the_vertex_count() {
+fn indices_out_of_range_are_refused() {
     let mut file = rigid();
     let indices = file.accessor(&[0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0], U32, 3, "SCALAR");
     file.primitive()["indices"] = indices.into();
     assert_problem(
         &file.glb(),
         &format!(
-            "accessors[{indices}]: holds index 3 in element 2, but meshes[0].primitives[0] has 3"
+            "accessors[{indices}]: holds index 3 in element 2, but meshes[0].primitives[0] has"
         ),
     );
     let floats = file.floats("SCALAR", &[0.0, 1.0, 2.0]);
@@ -83,7 +86,7 @@ fn indices_stay_below_the_vertex_count() {
 }
 
 #[test]
-fn flat_normals_are_made_and_the_files_vertices_stay_first() {
+fn flat_normals_keep_the_vertices_of_the_file_first() {
     let mut file = square(1.0);
     let indices = file.bytes("SCALAR", &[0, 1, 2, 1, 3, 2]);
     file.primitive()["indices"] = indices.into();
@@ -100,7 +103,7 @@ fn flat_normals_are_made_and_the_files_vertices_stay_first() {
 }
 
 #[test]
-fn normals_are_made_unit_length() {
+fn normals_are_scaled_to_unit_length() {
     let mut file = rigid();
     let normals = file.floats("VEC3", &[0.0, 0.0, 9.0, 0.0, -0.5, 0.0, 0.0, 0.0, 0.0]);
     file.primitive()["attributes"]["NORMAL"] = normals.into();
@@ -108,7 +111,7 @@ fn normals_are_made_unit_length() {
 }
 
 #[test]
-fn without_positions_there_is_nothing_to_draw() {
+fn primitive_without_positions_is_ignored() {
     let mut file = rigid();
     file.primitive()["attributes"].as_object_mut().unwrap().remove("POSITION");
     assert_note(&file.glb(), "meshes[0].primitives[0]: has no POSITION");
@@ -116,7 +119,7 @@ fn without_positions_there_is_nothing_to_draw() {
 }
 
 #[test]
-fn attributes_have_one_value_a_vertex() {
+fn attributes_must_have_one_element_per_vertex() {
     let mut file = rigid();
     let normals = file.floats("VEC3", &[0.0, 0.0, 1.0].repeat(2));
     let uvs = file.floats("VEC2", &[0.0; 8]);
@@ -125,16 +128,16 @@ fn attributes_have_one_value_a_vertex() {
     assert_eq!(
         super::problems(&file.glb()),
         [
-            "meshes[0].primitives[0]: has 2 of NORMAL for 3 of POSITION; all attributes need the \
-             same number",
-            "meshes[0].primitives[0]: has 4 of TEXCOORD_0 for 3 of POSITION; all attributes need \
-             the same number",
+            "meshes[0].primitives[0]: has 2 elements of NORMAL, but 3 of POSITION; all \
+             attributes must have the same number",
+            "meshes[0].primitives[0]: has 4 elements of TEXCOORD_0, but 3 of POSITION; all \
+             attributes must have the same number",
         ]
     );
 }
 
 #[test]
-fn colours_have_three_or_four_components_of_several_kinds() {
+fn colours_with_three_or_four_components_load() {
     let mut file = rigid();
     let colors = file.floats("VEC3", &[0.5, 0.25, 1.0].repeat(3));
     file.primitive()["attributes"]["COLOR_0"] = colors.into();
@@ -158,16 +161,19 @@ fn morph_targets_are_noted_once() {
 }
 
 #[test]
-fn a_mesh_that_no_node_shows_is_checked_only_as_far_as_its_indices_go() {
+fn unused_mesh_is_checked_only_for_accessor_indices() {
     let mut file = rigid();
     file.add("meshes", json!({"primitives": [{"attributes": {"JOINTS_7": 0}}]}));
     loaded(&file.glb());
     file.add("meshes", json!({"primitives": [{"attributes": {"POSITION": 77}}]}));
-    assert_problem(&file.glb(), "meshes[2].primitives[0].attributes.POSITION: names accessor 77");
+    assert_problem(
+        &file.glb(),
+        "meshes[2].primitives[0].attributes.POSITION: refers to accessor 77",
+    );
 }
 
 #[test]
-fn many_nodes_times_many_empty_primitives_are_refused_at_once() {
+fn product_of_nodes_and_empty_primitives_is_limited() {
     let mut file = rigid();
     file.primitive()["mode"] = 0.into();
     let points = file.primitive().clone();

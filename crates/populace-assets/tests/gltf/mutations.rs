@@ -1,5 +1,4 @@
-//! The seeds of the fuzz target, broken in every small way: whatever comes of them, nothing may
-//! panic or hang.
+//! Small mutations of the seeds of the fuzz target. None of them may panic or hang.
 
 use populace_assets::load_from_slice;
 
@@ -18,7 +17,8 @@ fn seeds() -> [File; 2] {
     [rigid(), sparse]
 }
 
-/// Where the environment variable says to, leaves the seeds for the fuzz target to start from.
+/// Writes the seeds to the folder in `POPULACE_WRITE_SEEDS`, if set, as a corpus for the fuzz
+/// target.
 #[test]
 fn seeds_load_and_can_be_written() {
     let folder = std::env::var_os("POPULACE_WRITE_SEEDS");
@@ -26,7 +26,7 @@ fn seeds_load_and_can_be_written() {
         for (kind, bytes) in [("glb", file.glb()), ("gltf", file.gltf())] {
             assert!(!loaded(&bytes).character.parts.is_empty());
             if let Some(folder) = &folder {
-                // Tests run in the crate's folder; the variable counts from the workspace's.
+                // The variable is relative to the workspace, while tests run in the crate's folder.
                 let folder =
                     std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
                 std::fs::create_dir_all(&folder).unwrap();
@@ -36,7 +36,7 @@ fn seeds_load_and_can_be_written() {
     }
 }
 
-/// Loads; a refused file must say why.
+/// Loads a file. If it is refused, the error must have a problem with a location.
 fn survives(file: &[u8]) {
     if let Err(error) = load_from_slice(file, None) {
         assert!(error.to_string().contains(": "), "{error}");
@@ -59,7 +59,7 @@ fn every_truncation_is_refused() {
 }
 
 #[test]
-fn every_changed_byte_is_survived() {
+fn changing_any_byte_does_not_panic() {
     for file in seeds() {
         let bytes = file.glb();
         for at in 0..bytes.len() {
@@ -74,7 +74,7 @@ fn every_changed_byte_is_survived() {
 }
 
 #[test]
-fn every_number_in_the_json_replaced_is_survived() {
+fn replacing_any_digit_in_the_json_does_not_panic() {
     for file in seeds() {
         let text = file.json.to_string();
         let digits: Vec<_> =
@@ -102,7 +102,7 @@ fn every_number_in_the_json_replaced_is_survived() {
 }
 
 #[test]
-fn every_property_left_out_is_survived() {
+fn removing_any_property_does_not_panic() {
     for file in seeds() {
         let mut paths = Vec::new();
         collect(&file.json, &mut Vec::new(), &mut paths);

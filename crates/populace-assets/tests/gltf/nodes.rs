@@ -10,7 +10,7 @@ fn joint_names(file: &File) -> Vec<String> {
 }
 
 #[test]
-fn joints_their_ancestors_and_what_hangs_on_them_form_the_skeleton() {
+fn skeleton_has_joints_with_ancestors_and_descendants() {
     let mut file = skinned();
     // 0 is the skinned mesh, 1 hips, 2 head.
     let hat = file.add("nodes", json!({"name": "hat"}));
@@ -23,7 +23,7 @@ fn joints_their_ancestors_and_what_hangs_on_them_form_the_skeleton() {
 }
 
 #[test]
-fn nodes_without_a_name_or_with_a_taken_one_get_their_own() {
+fn missing_and_duplicate_names_become_unique() {
     let mut file = skinned();
     file.json["nodes"][1]["name"] = "".into();
     file.json["nodes"][2]["name"] = "x".into();
@@ -32,11 +32,11 @@ fn nodes_without_a_name_or_with_a_taken_one_get_their_own() {
     file.json["skins"][0]["inverseBindMatrices"].take();
     file.json["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
     assert_eq!(joint_names(&file), ["node1", "x#2", "x"]);
-    assert_note(&file.glb(), "nodes[3]: shares the name \"x\"");
+    assert_note(&file.glb(), "nodes[3]: has the name \"x\" of an earlier node");
 }
 
 #[test]
-fn a_skinned_meshs_own_transform_is_ignored() {
+fn transform_of_a_skinned_mesh_node_is_ignored() {
     let mut file = skinned();
     let still = loaded(&file.glb()).character.rest_bounds();
     file.json["nodes"][0]["translation"] = json!([100, 0, 0]);
@@ -45,7 +45,7 @@ fn a_skinned_meshs_own_transform_is_ignored() {
 }
 
 #[test]
-fn a_matrix_moves_as_the_same_translation_rotation_and_scale_do() {
+fn matrix_equals_its_translation_rotation_and_scale() {
     let mut with_matrix = rigid();
     with_matrix.json["nodes"][0]["matrix"] =
         json!([0, 2, 0, 0, -3, 0, 0, 0, 0, 0, 4, 0, 5, 6, 7, 1]);
@@ -57,12 +57,12 @@ fn a_matrix_moves_as_the_same_translation_rotation_and_scale_do() {
 }
 
 #[test]
-fn wrong_transforms_are_refused() {
+fn invalid_transforms_are_refused() {
     let mut file = rigid();
     file.json["nodes"][0]["rotation"] = json!([0, 0, 0, 0]);
     assert_problem(&file.glb(), "nodes[0]: has a rotation of length zero");
     file.json["nodes"][0]["rotation"] = json!([0, 0, 0, 2]);
-    assert_note(&file.glb(), "nodes[0]: has a rotation that is not of length one");
+    assert_note(&file.glb(), "nodes[0]: has a rotation that is not a unit quaternion");
     file.json["nodes"][0]["scale"] = json!([1, 1e300, 1]);
     assert_problem(&file.glb(), "nodes[0].scale[1]: is");
 }
@@ -75,13 +75,16 @@ fn nodes_must_form_a_forest() {
     assert_problem(&file.glb(), "nodes[1]: is its own ancestor");
     file.json["nodes"][2]["children"] = json!([0]);
     file.json["nodes"][1]["children"] = json!([0]);
-    assert_problem(&file.glb(), "nodes[2].children: makes node 0 a child, but it is one of node 1");
+    assert_problem(
+        &file.glb(),
+        "nodes[2].children: lists node 0 as a child, but it is already a child of node 1",
+    );
     file.json["nodes"][2]["children"] = json!([7]);
-    assert_problem(&file.glb(), "nodes[2].children[0]: names node 7");
+    assert_problem(&file.glb(), "nodes[2].children[0]: refers to node 7");
 }
 
 #[test]
-fn the_default_scene_is_shown_else_the_first_else_everything() {
+fn default_scene_else_first_else_all_nodes_are_imported() {
     let mut file = rigid();
     file.add("nodes", json!({"name": "other", "mesh": 0}));
     let shown = |file: &File| -> Vec<usize> {
@@ -90,18 +93,18 @@ fn the_default_scene_is_shown_else_the_first_else_everything() {
     assert_eq!(shown(&file), [0, 1]);
     file.json["scenes"] = json!([{"nodes": [1]}, {"nodes": [0]}]);
     assert_eq!(shown(&file), [1]);
-    assert_note(&file.glb(), "file: has 2 scenes; scene 0 is taken");
+    assert_note(&file.glb(), "file: has 2 scenes; scene 0 is imported");
     file.json["scene"] = 1.into();
     assert_eq!(shown(&file), [0]);
     file.json["scene"] = 2.into();
-    assert_problem(&file.glb(), "scene: names scene 2");
+    assert_problem(&file.glb(), "scene: refers to scene 2");
     file.json["scene"] = 0.into();
     file.json["nodes"][0]["children"] = json!([1]);
-    assert_problem(&file.glb(), "scenes[0].nodes[0]: names node 1, which is a child of node 0");
+    assert_problem(&file.glb(), "scenes[0].nodes[0]: refers to node 1, which is a child of node 0");
 }
 
 #[test]
-fn triangles_of_a_mirrored_rigid_mesh_are_turned_over() {
+fn mirrored_rigid_mesh_has_reversed_winding() {
     let mut file = rigid();
     assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [0, 1, 2]);
     file.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
@@ -111,7 +114,7 @@ fn triangles_of_a_mirrored_rigid_mesh_are_turned_over() {
 }
 
 #[test]
-fn one_mesh_under_two_nodes_is_two_parts() {
+fn mesh_used_by_two_nodes_gives_two_parts() {
     let mut file = rigid();
     file.add("nodes", json!({"name": "twin", "mesh": 0, "translation": [0, 0, 5]}));
     let character = loaded(&file.glb()).character;

@@ -26,7 +26,7 @@ fn vertices_are_bound_to_joints_by_inverse_bind_matrices() {
 }
 
 #[test]
-fn joints_know_the_nodes_they_were() {
+fn node_from_joint_and_skin_info_are_filled() {
     let imported = loaded(&skinned().glb());
     assert_eq!(imported.node_from_joint, [Some(1), Some(2)]);
     assert_eq!(loaded(&File::new().glb()).node_from_joint, [None]);
@@ -35,17 +35,17 @@ fn joints_know_the_nodes_they_were() {
 }
 
 #[test]
-fn without_inverse_bind_matrices_they_are_identities() {
+fn missing_inverse_bind_matrices_are_identities() {
     let mut file = skinned();
     file.json["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
     let character = loaded(&file.glb()).character;
     assert!(character.palette.iter().all(|e| e.joint_from_bind == Affine::IDENTITY));
-    // The head, one metre up, now lifts its vertices by that.
+    // The head is one metre up and now moves its vertices by that.
     assert_eq!(character.rest_bounds().unwrap().high, [1.0, 1.75, 0.0]);
 }
 
 #[test]
-fn weights_and_joints_come_in_all_sizes() {
+fn integer_weights_and_joints_load() {
     let mut file = skinned();
     let floats = loaded(&file.glb()).character;
     let joints = file.shorts("VEC4", &[0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0]);
@@ -68,7 +68,7 @@ fn weights_and_joints_come_in_all_sizes() {
 }
 
 #[test]
-fn a_second_set_gives_eight_influences_and_needs_both_halves() {
+fn second_set_gives_eight_influences_and_must_be_complete() {
     let mut file = skinned();
     let joints = file.bytes("VEC4", &[1; 12]);
     let weights = file.floats("VEC4", &[1.0, 0.0, 0.0, 0.0].repeat(3));
@@ -81,11 +81,11 @@ fn a_second_set_gives_eight_influences_and_needs_both_halves() {
     assert_eq!(influences.weights[..8], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
     replace_attribute(&mut file, "JOINTS_2", joints);
     replace_attribute(&mut file, "WEIGHTS_2", weights);
-    assert_note(&file.glb(), "meshes[0].primitives[0]: has more than eight influences");
+    assert_note(&file.glb(), "meshes[0].primitives[0]: has more than 8 influences");
 }
 
 #[test]
-fn strange_weights_are_kept_or_repaired_and_said() {
+fn unusual_weights_are_kept_or_repaired_with_notes() {
     let mut file = skinned();
     let weights =
         file.floats("VEC4", &[0.0, 0.0, 0.0, 0.0, 2.0, 6.0, 0.0, 0.0, -1.0, 1.0, 0.0, 0.0]);
@@ -98,27 +98,27 @@ fn strange_weights_are_kept_or_repaired_and_said() {
 }
 
 #[test]
-fn a_vertex_must_not_follow_a_joint_that_the_skin_lacks() {
+fn vertex_joint_out_of_range_is_refused() {
     let mut file = skinned();
     let joints = file.bytes("VEC4", &[0, 9, 9, 9, 2, 0, 0, 0, 0, 1, 0, 0]);
     replace_attribute(&mut file, "JOINTS_0", joints);
     assert_problem(
         &file.glb(),
-        "meshes[0].primitives[0]: binds vertex 1 to joint 2, but the skin has 2",
+        "meshes[0].primitives[0]: binds vertex 1 to joint 2, but the skin has only 2",
     );
 }
 
 #[test]
-fn inverse_bind_matrices_are_enough_affine_and_matrices() {
+fn invalid_inverse_bind_matrices_are_refused() {
     let mut file = skinned();
     let binds = file.floats("MAT4", &moved_up(0.0));
     file.json["skins"][0]["inverseBindMatrices"] = binds.into();
-    assert_problem(&file.glb(), "skins[0]: has 2 joints, but 1 inverse bind matrices");
+    assert_problem(&file.glb(), "skins[0]: has 2 joints, but only 1 inverse bind matrices");
     let mut projective = [moved_up(0.0), moved_up(-1.0)].concat();
     projective[19] = 0.5;
     let binds = file.floats("MAT4", &projective);
     file.json["skins"][0]["inverseBindMatrices"] = binds.into();
-    assert_problem(&file.glb(), "skins[0]: has an inverse bind matrix 1 whose last row");
+    assert_problem(&file.glb(), "skins[0]: has an inverse bind matrix 1 with a last row");
     let vectors = file.floats("VEC4", &projective);
     file.json["skins"][0]["inverseBindMatrices"] = vectors.into();
     assert_problem(
@@ -126,39 +126,43 @@ fn inverse_bind_matrices_are_enough_affine_and_matrices() {
         &format!("accessors[{vectors}]: is VEC4 of float; inverse bind matrices must be MAT4"),
     );
     file.json["skins"][0]["inverseBindMatrices"] = 99.into();
-    assert_problem(&file.glb(), "skins[0].inverseBindMatrices: names accessor 99");
+    assert_problem(&file.glb(), "skins[0].inverseBindMatrices: refers to accessor 99");
 }
 
 #[test]
-fn two_skins_bind_one_joint_differently() {
+fn two_skins_may_bind_a_joint_differently() {
     let mut file = skinned();
     let binds = file.floats("MAT4", &[moved_up(-0.5), moved_up(-1.0)].concat());
     file.add("skins", json!({"joints": [1, 2], "inverseBindMatrices": binds}));
     file.add("nodes", json!({"name": "coat", "mesh": 0, "skin": 1}));
     let character = loaded(&file.glb()).character;
     assert_eq!(character.parts.len(), 2);
-    assert_eq!(character.palette.len(), 3, "the head's pair is shared, the hips' are two");
+    assert_eq!(
+        character.palette.len(),
+        3,
+        "the skins share the pair of the head, but not that of the hips"
+    );
     assert_eq!(character.skins.len(), 2);
     let last = &character.parts[1].mesh.influences;
     assert_eq!(character.palette[usize::from(last.entries[0])].joint_from_bind.rows[1][3], -0.5);
 }
 
 #[test]
-fn a_skin_on_a_mesh_without_joints_moves_nothing() {
+fn mesh_without_joints_ignores_its_skin() {
     let mut file = skinned();
     let attributes = file.primitive()["attributes"].as_object_mut().unwrap();
     attributes.remove("JOINTS_0");
     attributes.remove("WEIGHTS_0");
     assert_note(
         &file.glb(),
-        "meshes[0].primitives[0]: has no joints and weights, though its node has a skin",
+        "meshes[0].primitives[0]: has no joints and weights, although its node has a skin",
     );
     let character = loaded(&file.glb()).character;
     assert_eq!(Some(character.palette[0].joint), character.skeleton.find("body"));
 }
 
 #[test]
-fn joints_need_not_share_a_root_nor_stand_in_the_scene() {
+fn joints_may_lack_a_common_root_or_the_scene() {
     let mut file = skinned();
     file.json["nodes"][1].as_object_mut().unwrap().remove("children");
     assert_note(&file.glb(), "skins[0]: has joints without a common root");
@@ -169,7 +173,7 @@ fn joints_need_not_share_a_root_nor_stand_in_the_scene() {
 }
 
 #[test]
-fn joints_are_vectors_of_unsigned_integers() {
+fn invalid_joint_formats_are_refused() {
     let mut file = skinned();
     let joints = file.floats("VEC4", &[0.0; 12]);
     replace_attribute(&mut file, "JOINTS_0", joints);

@@ -1,31 +1,32 @@
-//! How far each body may turn against the one that it hangs on.
+//! Rotation limits of bodies.
 
-use super::names::{Word, word};
+use super::names::{JointKind, joint_kind_from_name};
 use super::rest::Rest;
-use super::select::Chosen;
+use super::select::SelectedBody;
 use super::shape::Capsule;
-use super::{Hold, Limits};
+use super::{JointDef, Limits};
 use crate::math::{Rotation, Vector, joint_index};
 
-/// A bend at rest from which on its direction tells how the joint bends.
+/// Least bend at rest, in radians, from which its direction determines the hinge axis.
 const CLEAR_BEND_RAD: f32 = 0.1;
-/// How far a knee or an elbow gives beyond straight.
+/// Angle in radians by which knees and elbows bend beyond straight.
 const BEYOND_STRAIGHT_RAD: f32 = 0.035;
-const MOST_BEND_RAD: f32 = 2.53;
+/// Largest bend of knees and elbows, measured from straight.
+const MAX_BEND_RAD: f32 = 2.53;
 
-/// What a limb is.
+/// Kind of a limb.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Limb {
     Leg,
     Arm,
-    /// A neck or a tail.
-    Middle,
+    /// On the axis of the body: a neck or a tail.
+    Axial,
 }
 
-/// What is known of a body when its limits are chosen.
+/// The inputs for limits, with the orientation and vertical range of the body.
 pub(super) struct Anatomy<'a> {
     pub(super) rest: &'a Rest<'a>,
-    pub(super) bodies: &'a [Chosen],
+    pub(super) bodies: &'a [SelectedBody],
     pub(super) capsules: &'a [Capsule],
     pub(super) is_trunk: &'a [bool],
     front: Vector,
@@ -36,7 +37,7 @@ pub(super) struct Anatomy<'a> {
 impl<'a> Anatomy<'a> {
     pub(super) fn new(
         rest: &'a Rest<'a>,
-        bodies: &'a [Chosen],
+        bodies: &'a [SelectedBody],
         capsules: &'a [Capsule],
         is_trunk: &'a [bool],
     ) -> Self {
@@ -48,7 +49,7 @@ impl<'a> Anatomy<'a> {
         anatomy
     }
 
-    /// Feet point to the front; without feet that is +Z.
+    /// Returns the direction of the feet, or +Z without feet.
     fn find_front(&self) -> Vector {
         let mut front = Vector::ZERO;
         for (index, capsule) in self.capsules.iter().enumerate() {
@@ -60,19 +61,20 @@ impl<'a> Anatomy<'a> {
         if front.length() > 0.05 * self.rest.size { front.normalize() } else { Vector::Z }
     }
 
-    /// A body's place in its limb, counted from the trunk, and how many bodies the limb has.
-    fn place_in_limb(&self, body: usize) -> (usize, usize) {
+    /// Returns the index of a body in its limb, counted from the trunk, and the number of bodies of
+    /// the limb.
+    fn index_in_limb(&self, body: usize) -> (usize, usize) {
         let mut before = 0;
         let mut at = body;
         while let Some(parent) = self.bodies[at].parent.filter(|&p| !self.is_trunk[p]) {
             before += 1;
             at = parent;
         }
-        (before, before + self.to_end(body).len())
+        (before, before + self.limb_from(body).len())
     }
 
-    /// The bodies of a limb from one to its end.
-    fn to_end(&self, body: usize) -> Vec<usize> {
+    /// Returns the bodies from `body` to the end of its limb.
+    fn limb_from(&self, body: usize) -> Vec<usize> {
         let mut limb = vec![body];
         let mut at = body;
         while let Some(next) =
@@ -84,75 +86,78 @@ impl<'a> Anatomy<'a> {
         limb
     }
 
+    /// Returns the kind of a body's limb from where it ends: near the ground, or to the side.
     fn limb(&self, body: usize) -> Limb {
         let mut first = body;
         while let Some(parent) = self.bodies[first].parent.filter(|&p| !self.is_trunk[p]) {
             first = parent;
         }
-        let limb = self.to_end(body);
+        let limb = self.limb_from(body);
         let end =
             limb.last().map_or(f32::MAX, |&b| self.capsules[b].from.y.min(self.capsules[b].to.y));
         if end < self.low + 0.12 * (self.high - self.low) {
             return Limb::Leg;
         }
         let side = |b: usize| {
-            let root = self.rest.places[self.bodies[0].head];
-            let away = self.rest.places[self.bodies[b].head] - root;
-            away.x.abs().max(if self.has_twin(b) { away.z.abs() } else { 0.0 })
+            let root = self.rest.positions[self.bodies[0].head];
+            let away = self.rest.positions[self.bodies[b].head] - root;
+            away.x.abs().max(if self.has_mirror_limb(b) { away.z.abs() } else { 0.0 })
         };
         let is_aside = side(first).max(side(*limb.last().unwrap_or(&body))) > 0.06 * self.rest.size;
-        if is_aside && self.has_twin(first) { Limb::Arm } else { Limb::Middle }
+        if is_aside && self.has_mirror_limb(first) { Limb::Arm } else { Limb::Axial }
     }
 
-    /// Whether another limb of the same length begins at the same body.
-    fn has_twin(&self, first: usize) -> bool {
-        let length = self.to_end(first).len();
+    /// Returns whether another limb of the same length starts at the same body.
+    fn has_mirror_limb(&self, first: usize) -> bool {
+        let length = self.limb_from(first).len();
         let siblings =
             (0..self.bodies.len()).filter(|&b| self.bodies[b].parent == self.bodies[first].parent);
-        let mut twins = siblings.filter(|&b| b != first && !self.is_trunk[b]);
-        twins.any(|b| self.to_end(b).len() == length)
+        let mut candidates = siblings.filter(|&b| b != first && !self.is_trunk[b]);
+        candidates.any(|b| self.limb_from(b).len() == length)
     }
 
+    /// Returns the direction of a body's capsule.
     fn bone(&self, body: usize) -> Vector {
         let capsule = &self.capsules[body];
         (capsule.to - capsule.from).normalize_or(Vector::Y)
     }
 
+    /// Returns the direction from the head of the parent body to the head of `body`.
     fn upper_bone(&self, body: usize) -> Vector {
         let parent = self.bodies[body].parent.unwrap_or(0);
-        let span =
-            self.rest.places[self.bodies[body].head] - self.rest.places[self.bodies[parent].head];
+        let span = self.rest.positions[self.bodies[body].head]
+            - self.rest.positions[self.bodies[parent].head];
         span.normalize_or(Vector::Y)
     }
 
-    fn what(&self, body: usize) -> Option<Word> {
+    /// Returns the kind of the joint at a body's head, from its name if known, else from its limb.
+    fn joint_kind(&self, body: usize) -> Option<JointKind> {
         let head = self.bodies[body].head;
-        let (place, length) = self.place_in_limb(body);
-        let named = word(self.rest.skeleton.name(joint_index(head)));
-        let is_last = place + 1 == length && length > 2;
-        let shaped = match (self.limb(body), place) {
-            (Limb::Middle, _) => None,
-            (Limb::Leg, 0) => Some(Word::Hip),
-            (Limb::Arm, 0) => Some(Word::Shoulder),
-            (Limb::Leg, _) if is_last => Some(Word::Ankle),
-            (Limb::Arm, _) if is_last => Some(Word::Wrist),
-            (Limb::Leg, _) => Some(Word::Knee),
-            (Limb::Arm, _) => Some(Word::Elbow),
+        let (index, length) = self.index_in_limb(body);
+        let named = joint_kind_from_name(self.rest.skeleton.name(joint_index(head)));
+        let is_last = index + 1 == length && length > 2;
+        let shaped = match (self.limb(body), index) {
+            (Limb::Axial, _) => None,
+            (Limb::Leg, 0) => Some(JointKind::Hip),
+            (Limb::Arm, 0) => Some(JointKind::Shoulder),
+            (Limb::Leg, _) if is_last => Some(JointKind::Ankle),
+            (Limb::Arm, _) if is_last => Some(JointKind::Wrist),
+            (Limb::Leg, _) => Some(JointKind::Knee),
+            (Limb::Arm, _) => Some(JointKind::Elbow),
         };
-        // Animals' forelegs carry the names of arms, but stand on the ground.
+        // Forelegs of animals have the names of arms, but they reach the ground.
         match (named, shaped) {
-            (Some(Word::Elbow), Some(Word::Knee)) | (Some(Word::Shoulder), Some(Word::Hip)) => {
-                shaped
-            }
-            (Some(Word::Wrist), Some(Word::Ankle)) => shaped,
+            (Some(JointKind::Elbow), Some(JointKind::Knee))
+            | (Some(JointKind::Shoulder), Some(JointKind::Hip)) => shaped,
+            (Some(JointKind::Wrist), Some(JointKind::Ankle)) => shaped,
             _ => named.or(shaped),
         }
     }
 
-    /// The hold of a body on the one that it hangs on.
-    pub(super) fn hold(&self, body: usize) -> Hold {
+    /// Returns the joint definition between a body and its parent.
+    pub(super) fn joint_def(&self, body: usize) -> JointDef {
         let bone = self.bone(body);
-        let away = self.capsules[body].from - self.rest.places[self.bodies[0].head];
+        let away = self.capsules[body].from - self.rest.positions[self.bodies[0].head];
         let side = (away - self.front * away.dot(self.front)) * Vector::new(1.0, 0.0, 1.0);
         let side = side.normalize_or(Vector::ZERO);
         let degrees = |d: f32| d.to_radians();
@@ -162,34 +167,37 @@ impl<'a> Anatomy<'a> {
         if self.is_trunk[body] {
             return cone(bone, 25.0, 25.0);
         }
-        match self.what(body) {
-            Some(Word::Knee) => self.hinge(body, self.upper_bone(body).cross(-self.front)),
-            Some(Word::Elbow) => self.hinge(body, self.upper_bone(body).cross(self.front)),
-            Some(Word::Hip) => {
+        match self.joint_kind(body) {
+            Some(JointKind::Knee) => self.hinge(body, self.upper_bone(body).cross(-self.front)),
+            Some(JointKind::Elbow) => self.hinge(body, self.upper_bone(body).cross(self.front)),
+            Some(JointKind::Hip) => {
                 cone((self.front * 0.6 + side * 0.15 - Vector::Y).normalize(), 55.0, 35.0)
             }
-            Some(Word::Shoulder) => {
+            Some(JointKind::Shoulder) => {
                 cone((side * 0.7 + self.front * 0.5 - Vector::Y * 0.5).normalize(), 80.0, 60.0)
             }
-            Some(Word::Ankle) => cone(bone, 35.0, 20.0),
-            Some(Word::Wrist) => cone(bone, 50.0, 60.0),
+            Some(JointKind::Ankle) => cone(bone, 35.0, 20.0),
+            Some(JointKind::Wrist) => cone(bone, 50.0, 60.0),
             None => cone(bone, 40.0, 45.0),
         }
     }
 
-    fn cone(&self, body: usize, centre: Vector, swing: f32, twist: f32) -> Hold {
+    /// Returns a cone joint with `swing` and `twist` in radians.
+    fn cone(&self, body: usize, centre: Vector, swing: f32, twist: f32) -> JointDef {
         let bone = self.bone(body);
-        // A body that rests far from where people's do, such as an animal's, swings about its own
-        // rest.
+        // If the bone at rest is outside the usual cone of people, as with animals, the cone is
+        // centred on the bone.
         let is_within = centre.angle_between(bone) < swing - 0.15;
         let centre = if is_within { centre } else { bone };
         let frame = Rotation::from_rotation_arc(Vector::X, centre);
         let child = Rotation::from_rotation_arc(centre, bone) * frame;
         let limits = Limits::Cone { swing_rad: swing, twist_rad: [-twist, twist] };
-        self.in_joints(body, frame, child, limits)
+        self.joint_def_from_model(body, frame, child, limits)
     }
 
-    fn hinge(&self, body: usize, usual_axis: Vector) -> Hold {
+    /// Returns a hinge joint. Its axis is that of the bend at rest, or `usual_axis` if the limb is
+    /// nearly straight.
+    fn hinge(&self, body: usize, usual_axis: Vector) -> JointDef {
         let upper = self.upper_bone(body);
         let lower = self.bone(body);
         let bend = upper.angle_between(lower);
@@ -200,18 +208,29 @@ impl<'a> Anatomy<'a> {
         let bend = bend * axis.dot(across).signum();
         let frame = Rotation::from_rotation_arc(Vector::X, axis);
         let min_rad = -bend.max(0.0) - BEYOND_STRAIGHT_RAD;
-        self.in_joints(body, frame, frame, Limits::Hinge { min_rad, max_rad: MOST_BEND_RAD - bend })
+        self.joint_def_from_model(
+            body,
+            frame,
+            frame,
+            Limits::Hinge { min_rad, max_rad: MAX_BEND_RAD - bend },
+        )
     }
 
-    /// Frames in model space, told from the joints that carry them.
-    fn in_joints(&self, body: usize, frame: Rotation, child: Rotation, limits: Limits) -> Hold {
+    /// Converts frames from model space to the spaces of the joints that they rotate with.
+    fn joint_def_from_model(
+        &self,
+        body: usize,
+        frame: Rotation,
+        child: Rotation,
+        limits: Limits,
+    ) -> JointDef {
         let head = self.bodies[body].head;
         let parent = self.bodies[body].parent.unwrap_or(0);
         let carrier = self.rest.parents[head].unwrap_or(self.bodies[parent].head);
-        Hold {
+        JointDef {
             carrier,
-            carrier_from_frame: self.rest.turns[carrier].inverse() * frame,
-            head_from_frame: self.rest.turns[head].inverse() * child,
+            carrier_from_frame: self.rest.rotations[carrier].inverse() * frame,
+            head_from_frame: self.rest.rotations[head].inverse() * child,
             limits,
         }
     }

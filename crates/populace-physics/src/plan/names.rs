@@ -1,21 +1,21 @@
-//! What names tell, where they tell anything: geometry decides the rest.
+//! Known words in joint names. Geometry decides where names say nothing.
 
-/// Things that a body carries, and joints that only steer others. Their subtrees stay with the body
-/// that they hang on.
+/// Words for props and for joints that only control others. Their subtrees belong to the body of
+/// the parent.
 const PROPS: &[&str] = &[
     "sword", "shield", "cape", "weapon", "prop", "helmet", "hat", "axe", "staff", "wand", "book",
     "dagger", "gun", "bow", "control", "ctrl", "pole", "target",
 ];
 
-/// Joints along a bone: never bodies of their own.
+/// Words for joints along a bone, which never start a body.
 const HELPERS: &[&str] = &["twist", "roll", "helper"];
 
-/// Joints that lie within the chest, unless the name means the arm itself.
+/// Words for joints inside the chest, which some rigs also use for the upper arm.
 const GIRDLE: &[&str] = &["shoulder", "clavicle", "collar"];
 
-/// What a name says about a limb's joint.
+/// Kind of a limb joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Word {
+pub(super) enum JointKind {
     Knee,
     Elbow,
     Hip,
@@ -24,7 +24,8 @@ pub(super) enum Word {
     Wrist,
 }
 
-/// The words of a name, lower case: they end at whatever is no letter, and before a capital.
+/// Splits a name into lower-case words. A word ends at a character that is not a letter, and before
+/// a capital.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut after_small = false;
@@ -33,45 +34,50 @@ fn words(name: &str) -> Vec<String> {
             words.push(String::new());
         }
         after_small = c.is_lowercase();
-        if let Some(word) = words.last_mut().filter(|_| c.is_alphabetic()) {
-            word.extend(c.to_lowercase());
+        if let Some(joint_kind_from_name) = words.last_mut().filter(|_| c.is_alphabetic()) {
+            joint_kind_from_name.extend(c.to_lowercase());
         }
     }
     words
 }
 
 pub(super) fn is_prop(name: &str) -> bool {
-    let is_prop =
-        |word: String| word == "ik" || word.ends_with("slot") || PROPS.contains(&word.as_str());
+    let is_prop = |joint_kind_from_name: String| {
+        joint_kind_from_name == "ik"
+            || joint_kind_from_name.ends_with("slot")
+            || PROPS.contains(&joint_kind_from_name.as_str())
+    };
     name.contains("IK") || words(name).into_iter().any(is_prop)
 }
 
 pub(super) fn is_helper(name: &str) -> bool {
     let lower = name.to_lowercase();
-    HELPERS.iter().any(|word| lower.contains(word))
+    HELPERS.iter().any(|joint_kind_from_name| lower.contains(joint_kind_from_name))
 }
 
 pub(super) fn is_girdle(name: &str) -> bool {
     let lower = name.to_lowercase();
-    GIRDLE.iter().any(|word| lower.contains(word))
+    GIRDLE.iter().any(|joint_kind_from_name| lower.contains(joint_kind_from_name))
 }
 
-/// What the joint at the head of a body is, if its name says so in one of the usual ways.
-pub(super) fn word(name: &str) -> Option<Word> {
+/// Returns the kind of a joint if its name contains a usual word for it.
+pub(super) fn joint_kind_from_name(name: &str) -> Option<JointKind> {
     let letters: String = name.to_lowercase().chars().filter(char::is_ascii_alphabetic).collect();
-    let has = |words: &[&str]| words.iter().any(|word| letters.contains(word));
+    let has = |words: &[&str]| {
+        words.iter().any(|joint_kind_from_name| letters.contains(joint_kind_from_name))
+    };
     let found = if has(&["lowerleg", "shin", "calf", "knee"]) {
-        Word::Knee
+        JointKind::Knee
     } else if has(&["forearm", "lowerarm", "elbow"]) {
-        Word::Elbow
+        JointKind::Elbow
     } else if has(&["thigh", "upperleg", "upleg"]) {
-        Word::Hip
+        JointKind::Hip
     } else if has(&["upperarm"]) {
-        Word::Shoulder
+        JointKind::Shoulder
     } else if has(&["foot", "ankle"]) {
-        Word::Ankle
+        JointKind::Ankle
     } else if has(&["hand", "wrist", "palm"]) {
-        Word::Wrist
+        JointKind::Wrist
     } else {
         return None;
     };
@@ -85,14 +91,14 @@ mod tests {
     #[test]
     fn names_of_several_makers_are_understood() {
         for (name, expected) in [
-            ("lowerarm.l", Some(Word::Elbow)),
-            ("DEF-shin.R", Some(Word::Knee)),
-            ("mixamorig:LeftUpLeg", Some(Word::Hip)),
-            ("LeftForearm", Some(Word::Elbow)),
+            ("lowerarm.l", Some(JointKind::Elbow)),
+            ("DEF-shin.R", Some(JointKind::Knee)),
+            ("mixamorig:LeftUpLeg", Some(JointKind::Hip)),
+            ("LeftForearm", Some(JointKind::Elbow)),
             ("hips", None),
             ("node7", None),
         ] {
-            assert_eq!(word(name), expected, "{name}");
+            assert_eq!(joint_kind_from_name(name), expected, "{name}");
         }
         for name in ["kneeIK.l", "handslot.r", "1H_Sword", "Knight_Cape", "PoleTarget.L"] {
             assert!(is_prop(name), "{name}");

@@ -1,31 +1,35 @@
-//! The skeleton at rest, measured.
+//! Measurements of a skeleton in its rest pose.
 
 use populace::core::{Affine, JointIndex, Skeleton};
 
 use super::names;
 use crate::math::{Rotation, Vector, origin};
 
-/// Vertices that stray less than this part of the body's size make no body part.
-const SLIGHT: f32 = 0.005;
+/// Least reach of a joint's vertices, relative to the body size, for the joint to count as
+/// deforming.
+const MIN_REACH: f32 = 0.005;
 
-/// A skeleton at rest in model space, and what of it has flesh.
+/// A skeleton in its rest pose in model space, with measurements of its deforming joints.
 pub(super) struct Rest<'a> {
     pub(super) skeleton: &'a Skeleton,
     pub(super) model_from_joint: Vec<Affine>,
-    /// Rotations alone, without what scales do to them.
-    pub(super) turns: Vec<Rotation>,
-    pub(super) places: Vec<Vector>,
+    /// Rotations down the hierarchy, without the effect of scales.
+    pub(super) rotations: Vec<Rotation>,
+    pub(super) positions: Vec<Vector>,
     pub(super) parents: Vec<Option<usize>>,
     pub(super) children: Vec<Vec<usize>>,
-    /// How far each joint's vertices lie from it, but no further than flesh does.
+    /// Distance of each joint's farthest vertex in metres, limited to the plausible thickness of a
+    /// body.
     pub(super) reach: Vec<f32>,
-    /// Whether the skeleton tells reaches at all.
+    /// Whether the skeleton has reaches at all.
     pub(super) knows_reach: bool,
-    /// Joints of each subtree that move vertices and are neither props nor controls.
-    pub(super) flesh: Vec<usize>,
-    /// How far each subtree's flesh stretches from its first joint.
+    /// Number of deforming joints in each subtree: those that move vertices and are neither props
+    /// nor controls.
+    pub(super) deforming_count: Vec<usize>,
+    /// Largest distance in metres from each joint to the deforming joints below it, including their
+    /// reach.
     pub(super) extent: Vec<f32>,
-    /// The larger sides of the box around the flesh, on average, in metres.
+    /// Mean of the two larger sides of the bounding box of all deforming joints, in metres.
     pub(super) size: f32,
 }
 
@@ -35,65 +39,70 @@ impl<'a> Rest<'a> {
         let mut rest = Self {
             skeleton,
             model_from_joint: Vec::with_capacity(count),
-            turns: Vec::with_capacity(count),
-            places: Vec::with_capacity(count),
+            rotations: Vec::with_capacity(count),
+            positions: Vec::with_capacity(count),
             parents: skeleton.joints().map(|j| skeleton.parent(j).map(JointIndex::index)).collect(),
             children: vec![Vec::new(); count],
             reach: skeleton.reach_m().to_vec(),
             knows_reach: skeleton.reach_m().iter().any(|r| *r > 0.0),
-            flesh: vec![0; count],
+            deforming_count: vec![0; count],
             extent: vec![0.0; count],
             size: skeleton.size_m(),
         };
         rest.pose();
-        rest.find_flesh();
+        rest.count_deforming();
         rest.measure();
         rest
     }
 
+    /// Computes the transforms in model space.
     fn pose(&mut self) {
         for joint in self.skeleton.joints() {
             let local = self.skeleton.rest(joint);
-            let turn = Rotation::from_array(local.rotation);
-            let (model, turn) = match self.parents[joint.index()] {
+            let rotation = Rotation::from_array(local.rotation);
+            let (model, rotation) = match self.parents[joint.index()] {
                 Some(p) => {
                     self.children[p].push(joint.index());
-                    (self.model_from_joint[p].mul(&Affine::from_trs(local)), self.turns[p] * turn)
+                    (
+                        self.model_from_joint[p].mul(&Affine::from_trs(local)),
+                        self.rotations[p] * rotation,
+                    )
                 }
-                None => (Affine::from_trs(local), turn),
+                None => (Affine::from_trs(local), rotation),
             };
-            self.places.push(origin(&model));
+            self.positions.push(origin(&model));
             self.model_from_joint.push(model);
-            self.turns.push(turn.normalize());
+            self.rotations.push(rotation.normalize());
         }
     }
 
-    fn find_flesh(&mut self) {
-        let count = self.places.len();
+    fn count_deforming(&mut self) {
+        let count = self.positions.len();
         let mut is_prop = vec![false; count];
         for joint in self.skeleton.joints() {
             let above = self.parents[joint.index()].is_some_and(|p| is_prop[p]);
             is_prop[joint.index()] = above || names::is_prop(self.skeleton.name(joint));
         }
-        let slight = SLIGHT * self.size;
+        let min_reach = MIN_REACH * self.size;
         for joint in (0..count).rev() {
-            let own = !is_prop[joint] && (!self.knows_reach || self.reach[joint] > slight);
-            self.flesh[joint] += usize::from(own);
+            let own = !is_prop[joint] && (!self.knows_reach || self.reach[joint] > min_reach);
+            self.deforming_count[joint] += usize::from(own);
             if let Some(p) = self.parents[joint] {
-                self.flesh[p] += self.flesh[joint];
+                self.deforming_count[p] += self.deforming_count[joint];
             }
         }
     }
 
+    /// Computes the size, limits the reaches, and computes the extents.
     fn measure(&mut self) {
-        let count = self.places.len();
-        let fleshy =
-            (0..count).filter(|&j| self.flesh[j] > 0 && (!self.knows_reach || self.reach[j] > 0.0));
+        let count = self.positions.len();
+        let deforming = (0..count)
+            .filter(|&j| self.deforming_count[j] > 0 && (!self.knows_reach || self.reach[j] > 0.0));
         let mut low = Vector::MAX;
         let mut high = Vector::MIN;
-        for joint in fleshy {
-            low = low.min(self.places[joint]);
-            high = high.max(self.places[joint]);
+        for joint in deforming {
+            low = low.min(self.positions[joint]);
+            high = high.max(self.positions[joint]);
         }
         let mut sides = (high - low).max(Vector::ZERO).to_array();
         sides.sort_by(f32::total_cmp);
@@ -105,37 +114,40 @@ impl<'a> Rest<'a> {
             _ => self.skeleton.size_m(),
         };
         for reach in &mut self.reach {
-            *reach = reach.min(0.2 * self.size); // capes and swords reach far, and are no flesh
+            *reach = reach.min(0.2 * self.size); // capes and swords reach too far
         }
-        self.stretch();
+        self.measure_extents();
     }
 
-    fn stretch(&mut self) {
-        for joint in (0..self.places.len()).rev().filter(|&j| self.flesh[j] > 0) {
-            let is_leaf = self.fleshy_children(joint).next().is_none();
+    fn measure_extents(&mut self) {
+        for joint in (0..self.positions.len()).rev().filter(|&j| self.deforming_count[j] > 0) {
+            let is_leaf = self.deforming_children(joint).next().is_none();
             let own = match (self.parents[joint], self.knows_reach) {
                 (_, true) => self.reach[joint],
-                (Some(p), false) if is_leaf => 0.5 * self.places[joint].distance(self.places[p]),
+                (Some(p), false) if is_leaf => {
+                    0.5 * self.positions[joint].distance(self.positions[p])
+                }
                 _ => 0.0,
             };
             self.extent[joint] = self.extent[joint].max(own);
             if let Some(p) = self.parents[joint] {
-                let further = self.extent[joint] + self.places[joint].distance(self.places[p]);
+                let further =
+                    self.extent[joint] + self.positions[joint].distance(self.positions[p]);
                 self.extent[p] = self.extent[p].max(further);
             }
         }
     }
 
-    /// The children whose subtrees have flesh.
-    pub(super) fn fleshy_children(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
-        self.children[joint].iter().copied().filter(|&c| self.flesh[c] > 0)
+    /// Returns the children whose subtrees have deforming joints.
+    pub(super) fn deforming_children(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        self.children[joint].iter().copied().filter(|&c| self.deforming_count[c] > 0)
     }
 
-    /// The length of a joint's own bone: as far as the child with the largest subtree, 0 for a
-    /// leaf.
-    pub(super) fn bone(&self, joint: usize) -> f32 {
-        let main =
-            self.fleshy_children(joint).max_by(|&a, &b| self.extent[a].total_cmp(&self.extent[b]));
-        main.map_or(0.0, |child| self.places[child].distance(self.places[joint]))
+    /// Returns the distance to the child with the largest subtree, or 0 for a leaf.
+    pub(super) fn bone_length(&self, joint: usize) -> f32 {
+        let main = self
+            .deforming_children(joint)
+            .max_by(|&a, &b| self.extent[a].total_cmp(&self.extent[b]));
+        main.map_or(0.0, |child| self.positions[child].distance(self.positions[joint]))
     }
 }

@@ -1,5 +1,5 @@
-//! A crowd of built-in people with ragdolls, stepped frame by frame.
-#![allow(dead_code, reason = "each test file uses a part of it")]
+//! A crowd with ragdolls that is stepped frame by frame.
+#![allow(dead_code, reason = "each test binary uses a part of this module")]
 
 use std::sync::Arc;
 
@@ -7,12 +7,13 @@ use populace::core::{
     Affine, Character, CharacterSource, JointSource, PaletteEntry, Skeleton, Trs,
 };
 use populace::{CharacterId, Crowd, Device, JointIndex, Member, Placement, Play};
-use populace_physics::{Bend, Limits, RagdollPlan, Ragdolls};
+use populace_physics::{JointAngles, Limits, RagdollPlan, Ragdolls};
 
 pub(crate) const DT: f32 = 1.0 / 60.0;
 pub(crate) const GRAVITY: [f32; 3] = [0.0, -9.81, 0.0];
 
-pub(crate) struct Stage {
+/// A crowd with one member, its ragdoll plan, and the ragdolls.
+pub(crate) struct Scene {
     pub(crate) crowd: Crowd,
     pub(crate) ragdolls: Ragdolls,
     pub(crate) plan: Arc<RagdollPlan>,
@@ -20,8 +21,8 @@ pub(crate) struct Stage {
     pub(crate) member: Member,
 }
 
-impl Stage {
-    /// One member playing a clip, some way into it.
+impl Scene {
+    /// Spawns one member that plays `clip` from phase 0.2, and updates once.
     pub(crate) fn new(character: Character, clip: Option<&str>, placement: Placement) -> Self {
         let mut crowd = Crowd::builder().device(Device::native()).capacity(8).build().unwrap();
         let character = crowd.add_character(character).unwrap();
@@ -32,13 +33,13 @@ impl Stage {
         }
         let plan =
             Arc::new(RagdollPlan::from_skeleton(&crowd.character(character).unwrap().skeleton));
-        let mut stage =
+        let mut scene =
             Self { crowd, ragdolls: Ragdolls::new(GRAVITY).unwrap(), plan, character, member };
-        stage.crowd.update(0.3).unwrap();
-        stage
+        scene.crowd.update(0.3).unwrap();
+        scene
     }
 
-    /// The built-in man on his full rig, walking.
+    /// Spawns the built-in man with his full rig, walking.
     pub(crate) fn walking_man() -> Self {
         let man = populace_cast::person(&populace_cast::Look::man()).unwrap();
         Self::new(man, Some("Walk"), Placement::at([2.0, 0.0, -1.0]).facing(0.7))
@@ -71,14 +72,14 @@ impl Stage {
         self.crowd.model_from_joints(self.member).unwrap()
     }
 
-    /// Where the joints are in the world.
-    pub(crate) fn places(&mut self) -> Vec<[f32; 3]> {
+    /// Returns the positions of all joints in world space.
+    pub(crate) fn positions(&mut self) -> Vec<[f32; 3]> {
         let world_from_model = self.crowd.placement(self.member).unwrap().world_from_model();
         self.joints().iter().map(|m| world_from_model.mul(m).transform_point([0.0; 3])).collect()
     }
 
-    pub(crate) fn place(&mut self, joint: JointIndex) -> [f32; 3] {
-        self.places()[joint.index()]
+    pub(crate) fn position(&mut self, joint: JointIndex) -> [f32; 3] {
+        self.positions()[joint.index()]
     }
 }
 
@@ -90,20 +91,20 @@ pub(crate) fn length(a: [f32; 3]) -> f32 {
     a.iter().map(|v| v * v).sum::<f32>().powf(0.5)
 }
 
-/// By how much a bend is beyond its limits, in radians; negative within them.
-pub(crate) fn beyond_limits(bend: &Bend) -> f32 {
-    match bend.limits {
+/// Returns by how much joint angles exceed their limits in radians; negative if they are within.
+pub(crate) fn beyond_limits(angles: &JointAngles) -> f32 {
+    match angles.limits {
         Limits::Hinge { min_rad, max_rad } => {
-            (bend.twist_rad - max_rad).max(min_rad - bend.twist_rad).max(bend.swing_rad)
+            (angles.twist_rad - max_rad).max(min_rad - angles.twist_rad).max(angles.swing_rad)
         }
-        Limits::Cone { swing_rad, twist_rad: [least, most] } => {
-            (bend.swing_rad - swing_rad).max(bend.twist_rad - most).max(least - bend.twist_rad)
-        }
+        Limits::Cone { swing_rad, twist_rad: [least, most] } => (angles.swing_rad - swing_rad)
+            .max(angles.twist_rad - most)
+            .max(least - angles.twist_rad),
         _ => unreachable!(),
     }
 }
 
-/// A chain of joints, each as far from the last as told.
+/// Returns a character whose joints form a chain, with the translations in `steps`.
 pub(crate) fn chain(steps: &[[f32; 3]]) -> Character {
     let joint = |(index, step): (usize, &[f32; 3])| JointSource {
         name: format!("joint {index}"),

@@ -1,4 +1,4 @@
-//! Putting a ragdoll into the world, with the pose and the speed that its member has.
+//! Creation of a ragdoll with the pose and velocity of its member.
 
 use std::sync::Arc;
 
@@ -9,28 +9,29 @@ use rapier3d::prelude::{
     RigidBodyBuilder, RigidBodyHandle,
 };
 
-use super::{Carried, Doll, FASTEST_RAD_PER_SEC, Held};
+use super::{BodyConstraint, CarriedJoint, FASTEST_RAD_PER_SEC, MemberRagdoll};
 use crate::math::{
-    Pose, Rotation, Vector, heading, local, rotation_of, trs, turn_between, twist_and_swing,
+    Pose, Rotation, Vector, local, rotation_of, rotation_vector_between, trs, twist_and_swing,
+    yaw_rotation,
 };
-use crate::plan::Hold;
+use crate::plan::JointDef;
 use crate::snapshot::{FASTEST_M_PER_SEC, Snapshot};
-use crate::world::{World, mark};
+use crate::world::{World, pack_owner};
 use crate::{Limits, RagdollPlan};
 
-/// Flesh takes speed away, about this part of it each second.
+/// Fraction of the velocity that is lost per second, approximately.
 const LINEAR_DAMPING_PER_SEC: f32 = 0.05;
 const ANGULAR_DAMPING_PER_SEC: f32 = 1.0;
-/// A body's least moment of inertia, as a part of its greatest.
+/// Least moment of inertia of a body, relative to its greatest.
 const LEAST_INERTIA: f32 = 0.3;
-/// Bodies whose axes are nearer than this many times their radii at the start pass through each
-/// other from then on.
-const NEAR: f32 = 1.05;
-/// What is beyond its limits when it goes limp may stay so, and this little more, in radians.
+/// Factor on the sum of two radii. Bodies whose axes are nearer than that at the start never
+/// collide with each other.
+const OVERLAP_FACTOR: f32 = 1.05;
+/// Slack in radians that is added to limits that the clip exceeds when the member goes limp.
 const SLACK_RAD: f32 = 0.01;
 
-/// What a ragdoll is built from.
-pub(crate) struct Recipe<'a> {
+/// The inputs for a ragdoll.
+pub(crate) struct BuildParams<'a> {
     pub(crate) member: Member,
     pub(crate) skeleton: &'a Skeleton,
     pub(crate) plan: &'a Arc<RagdollPlan>,
@@ -38,11 +39,11 @@ pub(crate) struct Recipe<'a> {
     pub(crate) limp: Vec<bool>,
     pub(crate) before: &'a Snapshot,
     pub(crate) now: Snapshot,
-    /// Between the two.
+    /// Time from `before` to `now`.
     pub(crate) dt_secs: f32,
 }
 
-/// A capsule in the world.
+/// A capsule in world space.
 #[derive(Clone, Copy)]
 struct Capsule {
     from: Vector,
@@ -50,58 +51,61 @@ struct Capsule {
     radius: f32,
 }
 
-impl Doll {
-    pub(crate) fn build(recipe: Recipe, world: &mut World) -> Self {
-        let plan = recipe.plan;
+impl MemberRagdoll {
+    /// Adds bodies and joints of a ragdoll to the world.
+    pub(crate) fn build(params: BuildParams, world: &mut World) -> Self {
+        let plan = params.plan;
         let capsules: Vec<Capsule> =
-            (0..plan.bodies().len()).map(|b| capsule(&recipe, world, b)).collect();
+            (0..plan.bodies().len()).map(|b| capsule(&params, world, b)).collect();
         let bodies: Vec<_> =
-            (0..capsules.len()).map(|b| add_body(&recipe, world, b, &capsules[b])).collect();
-        world.set_overlaps(recipe.id, overlaps(plan, &capsules));
-        let held = (0..capsules.len()).map(|b| hold(&recipe, world, &bodies, b)).collect();
-        let carried = recipe.skeleton.joints().filter_map(|j| carry(&recipe, j)).collect();
+            (0..capsules.len()).map(|b| add_body(&params, world, b, &capsules[b])).collect();
+        world.set_overlaps(params.id, overlaps(plan, &capsules));
+        let constraints =
+            (0..capsules.len()).map(|b| connect(&params, world, &bodies, b)).collect();
+        let carried = params.skeleton.joints().filter_map(|j| carried_joint(&params, j)).collect();
         Self {
-            member: recipe.member,
+            member: params.member,
             plan: Arc::clone(plan),
-            id: recipe.id,
-            limp: recipe.limp,
+            id: params.id,
+            limp: params.limp,
             bodies,
-            held,
+            constraints,
             carried,
-            last: recipe.before.clone(),
-            last_dt_secs: recipe.dt_secs,
+            last: params.before.clone(),
+            last_dt_secs: params.dt_secs,
             fade: None,
-            settled_at: None,
+            resting_placement: None,
         }
     }
 }
 
-/// A body's capsule as the member holds it now, no thicker than what is between it and the ground.
-fn capsule(recipe: &Recipe, world: &World, body: usize) -> Capsule {
-    let body = &recipe.plan.bodies()[body];
-    let from = recipe.now.point(body.head, body.from);
-    let to = recipe.now.point(body.head, body.to);
-    let scale = recipe.now.place.scale();
+/// Returns the current capsule of a body, with the radius reduced to its distance from the floor.
+fn capsule(params: &BuildParams, world: &World, body: usize) -> Capsule {
+    let body = &params.plan.bodies()[body];
+    let from = params.now.point(body.head, body.from);
+    let to = params.now.point(body.head, body.to);
+    let scale = params.now.placement.scale();
     let radius = body.radius_m * scale;
     let low = if from.y < to.y { from } else { to };
     let clear = world
-        .floor_under(low + Vector::Y * radius, 2.0 * radius)
+        .floor_height_below(low + Vector::Y * radius, 2.0 * radius)
         .map_or(radius, |floor| low.y - floor);
     Capsule { from, to, radius: radius.min(clear).max(0.4 * radius).max(1e-4) }
 }
 
+/// Adds a body to the world: dynamic with the velocity of the clip if it is limp, else kinematic.
 fn add_body(
-    recipe: &Recipe,
+    params: &BuildParams,
     world: &mut World,
     index: usize,
     capsule: &Capsule,
 ) -> RigidBodyHandle {
-    let body = &recipe.plan.bodies()[index];
-    let before = recipe.before.pose(body.head);
-    let now = recipe.now.pose(body.head);
+    let body = &params.plan.bodies()[index];
+    let before = params.before.pose(body.head);
+    let now = params.now.pose(body.head);
     let from = now.inverse_transform_point(capsule.from);
     let to = now.inverse_transform_point(capsule.to);
-    let scale = recipe.now.place.scale();
+    let scale = params.now.placement.scale();
     let mass_kg = (body.mass_kg * scale * scale * scale).max(1e-6);
     let shape = ColliderBuilder::capsule_from_endpoints(from, to, capsule.radius)
         .mass_properties(mass_properties(
@@ -111,23 +115,23 @@ fn add_body(
             mass_kg,
             body.gyration_m * scale,
         ))
-        .user_data(mark(recipe.id, index));
-    if !recipe.limp[index] {
+        .user_data(pack_owner(params.id, index));
+    if !params.limp[index] {
         return world.add_body(RigidBodyBuilder::kinematic_position_based().pose(now), shape);
     }
     let middle = (from + to) * 0.5;
     let step = now.transform_point(middle) - before.transform_point(middle);
-    let turn = turn_between(before.rotation, now.rotation);
+    let rotation = rotation_vector_between(before.rotation, now.rotation);
     let dynamic = RigidBodyBuilder::dynamic()
         .pose(now)
-        .linvel((step / recipe.dt_secs).clamp_length_max(FASTEST_M_PER_SEC))
-        .angvel((turn / recipe.dt_secs).clamp_length_max(FASTEST_RAD_PER_SEC))
+        .linvel((step / params.dt_secs).clamp_length_max(FASTEST_M_PER_SEC))
+        .angvel((rotation / params.dt_secs).clamp_length_max(FASTEST_RAD_PER_SEC))
         .linear_damping(LINEAR_DAMPING_PER_SEC)
         .angular_damping(ANGULAR_DAMPING_PER_SEC);
     world.add_body(dynamic, shape)
 }
 
-/// Those of the capsule, with what it lacks to its least moment of inertia.
+/// Returns the mass properties of the capsule, with its moments of inertia raised to a minimum.
 fn mass_properties(
     from: Vector,
     to: Vector,
@@ -140,17 +144,17 @@ fn mass_properties(
     let inertia = properties.principal_inertia();
     let least = (LEAST_INERTIA * inertia.max_element()).max(mass_kg * gyration * gyration);
     let frame = properties.principal_inertia_local_frame;
-    let eased = inertia.max(Vector::splat(least));
-    MassProperties::with_principal_inertia_frame(properties.local_com, mass_kg, eased, frame)
+    let raised = inertia.max(Vector::splat(least));
+    MassProperties::with_principal_inertia_frame(properties.local_com, mass_kg, raised, frame)
 }
 
-/// Pairs of bodies that touch each other now.
+/// Returns the pairs of bodies that never collide: those that are connected or overlap now.
 fn overlaps(plan: &RagdollPlan, capsules: &[Capsule]) -> Vec<(u16, u16)> {
     let mut pairs = Vec::new();
     for (b, two) in (0u16..).zip(capsules) {
         for (a, one) in (0..b).zip(capsules) {
-            let is_held = plan.bodies()[usize::from(b)].parent == Some(usize::from(a));
-            if is_held || apart(one, two) < NEAR * (one.radius + two.radius) {
+            let is_parent = plan.bodies()[usize::from(b)].parent == Some(usize::from(a));
+            if is_parent || axis_distance(one, two) < OVERLAP_FACTOR * (one.radius + two.radius) {
                 pairs.push((a, b));
             }
         }
@@ -158,9 +162,9 @@ fn overlaps(plan: &RagdollPlan, capsules: &[Capsule]) -> Vec<(u16, u16)> {
     pairs
 }
 
-/// The distance between two capsules' axes (Ericson, Real-Time Collision Detection, 2005, section
-/// 5.1.9).
-fn apart(one: &Capsule, two: &Capsule) -> f32 {
+/// Returns the distance between the axes of two capsules (Ericson, Real-Time Collision Detection,
+/// 2005, section 5.1.9).
+fn axis_distance(one: &Capsule, two: &Capsule) -> f32 {
     let (d1, d2, r) = (one.to - one.from, two.to - two.from, one.from - two.from);
     let (a, e, f) = (d1.dot(d1).max(1e-12), d2.dot(d2).max(1e-12), d2.dot(r));
     let (c, b) = (d1.dot(r), d1.dot(d2));
@@ -172,37 +176,37 @@ fn apart(one: &Capsule, two: &Capsule) -> f32 {
     (one.from + d1 * s).distance(two.from + d2 * t)
 }
 
-/// Hangs a limp body on the one above it, where both are now.
-fn hold(
-    recipe: &Recipe,
+/// Connects a limp body to its parent at their current poses.
+fn connect(
+    params: &BuildParams,
     world: &mut World,
     bodies: &[RigidBodyHandle],
     index: usize,
-) -> Option<Held> {
-    let body = &recipe.plan.bodies()[index];
-    let (plan, parent) = (body.hold.as_ref()?, body.parent?);
-    if !recipe.limp[index] {
+) -> Option<BodyConstraint> {
+    let body = &params.plan.bodies()[index];
+    let (plan, parent) = (body.joint_def.as_ref()?, body.parent?);
+    if !params.limp[index] {
         return None;
     }
-    let now = recipe.now.pose(body.head);
-    let upper = recipe.now.pose(recipe.plan.bodies()[parent].head);
-    let (parent_from_frame, limits) = fitted(recipe, plan, &upper, &now);
+    let now = params.now.pose(body.head);
+    let upper = params.now.pose(params.plan.bodies()[parent].head);
+    let (parent_from_frame, limits) = fitted(params, plan, &upper, &now);
     let upper_frame =
         Pose::from_parts(upper.inverse_transform_point(now.translation), parent_from_frame);
     let frames = [Pose::from_rotation(plan.head_from_frame), upper_frame];
     let joint =
         world.physics.insert_impulse_joint(bodies[index], bodies[parent], joint(limits, frames));
     if let Limits::Cone { twist_rad, .. } = limits {
-        let seen_from_above = twist_alone(twist_rad, frames);
-        world.physics.insert_impulse_joint(bodies[parent], bodies[index], seen_from_above);
+        let upper_twist = twist_limit(twist_rad, frames);
+        world.physics.insert_impulse_joint(bodies[parent], bodies[index], upper_twist);
     }
-    Some(Held { joint, limits, parent_from_frame, body_from_frame: plan.head_from_frame })
+    Some(BodyConstraint { joint, limits, parent_from_frame, body_from_frame: plan.head_from_frame })
 }
 
-/// The upper frame, and limits that hold now: a hinge's axis goes where the clip holds it, and
-/// limits that the clip breaks are widened, so that nothing snaps.
-fn fitted(recipe: &Recipe, plan: &Hold, upper: &Pose, now: &Pose) -> (Rotation, Limits) {
-    let carrier = recipe.now.turn(plan.carrier) * plan.carrier_from_frame;
+/// Returns the upper frame and the limits to use. The hinge axis is that of the current pose, and
+/// limits that the pose exceeds are widened, so that nothing snaps.
+fn fitted(params: &BuildParams, plan: &JointDef, upper: &Pose, now: &Pose) -> (Rotation, Limits) {
+    let carrier = params.now.rotation(plan.carrier) * plan.carrier_from_frame;
     let frame = now.rotation * plan.head_from_frame;
     let between = carrier.inverse() * frame;
     let (twist, swing) = twist_and_swing(between, Vector::X);
@@ -220,13 +224,15 @@ fn fitted(recipe: &Recipe, plan: &Hold, upper: &Pose, now: &Pose) -> (Rotation, 
     ((upper.rotation.inverse() * carrier).normalize(), limits)
 }
 
+/// Widens limits that `now` exceeds.
 fn widened([least, most]: [f32; 2], now: f32) -> [f32; 2] {
     let least = if now < least { now - SLACK_RAD } else { least };
     [least, if now > most { now + SLACK_RAD } else { most }]
 }
 
-/// Rapier holds a turn against the first body's axis, so the held body comes first: turning it
-/// about its own length is then held rightly however far it swings.
+/// Builds the joint with the lower body first, which reverses the signs of the twist limits. Rapier
+/// measures the twist about the axis of the first body, so the twist about the lower body's own
+/// length stays correct for any swing.
 fn joint(limits: Limits, [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     let frames = |axes| {
         let joint =
@@ -245,38 +251,38 @@ fn joint(limits: Limits, [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     }
 }
 
-/// The same twist held against the upper body's axis. Without it, what rolls around its cone twists
-/// unheld, since neither axis alone is the one that a twist is measured about: that lies between
-/// them.
-fn twist_alone(twist_rad: [f32; 2], [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
+/// Limits the same twist about the axis of the upper body. Without this second joint, a body that
+/// rolls around its cone can twist without limit: the axis of the actual twist lies between those
+/// of the two bodies.
+fn twist_limit(twist_rad: [f32; 2], [body_frame, upper_frame]: [Pose; 2]) -> GenericJoint {
     let joint = GenericJointBuilder::new(JointAxesMask::empty());
     let joint = joint.local_frame1(upper_frame).local_frame2(body_frame).contacts_enabled(false);
     joint.limits(JointAxis::AngX, twist_rad).build()
 }
 
-/// How a joint goes along with a limp body.
-fn carry(recipe: &Recipe, joint: JointIndex) -> Option<Carried> {
-    let body = recipe.plan.body_of(joint).filter(|&b| recipe.limp[b])?;
-    let parent = recipe.skeleton.parent(joint);
+/// Returns how a limp body moves `joint`, or `None` if no limp body does.
+fn carried_joint(params: &BuildParams, joint: JointIndex) -> Option<CarriedJoint> {
+    let body = params.plan.body_of(joint).filter(|&b| params.limp[b])?;
+    let parent = params.skeleton.parent(joint);
     let carried_parent =
-        parent.filter(|&p| recipe.plan.body_of(p).is_some()).map(JointIndex::index);
-    let (head, joint) = (recipe.plan.bodies()[body].head, joint.index());
-    let model = |j: usize| -> &Affine { &recipe.now.model_from_joints[j] };
+        parent.filter(|&p| params.plan.body_of(p).is_some()).map(JointIndex::index);
+    let (head, joint) = (params.plan.bodies()[body].head, joint.index());
+    let model = |j: usize| -> &Affine { &params.now.model_from_joints[j] };
     let start = match carried_parent {
         Some(parent) => local(Some(model(parent)), model(joint)),
         None => trs(model(joint)),
     };
-    let pose = recipe.now.pose(head);
-    let turn = recipe.now.turn(joint);
-    Some(Carried {
+    let pose = params.now.pose(head);
+    let rotation = params.now.rotation(joint);
+    Some(CarriedJoint {
         joint,
         body,
-        body_from_joint: (pose.rotation.inverse() * turn).normalize(),
+        body_from_joint: (pose.rotation.inverse() * rotation).normalize(),
         parent: carried_parent,
         start,
-        place_in_body: pose.inverse_transform_point(recipe.now.pose(joint).translation),
-        turn_to_model: turn.inverse()
-            * heading(&recipe.now.place)
+        position_in_body: pose.inverse_transform_point(params.now.pose(joint).translation),
+        rotation_to_model: rotation.inverse()
+            * yaw_rotation(&params.now.placement)
             * rotation_of(&trs(model(joint))),
     })
 }
