@@ -145,7 +145,7 @@ pub enum Error {
         joints: Vec<UnknownName>,
     },
     /// An index that points at nothing a device could follow.
-    #[error("there is no {what} {value} for this member")]
+    #[error("invalid {what} {value}: it does not exist, or does not fit this member")]
     BadPlayback {
         /// What was named.
         what: &'static str,

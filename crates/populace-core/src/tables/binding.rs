@@ -1,4 +1,4 @@
-//! Clips bound to bodies: what a joint's stored components mean, and where its column is.
+//! Clips bound to bodies: the ranges and the column of each joint, and retarget corrections.
 
 use super::{BodyIndex, Tables, padded, u32_from};
 use crate::Error;
@@ -9,13 +9,14 @@ use crate::layout::{
     RowBlock, Source, TURN_PLANES,
 };
 
-/// Of each block of a body, whether any of its joints has something in a turn or a later one.
-struct Later {
+/// For each block of 16 joints of a body: whether a joint of it has a rotation or an arm in a
+/// correction or in any later one.
+struct CorrectedBlocks {
     turns: Vec<bool>,
     arms: Vec<bool>,
 }
 
-impl Later {
+impl CorrectedBlocks {
     fn none(body: &Body) -> Self {
         let blocks = vec![false; (body.padded_count / JOINT_BLOCK) as usize];
         Self { turns: blocks.clone(), arms: blocks }
@@ -38,12 +39,12 @@ impl Later {
 }
 
 impl Tables {
-    /// Binds a clip to a body and returns the index that slots name.
+    /// Binds a clip to a body and returns the index of the bound clip, for use in slots.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets; [`Error::BadPlayback`] for a clip or body that is
-    /// not there, or a binding to another skeleton.
+    /// [`Error::TooLarge`] if offsets exceed 32 bits; [`Error::BadPlayback`] if the clip or body
+    /// does not exist or the binding is for another skeleton.
     pub fn add_bound_clip(
         &mut self,
         clip: u32,
@@ -59,8 +60,8 @@ impl Tables {
         let row_block_first = self.all.clips.as_slice()[clip as usize].block_first;
         let of_clip =
             BoundClip { clip, row_block_first, body: NONE, next: NONE, ..BoundClip::default() };
-        // From the last turn on, so that each knows the next.
-        let (mut next, mut later) = (NONE, Later::none(&body_row));
+        // Corrections are added last to first, so that each can name the next.
+        let (mut next, mut later) = (NONE, CorrectedBlocks::none(&body_row));
         if let Some(footing) = binding.footing() {
             let bound = self.add_footing(footing, of_clip)?;
             (next, later) = self.add_turn(&footing.turns, bound, (next, later), &body_row)?;
@@ -82,8 +83,8 @@ impl Tables {
         self.add_bound(bound, binding.joint_map(), flags)
     }
 
-    /// Adds a bound clip, or a turn of one, with its joint map and blocks; `flags` are those of
-    /// each block.
+    /// Adds a bound clip or a correction of one, with its joint map and blocks. `flags` holds the
+    /// flags of each block.
     fn add_bound(&mut self, bound: BoundClip, map: &[u32], flags: Vec<u32>) -> Result<u32, Error> {
         let map_first = self.all.joint_maps.extend(map.iter().copied())?;
         let block_first = u32_from(self.all.bound_blocks.len());
@@ -96,18 +97,18 @@ impl Tables {
         self.all.bound_clips.extend([BoundClip { map_first, block_first, ..bound }])
     }
 
-    /// Adds a turn of `of` before those that come later, and returns its index and what there is
-    /// from it on.
+    /// Adds a correction of the clip `of` in front of `next`. Returns its index and the blocks that
+    /// it or a later correction affects.
     fn add_turn(
         &mut self,
         turns: &[Turn],
         of: BoundClip,
-        (next, later): (u32, Later),
+        (next, later): (u32, CorrectedBlocks),
         body: &Body,
-    ) -> Result<(u32, Later), Error> {
+    ) -> Result<(u32, CorrectedBlocks), Error> {
         let map: Vec<u32> = turns.iter().map(|turn| turn.map).collect();
         let range_first = self.add_turn_planes(turns)?;
-        let own = Later::of(turns, body);
+        let own = CorrectedBlocks::of(turns, body);
         let flags = own.arms.iter().zip(&later.turns).map(|(arms, turned)| {
             let still = if *arms { 0 } else { REST_TRANSLATION };
             still | (u32::from(*turned) * BLOCK_TURNED)
@@ -116,7 +117,7 @@ impl Tables {
         Ok((index, later.or(&own)))
     }
 
-    /// Adds the rows of a turn that has its own; one that stands still has none.
+    /// Adds the rows of a foot correction. A constant correction has no rows of its own.
     fn add_footing(&mut self, footing: &Footing, of: BoundClip) -> Result<BoundClip, Error> {
         if footing.rows.is_empty() {
             return Ok(of);
@@ -159,7 +160,8 @@ impl Tables {
         self.all.poses.extend(planes)
     }
 
-    /// Where 16 joints of these maps find their columns.
+    /// Builds the location of the columns that 16 joints follow. `blocks` is the offset of the
+    /// clip's first block.
     fn bind_block(&mut self, blocks: u32, maps: &[u32], flags: u32) -> Result<BoundBlock, Error> {
         const BLOCK: usize = JOINT_BLOCK as usize;
         let moves = MAP_ROTATION | MAP_TRANSLATION | MAP_SCALE;
@@ -199,8 +201,8 @@ impl Tables {
         })
     }
 
-    /// Whether the translations and scales of 16 joints from `first` on stand where the body's rest
-    /// has them.
+    /// Returns flags that tell whether the translations and scales of 16 joints from `first` on
+    /// equal those of the body's rest.
     fn rest_flags(&self, body: &Body, range_first: u32, first: usize) -> u32 {
         let (padded, joints) = (body.padded_count as usize, first..first + JOINT_BLOCK as usize);
         let poses = self.all.poses.as_slice();

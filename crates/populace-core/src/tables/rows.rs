@@ -1,11 +1,12 @@
-//! Where in a clip's rows a time is.
+//! Finds the row of a clip for a time.
 
 use super::Tables;
 use crate::layout::ClipRows;
 
 impl Tables {
-    /// The last row of a clip at or before a time on its own axis, and how far it is to the next;
-    /// the first and the last row hold outside. The twin of `find_row` in `kernels/slot.cl`.
+    /// Returns the last row of a clip at or before a time on its own axis, and the fraction of the
+    /// way to the next row. Before the first row that row holds, after the last row the last. Twin
+    /// of `find_row` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn find_row(&self, clip: &ClipRows, secs: f32) -> (u32, f32) {
@@ -39,7 +40,7 @@ impl Tables {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "not negative, and cut off on purpose"
+    reason = "not negative; truncation is intended"
 )]
 fn whole(x: f32) -> u32 {
     x as u32
