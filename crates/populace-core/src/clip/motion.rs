@@ -1,4 +1,4 @@
-//! Root motion: what of a clip moves the whole body over the ground, taken out of its pose.
+//! Root motion: the motion of the whole body over the ground, taken out of a clip's pose.
 
 use glam::{DQuat, DVec3};
 
@@ -8,67 +8,67 @@ use crate::humanoid::{Role, RoleMap};
 use crate::layout::Float4;
 use crate::{ClipSource, Error, Interpolation, JointIndex, Property, Track, f64math};
 
-/// Rows per second, or a little more: they fill the clip's length evenly.
+/// Minimum rows per second; rows divide the clip's length evenly.
 const ROWS_PER_SEC: f64 = 60.0;
-/// A body that ends no further from its start than this part of its size, or that much in each
-/// second, stands still, as does one whose feet tell no more.
+/// A body counts as standing if it ends no further from its start than this fraction of its size,
+/// or of its size per second. The same limit holds for the speed of its feet.
 const STANDS: f64 = 0.05;
-/// A body whose heading ends no further from where it was than this, in radians, does not turn.
+/// A body counts as not turning if its heading changes by no more than this, in radians.
 const TURNS_RAD: f64 = 0.25;
 
-/// What moves the body.
+/// The source of root motion.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum MotionSource {
-    /// [`Root`](Self::Root) where that goes anywhere or turns, [`Feet`](Self::Feet) for a clip that
-    /// walks in place, and nothing for one that stands, whose sway stays in its pose.
-    /// [`RootMotion::origin`] tells which.
+    /// [`Root`](Self::Root) if the root travels or turns; [`Feet`](Self::Feet) for a clip that
+    /// walks in place; no motion for a clip that stands still, whose sway stays in the pose.
+    /// [`RootMotion::origin`] tells which was chosen.
     #[default]
     Auto,
-    /// The first joint that moves from the root down to the hips; without hips, the first whose
+    /// The first moving joint from the root down to the hips. Without hips, the first joint whose
     /// translation moves.
     Root,
-    /// The joint of this name; what it hangs on stands still.
+    /// The joint of this name; its ancestors must not move.
     Joint(String),
-    /// The feet of a clip that walks in place: straight ahead, along +Z, as fast as they pass
-    /// backwards while planted
+    /// The feet of a clip that walks in place: straight ahead along +Z, at the speed at which
+    /// planted feet move backwards
     /// ([`ClipStats::ground_speed_m_per_sec`](crate::ClipStats::ground_speed_m_per_sec)).
     Feet,
 }
 
-/// What root motion was taken from.
+/// The source that root motion was taken from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MotionOrigin {
     /// The joint of this name.
     Joint(String),
     /// The feet of a clip that walks in place.
     Feet,
-    /// Nothing: the body stands, and its motion is none.
+    /// Nothing: the body stands still and has no motion.
     Nothing,
 }
 
-/// How root motion is taken out of a clip.
+/// Settings for taking root motion out of a clip.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MotionSettings {
-    /// What moves the body.
+    /// The source of the motion.
     pub from: MotionSource,
-    /// Whether its heading turns the body. Else turns stay in the pose.
+    /// Whether the heading is part of the motion. Otherwise turns stay in the pose.
     pub turns: bool,
-    /// Whether it lifts the body. Else heights stay in the pose.
+    /// Whether the height is part of the motion. Otherwise it stays in the pose.
     pub rises: bool,
 }
 
 impl Default for MotionSettings {
-    /// From whatever moves the body, over the ground, with its heading.
+    /// Any source, with heading, without height.
     fn default() -> Self {
         Self { from: MotionSource::Auto, turns: true, rises: false }
     }
 }
 
-/// A turn about +Y, then a shift, of the whole body in model space.
+/// A rotation about +Y followed by a translation, of the whole body in model space.
 #[derive(Clone, Copy, Debug)]
 struct Rigid {
     shift: DVec3,
-    /// Sine and cosine of the heading: 0 faces +Z, a quarter turn +X.
+    /// Sine and cosine of the heading. Heading 0 faces +Z, a quarter turn +X.
     heading: [f64; 2],
 }
 
@@ -79,7 +79,7 @@ impl Rigid {
         DQuat::from_rotation_y(self.heading[0].atan2(self.heading[1]))
     }
 
-    /// `next` first, then this one.
+    /// Composes two transforms: `next` is applied first.
     fn then(&self, next: &Self) -> Self {
         let ([s, c], [t, d]) = (self.heading, next.heading);
         Self {
@@ -93,10 +93,10 @@ impl Rigid {
         Self { shift: -(back.turn() * self.shift), ..back }
     }
 
-    /// So many times, a whole number.
+    /// Applies the transform `count` times; `count` is a whole number.
     fn times(&self, count: f64) -> Self {
         let yaw = self.heading[0].atan2(self.heading[1]);
-        // About the place that stays where it is, or straight on where there is none.
+        // About the fixed point of the transform, or straight ahead if there is none.
         let turn = DQuat::from_rotation_y(yaw * count);
         let [across, along] = [1.0 - self.heading[1], self.heading[0]];
         let squared = across * across + along * along;
@@ -109,7 +109,7 @@ impl Rigid {
         Self { shift: middle - turn * middle + DVec3::Y * (y * count), heading }
     }
 
-    /// Part of the way to another, as devices go it.
+    /// Interpolates as devices do.
     fn mix(&self, to: &Self, part: f64) -> Self {
         let [sin, cos] = [0, 1].map(|i| self.heading[i] + (to.heading[i] - self.heading[i]) * part);
         let length = sin.hypot(cos);
@@ -117,8 +117,7 @@ impl Rigid {
     }
 }
 
-/// How a clip moves a body over the ground: evenly spaced rows, the first of which is where the
-/// body stands.
+/// The root motion of a clip: evenly spaced rows, relative to the first.
 #[derive(Clone, Debug)]
 pub struct RootMotion {
     rows: Vec<Rigid>,
@@ -127,15 +126,15 @@ pub struct RootMotion {
 }
 
 impl RootMotion {
-    /// Where the body is after so much of the clip in seconds, held to its length, from where it
-    /// stood: metres in the clip's own model space, and its heading about +Y in radians.
+    /// Returns the motion after `secs` seconds of the clip, clamped to its length, relative to its
+    /// start: metres in the clip's own model space, and heading about +Y in radians.
     #[must_use]
     pub fn at(&self, secs: f32) -> ([f32; 3], f32) {
         told(&self.rigid(f64::from(secs)))
     }
 
-    /// As [`at`](Self::at), after playing the clip over and over for so many seconds, of a body
-    /// that began at a part of the clip, 0 to 1.
+    /// Like [`at`](Self::at), after playing the clip in a loop for `secs` seconds, starting at
+    /// `phase` from 0 to 1.
     #[must_use]
     pub fn looped(&self, phase: f32, secs: f32) -> ([f32; 3], f32) {
         let finite = |value: f32| if value.is_finite() { f64::from(value).max(0.0) } else { 0.0 };
@@ -147,20 +146,20 @@ impl RootMotion {
         told(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
     }
 
-    /// What the motion was taken from.
+    /// The source that the motion was taken from.
     #[must_use]
     pub fn origin(&self) -> &MotionOrigin {
         &self.origin
     }
 
-    /// The mean speed in metres per second, along the way; 0 for a clip of no length.
+    /// Mean speed along the path in metres per second; 0 for a clip of length 0.
     #[must_use]
     pub fn metres_per_sec(&self) -> f32 {
         let way: f64 = self.rows.windows(2).map(|pair| pair[0].shift.distance(pair[1].shift)).sum();
         if self.duration_secs > 0.0 { f64math::to_f32([way / self.duration_secs])[0] } else { 0.0 }
     }
 
-    /// Whether it takes a body of that size anywhere, or turns it.
+    /// Returns whether the motion moves a body of this size noticeably, or turns it.
     fn travels(&self, size: f64) -> bool {
         let end = self.rows[self.rows.len() - 1];
         let farthest = self.rows.iter().map(|row| row.shift.length()).fold(0.0, f64::max);
@@ -184,7 +183,7 @@ impl RootMotion {
         self.rows[row].mix(&self.rows[last.min(row + 1)], place - row as f64)
     }
 
-    /// Rows as devices hold them: `x y z 0`, then sine and cosine of the heading.
+    /// Rows in the form that devices read: `x y z 0`, then sine and cosine of the heading.
     pub(crate) fn device_rows(&self) -> impl Iterator<Item = Float4> + '_ {
         self.rows.iter().flat_map(|rigid| {
             let [sin, cos] = f64math::to_f32(rigid.heading);
@@ -205,33 +204,33 @@ impl RootMotion {
     }
 }
 
-/// As numbers for people: metres, radians.
+/// Converts to metres and radians.
 fn told(rigid: &Rigid) -> ([f32; 3], f32) {
     let [yaw] = f64math::to_f32([rigid.heading[0].atan2(rigid.heading[1])]);
     (f64math::to_f32(rigid.shift.to_array()), yaw)
 }
 
 impl Clip {
-    /// The same motion with what moves the whole body taken out of its pose: members that are moved
-    /// by their clips go where it goes, others play it in place. [`RootMotion::origin`] of its
-    /// [`root_motion`](Self::root_motion) tells from where.
+    /// Returns the clip with the motion of the whole body taken out of its pose. Members with root
+    /// motion enabled follow it; others play the clip in place. [`RootMotion::origin`] of its
+    /// [`root_motion`](Self::root_motion) tells where the motion was taken from.
     ///
     /// # Errors
     ///
-    /// [`Error::NoMotion`] where nothing of the kind that is named moves the body, where it hangs
-    /// on what moves, and for a clip that is live or has its motion already;
-    /// [`Error::UnknownJoints`] with the nearest names.
+    /// [`Error::NoMotion`] if the chosen source does not move the body or has a moving ancestor,
+    /// and for a clip that is live or has its root motion already; [`Error::UnknownJoints`] with
+    /// the nearest names.
     pub fn with_root_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         if self.ring.is_some() || self.motion.is_some() {
-            return self.no_motion("is live, or its motion is taken out already");
+            return self.no_motion("is live, or its root motion has been taken out already");
         }
         match &settings.from {
             MotionSource::Auto => self.driven_by_what_moves(settings),
             MotionSource::Feet => match self.contacts.speed {
                 Some(speed) => Ok(self.moved_evenly(f64::from(speed), MotionOrigin::Feet)),
                 None => self.no_motion(
-                    "has no foot that is known by its joint's name and comes down, so how fast it \
-                     goes is not known",
+                    "has no touch-down of a joint with a known foot name, so its walking speed is \
+                     unknown",
                 ),
             },
             from => {
@@ -241,7 +240,7 @@ impl Clip {
         }
     }
 
-    /// Takes out what moves the body, if anything does.
+    /// Takes out the motion of the first source that moves the body, if any does.
     fn driven_by_what_moves(&self, settings: &MotionSettings) -> Result<Self, Error> {
         let size = f64::from(self.skeleton.size_m());
         if let Ok(joint) = self.carrier(&MotionSource::Root)
@@ -255,7 +254,7 @@ impl Clip {
         }
     }
 
-    /// Takes out the motion of a joint, where that is wanted.
+    /// Takes out the motion of a joint if `wanted` accepts it.
     fn taken_from(
         &self,
         joint: JointIndex,
@@ -296,7 +295,7 @@ impl Clip {
         Ok(Some(Self { motion: Some(motion), ..Self::new(source, &self.skeleton)? }))
     }
 
-    /// The root motion that was taken out of the clip, if it was.
+    /// The root motion that was taken out of the clip, if any.
     #[must_use]
     pub fn root_motion(&self) -> Option<&RootMotion> {
         self.motion.as_ref()
@@ -306,7 +305,7 @@ impl Clip {
         Err(Error::NoMotion { clip: self.name().to_owned(), what: what.into() })
     }
 
-    /// Straight ahead at a speed in metres per second.
+    /// Adds a motion straight ahead at a speed in metres per second.
     fn moved_evenly(&self, speed: f64, origin: MotionOrigin) -> Self {
         let duration_secs = f64::from(self.duration_secs());
         let end = Rigid { shift: DVec3::new(0.0, 0.0, speed * duration_secs), ..Rigid::NONE };
@@ -314,7 +313,7 @@ impl Clip {
         Self { motion: Some(motion), ..self.clone() }
     }
 
-    /// The joint that carries the body.
+    /// Returns the joint that carries the body.
     fn carrier(&self, from: &MotionSource) -> Result<JointIndex, Error> {
         let moves = |joint: &JointIndex| {
             let [translation, rotation, _] = self.rows.storage.ranges[joint.index()];
@@ -328,12 +327,12 @@ impl Clip {
         };
         if let MotionSource::Joint(name) = from {
             let [joint] = self.skeleton.find_all(std::slice::from_ref(name))?[..] else {
-                return self.no_motion("is asked for the motion of more than one joint");
+                return self.no_motion("has more than one joint of the requested name");
             };
             let path = above(joint);
             return match path[..path.len() - 1].iter().find(|joint| moves(joint)) {
                 Some(moving) => self.no_motion(format!(
-                    "moves \"{}\", on which \"{name}\" hangs: name that joint, or one above it",
+                    "moves \"{}\", an ancestor of \"{name}\"; choose that joint or one above it",
                     self.skeleton.name(*moving)
                 )),
                 None => Ok(joint),
@@ -350,21 +349,21 @@ impl Clip {
         match found {
             Some(joint) => Ok(joint),
             None => self.no_motion(
-                "moves the body by no joint from the root to the hips; one that walks in place is \
-                 moved by its feet (MotionSource::Feet)",
+                "has no moving joint from the root down to the hips; for a clip that walks in \
+                 place use MotionSource::Feet",
             ),
         }
     }
 }
 
-/// The joint whose motion is taken out, in source curves.
+/// The joint whose motion is taken out, with the source curves.
 struct Carrier<'a> {
     clip: &'a Clip,
     curves: &'a Curves<'a>,
     joint: JointIndex,
-    /// Of its parent, which stands still.
+    /// Model transform of the joint's parent, which does not move.
     above: glam::DAffine3,
-    /// How that is turned.
+    /// Rotation of the parent in model space.
     above_turn: DQuat,
 }
 
@@ -384,7 +383,7 @@ impl<'a> Carrier<'a> {
         Self { clip, curves, joint, above, above_turn }
     }
 
-    /// Where the joint is in model space at a time, and how it is turned.
+    /// Returns position and rotation of the joint in model space.
     fn model(&self, secs: f64) -> (DVec3, DQuat) {
         let local = self.curves.local(self.joint, secs, Side::After);
         (self.above.transform_point3(local.translation), self.above_turn * local.rotation)
@@ -401,7 +400,7 @@ impl<'a> Carrier<'a> {
                 ..Rigid::NONE
             };
             let DQuat { y, w, .. } = turn * turn0.inverse();
-            // Upside down it has no heading, and keeps the last.
+            // An upside-down body has no heading and keeps the last one.
             if settings.turns && y * y + w * w > 1e-6 {
                 let length = y * y + w * w;
                 rigid.heading = [2.0 * y * w / length, (w * w - y * y) / length];
@@ -415,7 +414,7 @@ impl<'a> Carrier<'a> {
         rows
     }
 
-    /// Tracks of what is left of the joint's motion.
+    /// Returns tracks of the joint's motion without the root motion.
     fn in_place(
         &self,
         motion: &RootMotion,
