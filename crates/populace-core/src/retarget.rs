@@ -1,10 +1,10 @@
-//! Which joints of two skeletons belong together, and the pose in which they stand alike.
+//! Matching of the joints of two skeletons, and the common pose of both.
 //!
-//! Both skeletons face +Z with +Y up, as glTF says. `Gs` and `Gt` are rotations in model space of a
-//! joint of the source (the clip's own skeleton) and of the target, `0` marks the rest pose, `c`
-//! the target's common pose. A joint of the target that has a joint of the source of its role turns
-//! away from the common pose as that one turns away from its rest pose:
-//! `Gt = Gs * inverse(Gs0) * Gtc`. All other joints of the target keep their local rest.
+//! Both skeletons face +Z with +Y up, as glTF specifies. `Gs` and `Gt` are model-space rotations of
+//! a joint of the source (the clip's own skeleton) and of the target; `0` marks the rest pose, `c`
+//! the target's common pose. A target joint whose role has a source joint rotates away from the
+//! common pose as the source joint rotates away from its rest pose: `Gt = Gs * inverse(Gs0) * Gtc`.
+//! All other joints of the target keep their local rest.
 
 mod chain;
 mod ground;
@@ -18,20 +18,21 @@ use crate::{JointIndex, Skeleton, f64math};
 pub(crate) use chain::{Chain, ColumnMotion, Value};
 pub(crate) use soles::Soles;
 
-/// Lengths below this part of the body's size have no direction.
+/// Lengths below this fraction of the body's size have no direction.
 const SHORT: f64 = 1e-5;
-/// The longest run of joints that hang elsewhere, each from the one before.
-const LOOSE: usize = 4;
-/// Collarbones begin within this part of the way from the middle of the shoulders to an upper arm.
+/// Longest run of detached joints that follow each other.
+const MAX_DETACHED: usize = 4;
+/// Maximum distance of a collarbone's start from the middle of the shoulders, as a fraction of the
+/// distance of the upper arm.
 const COLLARBONE: f64 = 0.6;
 
-/// A skeleton at rest and its roles.
+/// A skeleton at rest, with its roles.
 pub(crate) struct Figure<'a> {
     pub(crate) skeleton: &'a Skeleton,
     roles: &'a RoleMap,
-    /// In model space.
+    /// Rest transforms in model space.
     rest: Vec<DAffine3>,
-    /// In model space, without the scales above.
+    /// Rest rotations in model space, without the scales of ancestors.
     turn: Vec<DQuat>,
 }
 
@@ -48,7 +49,7 @@ impl<'a> Figure<'a> {
         self.rest[joint.index()].translation
     }
 
-    /// How much longer what hangs on a joint is in model space than in its own, in the mean over
+    /// Returns the ratio of lengths in model space to those in the space of a joint, averaged over
     /// all directions.
     fn scale(&self, joint: Option<JointIndex>) -> f64 {
         joint.map_or(1.0, |joint| {
@@ -56,14 +57,15 @@ impl<'a> Figure<'a> {
         })
     }
 
-    /// The joint that carries the whole body over the ground, where there is one: the hips' parent.
+    /// Returns the joint that moves the whole body over the ground, if there is one: the parent of
+    /// the hips.
     fn root(&self) -> Option<JointIndex> {
         self.skeleton.parent(self.roles.joint(Role::Hips)?)
     }
 
-    /// Whether the joint between chest and upper arm leads outwards, as collarbones do. Some rigs
-    /// have a joint in its place that turns the arm in the shoulder: what it does is part of what
-    /// the upper arm does.
+    /// Returns whether the joint between chest and upper arm leads outwards like a collarbone. Some
+    /// rigs have a joint there that rotates the arm within the shoulder; its effect belongs to that
+    /// of the upper arm.
     fn has_collarbone(&self, side: Side) -> bool {
         let place = |role| Some(self.place(self.roles.joint(role)?));
         let arms = [Side::Left, Side::Right].map(|side| place(Role::UpperArm(side)));
@@ -76,14 +78,14 @@ impl<'a> Figure<'a> {
         shoulder.distance(middle) < COLLARBONE * arm.distance(middle)
     }
 
-    /// Joints of the back, from below.
+    /// Returns the joints of the back, lowest first.
     fn back(&self) -> Vec<JointIndex> {
         let roles = [Role::Spine, Role::Chest, Role::UpperChest];
         roles.into_iter().filter_map(|role| self.roles.joint(role)).collect()
     }
 }
 
-/// A joint of the target and what it follows.
+/// A joint of the target and the source joint that it follows.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     source: JointIndex,
@@ -91,18 +93,18 @@ struct Pair {
     role: Option<Role>,
 }
 
-/// Two figures, and the pose in which the target stands as the source does at rest.
+/// Two figures, and the common pose: the pose of the target that matches the source's rest.
 pub(crate) struct Common<'a> {
     pub(crate) source: Figure<'a>,
     pub(crate) target: Figure<'a>,
-    /// By joint of the target.
+    /// For each joint of the target.
     pairs: Vec<Option<Pair>>,
-    /// By joint of the target, in model space.
+    /// Rotations of the common pose in model space, for each joint of the target.
     turn: Vec<DQuat>,
     place: Vec<DVec3>,
-    /// How much higher than at rest the hips stand, so that feet stay on the ground.
+    /// Height of the hips above their rest, so that the feet stay on the ground.
     lift: f64,
-    /// The target's legs over the source's.
+    /// Leg length of the target divided by that of the source.
     scale: f64,
 }
 
@@ -147,18 +149,18 @@ impl<'a> Common<'a> {
         common
     }
 
-    /// How long the target's legs are, in parts of the source's.
+    /// Leg length of the target divided by that of the source.
     pub(crate) fn legs(&self) -> f32 {
         f64math::to_f32([self.scale])[0]
     }
 
-    /// How far a joint of the target turns from rest to the common pose, in radians.
+    /// Angle of a target joint between rest and common pose, in radians.
     pub(crate) fn turned_rad(&self, joint: JointIndex) -> f64 {
         self.turn[joint.index()].angle_between(self.target.turn[joint.index()])
     }
 
-    /// The joint of the target whose turn from rest to the common pose a joint shares before its
-    /// own is added: its parent, or what it follows where it hangs elsewhere.
+    /// Returns the target joint whose rotation from rest to the common pose is applied to `joint`
+    /// before its own: its parent, or the joint that it follows if it is detached.
     fn guide(&self, joint: JointIndex) -> Option<JointIndex> {
         self.detached(joint)
             .or_else(|| {
@@ -169,7 +171,8 @@ impl<'a> Common<'a> {
             .or_else(|| self.target.skeleton.parent(joint))
     }
 
-    /// The joint that a joint with a role should hang on and does not, where both are paired.
+    /// Returns the joint that a joint with a role should descend from but does not, if both are
+    /// paired.
     fn detached(&self, joint: JointIndex) -> Option<JointIndex> {
         let role = self.pairs[joint.index()]?.role?;
         if self.target.roles.joint(role) != Some(joint) {
@@ -181,8 +184,8 @@ impl<'a> Common<'a> {
         (!self.target.skeleton.is_below(joint, of)).then_some(of)
     }
 
-    /// Rotations of the common pose. A joint's guide comes first; should guides lead in a circle,
-    /// what is left stays at rest.
+    /// Computes the rotations of the common pose. A joint's guide is processed first. If guides
+    /// form a cycle, the remaining joints stay at rest.
     fn turns(&self) -> Vec<DQuat> {
         let skeleton = self.target.skeleton;
         let guides: Vec<_> = skeleton.joints().map(|j| self.guide(j)).collect();
@@ -211,14 +214,14 @@ impl<'a> Common<'a> {
             .collect()
     }
 
-    /// How a joint turns from rest to the common pose, where `inherited` is how its guide does.
+    /// Returns a joint's rotation from rest to the common pose; `inherited` is that of its guide.
     fn common_turn(&self, joint: JointIndex, inherited: DQuat) -> DQuat {
         let Some(Pair { source, role: Some(role) }) = self.pairs[joint.index()] else {
             return inherited;
         };
         match role {
-            // Ankles and heads differ from body to body; soles lie flat and faces look ahead in
-            // every rest pose.
+            // Ankles and heads differ between bodies, but in every rest pose soles are flat and
+            // faces look ahead.
             Role::Foot(_) | Role::Head => return DQuat::IDENTITY,
             _ if self.target.roles.joint(role) != Some(joint) => return inherited,
             _ => {}
@@ -236,7 +239,7 @@ impl<'a> Common<'a> {
         swing.unwrap_or(DQuat::IDENTITY) * inherited
     }
 
-    /// Places of the common pose, the hips where they are at rest.
+    /// Computes the positions of the common pose, with the hips at their rest position.
     fn places(&self) -> Vec<DVec3> {
         let skeleton = self.target.skeleton;
         let mut models: Vec<DAffine3> = Vec::with_capacity(self.turn.len());
@@ -253,9 +256,9 @@ impl<'a> Common<'a> {
         }
         let stood = |joint: JointIndex| models[joint.index()].translation;
         let mut shifts = vec![DVec3::ZERO; models.len()];
-        // What hangs elsewhere may come before what it follows, and a hand and three joints of a
-        // finger may all do.
-        for _ in 0..=LOOSE {
+        // A detached joint may come before the joint that it follows, and a hand and three joints
+        // of a finger may all be detached.
+        for _ in 0..=MAX_DETACHED {
             for joint in skeleton.joints() {
                 let parent = skeleton.parent(joint).map_or(DVec3::ZERO, |p| shifts[p.index()]);
                 shifts[joint.index()] = self.detached(joint).map_or(parent, |of| {
@@ -269,8 +272,8 @@ impl<'a> Common<'a> {
     }
 }
 
-/// Where the limb of a role leads to. Hands and fingers keep their own shape: a palm may be cupped
-/// at rest, and pulling it straight would tear it.
+/// Returns the role at the far end of a limb. Hands and fingers keep their own shape: a palm may be
+/// cupped at rest, and straightening it would distort the mesh.
 fn end(role: Role) -> Option<Role> {
     match role {
         Role::UpperArm(side) => Some(Role::LowerArm(side)),
@@ -281,9 +284,9 @@ fn end(role: Role) -> Option<Role> {
     }
 }
 
-/// Joints of the source by joint of the target: those of one role, and roots. Backs of unlike many
-/// joints are paired from both ends: where one has a chest and the other an upper chest, on either
-/// of them hang the shoulders.
+/// Returns the source joint for each joint of the target: joints of the same role, and roots. Backs
+/// with different numbers of joints are paired from both ends, because the shoulders descend from
+/// the chest on one body and from the upper chest on another.
 fn pairs(source: &Figure<'_>, target: &Figure<'_>) -> Vec<Option<Pair>> {
     let mut pairs = vec![None; target.skeleton.joint_count()];
     for (role, joint) in target.roles.iter().chain(target.roles.followers().iter().copied()) {

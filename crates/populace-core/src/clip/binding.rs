@@ -85,7 +85,7 @@ impl Footing {
         }
         let rows: Vec<Vec<DQuat>> =
             clip.rows.poses(&clip.skeleton, 1).map(|pose| soles.turns(&pose)).collect();
-        if rows.iter().all(|row| Soles::are_none(row)) {
+        if rows.iter().all(|row| Soles::are_negligible(row)) {
             return None;
         }
         let mut turns = vec![Turn::NONE; joint_count];
@@ -176,8 +176,8 @@ impl Binding {
                     |roles: Option<&RoleMap>| if roles.is_some() { "has" } else { "does not have" };
                 let what = format!(
                     "no joint of the skeleton has the name of a joint that the clip drives, such \
-                     as \"{first}\"; humanoid roles are needed on both skeletons, but this skeleton \
-                     {} them and the clip's own {}; give roles with RoleMap::from_names",
+                     as \"{first}\"; humanoid roles are needed on both skeletons, but this \
+                     skeleton {} them and the clip's own {}; give roles with RoleMap::from_names",
                     has(roles),
                     has(clip_roles)
                 );
@@ -235,7 +235,7 @@ impl Binding {
         let every = clip.rows.times.len().div_ceil(GROUND_POSES).max(1);
         let poses: Vec<_> = clip.rows.poses(&clip.skeleton, every).collect();
         common.keep_above_ground(&poses);
-        let heels = Soles::new(&common).map_or(0.0, |soles| soles.heels(&poses));
+        let heels = Soles::new(&common).map_or(0.0, |soles| soles.heel_lift(&poses));
         common.lift_by(heels);
         let soles = Soles::new(&common);
         let by_feet =

@@ -1,5 +1,5 @@
-//! How feet of the target meet the ground: how far they would sink into it, and how fast they pass
-//! over it.
+//! Ground contact of the target's feet: how deep they would sink, and how fast they pass over the
+//! ground.
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -7,25 +7,26 @@ use super::{Common, Soles};
 use crate::humanoid::{Role, Side};
 use crate::{JointIndex, f64math};
 
-/// Feet may sink by this part of the body's size before the whole body is lifted, and it is lifted
-/// by no more than that: who lies or swims is meant to.
-const SINKS: f64 = 0.004;
-const MOST: f64 = 0.02;
+/// Depth, as a fraction of the body's size, to which feet may sink before the whole body is lifted,
+/// and the maximum lift. Bodies that lie or swim are below the ground on purpose.
+const SINK_TOLERANCE: f64 = 0.004;
+const MAX_LIFT: f64 = 0.02;
 pub(super) const SIDES: [Side; 2] = [Side::Left, Side::Right];
-/// A pace that is further from what the length of legs says is none.
-const LIKELY: std::ops::Range<f64> = 0.4..2.5;
+/// Plausible ratios of the measured pace to that expected from leg lengths; others are ignored.
+const PLAUSIBLE_RATIO: std::ops::Range<f64> = 0.4..2.5;
 
-/// What of the target touches the ground: a foot, or its toes.
+/// A foot or toes of the target that touch the ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stands {
     pub(super) joint: JointIndex,
-    /// In model space.
+    /// Position in model space.
     pub(super) place: DVec3,
-    /// From rest, in model space.
+    /// Rotation from rest, in model space.
     pub(super) turn: DQuat,
 }
 
-/// How far the ground passes under feet: each moment has the place of one or none for each side.
+/// Returns the distance that the ground moves under the feet. Each moment has the position of one
+/// foot per side, or none.
 fn passed(moments: &[[Option<DVec3>; 2]]) -> f64 {
     let passes = moments.windows(2).map(|pair| {
         let both = pair[0].iter().zip(pair[1]).filter_map(|(before, now)| Some(((*before)?, now?)));
@@ -36,9 +37,8 @@ fn passed(moments: &[[Option<DVec3>; 2]]) -> f64 {
 }
 
 impl Common<'_> {
-    /// Lifts the hips where the thighs of one body are longer against the shins than those of the
-    /// other, so that feet would sink. `poses` are local transforms of the source's joints, one
-    /// after the other.
+    /// Lifts the hips if the feet would sink because the ratio of thigh to shin differs between the
+    /// bodies. `poses` are local transforms of the source's joints.
     pub(crate) fn keep_above_ground(&mut self, poses: &[Vec<DAffine3>]) {
         let depth = |pose: &Vec<DAffine3>| {
             let (turns, models) = self.source_models(pose);
@@ -47,18 +47,18 @@ impl Common<'_> {
         };
         let deepest = poses.iter().map(depth).fold(0.0, f64::max);
         let size = f64::from(self.target.skeleton.size_m());
-        self.lift += (deepest - SINKS * size).clamp(0.0, MOST * size);
+        self.lift += (deepest - SINK_TOLERANCE * size).clamp(0.0, MAX_LIFT * size);
     }
 
-    /// Lifts the whole body.
+    /// Raises the whole body by `height`.
     pub(crate) fn lift_by(&mut self, height: f64) {
         self.lift += height;
     }
 
-    /// How fast the ground passes under the target's feet, in parts of how fast it passes under the
-    /// source's; as long as its legs are against the source's where nothing is planted.
+    /// Returns the speed of the ground under the target's feet divided by that under the source's
+    /// feet. If nothing is planted it is the ratio of leg lengths.
     pub(crate) fn pace(&self, poses: &[Vec<DAffine3>], soles: Option<&Soles<'_>>) -> f32 {
-        // The last of a leg bears it: toes where there are any.
+        // The last joint of a leg carries it: the toes if there are any.
         let last = |side| {
             let roles = &self.source.roles;
             roles.joint(Role::Toes(side)).or_else(|| roles.joint(Role::Foot(side)))
@@ -78,11 +78,11 @@ impl Common<'_> {
         }
         let (source, target) = (passed(&source), passed(&target));
         let pace = target / source;
-        let likely = LIKELY.contains(&(pace / self.scale));
+        let likely = PLAUSIBLE_RATIO.contains(&(pace / self.scale));
         f64math::to_f32([if likely { pace } else { self.scale }])[0]
     }
 
-    /// How the source's joints are turned, and where they are, in model space.
+    /// Returns the model-space rotations and transforms of the source's joints.
     pub(super) fn source_models(&self, pose: &[DAffine3]) -> (Vec<DQuat>, Vec<DAffine3>) {
         let parents: Vec<_> =
             self.source.skeleton.joints().map(|j| self.source.skeleton.parent(j)).collect();
@@ -93,7 +93,7 @@ impl Common<'_> {
         )
     }
 
-    /// Where the hips are, carried by the root where both bodies have one.
+    /// Returns the position of the hips, carried by the root if both bodies have one.
     fn hips_place(
         &self,
         hips: JointIndex,
@@ -118,7 +118,7 @@ impl Common<'_> {
         root_place + guide * (self.place_of(hips) - self.place_of(root)) + self.scale * own
     }
 
-    /// The foot and the toes of a side.
+    /// Returns the foot and the toes of a side.
     pub(super) fn feet(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> Vec<Stands> {
         let roles = [
             Role::Hips,
