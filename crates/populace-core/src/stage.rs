@@ -89,7 +89,8 @@ pub type StageFn = Arc<dyn Fn(&mut StageJoint) + Send + Sync>;
 #[doc = concat!("```c\n", include_str!("stage/joint.cl"), "```")]
 /// and the functions `float stage_phase(const StageJoint *, float period_secs)`, `float4
 /// stage_to_model(const StageJoint *, float4 direction)` and
-/// `void stage_turn(StageJoint *, float4 quaternion)`, which are those of [`StageJoint`].
+/// `void stage_turn(StageJoint *, float4 quaternion)`, which do what the methods of [`StageJoint`]
+/// do.
 ///
 /// The texts of a crowd's stages are compiled together, each distinct text once, so helper
 /// functions need unique names as well. They are OpenCL C 1.2, compiled for a single joint on every

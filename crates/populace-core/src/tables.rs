@@ -233,7 +233,7 @@ impl Tables {
                     4..7 => trs.translation[plane - 4],
                     _ => trs.scale[plane - 7],
                 };
-                *value = component + 0.0; // a positive zero, as in the ranges of what stands still
+                *value = component + 0.0; // zeros become positive, as in constant ranges
             }
         }
         self.all.poses.extend(planes)

@@ -41,7 +41,7 @@ device_struct! {
     /// between that row and the far row ([`far_row`](crate::far_row)); see [`Slot::left`] and
     /// [`Slot::taking`].
     ///
-    /// The phase is a 64-bit fraction of the clip's cycle, `start_phase + elapsed * phase_rate`,
+    /// The phase is a 64-bit fraction of the cycle, `(start_phase << 32) + elapsed * phase_rate`,
     /// wrapping. It is exact for all time and equal on every device. [`SLOT_ONCE`] ends when
     /// `elapsed * |phase_rate|` reaches a cycle, that is when the upper half of the 128-bit product
     /// is not 0. It begins at the clip's start, or at its end if `phase_rate` is negative.

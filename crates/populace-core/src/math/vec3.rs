@@ -1,4 +1,5 @@
-//! Vectors of three components, and rotations between them; twin of `kernels/turn.cl`.
+//! Vectors of three components, and rotations between them; twin of the `vec3_` functions of
+//! `kernels/quat.cl` for lanes, and of `kernels/turn.cl` for single vectors.
 
 use super::{Real, quat};
 

@@ -12,7 +12,7 @@ const STEP_SECS: f32 = 1e-3;
 /// The sampled state of a clip at one instant: its row and its pace.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampledState {
-    /// Into `bound_clips`.
+    /// Index into `bound_clips`.
     pub bound_clip: u32,
     /// Fractional row: the row at or before the sampled time, plus the fraction of the way to the
     /// next.
