@@ -53,15 +53,15 @@ pub(crate) fn rest_models(skeleton: &crate::Skeleton) -> Vec<DAffine3> {
 
 /// Returns the model-space rotation of each joint from local rotations; parents must come first.
 /// Scales of ancestors are ignored.
-pub(crate) fn turns(
+pub(crate) fn model_rotations(
     parents: &[Option<JointIndex>],
     locals: impl Iterator<Item = DQuat>,
 ) -> Vec<DQuat> {
-    let mut turns: Vec<DQuat> = Vec::with_capacity(parents.len());
+    let mut rotations: Vec<DQuat> = Vec::with_capacity(parents.len());
     for (parent, local) in parents.iter().zip(locals) {
-        turns.push(parent.map_or(local, |p| turns[p.index()] * local));
+        rotations.push(parent.map_or(local, |p| rotations[p.index()] * local));
     }
-    turns
+    rotations
 }
 
 /// Returns the largest side of the box around the joints at rest; 1 if they coincide.

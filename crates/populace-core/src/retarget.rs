@@ -33,7 +33,7 @@ pub(crate) struct Figure<'a> {
     /// Rest transforms in model space.
     rest: Vec<DAffine3>,
     /// Rest rotations in model space, without the scales of ancestors.
-    turn: Vec<DQuat>,
+    rotation: Vec<DQuat>,
 }
 
 impl<'a> Figure<'a> {
@@ -41,11 +41,11 @@ impl<'a> Figure<'a> {
         let parents: Vec<_> = skeleton.joints().map(|j| skeleton.parent(j)).collect();
         let local = |j: JointIndex| f64math::quat(skeleton.rest(j).rotation).normalize();
         let rest = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
-        let turn = f64math::turns(&parents, skeleton.joints().map(local));
-        Self { skeleton, roles, rest: f64math::model_from_joints(&parents, rest), turn }
+        let rotation = f64math::model_rotations(&parents, skeleton.joints().map(local));
+        Self { skeleton, roles, rest: f64math::model_from_joints(&parents, rest), rotation }
     }
 
-    fn place(&self, joint: JointIndex) -> DVec3 {
+    fn position(&self, joint: JointIndex) -> DVec3 {
         self.rest[joint.index()].translation
     }
 
@@ -67,10 +67,10 @@ impl<'a> Figure<'a> {
     /// rigs have a joint there that rotates the arm within the shoulder; its effect belongs to that
     /// of the upper arm.
     fn has_collarbone(&self, side: Side) -> bool {
-        let place = |role| Some(self.place(self.roles.joint(role)?));
-        let arms = [Side::Left, Side::Right].map(|side| place(Role::UpperArm(side)));
+        let position = |role| Some(self.position(self.roles.joint(role)?));
+        let arms = [Side::Left, Side::Right].map(|side| position(Role::UpperArm(side)));
         let (Some(left), Some(right), Some(shoulder)) =
-            (arms[0], arms[1], place(Role::Shoulder(side)))
+            (arms[0], arms[1], position(Role::Shoulder(side)))
         else {
             return false;
         };
@@ -100,8 +100,8 @@ pub(crate) struct Common<'a> {
     /// For each joint of the target.
     pairs: Vec<Option<Pair>>,
     /// Rotations of the common pose in model space, for each joint of the target.
-    turn: Vec<DQuat>,
-    place: Vec<DVec3>,
+    rotation: Vec<DQuat>,
+    position: Vec<DVec3>,
     /// Height of the hips above their rest, so that the feet stay on the ground.
     lift: f64,
     /// Leg length of the target divided by that of the source.
@@ -115,13 +115,13 @@ impl<'a> Common<'a> {
             source,
             target,
             pairs,
-            turn: Vec::new(),
-            place: Vec::new(),
+            rotation: Vec::new(),
+            position: Vec::new(),
             lift: 0.0,
             scale: 1.0,
         };
-        common.turn = common.turns();
-        common.place = common.places();
+        common.rotation = common.rotations();
+        common.position = common.positions();
         let sides = [Side::Left, Side::Right];
         let lowest = |height: &dyn Fn(JointIndex) -> f64, of: &Figure<'_>| {
             let feet = sides.into_iter().filter_map(|side| of.roles.joint(Role::Foot(side)));
@@ -133,10 +133,10 @@ impl<'a> Common<'a> {
         };
         let (source, target) = (&common.source, &common.target);
         let (at_rest, in_common) =
-            (|j| target.place(j).y, |j: JointIndex| common.place[j.index()].y);
+            (|j| target.position(j).y, |j: JointIndex| common.position[j.index()].y);
         let ground = lowest(&in_common, target).unwrap_or(0.0);
         let lift = lowest(&at_rest, target).unwrap_or(0.0) - ground;
-        let source_height = |j| source.place(j).y;
+        let source_height = |j| source.position(j).y;
         let legs = (
             top(&in_common, target) - ground,
             top(&source_height, source) - lowest(&source_height, source).unwrap_or(0.0),
@@ -156,7 +156,7 @@ impl<'a> Common<'a> {
 
     /// Angle of a target joint between rest and common pose, in radians.
     pub(crate) fn turned_rad(&self, joint: JointIndex) -> f64 {
-        self.turn[joint.index()].angle_between(self.target.turn[joint.index()])
+        self.rotation[joint.index()].angle_between(self.target.rotation[joint.index()])
     }
 
     /// Returns the target joint whose rotation from rest to the common pose is applied to `joint`
@@ -186,36 +186,36 @@ impl<'a> Common<'a> {
 
     /// Computes the rotations of the common pose. A joint's guide is processed first. If guides
     /// form a cycle, the remaining joints stay at rest.
-    fn turns(&self) -> Vec<DQuat> {
+    fn rotations(&self) -> Vec<DQuat> {
         let skeleton = self.target.skeleton;
         let guides: Vec<_> = skeleton.joints().map(|j| self.guide(j)).collect();
-        let mut turns: Vec<Option<DQuat>> = vec![None; guides.len()];
+        let mut rotations: Vec<Option<DQuat>> = vec![None; guides.len()];
         let mut progress = true;
         while progress {
             progress = false;
             for joint in skeleton.joints() {
-                let at_rest = self.target.turn[joint.index()];
+                let at_rest = self.target.rotation[joint.index()];
                 let from_rest = match guides[joint.index()] {
                     None => Some(DQuat::IDENTITY),
-                    Some(g) => {
-                        turns[g.index()].map(|turn| turn * self.target.turn[g.index()].inverse())
-                    }
+                    Some(g) => rotations[g.index()]
+                        .map(|rotation| rotation * self.target.rotation[g.index()].inverse()),
                 };
-                if let (None, Some(from_rest)) = (turns[joint.index()], from_rest) {
-                    turns[joint.index()] = Some(self.common_turn(joint, from_rest) * at_rest);
+                if let (None, Some(from_rest)) = (rotations[joint.index()], from_rest) {
+                    rotations[joint.index()] =
+                        Some(self.common_rotation(joint, from_rest) * at_rest);
                     progress = true;
                 }
             }
         }
-        turns
+        rotations
             .into_iter()
-            .zip(&self.target.turn)
-            .map(|(turn, rest)| turn.unwrap_or(*rest).normalize())
+            .zip(&self.target.rotation)
+            .map(|(rotation, rest)| rotation.unwrap_or(*rest).normalize())
             .collect()
     }
 
     /// Returns a joint's rotation from rest to the common pose; `inherited` is that of its guide.
-    fn common_turn(&self, joint: JointIndex, inherited: DQuat) -> DQuat {
+    fn common_rotation(&self, joint: JointIndex, inherited: DQuat) -> DQuat {
         let Some(Pair { source, role: Some(role) }) = self.pairs[joint.index()] else {
             return inherited;
         };
@@ -229,8 +229,9 @@ impl<'a> Common<'a> {
         let swing = end(role).and_then(|end| {
             let (to_source, to_target) =
                 (self.source.roles.joint(end)?, self.target.roles.joint(end)?);
-            let wanted = self.source.place(to_source) - self.source.place(source);
-            let inherits = inherited * (self.target.place(to_target) - self.target.place(joint));
+            let wanted = self.source.position(to_source) - self.source.position(source);
+            let inherits =
+                inherited * (self.target.position(to_target) - self.target.position(joint));
             let long =
                 |v: DVec3, of: &Figure<'_>| v.length() > SHORT * f64::from(of.skeleton.size_m());
             let both = long(wanted, &self.source) && long(inherits, &self.target);
@@ -240,21 +241,21 @@ impl<'a> Common<'a> {
     }
 
     /// Computes the positions of the common pose, with the hips at their rest position.
-    fn places(&self) -> Vec<DVec3> {
+    fn positions(&self) -> Vec<DVec3> {
         let skeleton = self.target.skeleton;
-        let mut models: Vec<DAffine3> = Vec::with_capacity(self.turn.len());
+        let mut models: Vec<DAffine3> = Vec::with_capacity(self.rotation.len());
         for joint in skeleton.joints() {
             let trs = skeleton.rest(joint);
             let parent = skeleton.parent(joint);
-            let above = parent.map_or(DQuat::IDENTITY, |p| self.turn[p.index()]);
+            let above = parent.map_or(DQuat::IDENTITY, |p| self.rotation[p.index()]);
             let local = DAffine3::from_scale_rotation_translation(
                 f64math::vec3(trs.scale),
-                above.inverse() * self.turn[joint.index()],
+                above.inverse() * self.rotation[joint.index()],
                 f64math::vec3(trs.translation),
             );
             models.push(parent.map_or(local, |p| models[p.index()] * local));
         }
-        let stood = |joint: JointIndex| models[joint.index()].translation;
+        let unshifted = |joint: JointIndex| models[joint.index()].translation;
         let mut shifts = vec![DVec3::ZERO; models.len()];
         // A detached joint may come before the joint that it follows, and a hand and three joints
         // of a finger may all be detached.
@@ -262,13 +263,14 @@ impl<'a> Common<'a> {
             for joint in skeleton.joints() {
                 let parent = skeleton.parent(joint).map_or(DVec3::ZERO, |p| shifts[p.index()]);
                 shifts[joint.index()] = self.detached(joint).map_or(parent, |of| {
-                    let turn = self.turn[of.index()] * self.target.turn[of.index()].inverse();
-                    let arm = self.target.place(joint) - self.target.place(of);
-                    stood(of) + shifts[of.index()] + turn * arm - stood(joint)
+                    let rotation =
+                        self.rotation[of.index()] * self.target.rotation[of.index()].inverse();
+                    let arm = self.target.position(joint) - self.target.position(of);
+                    unshifted(of) + shifts[of.index()] + rotation * arm - unshifted(joint)
                 });
             }
         }
-        skeleton.joints().map(|joint| stood(joint) + shifts[joint.index()]).collect()
+        skeleton.joints().map(|joint| unshifted(joint) + shifts[joint.index()]).collect()
     }
 }
 

@@ -28,7 +28,7 @@ const GROUND_POSES: usize = 128;
 pub struct Binding {
     joint_map: Vec<u32>,
     ranges: Vec<[Range; 3]>,
-    turns: Vec<Vec<Turn>>,
+    corrections: Vec<Vec<Turn>>,
     footing: Option<Footing>,
     bound_joint_count: usize,
     /// Scale of root motion: distance moved by the body per distance moved by the clip's own
@@ -69,7 +69,7 @@ impl Turn {
 /// its own rows, one for each row of the clip.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Footing {
-    pub(crate) turns: Vec<Turn>,
+    pub(crate) corrections: Vec<Turn>,
     pub(crate) rows: Vec<u32>,
     /// Words between rows.
     pub(crate) stride: usize,
@@ -84,32 +84,41 @@ impl Footing {
             return None;
         }
         let rows: Vec<Vec<DQuat>> =
-            clip.rows.poses(&clip.skeleton, 1).map(|pose| soles.turns(&pose)).collect();
+            clip.rows.poses(&clip.skeleton, 1).map(|pose| soles.rotations(&pose)).collect();
         if rows.iter().all(|row| Soles::are_negligible(row)) {
             return None;
         }
-        let mut turns = vec![Turn::NONE; joint_count];
+        let mut corrections = vec![Turn::NONE; joint_count];
         let joints = soles.joints();
         if clip.row_stride() == 0 {
             // The clip does not move, so that all rows are equal.
-            for (joint, turn) in joints.iter().zip(&rows[0]) {
-                turns[joint.index()].after = f64math::to_f32(turn.to_array());
+            for (joint, correction) in joints.iter().zip(&rows[0]) {
+                corrections[joint.index()].after = f64math::to_f32(correction.to_array());
             }
-            return Some(Self { turns, rows: Vec::new(), stride: 0, blocks: Vec::new() });
+            return Some(Self { corrections, rows: Vec::new(), stride: 0, blocks: Vec::new() });
         }
-        let Storage { words, stride, blocks, ranges, .. } = Storage::of_turns(&rows);
+        let Storage { words, stride, blocks, ranges, .. } = Storage::of_rotations(&rows);
         for ((column, joint), [_, rotation, _]) in (0..).zip(joints).zip(ranges) {
             let map = column | MAP_ROTATION;
-            turns[joint.index()] = Turn { map, rotation, step_w: rotation.step, ..Turn::NONE };
+            corrections[joint.index()] =
+                Turn { map, rotation, step_w: rotation.step, ..Turn::NONE };
         }
-        Some(Self { turns, rows: words, stride, blocks })
+        Some(Self { corrections, rows: words, stride, blocks })
     }
 }
 
 impl Binding {
     fn empty(motion_scale: f32, report: BindingReport) -> Self {
-        let (joint_map, ranges, turns) = (Vec::new(), Vec::new(), Vec::new());
-        Self { joint_map, ranges, turns, footing: None, bound_joint_count: 0, motion_scale, report }
+        let (joint_map, ranges, corrections) = (Vec::new(), Vec::new(), Vec::new());
+        Self {
+            joint_map,
+            ranges,
+            corrections,
+            footing: None,
+            bound_joint_count: 0,
+            motion_scale,
+            report,
+        }
     }
 
     /// Binds a clip by joint names.
@@ -265,34 +274,35 @@ impl Binding {
         let (map, ranges) = clip.rows.bind(None, &at_rest);
         self.joint_map.push(map);
         self.ranges.push(ranges);
-        for turn in &mut self.turns {
-            turn.push(Turn::NONE);
+        for correction in &mut self.corrections {
+            correction.push(Turn::NONE);
         }
         for (at, link) in links.iter().enumerate() {
-            if self.turns.len() <= at {
-                self.turns.push(vec![Turn::NONE; joint + 1]);
+            if self.corrections.len() <= at {
+                self.corrections.push(vec![Turn::NONE; joint + 1]);
             }
-            let mut turn = Turn { map: link.column.0, ..Turn::NONE };
-            turn.after = f64math::to_f32(link.after.normalize().to_array());
+            let mut correction = Turn { map: link.column.0, ..Turn::NONE };
+            correction.after = f64math::to_f32(link.after.normalize().to_array());
             let [translation, rotation, _] = clip.rows.storage.ranges[link.column.index()];
-            if link.turns {
+            if link.rotates {
                 let [x, y, z, w] = rotation.offset;
                 let sign = if link.undone { -1.0 } else { 1.0 };
                 let offset = [sign * x, sign * y, sign * z, w];
-                turn.rotation = Range { offset, step: sign * rotation.step };
-                turn.step_w = rotation.step;
-                turn.map |= MAP_ROTATION;
+                correction.rotation = Range { offset, step: sign * rotation.step };
+                correction.step_w = rotation.step;
+                correction.map |= MAP_ROTATION;
             }
             let mut arm = link.arm;
             if link.arm_scale != 0.0 {
                 let [x, y, z, _] = translation.offset;
                 arm += link.arm_scale * f64math::vec3([x, y, z]);
-                [turn.arm.step] = f64math::to_f32([link.arm_scale * f64::from(translation.step)]);
-                turn.map |= MAP_TRANSLATION;
+                [correction.arm.step] =
+                    f64math::to_f32([link.arm_scale * f64::from(translation.step)]);
+                correction.map |= MAP_TRANSLATION;
             }
             let [x, y, z] = f64math::to_f32(arm.to_array());
-            turn.arm.offset = [x, y, z, 0.0];
-            self.turns[at][joint] = turn;
+            correction.arm.offset = [x, y, z, 0.0];
+            self.corrections[at][joint] = correction;
         }
     }
 
@@ -310,8 +320,8 @@ impl Binding {
 
     /// The corrections that poses go through one after the other, each with one element per joint;
     /// empty if the clip is bound by name.
-    pub(crate) fn turns(&self) -> &[Vec<Turn>] {
-        &self.turns
+    pub(crate) fn corrections(&self) -> &[Vec<Turn>] {
+        &self.corrections
     }
 
     /// The foot correction, which comes after those.

@@ -12,9 +12,9 @@ use crate::{ClipSource, Error, Interpolation, JointIndex, Property, Track, f64ma
 const ROWS_PER_SEC: f64 = 60.0;
 /// A body counts as standing if it ends no further from its start than this fraction of its size,
 /// or of its size per second. The same limit holds for the speed of its feet.
-const STANDS: f64 = 0.05;
+const STANDING: f64 = 0.05;
 /// A body counts as not turning if its heading changes by no more than this, in radians.
-const TURNS_RAD: f64 = 0.25;
+const TURNING_RAD: f64 = 0.25;
 
 /// The source of root motion.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -75,7 +75,7 @@ struct Rigid {
 impl Rigid {
     const NONE: Self = Self { shift: DVec3::ZERO, heading: [0.0, 1.0] };
 
-    fn turn(&self) -> DQuat {
+    fn rotation(&self) -> DQuat {
         DQuat::from_rotation_y(self.heading[0].atan2(self.heading[1]))
     }
 
@@ -83,14 +83,14 @@ impl Rigid {
     fn then(&self, next: &Self) -> Self {
         let ([s, c], [t, d]) = (self.heading, next.heading);
         Self {
-            shift: self.shift + self.turn() * next.shift,
+            shift: self.shift + self.rotation() * next.shift,
             heading: [s * d + c * t, c * d - s * t],
         }
     }
 
-    fn undone(&self) -> Self {
+    fn inverse(&self) -> Self {
         let back = Self { shift: DVec3::ZERO, heading: [-self.heading[0], self.heading[1]] };
-        Self { shift: -(back.turn() * self.shift), ..back }
+        Self { shift: -(back.rotation() * self.shift), ..back }
     }
 
     /// Applies the transform `count` times; `count` is a whole number.
@@ -130,7 +130,7 @@ impl RootMotion {
     /// start: metres in the clip's own model space, and heading about +Y in radians.
     #[must_use]
     pub fn at(&self, secs: f32) -> ([f32; 3], f32) {
-        told(&self.rigid(f64::from(secs)))
+        position_and_yaw(&self.rigid(f64::from(secs)))
     }
 
     /// Like [`at`](Self::at), after playing the clip in a loop for `secs` seconds, starting at
@@ -142,8 +142,8 @@ impl RootMotion {
         let end = begun + finite(secs);
         let cycles =
             if self.duration_secs > 0.0 { (end / self.duration_secs).floor() } else { 0.0 };
-        let moved = self.rigid(begun).undone().then(&self.rigid(self.duration_secs).times(cycles));
-        told(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
+        let moved = self.rigid(begun).inverse().then(&self.rigid(self.duration_secs).times(cycles));
+        position_and_yaw(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
     }
 
     /// The source that the motion was taken from.
@@ -164,9 +164,9 @@ impl RootMotion {
         let end = self.rows[self.rows.len() - 1];
         let farthest = self.rows.iter().map(|row| row.shift.length()).fold(0.0, f64::max);
         let turned = end.heading[0].atan2(end.heading[1]).abs();
-        end.shift.length() > STANDS * size * self.duration_secs.max(1.0)
+        end.shift.length() > STANDING * size * self.duration_secs.max(1.0)
             || farthest > size
-            || turned > TURNS_RAD
+            || turned > TURNING_RAD
     }
 
     fn rigid(&self, secs: f64) -> Rigid {
@@ -205,7 +205,7 @@ impl RootMotion {
 }
 
 /// Converts to metres and radians.
-fn told(rigid: &Rigid) -> ([f32; 3], f32) {
+fn position_and_yaw(rigid: &Rigid) -> ([f32; 3], f32) {
     let [yaw] = f64math::to_f32([rigid.heading[0].atan2(rigid.heading[1])]);
     (f64math::to_f32(rigid.shift.to_array()), yaw)
 }
@@ -225,37 +225,38 @@ impl Clip {
             return self.no_motion("is live, or its root motion has been taken out already");
         }
         match &settings.from {
-            MotionSource::Auto => self.driven_by_what_moves(settings),
+            MotionSource::Auto => self.with_automatic_motion(settings),
             MotionSource::Feet => match self.contacts.speed {
-                Some(speed) => Ok(self.moved_evenly(f64::from(speed), MotionOrigin::Feet)),
+                Some(speed) => Ok(self.with_even_motion(f64::from(speed), MotionOrigin::Feet)),
                 None => self.no_motion(
                     "has no touch-down of a joint with a known foot name, so its walking speed is \
                      unknown",
                 ),
             },
             from => {
-                let taken = self.taken_from(self.carrier(from)?, settings, |_| true)?;
+                let taken = self.with_motion_of(self.carrier(from)?, settings, |_| true)?;
                 Ok(taken.unwrap_or_else(|| self.clone()))
             }
         }
     }
 
     /// Takes out the motion of the first source that moves the body, if any does.
-    fn driven_by_what_moves(&self, settings: &MotionSettings) -> Result<Self, Error> {
+    fn with_automatic_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         let size = f64::from(self.skeleton.size_m());
         if let Ok(joint) = self.carrier(&MotionSource::Root)
-            && let Some(taken) = self.taken_from(joint, settings, |motion| motion.travels(size))?
+            && let Some(taken) =
+                self.with_motion_of(joint, settings, |motion| motion.travels(size))?
         {
             return Ok(taken);
         }
-        match self.contacts.speed.filter(|speed| f64::from(speed.abs()) > STANDS * size) {
-            Some(speed) => Ok(self.moved_evenly(f64::from(speed), MotionOrigin::Feet)),
-            None => Ok(self.moved_evenly(0.0, MotionOrigin::Nothing)),
+        match self.contacts.speed.filter(|speed| f64::from(speed.abs()) > STANDING * size) {
+            Some(speed) => Ok(self.with_even_motion(f64::from(speed), MotionOrigin::Feet)),
+            None => Ok(self.with_even_motion(0.0, MotionOrigin::Nothing)),
         }
     }
 
     /// Takes out the motion of a joint if `wanted` accepts it.
-    fn taken_from(
+    fn with_motion_of(
         &self,
         joint: JointIndex,
         settings: &MotionSettings,
@@ -306,7 +307,7 @@ impl Clip {
     }
 
     /// Adds a motion straight ahead at a speed in metres per second.
-    fn moved_evenly(&self, speed: f64, origin: MotionOrigin) -> Self {
+    fn with_even_motion(&self, speed: f64, origin: MotionOrigin) -> Self {
         let duration_secs = f64::from(self.duration_secs());
         let end = Rigid { shift: DVec3::new(0.0, 0.0, speed * duration_secs), ..Rigid::NONE };
         let motion = RootMotion { rows: vec![Rigid::NONE, end], duration_secs, origin };
@@ -362,9 +363,9 @@ struct Carrier<'a> {
     curves: &'a Curves<'a>,
     joint: JointIndex,
     /// Model transform of the joint's parent, which does not move.
-    above: glam::DAffine3,
+    parent_model: glam::DAffine3,
     /// Rotation of the parent in model space.
-    above_turn: DQuat,
+    parent_rotation: DQuat,
 }
 
 impl<'a> Carrier<'a> {
@@ -375,18 +376,23 @@ impl<'a> Carrier<'a> {
             &parents(skeleton),
             skeleton.joints().map(|j| local(j).affine()),
         );
-        let turns =
-            f64math::turns(&parents(skeleton), skeleton.joints().map(|j| local(j).rotation));
+        let turns = f64math::model_rotations(
+            &parents(skeleton),
+            skeleton.joints().map(|j| local(j).rotation),
+        );
         let parent = skeleton.parent(joint);
-        let above = parent.map_or(glam::DAffine3::IDENTITY, |parent| models[parent.index()]);
-        let above_turn = parent.map_or(DQuat::IDENTITY, |parent| turns[parent.index()]);
-        Self { clip, curves, joint, above, above_turn }
+        let parent_model = parent.map_or(glam::DAffine3::IDENTITY, |parent| models[parent.index()]);
+        let parent_rotation = parent.map_or(DQuat::IDENTITY, |parent| turns[parent.index()]);
+        Self { clip, curves, joint, parent_model, parent_rotation }
     }
 
     /// Returns position and rotation of the joint in model space.
     fn model(&self, secs: f64) -> (DVec3, DQuat) {
         let local = self.curves.local(self.joint, secs, Side::After);
-        (self.above.transform_point3(local.translation), self.above_turn * local.rotation)
+        (
+            self.parent_model.transform_point3(local.translation),
+            self.parent_rotation * local.rotation,
+        )
     }
 
     fn rows(&self, times: impl Iterator<Item = f64>, settings: &MotionSettings) -> Vec<Rigid> {
@@ -405,7 +411,7 @@ impl<'a> Carrier<'a> {
                 let length = y * y + w * w;
                 rigid.heading = [2.0 * y * w / length, (w * w - y * y) / length];
             }
-            rigid.shift = place - rigid.turn() * place0;
+            rigid.shift = place - rigid.rotation() * place0;
             if !settings.rises {
                 rigid.shift.y = 0.0;
             }
@@ -436,15 +442,15 @@ impl<'a> Carrier<'a> {
             values,
         };
         let (mut places, mut rotations) = (Vec::new(), Vec::new());
-        let below = self.above.inverse();
+        let below = self.parent_model.inverse();
         for secs in &times {
             let (place, turn) = self.model(f64::from(*secs));
             let rigid = motion.rigid(f64::from(*secs) - f64::from(self.clip.start_secs()));
-            let back = rigid.turn().inverse();
+            let back = rigid.rotation().inverse();
             places.extend(f64math::to_f32(
                 below.transform_point3(back * (place - rigid.shift)).to_array(),
             ));
-            let rotation = self.above_turn.inverse() * back * turn;
+            let rotation = self.parent_rotation.inverse() * back * turn;
             rotations.extend(f64math::to_f32(rotation.normalize().to_array()));
         }
         let mut tracks = vec![track(Property::Translation, places)];

@@ -165,11 +165,11 @@ impl Storage {
 
     /// Creates storage of rows that hold one small rotation per column; all columns count as
     /// moving.
-    pub(super) fn of_turns(rows: &[Vec<DQuat>]) -> Self {
+    pub(super) fn of_rotations(rows: &[Vec<DQuat>]) -> Self {
         let pose = |row: &Vec<DQuat>| -> Vec<Trs> {
-            let near = |turn: &DQuat| if turn.w < 0.0 { -*turn } else { *turn };
-            let rotation = |turn: &DQuat| f64math::to_f32(near(turn).to_array());
-            row.iter().map(|turn| Trs { rotation: rotation(turn), ..Trs::IDENTITY }).collect()
+            let near = |q: &DQuat| if q.w < 0.0 { -*q } else { *q };
+            let rotation = |q: &DQuat| f64math::to_f32(near(q).to_array());
+            row.iter().map(|q| Trs { rotation: rotation(q), ..Trs::IDENTITY }).collect()
         };
         let poses: Vec<_> = rows.iter().map(pose).collect();
         let columns = rows.first().map_or(0, Vec::len);
@@ -195,7 +195,7 @@ impl Storage {
                 for (component, value) in
                     property.of(trs).into_iter().take(property.width()).enumerate()
                 {
-                    if let Place::Float(word) = self.place(column, property, component) {
+                    if let Location::Float(word) = self.location(column, property, component) {
                         words[word] = value.to_bits();
                     }
                 }
@@ -211,9 +211,9 @@ impl Storage {
         }
         let first = row * self.stride;
         for (component, &value) in values.iter().enumerate() {
-            match self.place(column, property, component) {
-                Place::Float(word) => self.words[first + word] = value.to_bits(),
-                Place::Half(word, shift) => {
+            match self.location(column, property, component) {
+                Location::Float(word) => self.words[first + word] = value.to_bits(),
+                Location::Half(word, shift) => {
                     let n = (f64::from(value) - f64::from(range.offset[component]))
                         / f64::from(range.step);
                     #[expect(
@@ -229,17 +229,17 @@ impl Storage {
     }
 
     /// Returns the location of a component within a row.
-    fn place(&self, column: usize, property: Property, component: usize) -> Place {
+    fn location(&self, column: usize, property: Property, component: usize) -> Location {
         let (first, lanes) = planes(&self.blocks[column / BLOCK], property);
         let lane = column % BLOCK;
         if lanes & ROW_FLOATS != 0 {
-            return Place::Float(first as usize + component * BLOCK + lane);
+            return Location::Float(first as usize + component * BLOCK + lane);
         }
         let plane = first as usize + component / 2 * lanes as usize;
         if component == 2 && property != Property::Rotation {
-            Place::Half(plane + lane / 2, 16 * (lane % 2))
+            Location::Half(plane + lane / 2, 16 * (lane % 2))
         } else {
-            Place::Half(plane + lane, 16 * (component % 2))
+            Location::Half(plane + lane, 16 * (component % 2))
         }
     }
 
@@ -251,9 +251,9 @@ impl Storage {
             return offset;
         }
         let word = |word: usize| self.words[row * self.stride + word];
-        let n = match self.place(column, property, component) {
-            Place::Float(at) => f64::from(f32::from_bits(word(at))),
-            Place::Half(at, shift) => f64::from(word(at) >> shift & 0xffff),
+        let n = match self.location(column, property, component) {
+            Location::Float(at) => f64::from(f32::from_bits(word(at))),
+            Location::Half(at, shift) => f64::from(word(at) >> shift & 0xffff),
         };
         offset + f64::from(range.step) * n
     }
@@ -314,7 +314,7 @@ impl Storage {
 }
 
 /// Location of a component: a word, or the half of a word that starts at a bit.
-enum Place {
+enum Location {
     Float(usize),
     Half(usize, usize),
 }
@@ -388,14 +388,14 @@ fn lay_out(ranges: &[[Range; 3]], floats: &[[bool; 3]]) -> (Vec<RowBlock>, usize
                 (false, Property::Rotation) => 2 * used,
                 (false, _) => used + used.div_ceil(2),
             };
-            let (first_place, lanes_place) = match property {
+            let (first_word, lanes_word) = match property {
                 Property::Rotation => (&mut block.rotation_first, &mut block.rotation_lanes),
                 Property::Translation => {
                     (&mut block.translation_first, &mut block.translation_lanes)
                 }
                 Property::Scale => (&mut block.scale_first, &mut block.scale_lanes),
             };
-            (*first_place, *lanes_place) = (stride, lanes);
+            (*first_word, *lanes_word) = (stride, lanes);
             stride += words;
         }
     }

@@ -31,7 +31,7 @@ pub(crate) struct Link {
     /// The source joint that moves.
     pub(crate) column: JointIndex,
     /// Whether the rotation moves; otherwise it is the identity.
-    pub(crate) turns: bool,
+    pub(crate) rotates: bool,
     /// Whether the rotation is inverted.
     pub(crate) undone: bool,
     /// Offset added to the translation, in the space of the rotation so far.
@@ -85,7 +85,7 @@ impl Common<'_> {
         let skeleton = self.target.skeleton;
         let parent = skeleton.parent(joint);
         let above = skeleton.ancestors(joint).find_map(|a| Some((a, self.partner(a)?)));
-        let parent_turn = parent.map_or(DQuat::IDENTITY, |p| self.turn[p.index()]);
+        let parent_rotation = parent.map_or(DQuat::IDENTITY, |p| self.rotation[p.index()]);
         let space = self.target.scale(parent);
         let mut walk = Walk {
             common: self,
@@ -97,8 +97,8 @@ impl Common<'_> {
         let waypoints = self.waypoints(joint, above.map(|(a, _)| a));
         let moves = waypoints.len() > 1 || self.is_carried(joint);
         let from_parent = |to: JointIndex| {
-            let start = parent.map_or(DVec3::ZERO, |p| self.place[p.index()]);
-            parent_turn.inverse() * (self.place_of(to) - start) / space
+            let start = parent.map_or(DVec3::ZERO, |p| self.position[p.index()]);
+            parent_rotation.inverse() * (self.raised_position(to) - start) / space
         };
         let base = moves.then(|| from_parent(waypoints[0]));
         let mut at = above.map(|(_, source)| source);
@@ -106,14 +106,14 @@ impl Common<'_> {
             let partner = self.partner(stop)?;
             walk.path(at, partner, self.is_carried(stop));
             if let Some(&next) = waypoints.get(n + 1) {
-                let arm = self.place_of(next) - self.place_of(stop);
-                walk.arm += self.source.turn[partner.index()].inverse() * arm / space;
+                let arm = self.raised_position(next) - self.raised_position(stop);
+                walk.arm += self.source.rotation[partner.index()].inverse() * arm / space;
             }
             at = Some(partner);
         }
-        let before = parent_turn.inverse()
-            * above.map_or(DQuat::IDENTITY, |(_, s)| self.source.turn[s.index()]);
-        let after = self.source.turn[source.index()].inverse() * self.turn[joint.index()];
+        let before = parent_rotation.inverse()
+            * above.map_or(DQuat::IDENTITY, |(_, s)| self.source.rotation[s.index()]);
+        let after = self.source.rotation[source.index()].inverse() * self.rotation[joint.index()];
         Some(fold(Chain { before, base, links: Vec::new() }, walk, after))
     }
 
@@ -146,10 +146,10 @@ impl Common<'_> {
 
     /// Returns a position of the common pose, raised so that the feet are on the ground. The root
     /// is not raised.
-    pub(super) fn place_of(&self, joint: JointIndex) -> DVec3 {
+    pub(super) fn raised_position(&self, joint: JointIndex) -> DVec3 {
         let is_root = self.pairs[joint.index()].is_some_and(|pair| pair.role.is_none());
         let lift = if is_root { 0.0 } else { self.lift };
-        self.place[joint.index()] + DVec3::new(0.0, lift, 0.0)
+        self.position[joint.index()] + DVec3::new(0.0, lift, 0.0)
     }
 }
 
@@ -188,10 +188,10 @@ impl Walk<'_> {
 
     fn step(&mut self, joint: JointIndex, undone: bool, carried: Option<f64>) {
         let motion = (self.motion)(joint);
-        let (turns, still) = match motion.rotation {
+        let (rotates, still) = match motion.rotation {
             Value::Moving => (true, DQuat::IDENTITY),
-            Value::Still(turn) if undone => (false, turn.inverse()),
-            Value::Still(turn) => (false, turn),
+            Value::Still(rotation) if undone => (false, rotation.inverse()),
+            Value::Still(rotation) => (false, rotation),
         };
         let mut arm = std::mem::take(&mut self.arm);
         let mut arm_scale = 0.0;
@@ -201,7 +201,7 @@ impl Walk<'_> {
                 Value::Still(translation) => arm += scale * translation,
             }
         }
-        let link = Link { column: joint, turns, undone, arm, arm_scale, after: DQuat::IDENTITY };
+        let link = Link { column: joint, rotates, undone, arm, arm_scale, after: DQuat::IDENTITY };
         self.steps.push(Step { link, still });
     }
 }
@@ -213,11 +213,11 @@ fn rest_offset(
     downwards: &[JointIndex],
     scale: impl Fn(JointIndex) -> f64,
 ) -> DVec3 {
-    let (mut offset, mut turn) = (DVec3::ZERO, DQuat::IDENTITY);
+    let (mut offset, mut rotation) = (DVec3::ZERO, DQuat::IDENTITY);
     for &joint in downwards.iter().rev() {
         let rest = source.skeleton.rest(joint);
-        offset += turn * (scale(joint) * f64math::vec3(rest.translation));
-        turn *= f64math::quat(rest.rotation).normalize();
+        offset += rotation * (scale(joint) * f64math::vec3(rest.translation));
+        rotation *= f64math::quat(rest.rotation).normalize();
     }
     offset
 }
@@ -228,7 +228,7 @@ fn fold(mut chain: Chain, walk: Walk<'_>, after: DQuat) -> Chain {
     for Step { mut link, still } in walk.steps {
         link.arm += arm;
         arm = DVec3::ZERO;
-        if link.turns || link.arm_scale != 0.0 {
+        if link.rotates || link.arm_scale != 0.0 {
             link.after = still;
             chain.links.push(link);
         } else if let Some(last) = chain.links.last_mut() {
@@ -250,7 +250,7 @@ fn fold(mut chain: Chain, walk: Walk<'_>, after: DQuat) -> Chain {
             let column = last.column;
             chain.links.push(Link {
                 column,
-                turns: false,
+                rotates: false,
                 undone: false,
                 arm,
                 arm_scale: 0.0,

@@ -20,9 +20,9 @@ const PLAUSIBLE_RATIO: std::ops::Range<f64> = 0.4..2.5;
 pub(super) struct Stands {
     pub(super) joint: JointIndex,
     /// Position in model space.
-    pub(super) place: DVec3,
+    pub(super) position: DVec3,
     /// Rotation from rest, in model space.
-    pub(super) turn: DQuat,
+    pub(super) rotation: DQuat,
 }
 
 /// Returns the distance that the ground moves under the feet. Each moment has the position of one
@@ -41,9 +41,10 @@ impl Common<'_> {
     /// bodies. `poses` are local transforms of the source's joints.
     pub(crate) fn keep_above_ground(&mut self, poses: &[Vec<DAffine3>]) {
         let depth = |pose: &Vec<DAffine3>| {
-            let (turns, models) = self.source_models(pose);
-            let feet = SIDES.into_iter().flat_map(|side| self.feet(side, &turns, &models));
-            feet.map(|foot| self.target.place(foot.joint).y - foot.place.y).fold(0.0, f64::max)
+            let (rotations, models) = self.source_models(pose);
+            let feet = SIDES.into_iter().flat_map(|side| self.feet(side, &rotations, &models));
+            feet.map(|foot| self.target.position(foot.joint).y - foot.position.y)
+                .fold(0.0, f64::max)
         };
         let deepest = poses.iter().map(depth).fold(0.0, f64::max);
         let size = f64::from(self.target.skeleton.size_m());
@@ -65,15 +66,15 @@ impl Common<'_> {
         };
         let (mut source, mut target) = (Vec::new(), Vec::new());
         for pose in poses {
-            let (turns, models) = self.source_models(pose);
-            let place = |joint: JointIndex| models[joint.index()].translation;
-            source.push(SIDES.map(|side| last(side).map(place)));
+            let (rotations, models) = self.source_models(pose);
+            let position = |joint: JointIndex| models[joint.index()].translation;
+            source.push(SIDES.map(|side| last(side).map(position)));
             target.push(SIDES.map(|side| {
-                let mut feet = self.feet(side, &turns, &models);
+                let mut feet = self.feet(side, &rotations, &models);
                 if let Some(soles) = soles {
-                    soles.stand(side, &mut feet, soles.depth(&turns, &models, side));
+                    soles.stand(side, &mut feet, soles.depth(&rotations, &models, side));
                 }
-                feet.pop().map(|foot| foot.place)
+                feet.pop().map(|foot| foot.position)
             }));
         }
         let (source, target) = (passed(&source), passed(&target));
@@ -86,19 +87,19 @@ impl Common<'_> {
     pub(super) fn source_models(&self, pose: &[DAffine3]) -> (Vec<DQuat>, Vec<DAffine3>) {
         let parents: Vec<_> =
             self.source.skeleton.joints().map(|j| self.source.skeleton.parent(j)).collect();
-        let turns = pose.iter().map(|local| local.to_scale_rotation_translation().1);
+        let rotations = pose.iter().map(|local| local.to_scale_rotation_translation().1);
         (
-            f64math::turns(&parents, turns),
+            f64math::model_rotations(&parents, rotations),
             f64math::model_from_joints(&parents, pose.iter().copied()),
         )
     }
 
     /// Returns the position of the hips, carried by the root if both bodies have one.
-    fn hips_place(
+    fn hips_position(
         &self,
         hips: JointIndex,
         partner: JointIndex,
-        turns: &[DQuat],
+        rotations: &[DQuat],
         models: &[DAffine3],
     ) -> DVec3 {
         let now = |joint: JointIndex| models[joint.index()].translation;
@@ -108,18 +109,22 @@ impl Common<'_> {
                 .map(|pair| (root, pair.source))
         });
         let Some((root, other)) = roots else {
-            return self.place_of(hips) + self.scale * (now(partner) - self.source.place(partner));
+            return self.raised_position(hips)
+                + self.scale * (now(partner) - self.source.position(partner));
         };
-        let guide = turns[other.index()] * self.source.turn[other.index()].inverse();
+        let guide = rotations[other.index()] * self.source.rotation[other.index()].inverse();
         let own = now(partner)
             - now(other)
-            - guide * (self.source.place(partner) - self.source.place(other));
-        let root_place = self.place_of(root) + self.scale * (now(other) - self.source.place(other));
-        root_place + guide * (self.place_of(hips) - self.place_of(root)) + self.scale * own
+            - guide * (self.source.position(partner) - self.source.position(other));
+        let root_position =
+            self.raised_position(root) + self.scale * (now(other) - self.source.position(other));
+        root_position
+            + guide * (self.raised_position(hips) - self.raised_position(root))
+            + self.scale * own
     }
 
     /// Returns the foot and the toes of a side.
-    pub(super) fn feet(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> Vec<Stands> {
+    pub(super) fn feet(&self, side: Side, rotations: &[DQuat], models: &[DAffine3]) -> Vec<Stands> {
         let roles = [
             Role::Hips,
             Role::UpperLeg(side),
@@ -136,21 +141,21 @@ impl Common<'_> {
                 continue;
             };
             let away = |partner: JointIndex| {
-                turns[partner.index()] * self.source.turn[partner.index()].inverse()
+                rotations[partner.index()] * self.source.rotation[partner.index()].inverse()
             };
-            let place = match at {
-                None => self.hips_place(joint, partner, turns, models),
-                Some((above, place)) => {
+            let position = match at {
+                None => self.hips_position(joint, partner, rotations, models),
+                Some((above, position)) => {
                     let guide = self.partner(above).map_or(DQuat::IDENTITY, away);
-                    place + guide * (self.place[joint.index()] - self.place[above.index()])
+                    position + guide * (self.position[joint.index()] - self.position[above.index()])
                 }
             };
             if matches!(role, Role::Foot(_) | Role::Toes(_)) {
                 let from_rest =
-                    self.turn[joint.index()] * self.target.turn[joint.index()].inverse();
-                feet.push(Stands { joint, place, turn: away(partner) * from_rest });
+                    self.rotation[joint.index()] * self.target.rotation[joint.index()].inverse();
+                feet.push(Stands { joint, position, rotation: away(partner) * from_rest });
             }
-            at = Some((joint, place));
+            at = Some((joint, position));
         }
         feet
     }

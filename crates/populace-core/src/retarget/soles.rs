@@ -54,7 +54,7 @@ impl Sole {
         let hangs = |on: JointIndex, j: JointIndex| j == on || skeleton.is_below(j, on);
         let own =
             skeleton.joints().filter(|&j| hangs(joint, j) && !without.is_some_and(|w| hangs(w, j)));
-        let rest = figure.place(joint);
+        let rest = figure.position(joint);
         let points =
             own.flat_map(|j| skeleton.soles(j)).map(|&p| crate::f64math::vec3(p) - rest).collect();
         Self { joint, rest, points }
@@ -84,8 +84,11 @@ impl Feet {
             foot.into_iter().chain(toes.map(|toes| Sole::new(figure, toes, None))).collect()
         });
         let ground = sides.iter().flatten().map(Sole::lowest_at_rest).fold(f64::INFINITY, f64::min);
-        let top =
-            figure.skeleton.joints().map(|j| figure.place(j).y).fold(f64::NEG_INFINITY, f64::max);
+        let top = figure
+            .skeleton
+            .joints()
+            .map(|j| figure.position(j).y)
+            .fold(f64::NEG_INFINITY, f64::max);
         Self { sides, ground, height: top - ground }
     }
 
@@ -131,14 +134,14 @@ impl<'a> Soles<'a> {
 
     /// Returns the rotations that keep feet above the ground in a pose of the source's joints, in
     /// the order of [`joints`](Self::joints). Each is applied after the joint's own rotation.
-    pub(crate) fn turns(&self, pose: &[DAffine3]) -> Vec<DQuat> {
-        let (turns, models) = self.common.source_models(pose);
+    pub(crate) fn rotations(&self, pose: &[DAffine3]) -> Vec<DQuat> {
+        let (rotations, models) = self.common.source_models(pose);
         let of = |side| {
-            let mut feet = self.common.feet(side, &turns, &models);
-            self.stand(side, &mut feet, self.depth(&turns, &models, side))
+            let mut feet = self.common.feet(side, &rotations, &models);
+            self.stand(side, &mut feet, self.depth(&rotations, &models, side))
         };
         // A joint scaled to zero has no direction.
-        let sound = |turn: DQuat| if turn.is_finite() { turn } else { DQuat::IDENTITY };
+        let sound = |rotation: DQuat| if rotation.is_finite() { rotation } else { DQuat::IDENTITY };
         SIDES.into_iter().flat_map(of).map(sound).collect()
     }
 
@@ -147,10 +150,10 @@ impl<'a> Soles<'a> {
     /// the source's joints.
     pub(crate) fn heel_lift(&self, poses: &[Vec<DAffine3>]) -> f64 {
         let deep = |pose: &Vec<DAffine3>| {
-            let (turns, models) = self.common.source_models(pose);
+            let (rotations, models) = self.common.source_models(pose);
             let of = |side: Side| {
-                let bottom = self.target.ground - self.depth(&turns, &models, side);
-                let feet = self.common.feet(side, &turns, &models);
+                let bottom = self.target.ground - self.depth(&rotations, &models, side);
+                let feet = self.common.feet(side, &rotations, &models);
                 let sole = self.target.sides[side as usize].first()?;
                 let contact =
                     Contact::new(sole, feet.iter().find(|foot| foot.joint == sole.joint)?);
@@ -163,23 +166,24 @@ impl<'a> Soles<'a> {
         let hips = target
             .roles
             .joint(Role::Hips)
-            .map_or(0.0, |hips| target.place(hips).y - self.target.ground);
+            .map_or(0.0, |hips| target.position(hips).y - self.target.ground);
         poses.iter().map(deep).fold(0.0, f64::max).min(MAX_LIFT * hips.max(0.0))
     }
 
     /// Returns whether all rotations are too small to be visible.
-    pub(crate) fn are_negligible(turns: &[DQuat]) -> bool {
-        turns.iter().all(|turn| turn.angle_between(DQuat::IDENTITY) <= NEGLIGIBLE_RAD)
+    pub(crate) fn are_negligible(rotations: &[DQuat]) -> bool {
+        rotations.iter().all(|rotation| rotation.angle_between(DQuat::IDENTITY) <= NEGLIGIBLE_RAD)
     }
 
     /// Returns how deep a foot of the target may be in the ground, given the intended depth of the
     /// source's.
-    pub(super) fn depth(&self, turns: &[DQuat], models: &[DAffine3], side: Side) -> f64 {
+    pub(super) fn depth(&self, rotations: &[DQuat], models: &[DAffine3], side: Side) -> f64 {
         let source = &self.common.source;
         let lowest = |sole: &Sole| {
-            let turn = turns[sole.joint.index()] * source.turn[sole.joint.index()].inverse();
-            let place = models[sole.joint.index()].translation;
-            sole.points.iter().map(|p| place.y + (turn * *p).y).fold(f64::INFINITY, f64::min)
+            let rotation =
+                rotations[sole.joint.index()] * source.rotation[sole.joint.index()].inverse();
+            let position = models[sole.joint.index()].translation;
+            sole.points.iter().map(|p| position.y + (rotation * *p).y).fold(f64::INFINITY, f64::min)
         };
         let lowest =
             self.source.sides[side as usize].iter().map(lowest).fold(f64::INFINITY, f64::min);
@@ -202,26 +206,30 @@ impl<'a> Soles<'a> {
                 (None, None) => {
                     return vec![DQuat::IDENTITY; self.target.sides[side as usize].len()];
                 }
-                (None, Some(own)) => (feet[own].turn, feet[own]),
+                (None, Some(own)) => (feet[own].rotation, feet[own]),
                 (Some((before, foot, rest)), own) => {
                     // As it would be rotated, and as it is after the foot has rolled.
-                    let turn = own.map_or(*before, |own| feet[own].turn);
-                    let place = foot.place + foot.turn * (sole.rest - *rest);
+                    let rotation = own.map_or(*before, |own| feet[own].rotation);
+                    let position = foot.position + foot.rotation * (sole.rest - *rest);
                     (
-                        turn,
-                        Stands { joint: sole.joint, place, turn: own.map_or(foot.turn, |_| turn) },
+                        rotation,
+                        Stands {
+                            joint: sole.joint,
+                            position,
+                            rotation: own.map_or(foot.rotation, |_| rotation),
+                        },
                     )
                 }
             };
             let roll = Contact::new(sole, &now).roll(bottom, self.target.height);
-            now.turn *= DQuat::from_rotation_x(roll);
+            now.rotation *= DQuat::from_rotation_x(roll);
             if let Some(own) = own {
                 feet[own] = now;
             }
-            let at_rest = self.common.target.turn[sole.joint.index()];
-            let (was, is) = (before * at_rest, now.turn * at_rest);
+            let at_rest = self.common.target.rotation[sole.joint.index()];
+            let (was, is) = (before * at_rest, now.rotation * at_rest);
             let carried =
-                above.map_or(DQuat::IDENTITY, |(before, foot, _)| foot.turn * before.inverse());
+                above.map_or(DQuat::IDENTITY, |(before, foot, _)| foot.rotation * before.inverse());
             found.push(((carried * was).inverse() * is).normalize());
             above = Some((before, now, sole.rest));
         }
@@ -240,7 +248,7 @@ struct Contact<'a> {
 
 impl<'a> Contact<'a> {
     fn new(sole: &'a Sole, now: &Stands) -> Self {
-        Self { sole, height: now.place.y, up: now.turn.inverse() * DVec3::Y }
+        Self { sole, height: now.position.y, up: now.rotation.inverse() * DVec3::Y }
     }
 
     /// Returns the roll angle at which the sole is flat; above 0 if the toes are up.

@@ -12,29 +12,32 @@ use crate::layout::{
 /// For each block of 16 joints of a body: whether a joint of it has a rotation or an arm in a
 /// correction or in any later one.
 struct CorrectedBlocks {
-    turns: Vec<bool>,
+    corrections: Vec<bool>,
     arms: Vec<bool>,
 }
 
 impl CorrectedBlocks {
     fn none(body: &Body) -> Self {
         let blocks = vec![false; (body.padded_count / JOINT_BLOCK) as usize];
-        Self { turns: blocks.clone(), arms: blocks }
+        Self { corrections: blocks.clone(), arms: blocks }
     }
 
-    fn of(turns: &[Turn], body: &Body) -> Self {
+    fn of(corrections: &[Turn], body: &Body) -> Self {
         let mut some = Self::none(body);
-        for (joint, turn) in turns.iter().enumerate() {
+        for (joint, correction) in corrections.iter().enumerate() {
             let block = joint / JOINT_BLOCK as usize;
-            some.turns[block] |= *turn != Turn::NONE;
-            some.arms[block] |= turn.has_arm();
+            some.corrections[block] |= *correction != Turn::NONE;
+            some.arms[block] |= correction.has_arm();
         }
         some
     }
 
     fn or(&self, other: &Self) -> Self {
         let either = |a: &[bool], b: &[bool]| a.iter().zip(b).map(|(a, b)| a | b).collect();
-        Self { turns: either(&self.turns, &other.turns), arms: either(&self.arms, &other.arms) }
+        Self {
+            corrections: either(&self.corrections, &other.corrections),
+            arms: either(&self.arms, &other.arms),
+        }
     }
 }
 
@@ -64,19 +67,21 @@ impl Tables {
         let (mut next, mut later) = (NONE, CorrectedBlocks::none(&body_row));
         if let Some(footing) = binding.footing() {
             let bound = self.add_footing(footing, of_clip)?;
-            (next, later) = self.add_turn(&footing.turns, bound, (next, later), &body_row)?;
+            (next, later) =
+                self.add_correction(&footing.corrections, bound, (next, later), &body_row)?;
         }
-        for turns in binding.turns().iter().rev() {
-            (next, later) = self.add_turn(turns, of_clip, (next, later), &body_row)?;
+        for corrections in binding.corrections().iter().rev() {
+            (next, later) = self.add_correction(corrections, of_clip, (next, later), &body_row)?;
         }
         let range_first = self.add_ranges(binding)?;
         let first_joints = (0..body_row.padded_count as usize).step_by(JOINT_BLOCK as usize);
-        let flags =
-            first_joints.zip(later.turns.iter().zip(&later.arms)).map(|(first, (turned, arms))| {
+        let flags = first_joints.zip(later.corrections.iter().zip(&later.arms)).map(
+            |(first, (corrected, arms))| {
                 let moved = u32::from(*arms) * REST_TRANSLATION;
                 (self.rest_flags(&body_row, range_first, first) & !moved)
-                    | (u32::from(*turned) * BLOCK_TURNED)
-            });
+                    | (u32::from(*corrected) * BLOCK_TURNED)
+            },
+        );
         let flags = flags.collect();
         let motion_scale = binding.motion_scale();
         let bound = BoundClip { range_first, body: body.0, next, motion_scale, ..of_clip };
@@ -99,19 +104,19 @@ impl Tables {
 
     /// Adds a correction of the clip `of` in front of `next`. Returns its index and the blocks that
     /// it or a later correction affects.
-    fn add_turn(
+    fn add_correction(
         &mut self,
-        turns: &[Turn],
+        corrections: &[Turn],
         of: BoundClip,
         (next, later): (u32, CorrectedBlocks),
         body: &Body,
     ) -> Result<(u32, CorrectedBlocks), Error> {
-        let map: Vec<u32> = turns.iter().map(|turn| turn.map).collect();
-        let range_first = self.add_turn_planes(turns)?;
-        let own = CorrectedBlocks::of(turns, body);
-        let flags = own.arms.iter().zip(&later.turns).map(|(arms, turned)| {
+        let map: Vec<u32> = corrections.iter().map(|correction| correction.map).collect();
+        let range_first = self.add_correction_planes(corrections)?;
+        let own = CorrectedBlocks::of(corrections, body);
+        let flags = own.arms.iter().zip(&later.corrections).map(|(arms, corrected)| {
             let still = if *arms { 0 } else { REST_TRANSLATION };
-            still | (u32::from(*turned) * BLOCK_TURNED)
+            still | (u32::from(*corrected) * BLOCK_TURNED)
         });
         let index = self.add_bound(BoundClip { range_first, next, ..of }, &map, flags.collect())?;
         Ok((index, later.or(&own)))
@@ -127,12 +132,12 @@ impl Tables {
         Ok(BoundClip { row_block_first, row_first, row_stride: u32_from(footing.stride), ..of })
     }
 
-    fn add_turn_planes(&mut self, turns: &[Turn]) -> Result<u32, Error> {
-        let padded = padded(turns.len());
+    fn add_correction_planes(&mut self, corrections: &[Turn]) -> Result<u32, Error> {
+        let padded = padded(corrections.len());
         let mut planes = vec![0.0; TURN_PLANES * padded];
         for joint in 0..padded {
             let Turn { rotation, step_w, arm, after, .. } =
-                turns.get(joint).copied().unwrap_or(Turn::NONE);
+                corrections.get(joint).copied().unwrap_or(Turn::NONE);
             let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) =
                 (rotation.offset, arm.offset, after);
             let values =

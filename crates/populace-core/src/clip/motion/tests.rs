@@ -83,7 +83,7 @@ fn root_motion_and_remaining_pose_combine_to_the_original() {
         for step in 0..=300 {
             let secs = f64::from(SECS) * f64::from(step) / 300.0;
             let rigid = motion.rigid(secs);
-            let carried = DAffine3::from_rotation_translation(rigid.turn(), rigid.shift);
+            let carried = DAffine3::from_rotation_translation(rigid.rotation(), rigid.shift);
             // The ancestors of the hips are carried along.
             for (left, whole) in models(&moved, secs).iter().zip(models(&clip, secs)).skip(1) {
                 worst = worst.max(((carried * *left).translation - whole.translation).length());

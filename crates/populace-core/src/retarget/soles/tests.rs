@@ -61,7 +61,7 @@ fn pose(skeleton: &Skeleton, higher_m: f64, pitches: &[(&str, f64)]) -> Vec<DAff
     let local = |joint| {
         let name = skeleton.name(joint);
         let mut local = f64math::affine(skeleton.rest(joint));
-        for (_, pitch) in pitches.iter().filter(|(turned, _)| *turned == name) {
+        for (_, pitch) in pitches.iter().filter(|(pitched, _)| *pitched == name) {
             local *= DAffine3::from_rotation_x(*pitch);
         }
         local.translation.y += if name == "hips" { higher_m } else { 0.0 };
@@ -71,25 +71,26 @@ fn pose(skeleton: &Skeleton, higher_m: f64, pitches: &[(&str, f64)]) -> Vec<DAff
 }
 
 /// Returns the corrections of the target's joints for a pose of the source.
-fn turns(
+fn corrections(
     source: &(Skeleton, RoleMap),
     target: &(Skeleton, RoleMap),
     pose: &[DAffine3],
 ) -> Option<Vec<DQuat>> {
     let [source, target] = [source, target].map(|(skeleton, roles)| Figure::new(skeleton, roles));
     let common = Common::new(source, target);
-    Some(Soles::new(&common)?.turns(pose))
+    Some(Soles::new(&common)?.rotations(pose))
 }
 
-fn angle(turn: DQuat) -> f64 {
-    2.0 * turn.x.atan2(turn.w)
+fn angle(rotation: DQuat) -> f64 {
+    2.0 * rotation.x.atan2(rotation.w)
 }
 
 #[test]
 fn longer_foot_rolls_until_its_tip_is_on_the_ground() {
     let (source, target) = (body(0.15, None), body(0.3, None));
     let higher = 0.15 * 0.6_f64.sin() - ANKLE_M * (1.0 - 0.6_f64.cos());
-    let found = turns(&source, &target, &pose(&source.0, higher, &[("foot.l", 0.6)])).unwrap();
+    let found =
+        corrections(&source, &target, &pose(&source.0, higher, &[("foot.l", 0.6)])).unwrap();
     let down = 0.6 + angle(found[0]);
     let tip = higher + ANKLE_M - ANKLE_M * down.cos() - 0.3 * down.sin();
     assert!((tip + DEPTH_TOLERANCE * 1.6).abs() < 1e-4, "the tip is {tip} m high");
@@ -102,7 +103,7 @@ fn airborne_deep_and_lying_feet_do_not_roll() {
     let (source, target) = (body(0.15, None), body(0.3, None));
     for (higher, pitch) in [(0.5, 0.6), (-0.3, 0.0), (-0.05, -1.5), (0.0, 2.5)] {
         let found =
-            turns(&source, &target, &pose(&source.0, higher, &[("foot.l", pitch)])).unwrap();
+            corrections(&source, &target, &pose(&source.0, higher, &[("foot.l", pitch)])).unwrap();
         assert!(Soles::are_negligible(&found), "{higher} m higher and {pitch} rad: {found:?}");
     }
 }
@@ -112,7 +113,7 @@ fn toes_stay_flat_while_the_foot_rolls() {
     let (source, target) = (body(0.2, Some("foot")), body(0.4, Some("foot")));
     let higher = 0.1 * 0.6_f64.sin();
     let pose = pose(&source.0, higher, &[("foot.l", 0.6), ("toes.l", -0.6)]);
-    let found = turns(&source, &target, &pose).unwrap();
+    let found = corrections(&source, &target, &pose).unwrap();
     let toes = DQuat::from_rotation_x(0.6) * found[0] * DQuat::from_rotation_x(-0.6) * found[1];
     assert!(angle(found[0]) < -0.1, "the foot has not rolled");
     assert!(angle(toes).abs() < 1e-6, "toes are rotated by {}", angle(toes));
@@ -122,7 +123,8 @@ fn toes_stay_flat_while_the_foot_rolls() {
 fn toes_without_partner_bend_by_themselves() {
     let (source, target) = (body(0.15, None), body(0.3, Some("foot")));
     let higher = 0.15 * 0.6_f64.sin();
-    let found = turns(&source, &target, &pose(&source.0, higher, &[("foot.l", 0.6)])).unwrap();
+    let found =
+        corrections(&source, &target, &pose(&source.0, higher, &[("foot.l", 0.6)])).unwrap();
     assert!(angle(found[1]) < -0.1, "the tip of the toes is in the ground");
 }
 
@@ -136,7 +138,7 @@ fn roll_is_continuous() {
         let higher =
             ANKLE_M * (pitch.cos() - 1.0) + if pitch < 0.0 { -0.05 } else { 0.15 } * pitch.sin();
         let found =
-            turns(&source, &target, &pose(&source.0, higher.max(0.0), &[("foot.l", pitch)]))
+            corrections(&source, &target, &pose(&source.0, higher.max(0.0), &[("foot.l", pitch)]))
                 .unwrap();
         let now = pitch + angle(found[0]);
         let jump = before.map_or(0.0, |before| (now - before).abs());
@@ -151,9 +153,9 @@ fn unknown_soles_and_detached_toes_are_not_corrected() {
     let at_rest = pose(&source.0, 0.0, &[]);
     let (skeleton, roles) = body(0.3, None);
     let bare = skeleton.clone().with_soles(&vec![Vec::new(); skeleton.joint_count()]);
-    assert_eq!(turns(&source, &(bare, roles), &at_rest), None);
-    assert_eq!(turns(&source, &body(0.3, Some("hips")), &at_rest), None);
-    assert!(Soles::are_negligible(&turns(&source, &body(0.3, None), &at_rest).unwrap()));
+    assert_eq!(corrections(&source, &(bare, roles), &at_rest), None);
+    assert_eq!(corrections(&source, &body(0.3, Some("hips")), &at_rest), None);
+    assert!(Soles::are_negligible(&corrections(&source, &body(0.3, None), &at_rest).unwrap()));
 }
 
 #[test]
@@ -161,6 +163,6 @@ fn foot_scaled_to_zero_is_not_corrected() {
     let (source, target) = (body(0.15, None), body(0.3, None));
     let mut pose = pose(&source.0, 0.0, &[("foot.l", 0.6)]);
     pose[source.0.find("foot.l").unwrap().index()].matrix3 = glam::DMat3::ZERO;
-    let found = turns(&source, &target, &pose).unwrap();
-    assert!(found.iter().all(|turn| turn.is_finite()), "{found:?}");
+    let found = corrections(&source, &target, &pose).unwrap();
+    assert!(found.iter().all(|rotation| rotation.is_finite()), "{found:?}");
 }
