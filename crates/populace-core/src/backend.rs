@@ -224,13 +224,13 @@ impl Frame {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BackendError {
     /// No OpenCL driver provides a usable device.
-    #[error("OpenCL cannot be used: {cause}; or choose the native device")]
+    #[error("OpenCL cannot be used: {cause}; alternatively choose the native device")]
     NoRuntime {
         /// The defect of each driver, or that there is none.
         cause: String,
     },
     /// The driver of a device lacks something on this machine.
-    #[error("{device} cannot be used: {cause}; or choose the native device")]
+    #[error("{device} cannot be used: {cause}; alternatively choose the native device")]
     Unusable {
         /// The device's name.
         device: String,
@@ -256,7 +256,7 @@ pub enum BackendError {
         cause: String,
     },
     /// Memory could not be allocated.
-    #[error("{device} has no room for {bytes} bytes of {what}")]
+    #[error("{device} cannot allocate {bytes} bytes of memory for {what}")]
     OutOfMemory {
         /// The device's name.
         device: String,

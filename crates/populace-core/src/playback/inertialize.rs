@@ -48,24 +48,25 @@ pub fn row_before(at: f32, last: u32) -> u32 {
 }
 
 impl Slot {
-    /// Creates a slot that holds the difference at `tick` between the clip `left` and the clip
-    /// `taking` that replaces it. The difference decays in `ticks`, at least 1. `share` is the part
-    /// of `left` in what the layer showed, and the change of that part per second. The parts of all
-    /// clips that are replaced at once sum to 1, in an additive layer to their total weight.
+    /// Creates a slot that holds the difference at `tick` between an outgoing clip and the incoming
+    /// clip that replaces it. The difference decays in `ticks`, at least 1. `share` is the weight
+    /// of the outgoing clip in the layer's mix, and the change of that weight per second. The
+    /// shares of all clips that are replaced at once sum to 1, in an additive layer to their total
+    /// weight.
     #[must_use]
     pub fn inertialization(
         tick: u64,
         ticks: u64,
-        [left, taking]: [SampledState; 2],
+        [outgoing, incoming]: [SampledState; 2],
         share: [f32; 2],
     ) -> Self {
         let secs = secs_of(ticks);
         Self {
             start_tick: tick,
-            phase_rate: pair(left.row, left.pace * secs),
-            weight_tick: pair(taking.row, taking.pace * secs),
-            start_phase: taking.bound_clip,
-            bound_clip: left.bound_clip,
+            phase_rate: pack(outgoing.row, outgoing.pace * secs),
+            weight_tick: pack(incoming.row, incoming.pace * secs),
+            start_phase: incoming.bound_clip,
+            bound_clip: outgoing.bound_clip,
             layer_and_mode: SLOT_INERTIALIZATION,
             start_weight: share[0],
             weight_rate: share[1] * secs,
@@ -75,11 +76,11 @@ impl Slot {
 
     /// Changes the incoming clip and the duration of a slot of [`SLOT_INERTIALIZATION`] whose
     /// incoming clip has never been evaluated. The start tick stays.
-    pub fn inertialize_into(&mut self, taking: SampledState, ticks: u64) {
-        let (left, before) = (self.left(), secs_of(1) / self.end_weight);
-        let left = SampledState { pace: left.pace / before, ..left };
+    pub fn inertialize_into(&mut self, incoming: SampledState, ticks: u64) {
+        let (outgoing, before) = (self.left(), secs_of(1) / self.end_weight);
+        let outgoing = SampledState { pace: outgoing.pace / before, ..outgoing };
         let share = [self.start_weight, self.weight_rate / before];
-        *self = Self::inertialization(self.start_tick, ticks, [left, taking], share)
+        *self = Self::inertialization(self.start_tick, ticks, [outgoing, incoming], share)
             .on_layer(self.layer());
     }
 
@@ -132,7 +133,7 @@ impl Slot {
     #[inline]
     #[must_use]
     pub const fn left(&self) -> SampledState {
-        let [row, pace] = parts(self.phase_rate);
+        let [row, pace] = unpack(self.phase_rate);
         SampledState { bound_clip: self.bound_clip, row, pace }
     }
 
@@ -141,7 +142,7 @@ impl Slot {
     #[inline]
     #[must_use]
     pub const fn taking(&self) -> SampledState {
-        let [row, pace] = parts(self.weight_tick);
+        let [row, pace] = unpack(self.weight_tick);
         SampledState { bound_clip: self.start_phase, row, pace }
     }
 }
@@ -156,13 +157,13 @@ fn per_tick(ticks: u64) -> f32 {
     if ticks as f32 * per_tick < 1.0 { per_tick.next_up() } else { per_tick }
 }
 
-fn pair(low: f32, high: f32) -> u64 {
+fn pack(low: f32, high: f32) -> u64 {
     u64::from(high.to_bits()) << 32 | u64::from(low.to_bits())
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "its two halves")]
-const fn parts(pair: u64) -> [f32; 2] {
-    [f32::from_bits(pair as u32), f32::from_bits((pair >> 32) as u32)]
+const fn unpack(packed: u64) -> [f32; 2] {
+    [f32::from_bits(packed as u32), f32::from_bits((packed >> 32) as u32)]
 }
 
 impl Tables {
@@ -215,9 +216,9 @@ mod tests {
     #[test]
     fn inertialization_slot_has_no_weight_and_ends_on_its_tick() {
         for ticks in [1, 3, 7, 211_680, 705_600, 1_000_003] {
-            let stands =
+            let states =
                 [1, 2].map(|clip| SampledState { bound_clip: clip, row: 3.25, pace: -2.0 });
-            let mut slot = Slot::inertialization(FIRST_TICK, ticks, stands, [0.5, 4.0]).on_layer(2);
+            let mut slot = Slot::inertialization(FIRST_TICK, ticks, states, [0.5, 4.0]).on_layer(2);
             for ticks in [ticks, 2 * ticks] {
                 assert!(
                     slot.inertialized_at(FIRST_TICK + ticks) >= 1.0
@@ -233,7 +234,7 @@ mod tests {
                 let near = |found: f32, wanted: f32| (found - wanted).abs() <= wanted.abs() * 1e-5;
                 assert!(near(slot.left().pace, -2.0 * secs) && near(slot.weight_rate, 4.0 * secs));
                 assert_eq!((slot.left().bound_clip, slot.taking().row), (1, 3.25));
-                slot.inertialize_into(SampledState { bound_clip: 7, ..stands[1] }, 2 * ticks);
+                slot.inertialize_into(SampledState { bound_clip: 7, ..states[1] }, 2 * ticks);
                 assert_eq!(slot.taking().bound_clip, 7);
             }
         }
