@@ -150,7 +150,7 @@ impl<'a> Common<'a> {
     }
 
     /// Leg length of the target divided by that of the source.
-    pub(crate) fn legs(&self) -> f32 {
+    pub(crate) fn leg_ratio(&self) -> f32 {
         f64math::to_f32([self.scale])[0]
     }
 

@@ -75,9 +75,9 @@ impl Tables {
     pub fn with_capacity(slots_per_member: usize, members: usize) -> Self {
         let slots_per_member = slots_per_member.clamp(1, MAX_SLOTS);
         let mut all = TableSet::new();
-        all.members.expect(members);
-        all.slots.expect(members.saturating_mul(slots_per_member));
-        all.layers.expect(members.saturating_mul(LAYERS_PER_MEMBER as usize));
+        all.members.set_expected(members);
+        all.slots.set_expected(members.saturating_mul(slots_per_member));
+        all.layers.set_expected(members.saturating_mul(LAYERS_PER_MEMBER as usize));
         all.ground.grow(1, crate::layout::Ground::default());
         all.stage_values.grow(controls::PARAMETER_ELEMENTS, Float4::default());
         Self {

@@ -249,8 +249,11 @@ impl Binding {
         let soles = Soles::new(&common);
         let by_feet =
             clip.motion.as_ref().is_some_and(|motion| *motion.origin() == MotionOrigin::Feet);
-        let motion_scale =
-            if by_feet { common.pace(&poses, soles.as_ref()) } else { common.legs() };
+        let motion_scale = if by_feet {
+            common.ground_speed_ratio(&poses, soles.as_ref())
+        } else {
+            common.leg_ratio()
+        };
         let footing = soles.and_then(|soles| Footing::new(clip, &soles, skeleton.joint_count()));
         let report = BindingReport::by_roles(clip, skeleton, &common);
         let mut binding = Self { bound_joint_count, footing, ..Self::empty(motion_scale, report) };

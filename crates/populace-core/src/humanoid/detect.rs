@@ -30,7 +30,7 @@ fn by_scheme(skeleton: &Skeleton, scheme: &Scheme) -> Option<RoleMap> {
         skeleton.joints().map(|j| Name::of(skeleton.name(j), scheme.drop)).collect();
     let maps = candidates(&names, scheme, Role::Hips)
         .into_iter()
-        .map(|hips| below(skeleton, scheme, &names, hips));
+        .map(|hips| assign_roles(skeleton, scheme, &names, hips));
     let mut maps: Vec<RoleMap> = maps.filter(is_humanoid).collect();
     maps.sort_by_key(|map| std::cmp::Reverse(map.joints.len()));
     maps.into_iter().next()
@@ -61,7 +61,7 @@ fn matching(names: &[Name], wanted: &[String], role: Role) -> Vec<JointIndex> {
 }
 
 /// Finds all roles below these hips.
-fn below(skeleton: &Skeleton, scheme: &Scheme, names: &[Name], hips: JointIndex) -> RoleMap {
+fn assign_roles(skeleton: &Skeleton, scheme: &Scheme, names: &[Name], hips: JointIndex) -> RoleMap {
     let mut map = RoleMap::empty(skeleton, scheme.name);
     map.joints.insert(Role::Hips, hips);
     for role in all_roles().filter(|role| *role != Role::Hips) {

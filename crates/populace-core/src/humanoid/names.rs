@@ -25,7 +25,7 @@ impl Name {
         {
             side = side_of(&words.remove(at));
         } else if let Some((first, rest)) =
-            words.first().and_then(|word| Some((word, written_together(word)?)))
+            words.first().and_then(|word| Some((word, without_side_prefix(word)?)))
         {
             side = side_of(&first[..first.len() - rest.len()]);
             words[0] = rest;
@@ -35,7 +35,7 @@ impl Name {
 }
 
 /// Returns the rest of a word that starts with its side, such as "leftupperarm".
-fn written_together(word: &str) -> Option<String> {
+fn without_side_prefix(word: &str) -> Option<String> {
     let rest = word.strip_prefix("left").or_else(|| word.strip_prefix("right"))?;
     (!rest.is_empty()).then(|| rest.to_owned())
 }

@@ -27,7 +27,7 @@ pub(super) struct Stands {
 
 /// Returns the distance that the ground moves under the feet. Each moment has the position of one
 /// foot per side, or none.
-fn passed(moments: &[[Option<DVec3>; 2]]) -> f64 {
+fn ground_distance(moments: &[[Option<DVec3>; 2]]) -> f64 {
     let passes = moments.windows(2).map(|pair| {
         let both = pair[0].iter().zip(pair[1]).filter_map(|(before, now)| Some(((*before)?, now?)));
         let bears = both.min_by(|(a, b), (c, d)| (a.y + b.y).total_cmp(&(c.y + d.y)));
@@ -58,7 +58,11 @@ impl Common<'_> {
 
     /// Returns the speed of the ground under the target's feet divided by that under the source's
     /// feet. If nothing is planted it is the ratio of leg lengths.
-    pub(crate) fn pace(&self, poses: &[Vec<DAffine3>], soles: Option<&Soles<'_>>) -> f32 {
+    pub(crate) fn ground_speed_ratio(
+        &self,
+        poses: &[Vec<DAffine3>],
+        soles: Option<&Soles<'_>>,
+    ) -> f32 {
         // The last joint of a leg carries it: the toes if there are any.
         let last = |side| {
             let roles = &self.source.roles;
@@ -72,12 +76,12 @@ impl Common<'_> {
             target.push(SIDES.map(|side| {
                 let mut feet = self.feet(side, &rotations, &models);
                 if let Some(soles) = soles {
-                    soles.stand(side, &mut feet, soles.depth(&rotations, &models, side));
+                    soles.roll_feet(side, &mut feet, soles.depth(&rotations, &models, side));
                 }
                 feet.pop().map(|foot| foot.position)
             }));
         }
-        let (source, target) = (passed(&source), passed(&target));
+        let (source, target) = (ground_distance(&source), ground_distance(&target));
         let pace = target / source;
         let likely = PLAUSIBLE_RATIO.contains(&(pace / self.scale));
         f64math::to_f32([if likely { pace } else { self.scale }])[0]

@@ -138,7 +138,7 @@ impl<'a> Soles<'a> {
         let (rotations, models) = self.common.source_models(pose);
         let of = |side| {
             let mut feet = self.common.feet(side, &rotations, &models);
-            self.stand(side, &mut feet, self.depth(&rotations, &models, side))
+            self.roll_feet(side, &mut feet, self.depth(&rotations, &models, side))
         };
         // A joint scaled to zero has no direction.
         let sound = |rotation: DQuat| if rotation.is_finite() { rotation } else { DQuat::IDENTITY };
@@ -158,7 +158,7 @@ impl<'a> Soles<'a> {
                 let contact =
                     Contact::new(sole, feet.iter().find(|foot| foot.joint == sole.joint)?);
                 (contact.flat() > FLAT_TILT_RAD)
-                    .then(|| contact.walks() * (bottom - contact.lowest(0.0).0))
+                    .then(|| contact.walking_weight() * (bottom - contact.lowest(0.0).0))
             };
             SIDES.into_iter().filter_map(of).fold(0.0, f64::max)
         };
@@ -196,7 +196,7 @@ impl<'a> Soles<'a> {
     /// Rolls a foot, then its toes, about their own left-right axes by the smallest angle that
     /// keeps them no deeper than `depth`. Returns the corrections of the joints. Toes with a source
     /// joint keep their own direction while the foot rolls.
-    pub(super) fn stand(&self, side: Side, feet: &mut [Stands], depth: f64) -> Vec<DQuat> {
+    pub(super) fn roll_feet(&self, side: Side, feet: &mut [Stands], depth: f64) -> Vec<DQuat> {
         let bottom = self.target.ground - depth;
         let mut found = Vec::new();
         let mut above: Option<(DQuat, Stands, DVec3)> = None;
@@ -257,7 +257,7 @@ impl<'a> Contact<'a> {
     }
 
     /// Returns 1 for a foot that can be walking, 0 for one that cannot, and values in between.
-    fn walks(&self) -> f64 {
+    fn walking_weight(&self) -> f64 {
         let (flat, edge) = (self.flat(), self.up.x.clamp(-1.0, 1.0).asin().abs());
         fade(flat, TOES_UP_RAD) * fade(-flat, TOES_DOWN_RAD) * fade(edge, EDGE_DOWN_RAD)
     }
@@ -301,7 +301,11 @@ impl<'a> Contact<'a> {
         let part = (bottom - at) / (EXCESS_DEPTH * body_height)
             + (towards * rises).max(0.0) / (CONTACT_DISTANCE * body_height);
         let left = bottom - self.lowest(towards * enough).0;
-        towards * enough * part.min(1.0) * fade(left / body_height, ANKLE_DEPTH) * self.walks()
+        towards
+            * enough
+            * part.min(1.0)
+            * fade(left / body_height, ANKLE_DEPTH)
+            * self.walking_weight()
     }
 }
 

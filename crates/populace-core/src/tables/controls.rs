@@ -73,9 +73,9 @@ impl ControlSpaces {
 }
 
 /// Replaces a run by one of `count` elements; keeps it if the length is unchanged.
-fn refit(space: &mut Space, run: &mut (usize, usize), count: usize) {
+fn resize_run(space: &mut Space, run: &mut (usize, usize), count: usize) {
     if run.1 != count {
-        space.give_back(*run);
+        space.release(*run);
         *run = space.take(count);
     }
 }
@@ -107,7 +107,7 @@ impl Tables {
         skeleton: &Skeleton,
         controls: &Controls,
     ) -> Result<(), Error> {
-        let member = self.taken(member_index)?;
+        let member = self.used_member(member_index)?;
         if controls.is_empty() {
             self.remove_control(member_index);
             return Ok(());
@@ -123,7 +123,7 @@ impl Tables {
         self.check_control_capacity(&program)?;
         let control =
             if member.control == NONE { self.add_control(member_index) } else { member.control };
-        self.fit_runs(control as usize, &program);
+        self.resize_runs(control as usize, &program);
         self.write_program(control as usize, program);
         Ok(())
     }
@@ -177,23 +177,23 @@ impl Tables {
         if member.control == NONE {
             return;
         }
-        self.fit_runs(member.control as usize, &Program::default());
+        self.resize_runs(member.control as usize, &Program::default());
         self.control_spaces.unchecked.remove(&member.control);
-        self.control_spaces.controls.give_back((member.control as usize, 1));
+        self.control_spaces.controls.release((member.control as usize, 1));
         self.all.controls.truncate(self.control_spaces.controls.end());
         member.control = NONE;
         self.all.members.set(member_index as usize, member);
     }
 
-    fn fit_runs(&mut self, control: usize, program: &Program) {
+    fn resize_runs(&mut self, control: usize, program: &Program) {
         let spaces = &mut self.control_spaces;
         let runs = &mut spaces.runs[control];
-        refit(&mut spaces.steps, &mut runs.steps, program.steps.len());
-        refit(&mut spaces.overrides, &mut runs.overrides, program.overrides.len());
-        refit(&mut spaces.constraints, &mut runs.constraints, program.constraints.len());
-        refit(&mut spaces.links, &mut runs.links, program.links.len());
-        refit(&mut spaces.targets, &mut runs.targets, program.targets.len());
-        refit(&mut spaces.values, &mut runs.values, program.values.len());
+        resize_run(&mut spaces.steps, &mut runs.steps, program.steps.len());
+        resize_run(&mut spaces.overrides, &mut runs.overrides, program.overrides.len());
+        resize_run(&mut spaces.constraints, &mut runs.constraints, program.constraints.len());
+        resize_run(&mut spaces.links, &mut runs.links, program.links.len());
+        resize_run(&mut spaces.targets, &mut runs.targets, program.targets.len());
+        resize_run(&mut spaces.values, &mut runs.values, program.values.len());
         self.all.steps.truncate(spaces.steps.end());
         self.all.overrides.truncate(spaces.overrides.end());
         self.all.constraints.truncate(spaces.constraints.end());
@@ -237,7 +237,7 @@ impl Tables {
     ///
     /// [`Error::BadPlayback`] if the member does not exist.
     pub fn set_place(&mut self, member_index: u32, standing: &Place) -> Result<(), Error> {
-        let control = self.taken(member_index)?.control;
+        let control = self.used_member(member_index)?.control;
         if control != NONE {
             let [at, facing] = device_place(standing);
             let row =
@@ -259,7 +259,7 @@ impl Tables {
         index: usize,
         target: Target,
     ) -> Result<(), Error> {
-        let control = self.taken(member_index)?.control as usize;
+        let control = self.used_member(member_index)?.control as usize;
         let run = self.control_spaces.runs.get(control).map_or((0, 0), |runs| runs.targets);
         if index >= run.1 {
             return Err(Error::BadPlayback {
@@ -281,7 +281,7 @@ impl Tables {
 
     /// Frees a watched joint.
     pub fn remove_watched(&mut self, watched: u32) {
-        self.control_spaces.watched.give_back((watched as usize, 1));
+        self.control_spaces.watched.release((watched as usize, 1));
     }
 
     /// Element ranges of joints watched since [`mark_clean`](Self::mark_clean). Devices set them to

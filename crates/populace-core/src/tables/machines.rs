@@ -234,7 +234,7 @@ impl Tables {
 
     /// Updates use counts when a slot changes its machine instance from `before` to `now`, and
     /// frees an instance without uses.
-    pub(super) fn pass_machine_instance(&mut self, before: Option<u32>, now: Option<u32>) {
+    pub(super) fn update_instance_uses(&mut self, before: Option<u32>, now: Option<u32>) {
         if before == now {
             return;
         }
@@ -245,7 +245,7 @@ impl Tables {
         if let Some(machine_instance) = before.map(|machine_instance| machine_instance as usize) {
             uses[machine_instance] -= 1;
             if uses[machine_instance] == 0 {
-                space.give_back((machine_instance, 1));
+                space.release((machine_instance, 1));
                 self.all.machine_instances.set(machine_instance, FREE);
                 self.all.machine_instances.truncate(space.end());
                 self.all.machine_parameters.truncate(space.end() * PARAMETERS);

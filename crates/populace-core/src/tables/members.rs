@@ -128,8 +128,8 @@ impl Tables {
         fill(&mut self.blocks.joint_blocks, joints, NONE);
         fill(&mut self.blocks.palette_blocks, palette, NONE);
         self.phase_members[member.phase() as usize] -= 1;
-        self.joint_space.give_back(joints);
-        self.palette_space.give_back(palette);
+        self.joint_space.release(joints);
+        self.palette_space.release(palette);
         if entry_count > 0 {
             self.page_lists.remove(page_of(palette), member_index);
         }
@@ -167,7 +167,7 @@ impl Tables {
     /// the member's body or does not allow the slot's mode, or the state machine belongs to another
     /// body.
     pub fn set_slot(&mut self, member_index: u32, index: usize, slot: Slot) -> Result<(), Error> {
-        let member = self.taken(member_index)?;
+        let member = self.used_member(member_index)?;
         let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
         if index >= self.slots_per_member {
             return bad("slot", u32::try_from(index).unwrap_or(NONE));
@@ -210,7 +210,7 @@ impl Tables {
     fn replace_slot(&mut self, index: usize, slot: Slot) {
         let before = self.all.slots.as_slice()[index];
         self.all.slots.set(index, slot);
-        self.pass_machine_instance(before.machine_instance(), slot.machine_instance());
+        self.update_instance_uses(before.machine_instance(), slot.machine_instance());
     }
 
     /// Replaces a layer of a member.
@@ -224,7 +224,7 @@ impl Tables {
         index: usize,
         layer: Layer,
     ) -> Result<(), Error> {
-        let member = self.taken(member_index)?;
+        let member = self.used_member(member_index)?;
         let joints = self.all.bodies.as_slice()[member.body as usize].padded_count as usize;
         let layer_index = u32::try_from(index).unwrap_or(NONE);
         if layer_index >= LAYERS_PER_MEMBER {
@@ -238,7 +238,7 @@ impl Tables {
         Ok(())
     }
 
-    pub(super) fn taken(&self, member_index: u32) -> Result<Member, Error> {
+    pub(super) fn used_member(&self, member_index: u32) -> Result<Member, Error> {
         let member =
             self.all.members.as_slice().get(member_index as usize).filter(|m| m.body != NONE);
         member.copied().ok_or(Error::BadPlayback { what: "member", value: member_index })
@@ -260,7 +260,7 @@ impl Tables {
     /// [`Error::BadPlayback`] if the member does not exist or the phase is [`PHASES_MOST`] or
     /// above.
     pub fn set_phase(&mut self, member_index: u32, phase: u32) -> Result<(), Error> {
-        let mut member = self.taken(member_index)?;
+        let mut member = self.used_member(member_index)?;
         if phase >= PHASES_MOST {
             return Err(Error::BadPlayback { what: "phase", value: phase });
         }

@@ -20,14 +20,14 @@ impl Tables {
             if at >= last as f32 {
                 return (last, 0.0);
             }
-            let row = whole(at);
+            let row = truncated(at);
             return (row, at - row as f32);
         }
         let times = &self.row_times().as_slice()[clip.time_first as usize..];
         if secs >= times[last as usize] {
             return (last, 0.0);
         }
-        let bucket = whole((passed * clip.buckets_per_sec).max(0.0)).min(clip.bucket_count - 1);
+        let bucket = truncated((passed * clip.buckets_per_sec).max(0.0)).min(clip.bucket_count - 1);
         let mut row = self.buckets().as_slice()[(clip.bucket_first + bucket) as usize];
         while times[row as usize + 1] <= secs {
             row += 1;
@@ -42,6 +42,6 @@ impl Tables {
     clippy::cast_sign_loss,
     reason = "not negative; truncation is intended"
 )]
-fn whole(x: f32) -> u32 {
+fn truncated(x: f32) -> u32 {
     x as u32
 }

@@ -53,7 +53,7 @@ impl Space {
         (first, count)
     }
 
-    pub(super) fn give_back(&mut self, (first, count): (usize, usize)) {
+    pub(super) fn release(&mut self, (first, count): (usize, usize)) {
         if count == 0 {
             return;
         }
@@ -91,11 +91,11 @@ mod tests {
         assert_eq!(space.take(6), (10, 6));
         assert_eq!(space.take(4), (6, 4), "the rest of the first page");
         assert_eq!(space.take(4), (16, 4));
-        space.give_back((0, 6));
+        space.release((0, 6));
         assert_eq!(space.take(5), (20, 5));
         assert_eq!(space.take(6), (0, 6));
         assert_eq!(space.take(0), (0, 0), "an empty run stays valid however the space shrinks");
-        space.give_back((0, 0));
+        space.release((0, 0));
         assert_eq!(space.end(), 25);
     }
 
@@ -104,10 +104,10 @@ mod tests {
         let mut space = Space::new(10);
         let runs = [6, 6, 3, 6].map(|count| space.take(count));
         assert_eq!((runs, space.end()), ([(0, 6), (10, 6), (16, 3), (20, 6)], 26));
-        space.give_back(runs[1]);
-        space.give_back(runs[3]);
+        space.release(runs[1]);
+        space.release(runs[3]);
         assert_eq!(space.end(), 19, "the gap at the end of the page is dropped too");
-        space.give_back(runs[2]);
+        space.release(runs[2]);
         assert_eq!(space.end(), 6, "and so are the run before it and the first page's gap");
         // No dropped run is allocated twice.
         assert_eq!(
@@ -136,7 +136,7 @@ mod tests {
                 assert_eq!(taken.iter().filter(apart).count(), taken.len(), "{first} {count}");
                 taken.push((first, count));
             } else {
-                space.give_back(taken.swap_remove(random(taken.len())));
+                space.release(taken.swap_remove(random(taken.len())));
             }
             assert_eq!(space.end(), taken.iter().map(|t| t.0 + t.1).max().unwrap_or(0));
         }

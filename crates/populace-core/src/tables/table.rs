@@ -73,7 +73,7 @@ impl<T: bytemuck::Pod> Table<T> {
         self.expected
     }
 
-    pub(super) fn expect(&mut self, count: usize) {
+    pub(super) fn set_expected(&mut self, count: usize) {
         self.expected = count;
     }
 
@@ -82,18 +82,18 @@ impl<T: bytemuck::Pod> Table<T> {
     }
 
     pub(super) fn set(&mut self, index: usize, value: T) {
-        self.touch(index);
+        self.record_change(index);
         self.data[index] = value;
     }
 
     /// Overwrites existing elements from `first` on.
     pub(super) fn set_run(&mut self, first: usize, values: &[T]) {
-        (first..first + values.len()).for_each(|index| self.touch(index));
+        (first..first + values.len()).for_each(|index| self.record_change(index));
         self.data[first..first + values.len()].copy_from_slice(values);
     }
 
     /// Records that an element is about to change or be removed, and saves its value.
-    fn touch(&mut self, index: usize) {
+    fn record_change(&mut self, index: usize) {
         if index >= self.known {
             return; // in the tail
         }
@@ -127,7 +127,7 @@ impl<T: bytemuck::Pod> Table<T> {
     /// Shortens the table to `count` elements; does nothing if it has as many or fewer. Devices
     /// still hold the removed elements, so elements added in their place count as changed.
     pub(super) fn truncate(&mut self, count: usize) {
-        (count..self.data.len().min(self.known)).for_each(|index| self.touch(index));
+        (count..self.data.len().min(self.known)).for_each(|index| self.record_change(index));
         self.data.truncate(count);
     }
 
@@ -142,16 +142,16 @@ impl<T: bytemuck::Pod> Table<T> {
     pub(super) fn revert(&mut self) {
         self.revived = self.known.saturating_sub(self.data.len());
         self.data.resize(self.data.len() + self.revived, T::zeroed());
-        self.exchange();
+        self.swap_changes();
     }
 
     /// Reapplies the changes after [`revert`](Self::revert).
     pub(super) fn restore(&mut self) {
-        self.exchange();
+        self.swap_changes();
         self.data.truncate(self.data.len() - std::mem::take(&mut self.revived));
     }
 
-    fn exchange(&mut self) {
+    fn swap_changes(&mut self) {
         for (index, before) in self.changed.iter().zip(&mut self.before) {
             std::mem::swap(&mut self.data[*index as usize], before);
         }

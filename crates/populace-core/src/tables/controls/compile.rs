@@ -38,14 +38,14 @@ pub(super) struct Program {
     /// The member's values for the stages that it uses.
     pub(super) values: Vec<Float4>,
     pub(super) scale_first: u32,
-    turns: usize,
+    rotation_count: usize,
 }
 
 fn bad<T>(what: impl Into<String>) -> Result<T, Error> {
     Err(Error::BadConstraint { what: what.into() })
 }
 
-fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
+fn check_finite(what: &str, values: &[f32]) -> Result<(), Error> {
     if values.iter().all(|v| v.is_finite()) {
         Ok(())
     } else {
@@ -53,7 +53,7 @@ fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
     }
 }
 
-fn bounded(what: &str, values: &[f32]) -> Result<(), Error> {
+fn check_bounded(what: &str, values: &[f32]) -> Result<(), Error> {
     if values.iter().all(|v| v.abs() <= LARGEST) {
         Ok(())
     } else {
@@ -124,11 +124,11 @@ impl Program {
         }
         program.attach(skeleton, controls.attached)?;
         program.solve_legs_with_pelvis();
-        if program.turns > TURNS_MOST as usize {
+        if program.rotation_count > TURNS_MOST as usize {
             let what = format!(
                 "the constraints of a member rotate {} joints in sequence; at most {TURNS_MOST} \
                  are supported",
-                program.turns
+                program.rotation_count
             );
             return bad(what);
         }
@@ -145,9 +145,9 @@ impl Program {
     }
 
     /// Allocates `count` rotations that later steps apply, and returns the first index.
-    fn take_rotations(&mut self, count: usize) -> usize {
-        self.turns += count;
-        self.turns - count
+    fn allocate_rotations(&mut self, count: usize) -> usize {
+        self.rotation_count += count;
+        self.rotation_count - count
     }
 
     fn add(
@@ -157,8 +157,8 @@ impl Program {
         targets: &[Target],
     ) -> Result<u32, Error> {
         for target in targets {
-            bounded("a target", &target.point.0)?;
-            finite(
+            check_bounded("a target", &target.point.0)?;
+            check_finite(
                 "the weight of a target",
                 &[target.start_weight, target.weight_rate, target.end_weight],
             )?;
@@ -196,7 +196,7 @@ impl Program {
                  below pi, and up and down limits below pi / 2",
             );
         }
-        finite("the facing direction of a gaze", &gaze.facing)?;
+        check_finite("the facing direction of a gaze", &gaze.facing)?;
         let joints = path(skeleton, first, last)?;
         let share_of = |joint: &JointIndex| {
             let parts = gaze.chain.iter().filter(|(j, _)| j == joint);
@@ -216,7 +216,7 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &gaze.targets)?;
-        let turn = self.take_rotations(joints.len() - 1);
+        let turn = self.allocate_rotations(joints.len() - 1);
         self.step(first, STEP_GAZE, index, turn);
         for (at, link) in links.iter().enumerate().skip(1).filter(|(_, link)| link.share > 0.0) {
             self.step(JointIndex(link.joint), STEP_TURN, index, turn + at - 1);
@@ -233,9 +233,9 @@ impl Program {
                 limb.soft
             ));
         }
-        finite("the bend direction of a limb", &limb.bend)?;
+        check_finite("the bend direction of a limb", &limb.bend)?;
         let pole = limb.pole.unwrap_or([0.0; 3]);
-        finite("a pole", &pole)?;
+        check_finite("a pole", &pole)?;
         let row = layout::Constraint {
             axis: float4(in_joint(skeleton, Some(limb.first), direction(limb.bend)), 0.0),
             front: float4(direction(pole), f32::from(u8::from(limb.pole.is_some()))),
@@ -245,7 +245,7 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &limb.targets)?;
-        let turn = self.take_rotations(2);
+        let turn = self.allocate_rotations(2);
         self.step(limb.first, STEP_REACH, index, turn);
         self.step(limb.middle, STEP_TURN, index, turn);
         self.step(limb.end, STEP_TURN, index, turn + 1);
@@ -270,7 +270,7 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &chain.targets)?;
-        let turn = self.take_rotations(joints.len() - 1);
+        let turn = self.allocate_rotations(joints.len() - 1);
         self.step(chain.first, STEP_CHAIN, index, turn);
         for (at, joint) in joints.iter().enumerate().skip(1) {
             self.step(*joint, STEP_TURN, index, turn + at - 1);
@@ -291,7 +291,7 @@ impl Program {
         if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
             return bad("a member has two feet constraints; only one is supported");
         }
-        let turn = self.take_rotations(3 * feet.feet.len());
+        let turn = self.allocate_rotations(3 * feet.feet.len());
         let first = u32_from(self.constraints.len());
         for (nth, foot) in feet.feet.iter().enumerate() {
             let (row, links) = foot_row(skeleton, feet, foot)?;
