@@ -84,7 +84,7 @@ impl StageBuffer {
     ];
 }
 
-/// How stages are mapped to work-items. All schedules give the same poses.
+/// Mapping of stages to work-items. All schedules give the same poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Schedule {
     /// One kernel per stage and one work-item per joint, through global memory (Lister & Day 2012,
@@ -234,7 +234,7 @@ pub enum BackendError {
     Unusable {
         /// The device's name.
         device: String,
-        /// What is missing, and how to fix it.
+        /// The missing part, and the remedy.
         cause: String,
     },
     /// The device does not exist.
@@ -327,7 +327,7 @@ pub trait Backend: PaletteSource + Send {
     /// The device's name for display.
     fn device_name(&self) -> String;
 
-    /// How stages are mapped to work-items.
+    /// The mapping of stages to work-items.
     fn schedule(&self) -> Schedule;
 
     /// Copies the changes in the tables since the last call: for each table its
@@ -434,8 +434,8 @@ pub trait Backend: PaletteSource + Send {
     /// A device failure.
     fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError>;
 
-    /// How often the host has waited for devices of this kind since the process began. Frames do
-    /// not wait.
+    /// Number of times that the host has waited for devices of this kind since the process began.
+    /// Frames do not wait.
     fn waits(&self) -> u64 {
         0
     }

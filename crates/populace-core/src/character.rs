@@ -132,7 +132,7 @@ pub struct Material {
     pub base_color_texture: Option<Texture>,
     /// Meaning of alpha.
     pub alpha: AlphaMode,
-    /// Whether back faces are drawn.
+    /// True if back faces are drawn.
     pub double_sided: bool,
 }
 

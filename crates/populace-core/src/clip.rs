@@ -52,7 +52,7 @@ pub struct Clip {
 pub struct ClipStats {
     /// Number of rows stored.
     pub row_count: usize,
-    /// Whether rows are evenly spaced, so that the row of a time is found by multiplication.
+    /// True if rows are evenly spaced, so that the row of a time is found by multiplication.
     pub evenly_spaced: bool,
     /// Bytes of rows, row times, buckets and ranges.
     pub row_bytes: usize,

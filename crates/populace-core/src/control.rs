@@ -1,4 +1,5 @@
-//! What moves a member besides its clips: overrides, constraints, stages and attachments.
+//! Constraint programs: overrides, constraints, stages and attachments that move a member besides
+//! its clips.
 
 use crate::layout::{
     Float4, LEAST_WEIGHT, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD,
@@ -152,7 +153,7 @@ pub struct Limb {
     /// Pole: the direction in model space that the middle joint points to; `None` leaves it where
     /// the clips have it.
     pub pole: Option<[f32; 3]>,
-    /// Whether the end joint keeps the rotation that it has without the constraint.
+    /// True if the end joint keeps the rotation that it has without the constraint.
     pub keeps_end: bool,
     /// Fraction of the limb's length over which it straightens, above 0 and up to 0.5. A target
     /// within the remaining length is reached exactly, one beyond is only approached.
@@ -223,8 +224,8 @@ pub struct Controls {
     pub watches: Vec<(JointIndex, u32)>,
     /// Joints that other members are attached to, each with its index of a watched joint.
     pub carries: Vec<(JointIndex, u32)>,
-    /// What the member is attached to: the index of the watched joint, and the transform from the
-    /// member's roots to that joint.
+    /// Attachment of the member: the index of the parent's watched joint, and the transform of the
+    /// member's roots relative to that joint.
     pub attached: Option<(u32, Trs)>,
     /// Offset in [`Tables::joint_scales`](crate::Tables::joint_scales) of the length factors of the
     /// member's joints.

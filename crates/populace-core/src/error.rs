@@ -147,7 +147,7 @@ pub enum Error {
     /// An index is out of range, or does not fit a member.
     #[error("invalid {what} {value}: it does not exist, or does not fit this member")]
     BadPlayback {
-        /// What the index refers to.
+        /// Kind of the index.
         what: &'static str,
         /// The index.
         value: u32,

@@ -117,7 +117,7 @@ pub unsafe trait SharedPage: Send {
     }
 }
 
-/// Where a device writes palettes.
+/// Destination of a device's palettes.
 #[derive(Default)]
 pub enum PaletteTarget {
     /// See [`PaletteTransport::Shared`]. The pages of each set, in order. Both sets have the same

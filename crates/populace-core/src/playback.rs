@@ -256,8 +256,8 @@ impl Slot {
         start_secs + (phase >> 40) as f32 * (1.0 / 16_777_216.0) * duration_secs
     }
 
-    /// How often a looping slot passes an end of its clip between two clock ticks. `from_tick` must
-    /// not be before the slot's start. 0 for other slots. Twin of `slot_cycles` in
+    /// Number of times that a looping slot passes an end of its clip between two clock ticks; 0 for
+    /// other slots. `from_tick` must not be before the slot's start. Twin of `slot_cycles` in
     /// `kernels/slot.cl`.
     #[inline]
     #[must_use]
@@ -320,7 +320,7 @@ fn once_rate(duration_secs: f32, speed: f32) -> u64 {
     if speed < 0.0 { rate.wrapping_neg() } else { rate }
 }
 
-/// How a layer combines with the layers below it.
+/// Combination of a layer with the layers below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LayerMode {
     /// The layer's mix replaces the layers below, by layer weight times mask.
@@ -334,8 +334,7 @@ pub enum LayerMode {
 /// Settings of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerSettings {
-    /// How the layer combines with those below it. Layer 0 covers the rest pose and always
-    /// overrides.
+    /// Combination with the layers below. Layer 0 covers the rest pose and always overrides.
     pub mode: LayerMode,
     /// Weight from 0 to 1; ignored for layer 0.
     pub weight: f32,

@@ -5,6 +5,9 @@
 //! the target's common pose. A target joint whose role has a source joint rotates away from the
 //! common pose as the source joint rotates away from its rest pose: `Gt = Gs * inverse(Gs0) * Gtc`.
 //! All other joints of the target keep their local rest.
+//!
+//! A joint with a role is *detached* if it is not a descendant of the joint of its parent role, as
+//! the feet of rigs whose feet are IK targets.
 
 mod chain;
 mod ground;

@@ -4,7 +4,7 @@ use super::Clip;
 use crate::retarget::Common;
 use crate::{Error, JointIndex, Skeleton, f64math};
 
-/// How a clip's joints are matched with those of a skeleton.
+/// Method of matching a clip's joints with those of a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BindingMethod {
     /// By name; the skeleton has the same rest pose as the clip's own ([`Clip::is_made_for`]).
@@ -15,10 +15,10 @@ pub enum BindingMethod {
     Names,
 }
 
-/// How well a clip fits a skeleton.
+/// Report on the fit of a clip to a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BindingReport {
-    /// How joints were matched.
+    /// Method by which joints were matched.
     pub way: BindingMethod,
     /// Number of joints that the clip moves; for a clip that moves none, those that it sets.
     pub moving_joints: usize,

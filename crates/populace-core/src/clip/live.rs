@@ -29,8 +29,8 @@ pub struct LiveSettings {
     /// Rows per second, 1 to 1000. Poses are stored at this rate, rounded to whole ticks, at
     /// whatever rate they arrive.
     pub rows_per_sec: f32,
-    /// How long rows are kept, in seconds; at most 3.6 million rows. Older rows are overwritten. A
-    /// member can play with a delay of up to this time.
+    /// Time for which rows are kept, in seconds; at most 3.6 million rows. Older rows are
+    /// overwritten. A member can play with a delay of up to this time.
     pub secs: f32,
     /// Joints of which translations are received. If the streamed body has other proportions than
     /// the members that play the clip, use the hips only.

@@ -51,9 +51,9 @@ pub enum MotionOrigin {
 pub struct MotionSettings {
     /// The source of the motion.
     pub from: MotionSource,
-    /// Whether the heading is part of the motion. Otherwise turns stay in the pose.
+    /// True if the heading is part of the motion. Otherwise turns stay in the pose.
     pub turns: bool,
-    /// Whether the height is part of the motion. Otherwise it stays in the pose.
+    /// True if the height is part of the motion. Otherwise it stays in the pose.
     pub rises: bool,
 }
 

@@ -57,7 +57,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// Where a block of 16 columns lies within a row.
+    /// Location of a block of 16 columns within a row.
     ///
     /// A row is a run of 32-bit words. For each property that moves in the block, planes of words
     /// follow each other from the property's first word:
@@ -162,7 +162,7 @@ device_struct! {
 }
 
 device_struct! {
-    /// Where 16 neighbouring joints of a body find their columns in a clip's rows.
+    /// Location of the columns of 16 neighbouring joints of a body within a clip's rows.
     ///
     /// The first six fields are those of a [`RowBlock`]. With [`BLOCK_STRAIGHT`] they are those of
     /// the single block that the joints follow. Otherwise a first word only tells whether anything

@@ -30,9 +30,9 @@ pub(crate) struct ColumnMotion {
 pub(crate) struct Link {
     /// The source joint that moves.
     pub(crate) column: JointIndex,
-    /// Whether the rotation moves; otherwise it is the identity.
+    /// True if the rotation moves; otherwise it is the identity.
     pub(crate) rotates: bool,
-    /// Whether the rotation is inverted.
+    /// True if the rotation is inverted.
     pub(crate) undone: bool,
     /// Offset added to the translation, in the space of the rotation so far.
     pub(crate) arm: DVec3,

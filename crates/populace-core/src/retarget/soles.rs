@@ -11,7 +11,7 @@ use crate::humanoid::{Role, Side};
 /// Depth to which soles may be in the ground, as a fraction of the body's height. It is invisible,
 /// and feet roll less because of it.
 const DEPTH_TOLERANCE: f64 = 0.007;
-/// Maximum lift of the whole body for heel_lift, as a fraction of the height of its hips.
+/// Maximum lift of the whole body for heels, as a fraction of the height of its hips.
 const MAX_LIFT: f64 = 0.015;
 /// Depth of the source's feet, as a fraction of its body's size, beyond which it counts as
 /// intended. Depth up to it counts as inexact animation. Intended depth is allowed for the target's

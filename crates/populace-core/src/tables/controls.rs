@@ -301,7 +301,7 @@ impl Tables {
         self.control_spaces.watched.end() * WATCHED_ELEMENTS as usize
     }
 
-    /// Those of the watched elements that every device had memory for at the last
+    /// The part of the watched elements that every device had memory for at the last
     /// [`mark_clean`](Self::mark_clean).
     #[must_use]
     pub fn watched_elements_known(&self) -> usize {

@@ -24,7 +24,7 @@ impl Running {
 /// A state of a machine, for members of one body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineState {
-    /// How the state plays its bound clip. The slot's start tick, weight and layer are ignored.
+    /// Playback of the state's bound clip. The slot's start tick, weight and layer are ignored.
     pub slot: Slot,
     /// Outgoing transitions; the first whose conditions hold is taken.
     pub transitions: Vec<Transition>,
