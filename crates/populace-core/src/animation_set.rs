@@ -1,4 +1,4 @@
-//! The clips that a crowd shares.
+//! The clips shared by a crowd.
 
 use std::sync::Arc;
 
@@ -8,19 +8,19 @@ use crate::Clip;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClipIndex(pub u32);
 
-/// Clips that all members sample (Lister & Day 2012, section 3.2, fig. 4). They are tied to no
-/// model and can be added at any time, which palettes baked in advance cannot (section 2 there).
+/// Clips that all members sample (Lister & Day 2012, section 3.2, fig. 4). They are not bound to a
+/// model and can be added at any time, unlike palettes baked in advance (section 2 there).
 #[derive(Clone, Debug, Default)]
 pub struct AnimationSet {
     clips: Vec<Arc<Clip>>,
 }
 
 impl AnimationSet {
-    /// Adds a clip; the same clip again gives the same index.
+    /// Adds a clip and returns its index. A clip that was added before keeps its index.
     ///
     /// # Panics
     ///
-    /// At more than 2^32 clips.
+    /// If there are more than 2^32 clips.
     pub fn add(&mut self, clip: &Arc<Clip>) -> ClipIndex {
         self.find(clip).unwrap_or_else(|| {
             self.clips.push(Arc::clone(clip));
@@ -28,25 +28,25 @@ impl AnimationSet {
         })
     }
 
-    /// The index of a clip that was added.
+    /// The index of a clip, if it was added.
     #[must_use]
     pub fn find(&self, clip: &Arc<Clip>) -> Option<ClipIndex> {
         self.clips.iter().position(|c| Arc::ptr_eq(c, clip)).map(index)
     }
 
-    /// The clip of an index.
+    /// The clip with this index.
     #[must_use]
     pub fn get(&self, clip: ClipIndex) -> Option<&Arc<Clip>> {
         self.clips.get(clip.0 as usize)
     }
 
-    /// All clips, in the order they were added.
+    /// All clips, in the order in which they were added.
     #[must_use]
     pub fn clips(&self) -> &[Arc<Clip>] {
         &self.clips
     }
 }
 
-fn index(place: usize) -> ClipIndex {
-    ClipIndex(u32::try_from(place).expect("fewer than 2^32 clips"))
+fn index(position: usize) -> ClipIndex {
+    ClipIndex(u32::try_from(position).expect("fewer than 2^32 clips"))
 }

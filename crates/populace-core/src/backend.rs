@@ -5,17 +5,17 @@ use std::ops::Range;
 use crate::layout::{Float4, Member};
 use crate::{PaletteSource, Tables, UserStage};
 
-/// A step of a frame. Pose, Transform and Write-Back are the three kernels of Lister & Day 2012,
-/// section 3, fig. 1; Evaluate is Populace's own, since slots are closed-form.
+/// A stage of a frame. Pose, Transform and Write-Back are the three kernels of Lister & Day 2012,
+/// section 3, fig. 1. Evaluate is added because slots are closed-form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
-    /// Finds each slot's rows and weight from the clock.
+    /// Finds the rows and the weight of each slot from the clock.
     Evaluate,
     /// Mixes each member's slots, layer by layer, into local transforms.
     Pose,
-    /// Runs local transforms down the hierarchy.
+    /// Multiplies local transforms down the hierarchy.
     Transform,
-    /// Multiplies by `joint_from_bind`, giving the matrix palettes.
+    /// Multiplies by `joint_from_bind`, which gives the matrix palettes.
     WriteBack,
 }
 
@@ -35,7 +35,7 @@ impl Stage {
     }
 }
 
-/// What stages write and the next ones read; each element is 16 bytes.
+/// Buffers that stages write for later stages. Each element is 16 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StageBuffer {
     /// [`SlotSample`](crate::layout::SlotSample)s, `members x slots`, slots fastest.
@@ -46,8 +46,9 @@ pub enum StageBuffer {
     Rotations,
     /// The joint buffer's local scales, `x y z 0`.
     Scales,
-    /// First rows of `model_from_joint`. Rows stand in arrays of their own: a rotated child under
-    /// non-uniform scale shears, and no translation, rotation and scale can hold that.
+    /// First rows of `model_from_joint`. Rows are kept in separate arrays. Matrices are needed
+    /// because a rotated child under non-uniform scale shears, which translation, rotation and
+    /// scale cannot express.
     ModelRow0,
     /// Second rows.
     ModelRow1,
@@ -55,14 +56,14 @@ pub enum StageBuffer {
     ModelRow2,
     /// The matrix palettes: three elements for each palette entry.
     Palette,
-    /// What is kept of members with controls from frame to frame,
-    /// [`STATES_PER_CONTROL`](crate::layout::STATES_PER_CONTROL) for each control.
+    /// History state of members with constraint programs, kept from frame to frame:
+    /// [`STATES_PER_CONTROL`](crate::layout::STATES_PER_CONTROL) elements per control.
     States,
-    /// What others look at: three rows of `world_from_joint` for each; of what others are attached
-    /// to, of `model_from_joint`.
+    /// Watched joints: three rows of `world_from_joint` each, or of `model_from_joint` for joints
+    /// that members are attached to.
     Watched,
-    /// Where state machines are: a [`Running`](crate::layout::Running) in three elements for each
-    /// machine instance.
+    /// State of state machines: a [`Running`](crate::layout::Running) in three elements per machine
+    /// instance.
     Running,
 }
 
@@ -83,18 +84,19 @@ impl StageBuffer {
     ];
 }
 
-/// How the stages are mapped to work-items. All give the same poses.
+/// Mapping of stages to work-items. All schedules give the same poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Schedule {
-    /// One kernel for each stage, one work-item for each joint, through global memory (Lister & Day
-    /// 2012, sections 3 and 3.1): the faithful one, and the baseline of every benchmark.
+    /// One kernel per stage and one work-item per joint, through global memory (Lister & Day 2012,
+    /// sections 3 and 3.1). It follows the paper and is the baseline of all benchmarks.
     Staged,
-    /// All stages in one, in the form that suits the kind of device.
+    /// All stages in one kernel, in the variant that suits the kind of device.
     #[default]
     Fused,
-    /// All stages in one for CPUs: a work-item for a run of members, sixteen joints at a time.
+    /// All stages in one kernel, for CPUs: one work-item per run of members, sixteen joints at a
+    /// time.
     FusedWide,
-    /// All stages in one for GPUs: a work-group for each member, a work-item for each joint.
+    /// All stages in one kernel, for GPUs: one work-group per member, one work-item per joint.
     FusedGrouped,
 }
 
@@ -130,83 +132,83 @@ impl std::str::FromStr for Schedule {
     }
 }
 
-/// One frame's arguments.
+/// The arguments of one frame.
 ///
-/// Members that are attached to others are evaluated after those, in the next phase. All phases of
-/// a frame can run at once, or one after the other: the first begins the frame.
+/// Members that are attached to others are evaluated in the phase after these. The phases of a
+/// frame can run in one call or in several; the first phase begins the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame {
     /// The crowd's clock.
     pub tick: u64,
-    /// Ticks since the frame before.
+    /// Ticks since the previous frame.
     pub elapsed_ticks: u32,
-    /// The first place of the members to evaluate.
+    /// First index of the members to evaluate.
     pub place_first: u32,
-    /// The end of those places.
+    /// End of these indices.
     pub place_end: u32,
     /// The first phase to run.
     pub phase_first: u32,
-    /// The end of those phases.
+    /// End of these phases.
     pub phase_end: u32,
 }
 
 impl Frame {
-    /// A frame of all members.
+    /// Creates a frame of all members and phases at a clock tick, with no elapsed time.
     #[must_use]
     pub const fn of_all(tick: u64) -> Self {
         let (place_end, phase_end) = (u32::MAX, u32::MAX);
         Self { tick, elapsed_ticks: 0, place_first: 0, place_end, phase_first: 0, phase_end }
     }
 
-    /// With the time since the frame before, which what moves on from frame to frame needs.
+    /// Sets the time since the previous frame, which stateful constraints and root motion need.
     #[must_use]
     pub const fn after_ticks(mut self, elapsed_ticks: u32) -> Self {
         self.elapsed_ticks = elapsed_ticks;
         self
     }
 
-    /// One phase of it.
+    /// Restricts the frame to one phase.
     #[must_use]
     pub const fn of_phase(mut self, phase: u32) -> Self {
         (self.phase_first, self.phase_end) = (phase, phase + 1);
         self
     }
 
-    /// Seconds since the frame before.
+    /// Seconds since the previous frame.
     #[must_use]
     pub fn elapsed_secs(self) -> f32 {
         self.elapsed_ticks as f32 * crate::playback::TICK_SECS
     }
 
-    /// Whether the member at a place is one of the frame's.
+    /// Returns whether the frame evaluates the member of this index.
     #[inline]
     #[must_use]
     pub const fn evaluates(self, place: u32) -> bool {
         self.place_first <= place && place < self.place_end
     }
 
-    /// Whether a member's phase is one of the frame's.
+    /// Returns whether the member's phase is one of the frame's phases.
     #[inline]
     #[must_use]
     pub const fn reaches(self, member: &Member) -> bool {
         self.phase_first <= member.phase() && member.phase() < self.phase_end
     }
 
-    /// Whether these phases are the first ones of the frame.
+    /// Returns whether the frame's phases include the first one.
     #[inline]
     #[must_use]
     pub const fn begins(self) -> bool {
         self.phase_first == 0
     }
 
-    /// The phases of these that some member is evaluated in.
+    /// The frame's phases, up to the last one with members.
     #[must_use]
     pub fn phases(self, tables: &Tables) -> Range<u32> {
         self.phase_first..self.phase_end.min(tables.phase_count())
     }
 
-    /// Whether a stage runs with these phases. What comes before Transform runs with the first for
-    /// all members, what comes after it with the last.
+    /// Returns whether a stage runs with these phases. Stages before Transform run for all members
+    /// with the first phase, stages after it with the last.
     #[must_use]
     pub fn runs(self, stage: Stage, tables: &Tables) -> bool {
         match stage {
@@ -217,53 +219,53 @@ impl Frame {
     }
 }
 
-/// What went wrong on a device. The crowd's state lives on the host and survives all of these.
+/// Errors of a device. The crowd's state is on the host and survives all of them.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BackendError {
-    /// No driver that gives a device.
-    #[error("OpenCL cannot be used: {cause}; or choose the native device")]
+    /// No OpenCL driver provides a usable device.
+    #[error("OpenCL cannot be used: {cause}; alternatively choose the native device")]
     NoRuntime {
-        /// What each driver lacks, or that there is none.
+        /// The defect of each driver, or that there is none.
         cause: String,
     },
-    /// A device whose driver lacks something on this machine.
-    #[error("{device} cannot be used: {cause}; or choose the native device")]
+    /// The driver of a device lacks something on this machine.
+    #[error("{device} cannot be used: {cause}; alternatively choose the native device")]
     Unusable {
         /// The device's name.
         device: String,
-        /// What it lacks, and how to mend it.
+        /// The missing part, and the remedy.
         cause: String,
     },
-    /// A device that does not exist.
+    /// The device does not exist.
     #[error("there is no OpenCL device {index}; {count} found (`populace devices` lists them)")]
     NoDevice {
-        /// The index asked for.
+        /// Index that was asked for.
         index: usize,
-        /// How many there are.
+        /// Number of devices.
         count: usize,
     },
-    /// A device that is not to be had in so many equal parts.
+    /// The device cannot be split into this many equal parts.
     #[error("{device} cannot be cut into {parts} equal parts: {cause}; name the whole device")]
     NoPart {
         /// The device's name.
         device: String,
-        /// How many parts were asked for.
+        /// Number of parts that was asked for.
         parts: usize,
-        /// Why not.
+        /// Why it cannot be split.
         cause: String,
     },
-    /// Memory that could not be had.
-    #[error("{device} has no room for {bytes} bytes of {what}")]
+    /// Memory could not be allocated.
+    #[error("{device} cannot allocate {bytes} bytes of memory for {what}")]
     OutOfMemory {
         /// The device's name.
         device: String,
-        /// What the memory was for.
+        /// Purpose of the memory.
         what: String,
-        /// How much was asked for.
+        /// Size that was asked for.
         bytes: usize,
     },
-    /// A body whose joints do not fit what the work-items of a group share.
+    /// A body has too many joints for the local memory of a work-group.
     #[error(
         "{device} has {available} bytes of local memory, and a body of {joints} joints takes \
          {bytes} bytes of it when fused; use --schedule staged, which takes bodies of any size"
@@ -271,96 +273,96 @@ pub enum BackendError {
     BodyTooLarge {
         /// The device's name.
         device: String,
-        /// The body's joints.
+        /// Joints of the body.
         joints: usize,
-        /// How much it takes.
+        /// Local memory that the body needs, in bytes.
         bytes: u64,
-        /// How much there is.
+        /// Local memory of the device, in bytes.
         available: u64,
     },
-    /// A user's stage without the form that a device runs.
-    #[error("{device} cannot run the stage \"{stage}\": it needs {form}, and was given none")]
+    /// A user stage lacks the implementation that the device needs.
+    #[error("{device} cannot run the stage \"{stage}\": it needs {form}, and none was given")]
     NoForm {
         /// The device's name.
         device: String,
         /// The stage's name.
         stage: String,
-        /// What is missing.
+        /// The missing implementation.
         form: &'static str,
     },
-    /// A user's stages that do not compile.
+    /// User stages do not compile.
     #[error(
-        "{device} cannot compile the user stages; each line is that of the stage's own \
+        "{device} cannot compile the user stages; line numbers are those of each stage's own \
          text:\n{log}"
     )]
     BadStages {
         /// The device's name.
         device: String,
-        /// The compiler's own words.
+        /// The compiler's output.
         log: String,
     },
-    /// A read of what no frame has evaluated: before the first update, after a move to another
-    /// device, after an update that failed, or of a member that came since.
+    /// Nothing has been evaluated that could be read: before the first update, after a move to
+    /// another device, after a failed update, or for a member added since the last update.
     #[error("nothing has been evaluated yet that could be read; update the crowd first")]
     NotEvaluated,
-    /// A call that the device or its driver failed.
+    /// A call to the device or its driver failed.
     #[error("{device} failed to {operation}: {cause}")]
     Failed {
         /// The device's name.
         device: String,
-        /// What was being done.
+        /// The operation that failed.
         operation: String,
-        /// The driver's own words or code.
+        /// The driver's message or code.
         cause: String,
     },
 }
 
 /// A device that evaluates the tables of a crowd.
 ///
-/// The host's [`Tables`] are the truth. [`update`](Self::update) brings the device's copy up to
-/// date; then [`run`](Self::run) computes a frame. Stages can run alone and their buffers can be
-/// read and written, so that each is tested against the same input. Palettes leave a device as a
-/// [`PaletteSource`].
+/// The host's [`Tables`] are authoritative. [`update`](Self::update) copies their changes to the
+/// device, then [`run`](Self::run) computes a frame. Stages can also run alone, and their buffers
+/// can be read and written, so that each stage can be tested on the same input. Palettes leave a
+/// device through [`PaletteSource`].
 pub trait Backend: PaletteSource + Send {
-    /// The device's name, for people.
+    /// The device's name for display.
     fn device_name(&self) -> String;
 
-    /// How stages are mapped to work-items.
+    /// The mapping of stages to work-items.
     fn schedule(&self) -> Schedule;
 
-    /// Takes over what changed in the tables since the last call: of each table its
+    /// Copies the changes in the tables since the last call: for each table its
     /// [`changed`](crate::Table::changed) elements and its [`tail`](crate::Table::tail).
     ///
     /// # Errors
     ///
-    /// Memory that cannot be had, or a failing device.
+    /// Memory cannot be allocated, or the device fails.
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError>;
 
-    /// Takes users' stages, by number, in place of those before; they run from the next
+    /// Replaces the user stages, indexed by stage number. They run from the next
     /// [`update`](Self::update) on.
     ///
     /// # Errors
     ///
-    /// [`BackendError::NoForm`], [`BackendError::BadStages`], or a failing device; what ran before
-    /// then goes on.
+    /// [`BackendError::NoForm`], [`BackendError::BadStages`], or a device failure. The previous
+    /// stages then stay in use.
     fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
         match stages.iter().flatten().next() {
             None => Ok(()),
             Some(stage) => Err(BackendError::NoForm {
                 device: self.device_name(),
                 stage: stage.name().into(),
-                form: "a device that runs users' stages",
+                form: "a device that runs user stages",
             }),
         }
     }
 
-    /// Runs one stage for the frame's members, from what the stage before left. Of a frame's phases
-    /// only [`Stage::Transform`] makes a difference.
+    /// Runs one stage for the frame's members on the output of the previous stage. The frame's
+    /// phases matter for [`Stage::Transform`] only.
     ///
     /// # Errors
     ///
-    /// A failing device, or a schedule other than [`Schedule::Staged`], which has no stages of its
-    /// own.
+    /// A device failure, or a schedule other than [`Schedule::Staged`], which has no separate
+    /// stages.
     fn run_stage(
         &mut self,
         tables: &Tables,
@@ -368,28 +370,28 @@ pub trait Backend: PaletteSource + Send {
         stage: Stage,
     ) -> Result<(), BackendError>;
 
-    /// Runs a frame's phases: slots to palettes.
+    /// Runs a frame's phases, from slots to palettes.
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A device failure.
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError>;
 
-    /// Whether [`run`](Self::run) returns while the device is still at work, so that the host can
-    /// start others meanwhile.
+    /// Returns whether [`run`](Self::run) returns while the device is still working, so that the
+    /// host can start other devices meanwhile.
     fn runs_ahead(&self) -> bool {
         false
     }
 
-    /// Reads elements of a buffer as of the last frame, waiting for what was enqueued before. A
-    /// fused schedule keeps only the palettes; of other buffers it reads those of one member at a
-    /// time, which it evaluates once more for that. `tables` are as of the last
-    /// [`update`](Self::update), see [`Tables::with_taken_over`].
+    /// Reads elements of a buffer as of the last frame, waiting for the device. A fused schedule
+    /// stores only palettes. It reads other buffers of one member per call, for which it evaluates
+    /// the member again. `tables` must be those of the last [`update`](Self::update), see
+    /// [`Tables::with_taken_over`].
     ///
     /// # Errors
     ///
-    /// [`BackendError::NotEvaluated`] before the first frame, a failing device, or a range past the
-    /// end or, for a fused schedule, past the member.
+    /// [`BackendError::NotEvaluated`] before the first frame, a device failure, or a range past the
+    /// end of the buffer or, for a fused schedule, past the member.
     fn read(
         &mut self,
         tables: &Tables,
@@ -398,11 +400,11 @@ pub trait Backend: PaletteSource + Send {
         into: &mut [Float4],
     ) -> Result<(), BackendError>;
 
-    /// Writes elements of a buffer, for a stage that is then run alone.
+    /// Writes elements of a buffer, as input for a stage that is then run alone.
     ///
     /// # Errors
     ///
-    /// A failing device, a range past the end, or a fused schedule.
+    /// A device failure, a range past the end of the buffer, or a fused schedule.
     fn write(
         &mut self,
         buffer: StageBuffer,
@@ -410,53 +412,52 @@ pub trait Backend: PaletteSource + Send {
         from: &[Float4],
     ) -> Result<(), BackendError>;
 
-    /// Waits until all that was enqueued is done.
+    /// Waits until the device has done all its work.
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A device failure.
     fn finish(&mut self) -> Result<(), BackendError>;
 
-    /// Lets what is watched come to the host as of the last frame, which was that of a clock,
-    /// without waiting for it. A device that is frames behind leaves it out.
+    /// Starts an asynchronous read of all watched joints as of the last frame, whose clock tick was
+    /// `tick`. A device that is frames behind skips the read.
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A device failure.
     fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError>;
 
-    /// The newest of what was watched that has come to the host, and the clock when it was so;
-    /// `None` before the first.
+    /// The latest completed read of watched joints and its clock tick; `None` before the first.
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A device failure.
     fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError>;
 
-    /// How often the host has waited for a device of this kind since the process began. Frames do
-    /// not make it wait.
+    /// Number of times that the host has waited for devices of this kind since the process began.
+    /// Frames do not wait.
     fn waits(&self) -> u64 {
         0
     }
 
-    /// Milliseconds of device time that the last frame took, where the device measures it and has
-    /// finished.
+    /// Device time of the last frame in milliseconds, if the device measures it and has finished.
     fn frame_time_ms(&mut self) -> Option<f64>;
 
-    /// Milliseconds of device time that the last run of each stage took, where there are stages and
-    /// the device measures it.
+    /// Device time of the last run of each stage in milliseconds, if there are stages and the
+    /// device measures it.
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
         Vec::new()
     }
 
-    /// Writes every palette with a constant and computes nothing: the floor under any schedule, for
-    /// benchmarks. The fastest of several ways to write is taken; returns its time in milliseconds.
+    /// Writes a constant to every palette without computing anything and returns the time in
+    /// milliseconds. This is the lower bound of any schedule, for benchmarks. Several methods of
+    /// writing are tried; the fastest counts.
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A device failure.
     fn write_floor(&mut self, tables: &Tables) -> Result<f64, BackendError>;
 
-    /// Bytes that the device holds for tables and stage buffers.
+    /// Device memory used for tables and stage buffers, in bytes.
     fn memory_bytes(&self) -> usize;
 }

@@ -1,4 +1,4 @@
-//! A character: a skeleton, the meshes on it, materials, and clips.
+//! Characters: a skeleton with its meshes, materials and clips.
 
 use std::sync::Arc;
 
@@ -6,33 +6,31 @@ use glam::{DAffine3, DVec3};
 
 use crate::{Affine, Clip, Error, JointIndex, Skeleton, f64math};
 
-/// A distinct pair of a joint and a bind matrix that some vertex uses. Two skins may bind one joint
-/// differently, rigid parts hang on joints with the identity, and joints that move no vertex need
-/// no entry.
+/// A distinct pair of a joint and a bind matrix that vertices use. Two skins may bind one joint
+/// differently, rigid parts use the identity, and joints without vertices have no entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaletteEntry {
     /// The joint that moves the vertices.
     pub joint: JointIndex,
-    /// Takes vertices from the space they were modelled in to the joint's (glTF: inverse bind
-    /// matrix).
+    /// Transforms vertices from bind space to joint space (glTF: inverse bind matrix).
     pub joint_from_bind: Affine,
 }
 
-/// Which palette entries move each vertex, and by how much.
+/// Palette entries and weights of each vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Influences {
-    /// Influences of each vertex: 4 or 8.
+    /// Influences per vertex: 4 or 8.
     pub per_vertex: usize,
     /// `vertices x per_vertex` indices into [`CharacterSource::palette`].
     pub entries: Vec<u16>,
-    /// `vertices x per_vertex` weights, as the source has them. A vertex's weights should sum to 1;
-    /// where they do not, the skinning equation is taken at its word, and drawing divides by their
+    /// `vertices x per_vertex` weights, as in the source. The weights of a vertex should sum to 1.
+    /// If they do not, the skinning equation uses them as they are, and drawing divides by their
     /// sum.
     pub weights: Vec<f32>,
 }
 
 impl Influences {
-    /// What moves a vertex: palette entries and their weights. Nothing past the last vertex.
+    /// The palette entries and weights of a vertex. Empty past the last vertex.
     pub(crate) fn of(&self, vertex: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
         let range = vertex * self.per_vertex..(vertex + 1) * self.per_vertex;
         let entries = self.entries.get(range.clone()).unwrap_or_default();
@@ -44,86 +42,86 @@ impl Influences {
 /// A triangle mesh in bind space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Metres.
+    /// Positions in metres.
     pub positions: Vec<[f32; 3]>,
     /// Unit normals, one per vertex.
     pub normals: Vec<[f32; 3]>,
-    /// Texture coordinates of the base colour, one per vertex or none; v runs down.
+    /// Texture coordinates of the base colour, one per vertex or empty; v increases downwards.
     pub uvs: Vec<[f32; 2]>,
-    /// Linear colours that multiply the material's, one per vertex or none.
+    /// Linear colours that multiply the material's, one per vertex or empty.
     pub colors: Vec<[f32; 4]>,
-    /// What moves each vertex.
+    /// Palette entries and weights of each vertex.
     pub influences: Influences,
     /// Three vertex indices per triangle, counter-clockwise seen from the front.
     pub indices: Vec<u32>,
 }
 
-/// One drawable piece: a primitive of a mesh, as used by one node.
+/// A drawable part: a primitive of a mesh, as used by one node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// The file's index of the node that uses the mesh.
+    /// Index in the file of the node that uses the mesh.
     pub node: usize,
-    /// That node's name; parts are hidden by it.
+    /// Name of that node, by which parts can be hidden.
     pub node_name: String,
-    /// Index of the primitive within the file's mesh.
+    /// Index of the primitive within its mesh in the file.
     pub primitive: usize,
-    /// Index into [`CharacterSource::materials`]; `None` is plain white.
+    /// Index into [`CharacterSource::materials`]; `None` for plain white.
     pub material: Option<usize>,
     /// The triangles.
     pub mesh: Mesh,
 }
 
-/// How a texture coordinate outside 0 to 1 is read.
+/// Treatment of texture coordinates outside 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// Again and again.
+    /// Repeats the texture.
     #[default]
     Repeat,
-    /// Again and again, every other time mirrored.
+    /// Repeats the texture, mirroring every second copy.
     MirroredRepeat,
-    /// The edge's colour.
+    /// Uses the colour of the edge.
     ClampToEdge,
 }
 
-/// How texels are read between their centres.
+/// Interpolation between texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureFilter {
-    /// Blended.
+    /// Interpolates linearly.
     #[default]
     Linear,
-    /// The nearest.
+    /// Uses the nearest texel.
     Nearest,
 }
 
-/// An image and how it is read.
+/// An image and its sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Texture {
     /// Index into [`CharacterSource::images`].
     pub image: usize,
-    /// Along u.
+    /// Wrapping along u.
     pub wrap_u: Wrap,
-    /// Along v.
+    /// Wrapping along v.
     pub wrap_v: Wrap,
-    /// Between texels.
+    /// Interpolation between texels.
     pub filter: TextureFilter,
 }
 
-/// What the alpha of the base colour means.
+/// Meaning of the base colour's alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
-    /// Nothing.
+    /// Alpha is ignored.
     #[default]
     Opaque,
-    /// Below the cutoff nothing is drawn.
+    /// Fragments with an alpha below the cutoff are discarded.
     Mask {
-        /// From 0 to 1.
+        /// Cutoff from 0 to 1.
         cutoff: f32,
     },
-    /// Coverage.
+    /// Alpha is coverage.
     Blend,
 }
 
-/// A surface.
+/// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// The material's name; may be empty.
@@ -132,9 +130,9 @@ pub struct Material {
     pub base_color: [f32; 4],
     /// Base colour texture, sRGB.
     pub base_color_texture: Option<Texture>,
-    /// What alpha means.
+    /// Meaning of alpha.
     pub alpha: AlphaMode,
-    /// Whether back faces are drawn.
+    /// True if back faces are drawn.
     pub double_sided: bool,
 }
 
@@ -161,29 +159,28 @@ pub struct Image {
     pub rgba: Vec<u8>,
 }
 
-/// A skin as used by one mesh node of the file, for those who want palettes in the file's own
-/// order.
+/// A skin as used by one mesh node of the file, for palettes in the file's own order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkinInstance {
-    /// The file's index of the skin.
+    /// Index of the skin in the file.
     pub skin: usize,
-    /// The file's index of the mesh node.
+    /// Index of the mesh node in the file.
     pub node: usize,
     /// The skin's joints in the file's order, each with its bind matrix.
     pub joints: Vec<PaletteEntry>,
 }
 
-/// A box along the axes.
+/// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Least corner.
+    /// Minimum corner.
     pub low: [f32; 3],
-    /// Greatest corner.
+    /// Maximum corner.
     pub high: [f32; 3],
 }
 
 impl Bounds {
-    /// The box around points; `None` around none.
+    /// Returns the box around points; `None` without points.
     pub fn around(points: impl IntoIterator<Item = [f32; 3]>) -> Option<Self> {
         points.into_iter().fold(None, |bounds, p| {
             let Self { mut low, mut high } = bounds.unwrap_or(Self { low: p, high: p });
@@ -196,28 +193,28 @@ impl Bounds {
     }
 }
 
-/// The pieces of a character, as an importer finds them.
+/// The parts of a character, as found by an importer.
 #[derive(Clone, Debug)]
 pub struct CharacterSource {
-    /// A name for people.
+    /// A name for display.
     pub name: String,
-    /// The hierarchy.
+    /// The joint hierarchy.
     pub skeleton: Skeleton,
-    /// What vertices are bound to.
+    /// Pairs of joint and bind matrix that vertices refer to.
     pub palette: Vec<PaletteEntry>,
-    /// What is drawn.
+    /// Drawable parts.
     pub parts: Vec<Part>,
-    /// Surfaces.
+    /// Materials of the parts.
     pub materials: Vec<Material>,
-    /// Images of textures.
+    /// Images used by textures.
     pub images: Vec<Image>,
-    /// Skins in the file's order.
+    /// Skins, in the file's order.
     pub skins: Vec<SkinInstance>,
-    /// Motions that came with the character; their own skeleton is this one.
+    /// Clips that came with the character; their own skeleton is this one.
     pub clips: Vec<Arc<Clip>>,
 }
 
-/// A checked character: every index points at something, every number is finite.
+/// A checked character: every index is valid and every number is finite.
 #[derive(Clone, Debug)]
 pub struct Character {
     source: CharacterSource,
@@ -233,13 +230,13 @@ impl std::ops::Deref for Character {
 }
 
 impl Character {
-    /// Checks the pieces and finds the bounds at rest.
+    /// Checks the parts and computes the bounds at rest.
     ///
     /// # Errors
     ///
-    /// [`Error::BadCharacter`] names the first piece that does not fit: an index past the end,
-    /// arrays of different lengths, a number that is not finite, an image whose size is not that of
-    /// its pixels.
+    /// [`Error::BadCharacter`] for the first invalid part: an index out of range, arrays of
+    /// different lengths, a number that is not finite, an image whose size does not match its
+    /// pixels.
     pub fn new(source: CharacterSource) -> Result<Self, Error> {
         let fail = |place: String, what: String| Err(Error::BadCharacter { place, what });
         let joint_count = source.skeleton.joint_count();
@@ -253,7 +250,7 @@ impl Character {
             let pixels = image.width as usize * image.height as usize;
             if pixels == 0 || image.rgba.len() != pixels * 4 {
                 let what = format!(
-                    "{} bytes for {} x {} pixels",
+                    "has {} bytes for {} x {} pixels; each pixel needs 4 bytes",
                     image.rgba.len(),
                     image.width,
                     image.height
@@ -265,7 +262,7 @@ impl Character {
             if material.base_color_texture.is_some_and(|t| t.image >= source.images.len()) {
                 return fail(
                     format!("material {index}"),
-                    "its texture names an image that does not exist".into(),
+                    "its texture refers to an image that does not exist".into(),
                 );
             }
         }
@@ -291,7 +288,7 @@ impl Character {
         self.rest_bounds
     }
 
-    /// Height at rest in metres: of the meshes, or of the skeleton where there are none.
+    /// Height at rest in metres: that of the meshes, or that of the skeleton without meshes.
     #[must_use]
     pub fn height_m(&self) -> f32 {
         self.rest_bounds.map_or(self.skeleton.size_m(), |b| b.high[1] - b.low[1])
@@ -309,8 +306,8 @@ impl Character {
     }
 }
 
-/// Where a vertex is at rest in model space; `binds` are `model_from_bind` of each palette entry.
-/// Indices past the end are passed over.
+/// Returns the position of a vertex at rest in model space. `binds` holds `model_from_bind` of each
+/// palette entry. Indices out of range are ignored.
 pub(crate) fn rest_place(mesh: &Mesh, vertex: usize, binds: &[DAffine3]) -> DVec3 {
     let position = f64math::vec3(mesh.positions[vertex]);
     let moved = |(entry, weight): (usize, f32)| {
@@ -319,9 +316,9 @@ pub(crate) fn rest_place(mesh: &Mesh, vertex: usize, binds: &[DAffine3]) -> DVec
     mesh.influences.of(vertex).filter_map(moved).sum()
 }
 
-/// How far from each joint, in level order, the vertices that it moves lie at rest, times the
-/// weight by which it moves them; what [`Skeleton::with_reach`] takes. Indices past the end are
-/// passed over.
+/// Returns the distance in metres from each joint, in level order, to the farthest vertex that it
+/// moves, at rest, times the vertex's weight. This is the input of [`Skeleton::with_reach`].
+/// Indices out of range are ignored.
 #[must_use]
 pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]) -> Vec<f32> {
     let models = f64math::rest_models(skeleton);
@@ -360,12 +357,12 @@ fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {
         influences.entries.iter().find(|&&e| usize::from(e) >= source.palette.len())
     {
         return Err(format!(
-            "a vertex names palette entry {entry}; there are {}",
+            "a vertex refers to palette entry {entry}; there are {}",
             source.palette.len()
         ));
     }
     if part.material.is_some_and(|m| m >= source.materials.len()) {
-        return Err("it names a material that does not exist".into());
+        return Err("it refers to a material that does not exist".into());
     }
     let finite = positions
         .iter()

@@ -1,4 +1,4 @@
-//! Clips: motions as rows of poses, and their binding to skeletons.
+//! Clips: animations as rows of poses, and their binding to skeletons.
 
 mod binding;
 mod curves;
@@ -22,55 +22,57 @@ pub use motion::{MotionOrigin, MotionSettings, MotionSource, RootMotion};
 use rows::Rows;
 pub(crate) use storage::Range;
 
-/// One motion, stored as rows: poses of all joints of the clip's own skeleton, at the union of the
-/// tracks' key times, with more between them wherever interpolating rows would stray from the
-/// source curves by more than the bound.
+/// An animation, stored as rows. A row is the pose of all joints of the clip's own skeleton at one
+/// time. There is a row at every key time of any track, and further rows wherever interpolation
+/// between rows would deviate from the source curves by more than the error bound.
 ///
-/// The bound, in model space on the clip's own skeleton, is 0.16 mm for a body of 1.8 m, in
-/// proportion for others, at points 3 cm from each joint and as far from it as the vertices that it
-/// moves ([`Skeleton::with_reach`]). Between rows devices interpolate translations and scales
-/// linearly and rotations by normalised linear interpolation. A STEP key is two rows at one time.
+/// The error bound is 0.16 mm in model space for a body of 1.8 m, and proportional for others. It
+/// holds at points 3 cm from each joint, and as far from it as the vertices that it moves
+/// ([`Skeleton::with_reach`]). Between rows, devices interpolate translations and scales linearly,
+/// and rotations by normalised linear interpolation. A STEP key is stored as two rows at one time.
 ///
 /// A row holds blocks of 16 joints ("columns", in the level order of the clip's own skeleton),
-/// joints fastest, each component as 16 bits over the joint's own range. Blocks in which nothing
-/// moves are left out. Storage takes its part of the bound; a motion that 16 bits cannot hold
-/// within it is stored as floats.
+/// joints fastest, with 16 bits per component over the joint's own range (see [`RowBlock`]). Blocks
+/// in which nothing moves are omitted. Storage uses up part of the error bound; animations that 16
+/// bits cannot represent within it are stored as floats.
 #[derive(Clone, Debug)]
 pub struct Clip {
     source: ClipSource,
     skeleton: Skeleton,
     rows: Rows,
     contacts: Contacts,
-    /// Of a live clip.
+    /// Set for live clips.
     ring: Option<LiveRing>,
-    /// Taken out of the pose.
+    /// Root motion that was taken out of the pose.
     motion: Option<RootMotion>,
 }
 
-/// What loading found out about a clip.
+/// Statistics of a clip from loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipStats {
-    /// Rows stored.
+    /// Number of rows stored.
     pub row_count: usize,
-    /// Whether rows are evenly spaced, so that a time's row is found by a multiplication.
+    /// True if rows are evenly spaced, so that the row of a time is found by multiplication.
     pub evenly_spaced: bool,
-    /// Bytes of rows, times and buckets.
+    /// Bytes of rows, row times, buckets and ranges.
     pub row_bytes: usize,
     /// Bytes of the source's key times and values.
     pub key_bytes: usize,
-    /// At most [`tolerance_m`](Self::tolerance_m), but for curves too wild for the rows that a clip
-    /// of so few keys gets: no point 3 cm from a joint (in proportion for bodies that are not 1.8
-    /// m) or as far from it as its vertices strays further from the source than this, in metres.
+    /// Upper bound of the deviation from the source curves, in metres, for all points 3 cm from a
+    /// joint (in proportion for bodies that are not 1.8 m) or as far from it as its vertices. At
+    /// most [`tolerance_m`](Self::tolerance_m), unless the curves need more rows than a clip with
+    /// so few keys may have.
     pub error_bound_m: f32,
     /// The bound asked for, in metres.
     pub tolerance_m: f32,
-    /// Mean backward speed of the planted foot in metres per second, where feet are known by name.
+    /// Mean backward speed of the planted foot in metres per second; `None` if no joint has a known
+    /// foot name or no foot is ever planted.
     pub ground_speed_m_per_sec: Option<f32>,
 }
 
 impl Clip {
-    /// Turns a motion into rows. `skeleton` is the clip's own: that of the file it comes from.
-    /// Tracks of joints that the skeleton lacks are kept in the source and drive nothing.
+    /// Converts an animation to rows. `skeleton` is the clip's own: that of the file it comes from.
+    /// Tracks of joints that the skeleton lacks are kept in the source and have no effect.
     ///
     /// # Errors
     ///
@@ -79,13 +81,13 @@ impl Clip {
         Self::with_at_most(usize::MAX, source, skeleton)
     }
 
-    /// Bytes that a joint takes in a row while a clip is made, at most.
+    /// Maximum number of bytes that a joint needs per row while a clip is created.
     pub const POSE_BYTES: usize =
         size_of::<curves::Local>() + size_of::<crate::Trs>() + ROW_POSE_BYTES;
 
-    /// As [`new`](Self::new), but gaps between keys are divided only while there are fewer than
-    /// `most_rows` rows. Keys have their rows all the same. Where these rows do not do,
-    /// [`ClipStats::error_bound_m`] is above the tolerance.
+    /// Like [`new`](Self::new), but gaps between keys are subdivided only while there are fewer
+    /// than `most_rows` rows. Every key still gets its row. If these rows are not enough,
+    /// [`ClipStats::error_bound_m`] exceeds the tolerance.
     ///
     /// # Errors
     ///
@@ -107,7 +109,7 @@ impl Clip {
         &self.source.name
     }
 
-    /// The motion as the file states it.
+    /// The animation as stored in the file.
     #[must_use]
     pub fn source(&self) -> &ClipSource {
         &self.source
@@ -125,19 +127,20 @@ impl Clip {
         self.rows.times[0]
     }
 
-    /// From the first key to the last, in seconds; may be 0.
+    /// Time from the first key to the last, in seconds; may be 0.
     #[must_use]
     pub fn duration_secs(&self) -> f32 {
         self.rows.times[self.rows.times.len() - 1] - self.rows.times[0]
     }
 
-    /// When feet come down, in order of time, where feet are known by name. Found at load.
+    /// Times at which feet touch down, in ascending order. Empty if no joint has a known foot name.
+    /// Detected on load.
     #[must_use]
     pub fn footsteps(&self) -> &[Footstep] {
         &self.contacts.footsteps
     }
 
-    /// What loading found out.
+    /// Statistics of the clip.
     #[must_use]
     pub fn stats(&self) -> ClipStats {
         let rows = &self.rows;
@@ -154,13 +157,13 @@ impl Clip {
         }
     }
 
-    /// The largest distance, over `points` times between each two rows, between a point 3 cm from a
-    /// joint of the clip's own skeleton as the source curves move it and as the rows do; metres, in
-    /// proportion for bodies that are not 1.8 m.
+    /// Measures the error: the largest distance between a point 3 cm from a joint (in proportion
+    /// for bodies that are not 1.8 m) as the source curves move it and as the rows do. It is
+    /// evaluated at `points` times between each two rows, in metres.
     ///
     /// # Panics
     ///
-    /// If `skeleton` is not the one that the clip was made with.
+    /// If `skeleton` has another number of joints than the clip's own.
     #[must_use]
     pub fn measured_error_m(&self, skeleton: &Skeleton, points: usize) -> f32 {
         assert_eq!(
@@ -172,9 +175,9 @@ impl Clip {
         self.rows.measured_error_m(&curves, skeleton, points)
     }
 
-    /// How far a joint's stored rotation components, translation in metres or scale factors are at
-    /// most from the source curves at the times of the clip's rows; 0 where the clip does not know
-    /// the joint. Part of [`ClipStats::error_bound_m`].
+    /// Maximum storage error of a joint at the times of the rows: of its rotation components, of
+    /// its translation in metres, or of its scale factors. 0 if the clip does not have the joint.
+    /// Part of [`ClipStats::error_bound_m`].
     #[must_use]
     pub fn storage_error(&self, joint: &str, property: Property) -> f32 {
         let column = self.skeleton.find(joint);
@@ -194,7 +197,7 @@ impl Clip {
         self.rows.times.len()
     }
 
-    /// Rows per second where they are evenly spaced, else 0.
+    /// Rows per second if they are evenly spaced, else 0.
     pub(crate) fn rows_per_sec(&self) -> f32 {
         self.rows.rows_per_sec
     }
@@ -203,23 +206,23 @@ impl Clip {
         if self.rows.buckets.is_empty() { &[] } else { &self.rows.times }
     }
 
-    /// For each bucket a row at or before its start, and buckets per second; empty where rows are
+    /// A row at or before the start of each bucket, and buckets per second. Empty if rows are
     /// evenly spaced.
     pub(crate) fn buckets(&self) -> (&[u32], f32) {
         (&self.rows.buckets, self.rows.buckets_per_sec)
     }
 
-    /// Where in a row each block of 16 columns stands.
+    /// Location within a row of each block of 16 columns.
     pub(crate) fn row_blocks(&self) -> &[RowBlock] {
         &self.rows.storage.blocks
     }
 }
 
 const BLOCK: usize = JOINT_BLOCK as usize;
-/// What a joint takes of a stored row at most: all its components as floats.
+/// Maximum size of a joint in a stored row: all its components as floats.
 const ROW_POSE_BYTES: usize = 4 * (4 + 3 + 3);
 
-/// Parents as [`crate::f64math`] takes them.
+/// Returns the parents in the form that [`crate::f64math`] takes.
 fn parents(skeleton: &Skeleton) -> Vec<Option<JointIndex>> {
     skeleton.joints().map(|j| skeleton.parent(j)).collect()
 }
@@ -230,7 +233,7 @@ mod tests {
     use crate::{Interpolation, JointSource, Track, Trs};
 
     #[test]
-    fn wild_splines_get_rows_in_proportion_and_say_so() {
+    fn wild_splines_get_bounded_rows_and_report_their_error() {
         let joints: Vec<_> = (0..100)
             .map(|i| JointSource { name: format!("joint {i}"), parent: None, rest: Trs::IDENTITY })
             .collect();
@@ -244,15 +247,16 @@ mod tests {
         };
         let source = ClipSource { name: "wild".into(), tracks: joints.iter().map(track).collect() };
         let stats = Clip::new(source, &skeleton).unwrap().stats();
-        // 8 for each key, 200,000 poses of one joint beside, and what was still to be pushed when
-        // they were spent.
+        // 8 rows per key, 200,000 poses of one joint in addition, and the rows that were pending
+        // when the limit was reached.
         assert!(stats.row_count < 20 * 8 + 2000 + 50, "{} rows", stats.row_count);
         assert!(stats.error_bound_m > stats.tolerance_m);
     }
 
     #[test]
-    fn what_16_bits_cannot_hold_is_found_in_few_rounds() {
-        // 4000 blocks of joints that must all be floats: minutes, were they found one by one.
+    fn blocks_that_need_floats_are_found_in_few_rounds() {
+        // 4000 blocks of joints that all need floats: this takes minutes if they are found one by
+        // one.
         let joints: Vec<_> = (0..64_000)
             .map(|i| JointSource { name: i.to_string(), parent: None, rest: Trs::IDENTITY })
             .collect();

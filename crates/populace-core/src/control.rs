@@ -1,4 +1,5 @@
-//! What beside clips moves a member: overrides, constraints, and what of it others look at.
+//! Constraint programs: overrides, constraints, stages and attachments that move a member besides
+//! its clips.
 
 use crate::layout::{
     Float4, LEAST_WEIGHT, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD,
@@ -8,33 +9,33 @@ use crate::math::{quat, vec3};
 use crate::playback::{is_ramp_to, ramp, ramp_rate};
 use crate::{Error, JointIndex, Skeleton, StageUse, Trs};
 
-/// What a transform is relative to.
+/// The space that a transform is relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Space {
-    /// To the parent joint.
+    /// Relative to the parent joint.
     #[default]
     Local,
-    /// To the character's root.
+    /// Relative to the character's root.
     Model,
 }
 
-/// A transform that the host gives a joint; its children follow.
+/// A transform that the host sets on a joint. Its descendants follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointOverride {
     /// The joint.
     pub joint: JointIndex,
-    /// What the transform is relative to. In local space it takes the place of what clips give, and
-    /// constraints work on it; in model space it has the last word.
+    /// The space of the transform. In local space it replaces the clips' transform, and constraints
+    /// are applied on top. In model space it is applied last.
     pub space: Space,
     /// The transform.
     pub transform: Trs,
-    /// From 0, which leaves the joint as it would be, to 1. Between, translations and scales are
-    /// mixed, and rotations the short way.
+    /// Weight from 0 (no effect) to 1. In between, translations and scales are interpolated
+    /// linearly, rotations along the shorter arc.
     pub weight: f32,
 }
 
 impl Target {
-    /// A target that weighs nothing yet.
+    /// Creates a target of weight 0.
     ///
     /// `kind` is a `TARGET_` constant.
     #[must_use]
@@ -60,14 +61,14 @@ impl Target {
         Self::new(TARGET_DIRECTION, direction)
     }
 
-    /// What of another member is watched, and what is added to its place in the world.
+    /// A joint of another member, by the index of the watched joint, with an offset in world space.
     #[must_use]
     pub fn watched(watched: u32, offset: [f32; 3]) -> Self {
         Self { watched, ..Self::new(TARGET_WATCHED, offset) }
     }
 
-    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at
-    /// once where `secs` is not above zero.
+    /// Changes the weight `from` one value `to` another in `secs`, at least one tick, beginning at
+    /// `tick`. The change is immediate if `secs` is not above zero.
     #[must_use]
     pub fn with_ramp(mut self, tick: u64, from: f32, to: f32, secs: f32) -> Self {
         let rate = ramp_rate(from, to, secs);
@@ -78,8 +79,8 @@ impl Target {
         self
     }
 
-    /// Lets the weight run to `to` in `secs` from where it is at `tick`. A ramp that was begun with
-    /// the same `to` and `secs` goes on.
+    /// Changes the weight to `to` in `secs`, from its value at `tick`. A ramp that was created with
+    /// the same `to` and `secs` continues.
     #[must_use]
     pub fn ramped_to(self, tick: u64, to: f32, secs: f32) -> Self {
         if is_ramp_to([self.start_weight, self.weight_rate, self.end_weight], to, secs) {
@@ -88,7 +89,7 @@ impl Target {
         self.with_ramp(tick, self.ramp_at(tick), to, secs)
     }
 
-    /// The weight at a time of the clock as the ramp has it, before easing.
+    /// The weight of the linear ramp at a clock tick, before easing.
     #[inline]
     #[must_use]
     pub fn ramp_at(&self, tick: u64) -> f32 {
@@ -100,8 +101,8 @@ impl Target {
         )
     }
 
-    /// The weight at a time of the clock, eased where the ramp begins and ends, and 0 below
-    /// [`LEAST_WEIGHT`]; the twin of `target_weight` in `kernels/targets.cl`.
+    /// The weight at a clock tick, eased at both ends of the ramp, and 0 up to [`LEAST_WEIGHT`].
+    /// Twin of `target_weight` in `kernels/targets.cl`.
     #[inline]
     #[must_use]
     pub fn weight_at(&self, tick: u64) -> f32 {
@@ -111,35 +112,33 @@ impl Target {
     }
 }
 
-/// How far a gaze turns at most from the front of what carries it, in radians.
+/// Maximum angles of a gaze from the front of the joint above its chain, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GazeLimits {
-    /// To either side, above 0 and below pi.
+    /// Maximum angle to either side, above 0 and below pi.
     pub yaw_rad: f32,
-    /// Up, from 0 to below pi / 2.
+    /// Maximum angle up, from 0 to below pi / 2.
     pub up_rad: f32,
-    /// Down, from 0 to below pi / 2.
+    /// Maximum angle down, from 0 to below pi / 2.
     pub down_rad: f32,
 }
 
-/// A chain of joints that turns to look at targets, from the first, which turns the least, to the
-/// last, which faces them.
+/// A look-at constraint: a chain of joints turns so that its last joint faces the targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gaze {
-    /// Joints from the first down to the last, each with its part of the turn: parts are not
-    /// negative, and are divided by their sum. Joints between that are left out do not turn.
+    /// Joints from the first down to the last, each with its share of the rotation. Shares are not
+    /// negative and are divided by their sum. Joints in between that are not listed do not turn.
     pub chain: Vec<(JointIndex, f32)>,
-    /// Where the last joint faces at rest, in model space: +Z unless the character is built
-    /// otherwise.
+    /// Facing direction of the last joint at rest, in model space; +Z for usual characters.
     pub facing: [f32; 3],
-    /// How far the last joint may face away from the front of what carries the chain.
+    /// Maximum angles between the last joint's facing and the front of the joint above the chain.
     pub limits: GazeLimits,
-    /// What to look at: weights are divided by their sum where that is above 1, else the rest is
-    /// left to the clips.
+    /// Targets to look at. Their weights are divided by their sum if it is above 1; otherwise the
+    /// clips get the remaining weight.
     pub targets: Vec<Target>,
 }
 
-/// A limb of two bones that reaches for targets, such as an arm or a leg.
+/// A two-bone IK constraint on a limb, such as an arm or a leg.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limb {
     /// Shoulder or hip.
@@ -148,34 +147,35 @@ pub struct Limb {
     pub middle: JointIndex,
     /// Wrist or ankle: below `middle`.
     pub end: JointIndex,
-    /// Where the middle joint bends to when the limb is straight, at rest and in model space.
+    /// Direction in which the middle joint bends if the limb is straight, at rest and in model
+    /// space.
     pub bend: [f32; 3],
-    /// Where the middle joint is drawn to, as a direction in model space; `None` leaves it where
+    /// Pole: the direction in model space that the middle joint points to; `None` leaves it where
     /// the clips have it.
     pub pole: Option<[f32; 3]>,
-    /// Whether the end keeps the rotation that it has without this.
+    /// True if the end joint keeps the rotation that it has without the constraint.
     pub keeps_end: bool,
-    /// The part of the full length in which the limb straightens: a target nearer than the rest of
-    /// it is met, one beyond is approached. Above 0 and up to 0.5.
+    /// Fraction of the limb's length over which it straightens, above 0 and up to 0.5. A target
+    /// within the remaining length is reached exactly, one beyond is only approached.
     pub soft: f32,
-    /// What to reach for.
+    /// Targets to reach for.
     pub targets: Vec<Target>,
 }
 
-/// A chain of any length whose last joint reaches for targets.
+/// An IK constraint on a chain of any length, whose last joint reaches for targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
     /// The first joint to turn.
     pub first: JointIndex,
-    /// The joint that is to arrive, below `first`.
+    /// The joint that reaches the target, below `first`.
     pub end: JointIndex,
     /// As in [`Limb::soft`].
     pub soft: f32,
-    /// What to reach for.
+    /// Targets to reach for.
     pub targets: Vec<Target>,
 }
 
-/// A foot that keeps to the ground.
+/// A leg of a [`Feet`] constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foot {
     /// The hip.
@@ -186,57 +186,57 @@ pub struct Foot {
     pub ankle: JointIndex,
 }
 
-/// Feet that keep to the ground, and the pelvis that sinks so that they reach it.
+/// Feet that stay on the ground, and a pelvis that is lowered so that they reach it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feet {
-    /// The joint that carries all legs.
+    /// The joint that all legs descend from.
     pub pelvis: JointIndex,
     /// The legs, 1 to 4.
     pub feet: Vec<Foot>,
-    /// How much of this is done, 0 to 1.
+    /// Weight of the constraint, 0 to 1.
     pub weight: f32,
 }
 
-/// What a device solves for a member.
+/// A constraint that devices solve for a member.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Constraint {
-    /// Looks at something.
+    /// Looks at targets.
     Gaze(Gaze),
-    /// Reaches with two bones.
+    /// Reaches for targets with two bones.
     Limb(Limb),
-    /// Reaches with many.
+    /// Reaches for targets with a chain of any length.
     Chain(Chain),
-    /// Stands on the ground.
+    /// Keeps feet on the ground.
     Feet(Feet),
 }
 
-/// What beside clips moves a member.
+/// The constraint program of a member: all that moves it besides its clips.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Controls {
-    /// Constraints, solved in this order where they meet in a joint.
+    /// Constraints, solved in this order if they share a joint.
     pub constraints: Vec<Constraint>,
-    /// Overrides, at most one for each joint and space.
+    /// Overrides, at most one per joint and space.
     pub overrides: Vec<JointOverride>,
-    /// Users' stages, which run in this order where they meet in a joint; each at most once.
+    /// User stages, run in this order if they share a joint; each stage at most once.
     pub stages: Vec<StageUse>,
-    /// Joints that others look at, or that are read back, each with its place among what is
-    /// watched.
+    /// Joints that other members look at or that are read back, each with its index of a watched
+    /// joint.
     pub watches: Vec<(JointIndex, u32)>,
-    /// Joints that other members are attached to, each with its place there.
+    /// Joints that other members are attached to, each with its index of a watched joint.
     pub carries: Vec<(JointIndex, u32)>,
-    /// What the member itself is attached to: the place of that joint, and where the member's roots
-    /// are from there.
+    /// Attachment of the member: the index of the parent's watched joint, and the transform of the
+    /// member's roots relative to that joint.
     pub attached: Option<(u32, Trs)>,
-    /// Where in [`Tables::joint_scales`](crate::Tables::joint_scales) the lengths of its joints
-    /// stand.
+    /// Offset in [`Tables::joint_scales`](crate::Tables::joint_scales) of the length factors of the
+    /// member's joints.
     pub proportions: Option<u32>,
-    /// Set where clips move the whole body: another number lets it begin anew where the member
+    /// Set if clips move the whole body. A different number restarts root motion where the member
     /// stands.
     pub motion: Option<u32>,
 }
 
 impl Controls {
-    /// Whether there is nothing to do.
+    /// Returns whether the program does nothing.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.constraints.is_empty()
@@ -250,24 +250,24 @@ impl Controls {
     }
 }
 
-/// Where a member stands in the world.
+/// The place of a member in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Metres.
+    /// Position in metres.
     pub position: [f32; 3],
     /// Sine and cosine of its heading about +Y.
     pub sin_cos: [f32; 2],
-    /// Times its own size; above 0.
+    /// Scale factor; above 0.
     pub scale: f32,
 }
 
-/// The rotation of a joint at rest in model space, as if nothing were scaled.
+/// Returns the rotation of a joint at rest in model space, ignoring scales.
 pub(crate) fn rest_rotation(skeleton: &Skeleton, joint: JointIndex) -> [f32; 4] {
     let own = skeleton.rest(joint).rotation;
     skeleton.parent(joint).map_or(own, |parent| quat::mul(rest_rotation(skeleton, parent), own))
 }
 
-/// A direction in model space as a joint at rest has it.
+/// Converts a direction from model space to the space of a joint at rest.
 pub(crate) fn in_joint(
     skeleton: &Skeleton,
     joint: Option<JointIndex>,
@@ -277,11 +277,12 @@ pub(crate) fn in_joint(
     vec3::turned(quat::conjugate(turn), direction)
 }
 
-/// Every joint from `first` down to `last`.
+/// Returns every joint from `first` down to `last`.
 ///
 /// # Errors
 ///
-/// [`Error::BadConstraint`] where the one does not lead to the other, or by too many joints.
+/// [`Error::BadConstraint`] if `last` is not below `first` or the chain has more than
+/// [`LINKS_MOST`] joints.
 pub(crate) fn path(
     skeleton: &Skeleton,
     first: JointIndex,
@@ -303,14 +304,15 @@ pub(crate) fn path(
             Some(parent) => path.push(parent),
             None => {
                 let (first, last) = (skeleton.name(first), skeleton.name(last));
-                return bad(format!("joint \"{last}\" does not hang on joint \"{first}\""));
+                return bad(format!("joint \"{last}\" is not below joint \"{first}\""));
             }
         }
     }
     if path.len() > LINKS_MOST as usize {
         let (first, last, count) = (skeleton.name(first), skeleton.name(last), path.len());
         return bad(format!(
-            "from \"{first}\" to \"{last}\" are {count} joints; a chain has {LINKS_MOST} at most"
+            "the chain from \"{first}\" to \"{last}\" has {count} joints; at most {LINKS_MOST} are \
+             supported"
         ));
     }
     path.reverse();

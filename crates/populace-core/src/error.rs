@@ -1,16 +1,16 @@
-//! What can be wrong with the data of a crowd.
+//! Errors in the data of a crowd.
 
 use crate::Property;
 use crate::names::UnknownName;
 
-/// Data that does not describe a crowd. Messages say what is wrong, where, and the rule.
+/// Invalid data of a crowd. Messages say what is wrong, where, and how to mend it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A skeleton without joints.
+    /// The skeleton has no joints.
     #[error("a skeleton needs at least one joint")]
     NoJoints,
-    /// A parent index past the end.
+    /// A parent index is out of range.
     #[error(
         "joint {joint} \"{name}\" names joint {parent} as its parent, but there are {count} joints"
     )]
@@ -19,12 +19,12 @@ pub enum Error {
         joint: usize,
         /// Its name.
         name: String,
-        /// The parent it names.
+        /// Index of the parent.
         parent: usize,
-        /// How many joints there are.
+        /// Number of joints.
         count: usize,
     },
-    /// A chain of parents that comes back.
+    /// The parents of a joint form a cycle.
     #[error("joint {joint} \"{name}\" is its own ancestor; a skeleton must be a forest")]
     Cycle {
         /// Source index of a joint on the cycle.
@@ -32,161 +32,160 @@ pub enum Error {
         /// Its name.
         name: String,
     },
-    /// A rest transform that is no transform.
+    /// A rest transform is invalid.
     #[error("joint {joint} \"{name}\" has a rest transform with {what}")]
     BadRest {
         /// Source index of the joint.
         joint: usize,
         /// Its name.
         name: String,
-        /// What is wrong.
+        /// The defect.
         what: &'static str,
     },
-    /// Two joints of one name: clips bind by name.
+    /// Two joints have the same name, but clips bind by name.
     #[error(
         "joints {first} and {second} are both named \"{name}\"; clips bind by name, so names must \
          differ"
     )]
     DuplicateJointName {
-        /// Source index of the first.
+        /// Source index of the first joint.
         first: usize,
-        /// Source index of the second.
+        /// Source index of the second joint.
         second: usize,
         /// The name.
         name: String,
     },
-    /// A track that cannot be sampled.
+    /// A track cannot be sampled.
     #[error("the {property:?} track of joint \"{joint}\" {what}")]
     BadTrack {
         /// Name of the joint.
         joint: String,
         /// The property it drives.
         property: Property,
-        /// What is wrong.
+        /// The defect.
         what: String,
     },
-    /// Two tracks for one joint and property.
-    #[error("two {property:?} tracks drive joint \"{joint}\"; there may be one")]
+    /// Two tracks drive the same property of a joint.
+    #[error("two {property:?} tracks drive joint \"{joint}\"; only one is allowed")]
     DuplicateTrack {
         /// Name of the joint.
         joint: String,
         /// The property both drive.
         property: Property,
     },
-    /// A part of a character that does not fit the rest of it.
+    /// A part of a character is inconsistent with the rest.
     #[error("{place}: {what}")]
     BadCharacter {
-        /// Which part.
+        /// The part.
         place: String,
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
-    /// A humanoid role that a joint cannot have.
+    /// A joint cannot have a humanoid role.
     #[error("the role {role}: {what}")]
     BadRole {
         /// The role, as VRM names it.
         role: String,
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
-    /// A clip that cannot move a skeleton.
+    /// A clip cannot be bound to a skeleton.
     #[error("the clip \"{clip}\" cannot move this skeleton: {what}")]
     CannotBind {
         /// The clip's name.
         clip: String,
-        /// What was looked for.
+        /// The reason and the remedy.
         what: String,
     },
-    /// A live clip that cannot be, or cannot be used so.
+    /// A live clip cannot be created or used this way.
     #[error("the clip \"{clip}\" {what}")]
     BadLive {
         /// The clip's name.
         clip: String,
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
-    /// A clip that has no root motion to take out.
+    /// A clip has no root motion that can be taken out.
     #[error("the clip \"{clip}\" {what}")]
     NoMotion {
         /// The clip's name.
         clip: String,
-        /// What is in the way.
+        /// The reason.
         what: String,
     },
-    /// A mask that does not fit its skeleton.
+    /// A mask does not fit its skeleton.
     #[error(
         "a mask has {weights} weights for a skeleton of {joints} joints; one per joint is needed, \
          each from 0 to 1"
     )]
     BadMask {
-        /// Weights given.
+        /// Number of weights given.
         weights: usize,
-        /// Joints of the skeleton.
+        /// Number of joints of the skeleton.
         joints: usize,
     },
-    /// A constraint or override that no device could solve.
+    /// A constraint, override or ground cannot be used.
     #[error("{what}")]
     BadConstraint {
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
-    /// A user's stage that cannot be one.
+    /// A user stage is invalid.
     #[error("the stage \"{stage}\": {what}")]
     BadStage {
         /// The stage's name.
         stage: String,
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
-    /// Joint names that the skeleton does not have.
+    /// The skeleton lacks joint names that were asked for.
     #[error("{}", joints.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     UnknownJoints {
-        /// All of them, each with the nearest names.
+        /// All missing names, each with the nearest existing names.
         joints: Vec<UnknownName>,
     },
-    /// An index that points at nothing a device could follow.
-    #[error("there is no {what} {value} for this member")]
+    /// An index is out of range, or does not fit a member.
+    #[error("invalid {what} {value}: it does not exist, or does not fit this member")]
     BadPlayback {
-        /// What was named.
+        /// Kind of the index.
         what: &'static str,
         /// The index.
         value: u32,
     },
-    /// A range that reaches past the end of its table: a fault of the library, found before a
-    /// device follows it.
+    /// A range exceeds its table: a bug in the library, found before a device follows the range.
     #[error(
-        "control {control} names {count} of {table} from {first} on, and there are {length}; this \
-         is a fault of the library: please report it"
+        "control {control} uses {count} elements of {table} from {first} on, but there are only \
+         {length}; this is a bug in the library: please report it"
     )]
     OutOfRange {
         /// The table.
         table: &'static str,
-        /// The control that names the range.
+        /// The control that uses the range.
         control: usize,
         /// The first element of the range.
         first: usize,
-        /// Elements of the range.
+        /// Number of elements of the range.
         count: usize,
-        /// Elements of the table.
+        /// Number of elements of the table.
         length: usize,
     },
-    /// A schedule's name that means nothing.
+    /// A schedule's name is unknown.
     #[error(
         "there is no schedule \"{name}\"; schedules are staged, fused, fused-wide and \
          fused-grouped"
     )]
     UnknownSchedule {
-        /// The name given.
+        /// The name that was given.
         name: String,
     },
-    /// More data than 32-bit offsets reach.
-    #[error("{what} would need {count} elements; devices address at most {limit}")]
+    /// Data exceeds the range of 32-bit offsets.
+    #[error("{what} would need {count} elements; devices can address at most {limit}")]
     TooLarge {
-        /// Which table.
+        /// The table.
         what: &'static str,
-        /// Elements asked for.
+        /// Number of elements that are needed.
         count: usize,
-        /// Elements that can be addressed.
+        /// Number of elements that can be addressed.
         limit: usize,
     },
 }

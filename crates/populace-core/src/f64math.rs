@@ -1,4 +1,4 @@
-//! Double-precision helpers for what is computed once at load.
+//! Double-precision helpers for computations at load time.
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -20,7 +20,7 @@ pub(crate) fn to_f32<const N: usize>(v: [f64; N]) -> [f32; N] {
     v.map(|x| x as f32)
 }
 
-/// The unit quaternion of the same direction, rounded once.
+/// Normalises a quaternion, with a single rounding.
 pub(crate) fn normalized(q: [f32; 4]) -> [f32; 4] {
     to_f32(quat(q).normalize().to_array())
 }
@@ -33,7 +33,7 @@ pub(crate) fn affine(trs: &Trs) -> DAffine3 {
     )
 }
 
-/// `model_from_joint` of each joint, parents first, from local transforms.
+/// Returns `model_from_joint` of each joint from local transforms; parents must come first.
 pub(crate) fn model_from_joints(
     parents: &[Option<JointIndex>],
     locals: impl Iterator<Item = DAffine3>,
@@ -45,26 +45,26 @@ pub(crate) fn model_from_joints(
     models
 }
 
-/// `model_from_joint` of each joint at rest.
+/// Returns `model_from_joint` of each joint at rest.
 pub(crate) fn rest_models(skeleton: &crate::Skeleton) -> Vec<DAffine3> {
     let parents: Vec<_> = skeleton.joints().map(|joint| skeleton.parent(joint)).collect();
     model_from_joints(&parents, skeleton.joints().map(|joint| affine(skeleton.rest(joint))))
 }
 
-/// Rotations in model space of each joint, parents first, from local ones; scales above do not
-/// count.
-pub(crate) fn turns(
+/// Returns the model-space rotation of each joint from local rotations; parents must come first.
+/// Scales of ancestors are ignored.
+pub(crate) fn model_rotations(
     parents: &[Option<JointIndex>],
     locals: impl Iterator<Item = DQuat>,
 ) -> Vec<DQuat> {
-    let mut turns: Vec<DQuat> = Vec::with_capacity(parents.len());
+    let mut rotations: Vec<DQuat> = Vec::with_capacity(parents.len());
     for (parent, local) in parents.iter().zip(locals) {
-        turns.push(parent.map_or(local, |p| turns[p.index()] * local));
+        rotations.push(parent.map_or(local, |p| rotations[p.index()] * local));
     }
-    turns
+    rotations
 }
 
-/// The largest side of the box around the joints at rest; 1 where they coincide.
+/// Returns the largest side of the box around the joints at rest; 1 if they coincide.
 pub(crate) fn rest_extent(parents: &[Option<JointIndex>], rest: &[Trs]) -> f32 {
     let models = model_from_joints(parents, rest.iter().map(affine));
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);

@@ -1,13 +1,13 @@
-//! How palettes reach OpenGL: where devices, which write them, and renderers, which draw from them,
-//! meet.
+//! Interop of palettes with OpenGL, between the devices that write them and the renderers that draw
+//! from them.
 //!
-//! A renderer lends a device memory of OpenGL's as a [`PaletteTarget`]: two sets of pages, so that
+//! A renderer provides OpenGL memory to a device as a [`PaletteTarget`]: two sets of pages, so that
 //! the device writes one while OpenGL draws from the other. After each frame,
-//! [`PaletteSource::hand_over`] waits for the device and names the set that it wrote; the renderer
-//! waits until OpenGL is done with the other one before the next frame begins.
+//! [`PaletteSource::hand_over`] waits for the device and returns the set that it wrote. Before the
+//! next frame, the renderer waits until OpenGL has finished with the other set.
 //!
-//! Lent memory is owned: it stays valid until whoever borrowed it drops it, whatever became of the
-//! renderer.
+//! Provided memory is owned: it stays valid until the device drops it, even if the renderer is
+//! gone.
 #![expect(
     unsafe_code,
     reason = "implementors of the traits make promises about memory that the compiler cannot \
@@ -24,24 +24,23 @@ use crate::layout::Float4;
 /// Sets of pages in flight: one is written while OpenGL draws from the other.
 pub const PAGE_SETS: usize = 2;
 
-/// A way for palettes to reach OpenGL.
+/// A transport of palettes to OpenGL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PaletteTransport {
-    /// OpenCL writes OpenGL's own buffers (`cl_khr_gl_sharing`); its context is made for that of
+    /// OpenCL writes OpenGL's own buffers (`cl_khr_gl_sharing`). Its context is created for that of
     /// OpenGL.
     Shared,
-    /// The host, or a device that works in the host's memory, writes buffers that OpenGL keeps
-    /// mapped.
+    /// The host, or a device that works in host memory, writes buffers that OpenGL keeps mapped.
     Mapped,
-    /// The device writes its own memory, and one copy of it goes to OpenGL each frame.
+    /// The device writes its own memory, which is copied to OpenGL once per frame.
     Copied,
 }
 
 impl PaletteTransport {
-    /// All ways, best first.
+    /// All transports, best first.
     pub const ALL: [Self; 3] = [Self::Shared, Self::Mapped, Self::Copied];
 
-    /// The way's name in tables and documents.
+    /// The transport's name in tables and documents.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -62,7 +61,7 @@ impl fmt::Display for PaletteTransport {
     }
 }
 
-/// The context's numbers in EGL, for OpenCL to make its own context for it.
+/// EGL handles of an OpenGL context, from which OpenCL creates its own context.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct EglHandles {
     /// `EGLDisplay`.
@@ -71,69 +70,68 @@ pub struct EglHandles {
     pub context: usize,
 }
 
-/// A context of OpenGL that stays alive as long as this is held, on whatever thread.
+/// An OpenGL context that stays alive while this value exists, on any thread.
 ///
 /// # Safety
 ///
-/// [`handles`](Self::handles) names the same EGL display and OpenGL context each time, and both are
-/// valid until the value is dropped.
+/// [`handles`](Self::handles) must return the same EGL display and OpenGL context each time, and
+/// both must be valid until the value is dropped.
 pub unsafe trait GlContext: fmt::Debug + Send + Sync {
-    /// The context's numbers in EGL.
+    /// The context's EGL handles.
     fn handles(&self) -> EglHandles;
 }
 
-/// A page of palettes in memory that OpenGL keeps mapped; dropping it gives the memory back.
+/// A page of palettes in memory that OpenGL keeps mapped. Dropping it releases the memory.
 ///
 /// # Safety
 ///
-/// [`elements`](Self::elements) returns the same memory each time. From the first call on until the
-/// value is dropped, that memory is valid for reads and writes on every thread, between calls as
-/// well, so that its address can be given to a device. Nothing but OpenGL reads or writes it by
-/// other means, and OpenGL only reads.
+/// [`elements`](Self::elements) must return the same memory each time. From the first call until
+/// the value is dropped, that memory must be valid for reads and writes on every thread, also
+/// between calls, so that its address can be given to a device. Only OpenGL may access it by other
+/// means, and OpenGL may only read.
 pub unsafe trait MappedPage: Send {
-    /// The page's memory; what is written there OpenGL sees from its next command on.
+    /// The page's memory. OpenGL sees writes from its next command on.
     fn elements(&mut self) -> &mut [Float4];
 }
 
-/// A page of palettes in a buffer of OpenGL's for OpenCL to write; dropping it gives the buffer
-/// back.
+/// A page of palettes in an OpenGL buffer that OpenCL writes. Dropping it releases the buffer.
 ///
 /// # Safety
 ///
-/// Until the value is dropped, the buffer exists in the context of [`handles`](Self::handles),
-/// which exists too, and keeps storage for at least [`len`](Self::len) elements of [`Float4`]. What
-/// OpenGL was told about it so far is done.
+/// Until the value is dropped, the context of [`handles`](Self::handles) must exist, and the buffer
+/// must exist in it with storage for at least [`len`](Self::len) elements of [`Float4`]. All
+/// earlier OpenGL commands on the buffer must have finished.
 pub unsafe trait SharedPage: Send {
-    /// The buffer's name in OpenGL.
+    /// The buffer's OpenGL name.
     fn buffer(&self) -> NonZeroU32;
 
     /// The context that the buffer belongs to.
     fn handles(&self) -> EglHandles;
 
-    /// Elements that there is room for.
+    /// Capacity in elements.
     fn len(&self) -> usize;
 
-    /// Whether there is room for nothing.
+    /// Returns whether the capacity is 0.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// Where a device is to write palettes.
+/// Destination of a device's palettes.
 #[derive(Default)]
 pub enum PaletteTarget {
-    /// See [`PaletteTransport::Shared`]. In each set the pages in order, as many as in the other
-    /// and of the same lengths.
+    /// See [`PaletteTransport::Shared`]. The pages of each set, in order. Both sets have the same
+    /// number of pages with the same lengths.
     Shared([Vec<Box<dyn SharedPage>>; PAGE_SETS]),
-    /// See [`PaletteTransport::Mapped`]. As above.
+    /// See [`PaletteTransport::Mapped`]. Pages as for [`Shared`](Self::Shared).
     Mapped([Vec<Box<dyn MappedPage>>; PAGE_SETS]),
-    /// Its own memory.
+    /// The device's own memory.
     #[default]
     Copied,
 }
 
 impl PaletteTarget {
-    /// Which way this is.
+    /// The target's transport.
     #[must_use]
     pub fn way(&self) -> PaletteTransport {
         match self {
@@ -144,13 +142,14 @@ impl PaletteTarget {
     }
 }
 
-/// Tells the targets of different lenders apart; a clone marks the same target.
+/// Identity of a target, to tell targets of different renderers apart. A clone marks the same
+/// target.
 #[derive(Clone, Debug, Default)]
 pub struct TargetMark(Arc<()>);
 
 impl TargetMark {
-    /// Whether anybody but the caller holds this mark, as a device does while the target is in
-    /// force.
+    /// Returns whether other clones of this mark exist. A device holds one while the target is in
+    /// use.
     #[must_use]
     pub fn is_held_elsewhere(&self) -> bool {
         Arc::strong_count(&self.0) > 1
@@ -163,60 +162,59 @@ impl PartialEq for TargetMark {
     }
 }
 
-/// Where the palettes of a frame stand.
+/// Location of the palettes of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandedOver {
-    /// The mark of the target in force.
+    /// The mark of the target in use.
     pub mark: TargetMark,
-    /// Which set of its pages was written; `None` where the device keeps palettes in its own
-    /// memory.
+    /// The set of pages that was written; `None` if the device keeps palettes in its own memory.
     pub set: Option<usize>,
 }
 
-/// Something that palettes come from: a device, or a crowd on one.
+/// A source of palettes: a device, or a crowd on one.
 pub trait PaletteSource {
-    /// Palette entries of each page in use as of the last frame; a page's number is its place in
-    /// the list.
+    /// Palette entries of each page in use as of the last frame, by page index.
     fn page_lengths(&self) -> Vec<usize>;
 
-    /// Palette entries of each page as of the next frame: what a target should have room for.
+    /// Palette entries of each page as of the next frame: the capacity that a target should have.
     fn page_room(&self) -> Vec<usize> {
         self.page_lengths()
     }
 
-    /// Why palettes cannot reach a context in some way, as far as that shows without trying.
+    /// Returns why palettes cannot reach a context with this transport, as far as that is known
+    /// without trying; `None` if nothing speaks against it.
     fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String>;
 
-    /// Makes a device write palettes into `target` from the next frame on. What it wrote last goes
-    /// there now, into set 0, so that it can be handed over at once. The target before is given
-    /// back.
+    /// Makes the device write palettes into `target` from the next frame on. The last frame's
+    /// palettes are written into set 0 at once, so that they can be acquired. The previous target
+    /// is released.
     ///
-    /// A target stays in force until another takes its place, or until palettes outgrow it: the
-    /// device then turns back to its own memory, and [`hand_over`](Self::hand_over) says so.
+    /// A target stays in use until it is replaced or palettes outgrow it. In the latter case the
+    /// device returns to its own memory, which [`hand_over`](Self::hand_over) reports.
     ///
     /// # Errors
     ///
-    /// A way that the device refuses, pages too few or too small for what is in use, or a failing
-    /// device. The target before then stays in force.
+    /// The device does not support the transport, there are too few pages or they are too small for
+    /// the palettes in use, or the device fails. The previous target then stays in use.
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError>;
 
-    /// Waits for the last frame and says where its palettes stand: OpenGL can draw from there, and
-    /// reading them back does no harm. The next frame is written into the other set, so OpenGL must
-    /// be done with that one by then. Without a frame since the last call the answer is the same
-    /// again. `None` where no target is in force.
+    /// Waits for the last frame and returns the location of its palettes. OpenGL can draw from
+    /// there, and reading them back is allowed. The next frame is written into the other set, so
+    /// OpenGL must have finished with that set by then. Without a new frame since the last call the
+    /// result is the same. Returns `None` if no target is in use.
     ///
     /// # Errors
     ///
-    /// A failing device.
+    /// A device failure.
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError>;
 
-    /// Hands a page of palettes to `reader`, waiting for the frame to be done: three elements for
-    /// each palette entry of the page, up to the last entry in use. Where the device shares memory
-    /// with the host, nothing is copied.
+    /// Calls `reader` with a page of palettes, waiting for the frame to finish: three elements for
+    /// each palette entry of the page, up to the last entry in use. Nothing is copied if the device
+    /// shares memory with the host.
     ///
     /// # Errors
     ///
-    /// A failing device, or a page that does not exist.
+    /// A device failure, or a page that does not exist.
     fn with_page(
         &mut self,
         page: usize,

@@ -1,4 +1,4 @@
-//! Humanoid roles: which joint of a skeleton is whose upper arm, whatever it is called there.
+//! Humanoid roles: the body part of each joint, whatever its name.
 
 mod detect;
 mod names;
@@ -11,10 +11,10 @@ use std::fmt;
 
 use crate::{Error, JointIndex, Skeleton};
 
-/// A side of a body, seen from inside it.
+/// A side of a body, as seen by the body itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Side {
-    /// Towards +X of a body that faces +Z.
+    /// Towards +X for a body that faces +Z.
     Left,
     /// Towards -X.
     Right,
@@ -25,39 +25,39 @@ pub enum Side {
 pub enum Finger {
     /// The thumb.
     Thumb,
-    /// Beside the thumb.
+    /// The index finger.
     Index,
-    /// The middle one.
+    /// The middle finger.
     Middle,
-    /// Beside the little one.
+    /// The ring finger.
     Ring,
-    /// The little one.
+    /// The little finger.
     Little,
 }
 
-/// A joint of a finger, from the hand outwards. VRM calls those of a thumb metacarpal, proximal and
-/// distal, those of other fingers proximal, intermediate and distal.
+/// A joint of a finger, from the hand outwards. VRM calls those of the thumb metacarpal, proximal
+/// and distal, those of other fingers proximal, intermediate and distal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Phalanx {
-    /// At the hand.
+    /// The joint at the hand.
     First,
-    /// In the middle.
+    /// The joint in the middle.
     Second,
-    /// The last.
+    /// The joint nearest to the tip.
     Third,
 }
 
-/// What a joint is to a humanoid body: the bones of VRM 1.0 (specification, `humanoid`). Displays
-/// as VRM names it.
+/// The function of a joint in a humanoid body: the bones of VRM 1.0 (specification, `humanoid`).
+/// `Display` gives VRM's names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
-    /// The joint that legs and spine hang on.
+    /// The common parent of legs and spine.
     Hips,
     /// The lowest joint of the back.
     Spine,
-    /// The next one.
+    /// The next joint of the back.
     Chest,
-    /// The one that neck and shoulders hang on, where there are three.
+    /// The parent of neck and shoulders, if the back has three joints.
     UpperChest,
     /// The neck.
     Neck,
@@ -69,26 +69,26 @@ pub enum Role {
     Eye(Side),
     /// A collarbone.
     Shoulder(Side),
-    /// From shoulder to elbow.
+    /// The upper arm, from shoulder to elbow.
     UpperArm(Side),
-    /// From elbow to wrist.
+    /// The lower arm, from elbow to wrist.
     LowerArm(Side),
-    /// From the wrist on.
+    /// The hand, from the wrist.
     Hand(Side),
-    /// From hip to knee.
+    /// The upper leg, from hip to knee.
     UpperLeg(Side),
-    /// From knee to ankle.
+    /// The lower leg, from knee to ankle.
     LowerLeg(Side),
-    /// From the ankle on.
+    /// The foot, from the ankle.
     Foot(Side),
-    /// From the ball of the foot on.
+    /// The toes, from the ball of the foot.
     Toes(Side),
     /// A joint of a finger.
     Finger(Side, Finger, Phalanx),
 }
 
 impl Role {
-    /// The same on the other side; those in the middle stay.
+    /// The same role on the given side. Roles without a side are unchanged.
     #[must_use]
     pub const fn on(self, side: Side) -> Self {
         match self {
@@ -106,7 +106,7 @@ impl Role {
         }
     }
 
-    /// Its side; `None` in the middle.
+    /// The role's side; `None` for roles without one.
     #[must_use]
     pub const fn side(self) -> Option<Side> {
         match self {
@@ -124,7 +124,7 @@ impl Role {
         }
     }
 
-    /// The role that this one hangs on in a body that has all; `None` for the hips.
+    /// The parent role in a body that has all roles; `None` for the hips.
     #[must_use]
     pub const fn parent(self) -> Option<Self> {
         Some(match self {
@@ -151,14 +151,14 @@ impl Role {
         })
     }
 
-    /// Rigs whose feet are pulled by targets, and those with several bones in a palm, hang these on
-    /// some other joint than the limb that they end.
-    const fn may_hang_elsewhere(self) -> bool {
+    /// Returns whether joints of the role may be detached. Rigs whose feet are IK targets, and rigs
+    /// with several bones in a palm, have them under another joint than the limb that they end.
+    const fn may_be_detached(self) -> bool {
         matches!(self, Self::Foot(_) | Self::Toes(_) | Self::Hand(_) | Self::Finger(..))
     }
 }
 
-/// All roles, each after the one that it hangs on.
+/// Returns all roles, parents first.
 pub(crate) fn all_roles() -> impl Iterator<Item = Role> {
     let middle =
         [Role::Hips, Role::Spine, Role::Chest, Role::UpperChest, Role::Neck, Role::Head, Role::Jaw];
@@ -212,17 +212,17 @@ impl fmt::Display for Role {
     }
 }
 
-/// Which joints of one skeleton have which roles.
+/// The joints of one skeleton by humanoid role.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoleMap {
     joints: BTreeMap<Role, JointIndex>,
-    /// Further joints that move as those of their roles do: bones of one palm.
+    /// Further joints that follow the joint of their role: bones of one palm.
     followers: Vec<(Role, JointIndex)>,
     naming: &'static str,
     joint_count: usize,
 }
 
-/// Roles without which nothing can be retargeted: the scale comes from the legs.
+/// Roles that retargeting needs: the scale comes from the legs.
 const NEEDED: [Role; 7] = [
     Role::Hips,
     Role::UpperLeg(Side::Left),
@@ -234,12 +234,12 @@ const NEEDED: [Role; 7] = [
 ];
 
 impl RoleMap {
-    /// A user's own map, by the names of joints.
+    /// Creates a map from roles and joint names.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRole`] for a joint that is not there, a role or a joint named twice, a joint
-    /// that does not hang where its role does, or a body without hips and legs.
+    /// [`Error::BadRole`] for a missing joint, a role or joint that is given twice, a joint that is
+    /// not a descendant of the joints of its parent roles, or a body without hips and legs.
     pub fn from_names(skeleton: &Skeleton, names: &[(Role, &str)]) -> Result<Self, Error> {
         let mut map = Self::empty(skeleton, "given");
         for &(role, name) in names {
@@ -249,13 +249,13 @@ impl RoleMap {
                 .ok_or_else(|| bad(format!("the skeleton has no joint \"{name}\"")))?;
             if let Some((other, _)) = map.joints.iter().find(|(_, taken)| **taken == joint) {
                 return Err(bad(format!(
-                    "joint \"{name}\" is {other} already; a joint has one role"
+                    "joint \"{name}\" is {other} already; a joint can have only one role"
                 )));
             }
             if let Some(first) = map.joints.insert(role, joint) {
                 let first = skeleton.name(first);
                 return Err(bad(format!(
-                    "both \"{first}\" and \"{name}\" are given; a role has one joint"
+                    "both \"{first}\" and \"{name}\" are given; a role can have only one joint"
                 )));
             }
         }
@@ -264,8 +264,8 @@ impl RoleMap {
         }
         match NEEDED.into_iter().find(|role| !map.joints.contains_key(role)) {
             Some(role) => {
-                let what = "no joint is given; hips, upper and lower legs and feet are needed, \
-                            others are welcome";
+                let what = "no joint is given; hips, upper legs, lower legs and feet are required, \
+                            other roles are optional";
                 Err(Error::BadRole { role: role.to_string(), what: what.into() })
             }
             None => Ok(map),
@@ -277,20 +277,19 @@ impl RoleMap {
         Self { joints: BTreeMap::new(), followers: Vec::new(), naming, joint_count }
     }
 
-    /// Whether a joint hangs where its role does: beneath the joints of the roles above, or
-    /// elsewhere, for ends of limbs, but never above any of them.
+    /// Checks the position of a joint in the hierarchy. It must be a descendant of the joints of
+    /// its parent roles. Ends of limbs may be detached, but must not be ancestors of those joints.
     fn check(&self, skeleton: &Skeleton, role: Role, joint: JointIndex) -> Result<(), Error> {
         let above = std::iter::successors(role.parent(), |role| role.parent());
         for (at, (parent, of)) in above.filter_map(|r| Some((r, *self.joints.get(&r)?))).enumerate()
         {
-            let elsewhere =
-                role.may_hang_elsewhere() && !skeleton.is_below(of, joint) && of != joint;
+            let elsewhere = role.may_be_detached() && !skeleton.is_below(of, joint) && of != joint;
             if (at == 0 || skeleton.is_below(of, joint))
                 && !skeleton.is_below(joint, of)
                 && !elsewhere
             {
                 let (name, of) = (skeleton.name(joint), skeleton.name(of));
-                let what = format!("joint \"{name}\" does not hang on \"{of}\", which is {parent}");
+                let what = format!("joint \"{name}\" is not below \"{of}\", which is {parent}");
                 return Err(Error::BadRole { role: role.to_string(), what });
             }
         }
@@ -303,24 +302,24 @@ impl RoleMap {
         self.joints.get(&role).copied()
     }
 
-    /// All roles that have a joint, with it.
+    /// All roles with a joint, and their joints.
     pub fn iter(&self) -> impl Iterator<Item = (Role, JointIndex)> + '_ {
         self.joints.iter().map(|(role, joint)| (*role, *joint))
     }
 
-    /// Further joints that move as those of their roles do.
+    /// Further joints that follow the joint of their role.
     pub(crate) fn followers(&self) -> &[(Role, JointIndex)] {
         &self.followers
     }
 
-    /// By which names the roles were found: "VRM", "Mixamo", "Unreal", "KayKit", "Rigify",
-    /// "Quaternius", "CMU", "Populace", or "given" for a user's own.
+    /// The naming by which the roles were found: "VRM", "Mixamo", "Unreal", "KayKit", "Rigify",
+    /// "Quaternius", "CMU", "Populace", or "given" for a map from [`from_names`](Self::from_names).
     #[must_use]
     pub fn naming(&self) -> &'static str {
         self.naming
     }
 
-    /// How many joints the skeleton has that the map is for.
+    /// Number of joints of the map's skeleton.
     #[must_use]
     pub fn joint_count(&self) -> usize {
         self.joint_count

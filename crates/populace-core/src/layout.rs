@@ -1,12 +1,12 @@
-//! The structs and constants that host and devices share, each declared once.
+//! Structs and constants shared by the host and the devices, each declared once.
 //!
-//! `device_struct!` emits a `#[repr(C)]` [`bytemuck::Pod`] type, its OpenCL C twin as text, and the
-//! table of its fields, which a probe kernel's `sizeof` and offsets are compared with in a test.
-//! `device_consts!` emits a constant and its `#define`. [`opencl_prelude`] joins them all into the
-//! head of every OpenCL program.
+//! `device_struct!` emits a `#[repr(C)]` [`bytemuck::Pod`] type, the same declaration as OpenCL C
+//! text, and a table of field offsets. A test compares that table with the `sizeof` and offsets
+//! that a probe kernel reports. `device_consts!` emits a constant and its `#define`.
+//! [`opencl_prelude`] joins all of them into the head of every OpenCL program.
 //!
-//! `Pod` refuses hidden padding, and there is no three-component vector to declare: it is 16 bytes
-//! on a device.
+//! `Pod` rejects hidden padding. There is no three-component vector type because it occupies 16
+//! bytes on a device.
 
 /// Four floats, aligned to 16 bytes as an OpenCL `float4`.
 #[repr(C, align(16))]
@@ -14,7 +14,7 @@
 pub struct Float4(pub [f32; 4]);
 
 impl Float4 {
-    /// From three components and a fourth of zero.
+    /// Builds the vector from three components; the fourth is zero.
     #[must_use]
     pub const fn from_xyz(v: [f32; 3]) -> Self {
         Self([v[0], v[1], v[2], 0.0])
@@ -27,9 +27,9 @@ impl Float4 {
     }
 }
 
-/// A struct that host and devices lay out alike.
+/// A struct with the same memory layout on the host and on devices.
 pub trait DeviceStruct: bytemuck::Pod {
-    /// The name in both languages.
+    /// The struct's name in Rust and in OpenCL C.
     const NAME: &'static str;
     /// The declaration in OpenCL C.
     const OPENCL_C: &'static str;
@@ -53,7 +53,9 @@ macro_rules! opencl_type {
 }
 
 macro_rules! device_struct {
-    ($(#[$doc:meta])* pub struct $name:ident { $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)? }) => {
+    ($(#[$doc:meta])* pub struct $name:ident {
+        $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)?
+    }) => {
         $(#[$doc])*
         #[repr(C)]
         #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -61,7 +63,8 @@ macro_rules! device_struct {
         impl DeviceStruct for $name {
             const NAME: &'static str = stringify!($name);
             const OPENCL_C: &'static str = concat!("typedef struct {",
-                $( " ", opencl_type!($ty), " ", stringify!($field), ";", )* " } ", stringify!($name), ";\n");
+                $( " ", opencl_type!($ty), " ", stringify!($field), ";", )*
+                " } ", stringify!($name), ";\n");
             const FIELDS: &'static [(&'static str, usize)] =
                 &[$( (stringify!($field), std::mem::offset_of!($name, $field)) ),*];
         }
@@ -76,52 +79,54 @@ macro_rules! device_consts {
 }
 
 device_consts! {
-    /// Stands for "no index": no parent, no mask, no clip, a free place.
+    /// Marks a missing index: no parent, no mask, no clip, or an unused table entry.
     pub const NONE: u32 = u32::MAX;
     /// Joints per block. Each member's arrays in the joint buffer are padded to whole blocks: 16
-    /// elements of 16 bytes are 256 bytes (Lister & Day 2012, section 3.1, fig. 3). Rows of clips
-    /// are stored in blocks of 16 as well.
+    /// elements of 16 bytes are 256 bytes (Lister & Day 2012, section 3.1, fig. 3). Columns of clip
+    /// rows are stored in blocks of 16 as well.
     pub const JOINT_BLOCK: u32 = 16;
-    /// Members whose gazes, limbs and feet one work-item of the wide schedule solves at once: with
-    /// two legs each, as many legs as there are lanes. Each has matrices of its own meanwhile.
+    /// Members whose gaze, limb and foot constraints one work-item of the wide schedule solves as a
+    /// batch. With two legs each, the batch fills all lanes. The matrices of all members of a batch
+    /// are in memory at the same time.
     pub const MEMBERS_PER_BATCH: u32 = 8;
-    /// Palette entries per block; each member's palette starts at a whole block.
+    /// Palette entries per block. Each member's palette starts at a block boundary.
     pub const PALETTE_BLOCK: u32 = 4;
-    /// Palette entries per page: 48 MiB a page, within what every OpenCL and OpenGL device allows
-    /// at once.
+    /// Palette entries per page. A page is 48 MiB, within the allocation limit of every OpenCL and
+    /// OpenGL device.
     pub const PAGE_ENTRIES: u32 = 1 << 20;
-    /// [`Slot::mode`]: the clip starts again at its end.
+    /// [`Slot::mode`]: the clip loops.
     pub const SLOT_LOOP: u32 = 0;
-    /// [`Slot::mode`]: the clip runs one whole cycle and holds its end.
+    /// [`Slot::mode`]: the clip runs once and then holds its end.
     pub const SLOT_ONCE: u32 = 1;
-    /// [`Slot::mode`]: the clip stands at [`Slot::held_secs`] on its own axis.
+    /// [`Slot::mode`]: the clip is sampled at the fixed time [`Slot::held_secs`] on its own axis.
     pub const SLOT_HELD: u32 = 2;
-    /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), as it stood [`Slot::phase_rate`] ticks ago; its oldest row holds
-    /// before that, its newest after.
+    /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), sampled [`Slot::phase_rate`] ticks in
+    /// the past. Before its oldest row that row holds, after its newest row the newest holds.
     pub const SLOT_LIVE: u32 = 3;
-    /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is twice its machine instance, and which of the two;
-    /// each has half the machine's weight, and what it plays and how much of it stands in
-    /// [`Running`].
+    /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is `2 *
+    /// machine instance + which`. Each of the two slots has half the machine's weight; [`Running`]
+    /// says which clip it plays and at which weight.
     pub const SLOT_MACHINE: u32 = 4;
-    /// [`Slot::mode`]: a clip that was left, of which only that remains in which it differed from what took its place. It
-    /// weighs nothing; its fields have other meanings, see [`Slot::inertialization`].
+    /// [`Slot::mode`]: the decaying difference between an outgoing clip and the clip that replaced
+    /// it. The slot has weight 0 and its fields have other meanings, see [`Slot`].
     pub const SLOT_INERTIALIZATION: u32 = 5;
-    /// The bits of [`Slot::layer_and_mode`] that hold the mode; the layer stands above them.
+    /// Low bits of [`Slot::layer_and_mode`] that hold the mode; the layer is in the bits above.
     pub const SLOT_MODE_BITS: u32 = 8;
-    /// Flag in [`Layer::mask_and_mode`]: the layer's differences from each clip's first row are
-    /// laid over what lies beneath. Without it the layer's mix replaces that, by weight and mask.
+    /// Flag in [`Layer::mask_and_mode`]: the layer is additive. The difference of each clip from
+    /// its first row is added to the layers below. Without the flag the layer's mix replaces the
+    /// layers below, by weight and mask.
     pub const LAYER_ADDITIVE: u32 = 1 << 31;
-    /// The bits of [`Layer::mask_and_mode`] that name the mask; all of them set where the layer has
-    /// none.
+    /// Bits of [`Layer::mask_and_mode`] that hold the mask's offset; all of them are set if the
+    /// layer has no mask.
     pub const LAYER_MASK: u32 = (1 << 31) - 1;
-    /// The most slots that a member can have.
+    /// Maximum number of slots of a member.
     pub const SLOTS_MOST: u32 = 8;
-    /// Layers of each member.
+    /// Layers per member.
     pub const LAYERS_PER_MEMBER: u32 = 4;
-    /// The bits of [`Member::layers_and_phase`] that count layers; the phase stands above them.
+    /// Low bits of [`Member::layers_and_phase`] that count layers; the phase is in the bits above.
     pub const MEMBER_LAYER_BITS: u32 = 8;
-    /// Phases of a frame at most: members attached to nothing, and four levels of what is attached
-    /// to others.
+    /// Maximum number of phases per frame: one for members attached to nothing, and four levels of
+    /// attached members.
     pub const PHASES_MOST: u32 = 5;
     /// Flag in a joint map: the rotation comes from the clip's rows.
     pub const MAP_ROTATION: u32 = 1 << 31;
@@ -129,52 +134,71 @@ device_consts! {
     pub const MAP_TRANSLATION: u32 = 1 << 30;
     /// Flag in a joint map: the scale comes from the clip's rows.
     pub const MAP_SCALE: u32 = 1 << 29;
-    /// Flag in a [`RowBlock`]'s lanes: the planes hold floats, one for each component.
+    /// Flag in the lanes of a [`RowBlock`]: the planes hold floats, one plane per component.
     pub const ROW_FLOATS: u32 = 1 << 31;
-    /// Flag in a [`BoundBlock`]: each joint follows the column of its own lane, all in one block.
+    /// Flag in a [`BoundBlock`]: all joints follow one block, each the column of its own lane.
     pub const BLOCK_STRAIGHT: u32 = 4;
-    /// Flag in a [`BoundBlock`]: what was sampled goes on through the [`BoundClip::next`] clip.
+    /// Flag in a [`BoundBlock`]: the sampled pose goes on through the corrections of
+    /// [`BoundClip::next`].
     pub const BLOCK_TURNED: u32 = 8;
-    /// Flag in a [`BoundBlock`]: all translations stand at the body's rest; of a turn, it adds
-    /// nothing to them.
+    /// Flag in a [`BoundBlock`]: all translations are at the body's rest. In a correction: it adds
+    /// nothing to translations.
     pub const REST_TRANSLATION: u32 = 1;
-    /// Flag in a [`BoundBlock`]: all scales stand at the body's rest.
+    /// Flag in a [`BoundBlock`]: all scales are at the body's rest.
     pub const REST_SCALE: u32 = 2;
-    /// [`Step::kind`]: the joint is turned by a turn that an earlier step wrote.
+    /// [`Step::kind`]: applies a rotation to the joint that an earlier step has written.
     pub const STEP_TURN: u32 = 0;
-    /// [`Step::kind`]: a chain looks at its targets.
+    /// [`Step::kind`]: turns a chain to look at its targets.
     pub const STEP_GAZE: u32 = 1;
-    /// [`Step::kind`]: a limb of two bones reaches for its targets.
+    /// [`Step::kind`]: solves a two-bone limb to reach its targets.
     pub const STEP_REACH: u32 = 2;
-    /// [`Step::kind`]: a chain of any length reaches for its targets.
+    /// [`Step::kind`]: solves a chain of any length to reach its targets.
     pub const STEP_CHAIN: u32 = 3;
-    /// [`Step::kind`]: finds where feet go, sinks the pelvis so that they get there, and solves the legs if they can be at
-    /// once. Constraints of a member's feet follow each other, and each has three turns from the
-    /// step's on.
+    /// [`Step::kind`]: finds where the feet go, lowers the pelvis so that they can get there, and
+    /// solves the legs right away if possible. The constraints of a member's feet are consecutive,
+    /// and each foot owns three rotations, starting at the step's `turn`.
     pub const STEP_PELVIS: u32 = 4;
-    /// [`Step::kind`]: a leg that something moves after the pelvis goes where the pelvis found.
+    /// [`Step::kind`]: solves one leg towards the place that the pelvis step found. Used if other
+    /// steps move the leg after the pelvis.
     pub const STEP_FOOT: u32 = 5;
-    /// [`Step::kind`]: an override in model space.
+    /// [`Step::kind`]: applies an override in model space.
     pub const STEP_OVERRIDE: u32 = 6;
-    /// [`Step::kind`]: others look at this joint.
+    /// [`Step::kind`]: writes the joint's world transform for other members or for readback.
     pub const STEP_WATCH: u32 = 7;
-    /// [`Step::kind`]: a user's stage, with the member's values at `turn`.
+    /// [`Step::kind`]: runs a user stage, with the member's values at `turn`.
     pub const STEP_STAGE: u32 = 8;
-    /// [`Step::kind`]: members of the next phases are attached to this joint.
+    /// [`Step::kind`]: writes the joint's model transform for members of later phases that are
+    /// attached to it.
     pub const STEP_CARRY: u32 = 9;
-    /// [`Step::kind`]: a root follows the joint that the member is attached to.
+    /// [`Step::kind`]: places a root relative to the joint that the member is attached to.
     pub const STEP_ATTACH: u32 = 10;
-    /// [`Step::kind`]: clips move the whole body, on from where the frame before left it if `turn` is still the same.
+    /// [`Step::kind`]: moves the whole body by root motion, continuing from the previous frame if
+    /// `turn` is unchanged.
     pub const STEP_MOTION: u32 = 11;
-    /// Of a member's state, the first of four elements of its root motion: where its clips have
-    /// moved it, its heading, how fast they last did, and how much faster than what it plays it was
-    /// when something began to inertialize: shift and turn in a tick.
+    /// First element of root motion in a member's history state.
+    ///
+    /// A member with a control has [`STATES_PER_CONTROL`] history elements:
+    ///
+    /// | Element | `x` | `y` | `z` | `w` |
+    /// |---|---|---|---|---|
+    /// | foot `i`, planted | position x | position y | position z | bits: `epoch << 1 \| 1` |
+    /// | foot `i`, lifted | lag x | lag y | lag z | bits: `epoch << 1` |
+    /// | `MOTION_STATE` | offset x | offset y | offset z | bits: [`Step::turn`] |
+    /// | `MOTION_STATE + 1` | sine of heading | cosine of heading | 0 | 0 |
+    /// | `MOTION_STATE + 2` | velocity x | velocity y | velocity z | sine of turn per tick |
+    /// | `MOTION_STATE + 3` | excess x | excess y | excess z | sine of turn per tick |
+    ///
+    /// Lengths are in metres, velocities in metres per tick. Feet have elements 0 to
+    /// [`FEET_MOST`]` - 1`; their positions and lags are in world space. The *lag* of a foot is how
+    /// far it trails behind the clip. *Velocity* is that of the last frame. *Excess* is the
+    /// velocity at the start of an inertialization minus the velocity of the clips that play since.
+    /// `epoch` is [`Control::epoch`].
     pub const MOTION_STATE: u32 = FEET_MOST;
-    /// Elements of a row of root motion: a shift, then sine and cosine of a heading.
+    /// Elements per row of root motion: an offset, then sine and cosine of a heading.
     pub const MOTION_ELEMENTS: u32 = 2;
-    /// The most stages of users.
+    /// Maximum number of user stages.
     pub const STAGES_MOST: u32 = 8;
-    /// Parameters of each.
+    /// Parameters per user stage.
     pub const STAGE_PARAMETERS: u32 = 16;
     /// [`Target::kind`]: a point in the member's model space.
     pub const TARGET_MODEL: u32 = 0;
@@ -182,30 +206,30 @@ device_consts! {
     pub const TARGET_WORLD: u32 = 1;
     /// [`Target::kind`]: a direction in the world.
     pub const TARGET_DIRECTION: u32 = 2;
-    /// [`Target::kind`]: a joint of another member, where it was in the frame before.
+    /// [`Target::kind`]: a joint of another member, as of the previous frame.
     pub const TARGET_WATCHED: u32 = 3;
-    /// Turns that a member's steps can hand down.
+    /// Maximum number of rotations that the steps of one member can write for later steps.
     pub const TURNS_MOST: u32 = 48;
-    /// Links of one chain.
+    /// Maximum number of links of one chain.
     pub const LINKS_MOST: u32 = 24;
-    /// Feet of a member.
+    /// Maximum number of feet of a member.
     pub const FEET_MOST: u32 = 4;
-    /// Elements of a member's state.
+    /// History elements per control, see [`MOTION_STATE`].
     pub const STATES_PER_CONTROL: u32 = 8;
-    /// Elements of what is watched of a joint: three rows of its matrix, in the world, or in model
-    /// space for what is attached to it.
+    /// Elements per watched joint: three rows of its matrix, in world space, or in model space for
+    /// joints that members are attached to.
     pub const WATCHED_ELEMENTS: u32 = 3;
-    /// Elements of a [`Running`].
+    /// Elements per [`Running`].
     pub const RUNNING_ELEMENTS: u32 = 3;
-    /// Parameters of a state machine.
+    /// Parameters per state machine.
     pub const MACHINE_PARAMETERS: u32 = 8;
     /// [`Condition::kind`]: the parameter is above the value.
     pub const CONDITION_ABOVE: u32 = 0;
     /// [`Condition::kind`]: the parameter is below the value.
     pub const CONDITION_BELOW: u32 = 1;
-    /// [`Condition::kind`]: the state was entered so many ticks ago, or more.
+    /// [`Condition::kind`]: at least this many ticks have passed since the state was entered.
     pub const CONDITION_AFTER: u32 = 2;
-    /// The bits of a joint map that name the clip's column.
+    /// Bits of a joint map that hold the clip's column.
     pub const MAP_COLUMN: u32 = (1 << 29) - 1;
 }
 
@@ -217,23 +241,35 @@ pub use clips::*;
 pub use members::*;
 pub use playing::*;
 
-/// Planes of a stored pose, each of `padded_count` floats with joints varying fastest: rotation x y
-/// z w, translation x y z, scale x y z.
+/// Planes of a stored pose, each of `padded_count` floats, joints fastest: rotation `x y z w`,
+/// translation `x y z`, scale `x y z`.
 pub const POSE_PLANES: usize = 10;
-/// Planes of a bound clip's ranges, laid out alike: offsets of rotation x y z w and their step, of
-/// translation x y z and their step, of scale x y z and their step. A component is
-/// `offset + step * n` for the `n` that a row holds; a step of 0 leaves the clip's constant, or the
-/// body's rest where the clip does not drive the joint.
+/// Planes of a bound clip's ranges, each of `padded_count` floats, joints fastest.
+///
+/// | Planes | Content |
+/// |---|---|
+/// | 0 to 3, 4 | rotation: offsets `x y z w`, step |
+/// | 5 to 7, 8 | translation: offsets `x y z`, step |
+/// | 9 to 11, 12 | scale: offsets `x y z`, step |
+///
+/// A component is `offset + step * n` for the number `n` stored in a row. With a step of 0 the
+/// value is constant: the clip's constant, or the body's rest if the clip does not drive the joint.
 pub const RANGE_PLANES: usize = 13;
-/// Planes of a turn, laid out alike: offsets of a rotation x y z w, the step of x y z, that of w
-/// (their signs differ where the rotation is undone), offsets of an arm x y z and their step, and a
-/// rotation x y z w that comes after. The pose that goes through a turn has the arm, turned by its
-/// rotation so far, added to its translation; then its rotation is multiplied from the right by the
-/// turn's two. All of it leaves joints as they are where the rotations are those that change
-/// nothing and the arm is 0.
+/// Planes of a retarget correction, each of `padded_count` floats, joints fastest.
+///
+/// | Planes | Content |
+/// |---|---|
+/// | 0 to 3 | rotation: offsets `x y z w` |
+/// | 4, 5 | rotation: step of `x y z`, step of `w` (of opposite sign if the rotation is undone) |
+/// | 6 to 8, 9 | arm: offsets `x y z`, step |
+/// | 10 to 13 | second rotation `x y z w` |
+///
+/// The arm, rotated by the joint's rotation so far, is added to the joint's translation. Then the
+/// joint's rotation is multiplied from the right by the first and the second rotation. With
+/// identity rotations and an arm of 0 the joint is unchanged.
 pub const TURN_PLANES: usize = 14;
 
-/// How Rust lays a shared struct out, for comparison with a device.
+/// Layout of a shared struct in Rust, for comparison with a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StructLayout {
     /// The struct's name.
@@ -244,7 +280,7 @@ pub struct StructLayout {
     pub fields: &'static [(&'static str, usize)],
 }
 
-/// The layout of every shared struct.
+/// Returns the layouts of all shared structs.
 #[must_use]
 pub fn device_structs() -> Vec<StructLayout> {
     fn of<T: DeviceStruct>() -> StructLayout {
@@ -277,10 +313,10 @@ pub fn device_structs() -> Vec<StructLayout> {
     ]
 }
 
-/// Weights that sum to less count as none: the inverse of the sum would overflow.
+/// Smallest sum of weights that counts. The inverse of a smaller sum would overflow.
 pub const LEAST_WEIGHT: f32 = 1e-20;
 
-/// All constants and structs as OpenCL C, to stand before the kernels.
+/// Returns all constants and structs as OpenCL C, to be put before the kernels.
 #[must_use]
 pub fn opencl_prelude() -> String {
     let mut text: String =
@@ -324,7 +360,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_opencl_text_declares_what_rust_declares() {
+    fn opencl_text_matches_rust_declarations() {
         assert_eq!(
             Member::OPENCL_C,
             "typedef struct { uint body; uint joint_first; uint palette_first; uint \
@@ -334,15 +370,15 @@ mod tests {
     }
 
     #[test]
-    fn a_member_of_four_slots_keeps_within_its_memory() {
-        // The fourth number is the member's entry in the list of its page.
+    fn member_with_four_slots_fits_256_bytes() {
+        // The last term is the member's entry in the list of its page.
         let bytes =
             size_of::<Member>() + 4 * size_of::<Slot>() + 4 * size_of::<Layer>() + size_of::<u32>();
         assert!(bytes <= 256, "{bytes}");
     }
 
     #[test]
-    fn the_tick_reads_the_same_in_both_languages() {
+    fn tick_secs_parses_to_the_same_bits_in_opencl() {
         let text = opencl_prelude();
         let line = text.lines().find(|l| l.starts_with("#define TICK_SECS")).unwrap();
         let value: f32 =

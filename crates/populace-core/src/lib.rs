@@ -1,10 +1,9 @@
-//! What an animated crowd is, as plain data: [`Skeleton`], [`Clip`], [`AnimationSet`],
-//! [`Character`], slots, layers and masks, the struct layouts that host and devices share
-//! ([`layout`]), the tables that a device evaluates ([`Tables`]) and the trait that every device
-//! implements ([`Backend`]).
+//! Data model of an animated crowd: [`Skeleton`], [`Clip`], [`AnimationSet`], [`Character`], slots,
+//! layers and masks, the struct layouts shared by host and devices ([`layout`]), the tables that a
+//! device evaluates ([`Tables`]) and the trait that every device implements ([`Backend`]).
 //!
-//! Spaces and units: right-handed, Y up, +Z front, metres, seconds, radians, quaternions `x y z w`,
-//! as glTF 2.0. A transform is named `to_from`, so that inner names cancel:
+//! Spaces and units follow glTF 2.0: right-handed, Y up, +Z front, metres, seconds, radians,
+//! quaternions as `x y z w`. A transform is named `to_from`, so that inner names cancel:
 //! `model_from_bind = model_from_joint * joint_from_bind`. *Local* space is relative to the parent
 //! joint, *model* space to the character's root, *world* space to the scene.
 //!
@@ -21,9 +20,9 @@
 //! # Ok::<(), populace_core::Error>(())
 //! ```
 //!
-//! The main decision: skeletons are sorted breadth first on the way in ("level order"), so that on
-//! every device a parent's transform is ready before its children ask for it, and all joints of one
-//! depth form one contiguous range (Lister & Day 2012, section 3.1, fig. 2).
+//! Design decision: skeletons are sorted breadth first on import ("level order"). On every device a
+//! parent's transform is therefore ready before its children need it, and all joints of one depth
+//! form one contiguous range (Lister & Day 2012, section 3.1, fig. 2).
 
 mod animation_set;
 pub mod backend;

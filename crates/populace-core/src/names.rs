@@ -1,10 +1,10 @@
-//! Names that were asked for and are not there, and those that may have been meant.
+//! Suggestions for names that do not exist.
 
 use std::collections::HashSet;
 use std::fmt;
 
-/// The three names most like the one given, nearest first; those with nothing in common are left
-/// out.
+/// Returns up to three of `names` that are most similar to `name`, nearest first. Names without
+/// similarity are left out.
 #[must_use]
 pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let wanted = name.to_lowercase();
@@ -22,7 +22,7 @@ pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -
     scored.into_iter().take(3).map(|(_, n)| n.to_owned()).collect()
 }
 
-/// The end of a message that refuses a name: `; did you mean "this" or "that"?`, or nothing.
+/// Returns the end of an error message, `; did you mean "this" or "that"?`, or an empty string.
 #[must_use]
 pub fn did_you_mean(nearest: &[String]) -> String {
     let quoted: Vec<_> = nearest.iter().map(|name| format!("\"{name}\"")).collect();
@@ -33,12 +33,12 @@ pub fn did_you_mean(nearest: &[String]) -> String {
     }
 }
 
-/// A name that does not exist, and those most like it.
+/// A name that does not exist, with similar names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownName {
-    /// The name asked for.
+    /// The name that was asked for.
     pub name: String,
-    /// Names like it, nearest first.
+    /// Similar names, nearest first.
     pub nearest: Vec<String>,
 }
 

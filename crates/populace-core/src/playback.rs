@@ -1,4 +1,4 @@
-//! Slots, layers and masks: which clips a member plays, and how they are mixed.
+//! Slots, layers and masks: the clips that a member plays, and how they are mixed.
 
 mod inertialize;
 mod mask;
@@ -12,20 +12,20 @@ use crate::layout::{
 pub use inertialize::{SampledState, far_row, row_before};
 pub use mask::Mask;
 
-/// The most slots that a member can have.
+/// Maximum number of slots of a member.
 pub const MAX_SLOTS: usize = SLOTS_MOST as usize;
-/// The most layers that a member can have.
+/// Maximum number of layers of a member.
 pub const MAX_LAYERS: usize = LAYERS_PER_MEMBER as usize;
-/// Ticks of the crowd's clock in a second: a multiple of the usual frame rates (24, 25, 30, 50, 60,
-/// 120, 144), so that whole frames are whole numbers of ticks.
+/// Ticks of the crowd's clock per second. A multiple of the usual frame rates (24, 25, 30, 50, 60,
+/// 120, 144), so that every frame is a whole number of ticks.
 pub const TICKS_PER_SEC: u64 = 705_600;
-/// Where the clock of a crowd begins. Most of a year after 0: a clip that goes on at another speed
-/// is one that began at another time, maybe long before the crowd did.
+/// Clock tick at which a crowd begins: most of a year after 0. A slot whose speed changes is
+/// rewritten as one that started at another time, possibly long before the crowd did.
 pub const FIRST_TICK: u64 = 1 << 44;
 /// One tick in seconds, rounded to single precision.
 pub(crate) const TICK_SECS: f32 = 1.0 / 705_600.0;
 
-/// Ticks in a time, rounded to the nearest.
+/// Converts seconds to ticks, rounded to the nearest.
 ///
 /// Negative and non-finite times give 0.
 #[must_use]
@@ -39,8 +39,8 @@ pub fn ticks_from_secs(secs: f64) -> u64 {
     ticks
 }
 
-/// A weight that runs from `start` by `rate` per second to `end`; the twin of `ramp` in
-/// `kernels/slot.cl`.
+/// Returns a weight that changes from `start` by `rate` per second until it reaches `end`. Twin of
+/// `ramp` in `kernels/slot.cl`.
 #[inline]
 #[must_use]
 pub(crate) fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
@@ -49,23 +49,22 @@ pub(crate) fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
     if (rising && weight > end) || (!rising && weight < end) { end } else { weight }
 }
 
-/// How fast a weight runs from one number to another in so many seconds, a tick at least; 0 where
-/// it is there at once.
+/// Returns the rate per second of a weight that changes `from` one value `to` another in `secs`, at
+/// least one tick. Returns 0 for an immediate change.
 pub(crate) fn ramp_rate(from: f32, to: f32, secs: f32) -> f32 {
     if secs > 0.0 { (to - from) / secs.max(TICK_SECS) } else { 0.0 }
 }
 
-/// Whether a weight is on its way to a number by a ramp that was begun to take this time, or has
-/// come there by it.
+/// Returns whether a ramp leads to `to` and was created with this `secs`, be it finished or not.
 pub(crate) fn is_ramp_to([start, rate, end]: [f32; 3], to: f32, secs: f32) -> bool {
     end == to && rate == ramp_rate(start, to, secs)
 }
 
 impl Slot {
-    /// A slot that loops over a clip.
+    /// Creates a slot that loops over a clip.
     ///
-    /// `phase` is where it starts, from 0 to 1; `speed` is 1 for the clip's own pace and negative
-    /// for backwards.
+    /// `phase` is where it starts, from 0 to 1. `speed` is 1 for the clip's own speed and negative
+    /// for backward playback.
     #[must_use]
     pub fn looping(bound_clip: u32, tick: u64, duration_secs: f32, phase: f64, speed: f32) -> Self {
         Self {
@@ -75,12 +74,12 @@ impl Slot {
         }
     }
 
-    /// A slot that plays a clip once, from its start (from its end where `speed` is negative), and
-    /// holds its end.
+    /// Creates a slot that plays a clip once, from its start (from its end if `speed` is negative),
+    /// and then holds the last pose.
     ///
-    /// The end is reached at `ticks_from_secs(duration_secs / speed.abs())` after `tick`, for runs
-    /// of up to an hour and a half exactly; one of 3 ticks (4 microseconds) or less takes 3. A
-    /// speed of 0 never reaches it.
+    /// The end is reached at `ticks_from_secs(duration_secs / speed.abs())` after `tick`; this is
+    /// exact for durations of up to an hour and a half. A duration of 3 ticks (4 microseconds) or
+    /// less takes 3 ticks. A speed of 0 never reaches the end.
     #[must_use]
     pub fn once(bound_clip: u32, tick: u64, duration_secs: f32, speed: f32) -> Self {
         Self {
@@ -89,36 +88,36 @@ impl Slot {
         }
     }
 
-    /// A slot that stands at one time on the clip's own axis; before the first key the first value
-    /// holds, after the last the last.
+    /// Creates a slot that samples one fixed time on the clip's own axis. Before the first key the
+    /// first value holds, after the last key the last.
     #[must_use]
     pub fn held(bound_clip: u32, tick: u64, held_secs: f32) -> Self {
         Self { start_phase: held_secs.to_bits(), ..Self::still(bound_clip, tick, SLOT_HELD) }
     }
 
-    /// A slot that shows a live clip as it was so many ticks ago.
+    /// Creates a slot that plays a live clip with a delay of `delay_ticks`.
     #[must_use]
     pub fn live(bound_clip: u32, tick: u64, delay_ticks: u64) -> Self {
         Self { phase_rate: delay_ticks, ..Self::still(bound_clip, tick, SLOT_LIVE) }
     }
 
-    /// One of the two slots of a state machine, 0 or 1; see
+    /// Creates one of the two slots of a state machine; `which` is 0 or 1. See
     /// [`Tables::add_machine_instance`](crate::Tables::add_machine_instance).
     #[must_use]
     pub fn machine(machine_instance: u32, which: u32, tick: u64) -> Self {
         Self::still(machine_instance << 1 | which, tick, SLOT_MACHINE)
     }
 
-    /// The machine instance of a slot of a state machine.
+    /// The machine instance that the slot refers to, if its mode is [`SLOT_MACHINE`].
     #[inline]
     #[must_use]
     pub const fn machine_instance(&self) -> Option<u32> {
         if self.mode() == SLOT_MACHINE { Some(self.bound_clip >> 1) } else { None }
     }
 
-    /// A slot that loops in a phase that others share: one of a blend space. `phase` is that at
-    /// `tick`, in 2^-64 of a cycle, and `cycles_per_sec` how fast it runs, whatever the clip's own
-    /// length.
+    /// Creates a looping slot with a given phase at `tick`, in 2^-64 of a cycle, and a rate of
+    /// `cycles_per_sec` that is independent of the clip's length. The slots of a blend space share
+    /// their phase this way.
     #[must_use]
     pub fn in_phase(bound_clip: u32, tick: u64, phase: u64, cycles_per_sec: f64) -> Self {
         Self {
@@ -140,7 +139,7 @@ impl Slot {
         }
     }
 
-    /// Puts the slot into a layer. No member has one of 2^24 or above, which reads as the last
+    /// Moves the slot to a layer. Layers of 2^24 or above, which no member has, become the last one
     /// below that.
     #[must_use]
     pub fn on_layer(mut self, layer: u32) -> Self {
@@ -162,8 +161,8 @@ impl Slot {
         self.layer_and_mode & ((1 << SLOT_MODE_BITS) - 1)
     }
 
-    /// The time that a slot of [`SLOT_HELD`] stands at, on the clip's own axis; any number for
-    /// other slots.
+    /// The time at which a slot of [`SLOT_HELD`] samples its clip, in seconds on the clip's own
+    /// axis. Meaningless for other slots.
     #[inline]
     #[must_use]
     pub const fn held_secs(&self) -> f32 {
@@ -177,25 +176,26 @@ impl Slot {
         self
     }
 
-    /// Lets the weight run from `from` to `to` in `secs`, a tick at least, beginning at `tick`; at
-    /// once where `secs` is not above zero.
+    /// Changes the weight `from` one value `to` another in `secs`, at least one tick, beginning at
+    /// `tick`. The change is immediate if `secs` is not above zero.
     pub fn ramp_weight(&mut self, tick: u64, from: f32, to: f32, secs: f32) {
         let rate = ramp_rate(from, to, secs);
-        // What falls at no rate has fallen, and still tells what it weighed before.
+        // A weight that falls immediately keeps the earlier weight in `start_weight`.
         self.start_weight = if rate != 0.0 || from > to { from } else { to };
         self.end_weight = to;
         self.weight_rate = rate;
         self.weight_tick = tick;
     }
 
-    /// Whether the weight runs to `to` by a ramp that was begun with this `secs`, or is there.
+    /// Returns whether the weight is on, or at the end of, a ramp to `to` that was created with
+    /// this `secs`.
     #[must_use]
     pub fn ramps_to(&self, to: f32, secs: f32) -> bool {
         is_ramp_to([self.start_weight, self.weight_rate, self.end_weight], to, secs)
     }
 
-    /// The weight at a time of the clock, 0 before the slot begins and while it inertializes; the
-    /// twin of `slot_weight` in `kernels/slot.cl`.
+    /// The weight at a clock tick; 0 before the slot begins and for inertialization slots. Twin of
+    /// `slot_weight` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn weight_at(&self, tick: u64) -> f32 {
@@ -210,8 +210,8 @@ impl Slot {
         )
     }
 
-    /// The mean of the weight from one time of the clock, not before the slot begins, to a later
-    /// one; the twin of `slot_mean_weight` in `kernels/slot.cl`.
+    /// The mean weight between two clock ticks. `from_tick` must not be before the slot begins.
+    /// Twin of `slot_mean_weight` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn mean_weight(&self, from_tick: u64, to_tick: u64) -> f32 {
@@ -224,16 +224,16 @@ impl Slot {
         if start == end || self.is_inertialization() {
             return end;
         }
-        // Ticks before it changes, and half of those in which it does.
+        // Ticks before the ramp, and half the ticks of the ramp.
         let still = self.weight_tick.saturating_sub(from_tick) as f32;
         let per_tick = self.weight_rate * TICK_SECS;
         let half = if per_tick == 0.0 { 0.0 } else { 0.5 * ((end - start) / per_tick) };
         end + (start - end) * ((still + half) / (to_tick - from_tick) as f32)
     }
 
-    /// The time on the clip's own axis at a time of the clock that is not before the start, of a
-    /// clip whose axis begins at `start_secs`; of no meaning for live and inertialization slots.
-    /// The twin of `slot_time` in `kernels/slot.cl`.
+    /// The time on the clip's own axis at a clock tick that is not before the start, for a clip
+    /// whose axis begins at `start_secs`. Meaningless for live and inertialization slots. Twin of
+    /// `slot_time` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn time_at(&self, tick: u64, start_secs: f32, duration_secs: f32) -> f32 {
@@ -248,7 +248,7 @@ impl Slot {
             if (u128::from(elapsed) * u128::from(rate)) >> 64 != 0 {
                 return if backwards { start_secs } else { start_secs + duration_secs };
             }
-            // A whole cycle would read as none, so backwards begins one step below it.
+            // A whole cycle would wrap to none, so backward playback begins one step below it.
             phase =
                 if backwards { !elapsed.wrapping_mul(rate) } else { elapsed.wrapping_mul(rate) };
         }
@@ -256,8 +256,8 @@ impl Slot {
         start_secs + (phase >> 40) as f32 * (1.0 / 16_777_216.0) * duration_secs
     }
 
-    /// How often a looping slot passes an end of its clip from one time of the clock, not before
-    /// its start, to a later one; 0 for other slots. The twin of `slot_cycles` in
+    /// Number of times that a looping slot passes an end of its clip between two clock ticks; 0 for
+    /// other slots. `from_tick` must not be before the slot's start. Twin of `slot_cycles` in
     /// `kernels/slot.cl`.
     #[inline]
     #[must_use]
@@ -288,7 +288,7 @@ fn fraction(phase: f64) -> u32 {
     (phase.rem_euclid(1.0) * 4_294_967_296.0) as u32
 }
 
-/// The phase per tick, in 2^-64 of a cycle, two's complement, of so many cycles per second.
+/// Converts cycles per second to phase per tick, in 2^-64 of a cycle, two's complement.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -306,38 +306,37 @@ fn phase_rate(duration_secs: f32, speed: f32) -> u64 {
     }
 }
 
-/// The phase per tick with which one cycle fills in just so many ticks as its time rounds to:
-/// rounded up, so that it is full at the last of them, which for up to 2^32 ticks leaves it less
-/// than full at the one before.
+/// Returns the phase per tick that completes one cycle in exactly the number of ticks that the
+/// duration rounds to. It is rounded up, so that the cycle is full at the last tick. For up to 2^32
+/// ticks it is then not yet full at the tick before.
 fn once_rate(duration_secs: f32, speed: f32) -> u64 {
     if duration_secs <= 0.0 || speed == 0.0 {
         return 0;
     }
     let ticks = ticks_from_secs(f64::from(duration_secs) / f64::from(speed.abs()));
-    // In fewer than three ticks the rate would not fit beside its sign.
+    // With fewer than three ticks the rate would leave no bit for the sign.
     let ticks = u128::from(ticks.max(3));
     let rate = u64::try_from((1_u128 << 64).div_ceil(ticks)).unwrap_or(0);
     if speed < 0.0 { rate.wrapping_neg() } else { rate }
 }
 
-/// How a layer meets what lies beneath it.
+/// Combination of a layer with the layers below it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LayerMode {
-    /// The layer's mix replaces what lies beneath, by layer weight times mask.
+    /// The layer's mix replaces the layers below, by layer weight times mask.
     #[default]
     Override,
-    /// Each slot's difference from its clip's first row is added, by slot weight times layer weight
-    /// times mask.
+    /// Each slot's difference from the first row of its clip is added, by slot weight times layer
+    /// weight times mask.
     Additive,
 }
 
-/// A layer as a user sets it.
+/// Settings of a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerSettings {
-    /// How the layer meets what lies beneath it. Layer 0 lies over the rest pose and always
-    /// overrides.
+    /// Combination with the layers below. Layer 0 covers the rest pose and always overrides.
     pub mode: LayerMode,
-    /// From 0 to 1; not looked at in layer 0.
+    /// Weight from 0 to 1; ignored for layer 0.
     pub weight: f32,
 }
 
@@ -348,9 +347,9 @@ impl Default for LayerSettings {
 }
 
 impl Layer {
-    /// A layer for all joints, or through the mask whose weights stand at an offset of
-    /// [`Tables::masks`](crate::Tables::masks). Offsets of [`LAYER_MASK`] and above, where no mask
-    /// can be, read as the last below.
+    /// Creates a layer for all joints, or one with the mask at an offset of
+    /// [`Tables::masks`](crate::Tables::masks). Offsets of [`LAYER_MASK`] and above, which no mask
+    /// can have, become the last one below that.
     #[must_use]
     pub fn new(settings: LayerSettings, mask: Option<u32>) -> Self {
         let mode = match settings.mode {
@@ -361,15 +360,15 @@ impl Layer {
         Self { weight: settings.weight, mask_and_mode: mask | mode }
     }
 
-    /// Where in [`Tables::masks`](crate::Tables::masks) the layer's weights per joint stand; `None`
-    /// for all joints.
+    /// Offset of the layer's mask in [`Tables::masks`](crate::Tables::masks); `None` for all
+    /// joints.
     #[inline]
     #[must_use]
     pub fn mask(&self) -> Option<u32> {
         Some(self.mask_and_mode & LAYER_MASK).filter(|first| *first != LAYER_MASK)
     }
 
-    /// Whether the layer adds to what lies beneath it, rather than replacing it.
+    /// Returns whether the layer adds to the layers below instead of replacing them.
     #[inline]
     #[must_use]
     pub const fn is_additive(&self) -> bool {

@@ -1,16 +1,16 @@
-//! Bodies whose feet hang on their legs, made of those whose feet hang elsewhere.
+//! Reparenting of feet to their legs.
 
 use crate::character::{Character, CharacterSource, PaletteEntry, SkinInstance};
 use crate::humanoid::{Role, RoleMap, Side};
 use crate::{Error, JointIndex, JointSource, Skeleton, Trs, f64math};
 
-/// A transform that differs by more than this from one of translation, rotation and scale is
-/// sheared.
+/// Tolerance: a transform that differs by more than this from its decomposition into translation,
+/// rotation and scale counts as sheared.
 const SHEARED: f64 = 1e-3;
 
 impl RoleMap {
-    /// The lower legs and feet of which the foot does not hang on the leg, as in rigs whose feet
-    /// are targets for legs to reach.
+    /// The lower legs and feet of legs whose foot is not below the lower leg, as in rigs whose feet
+    /// are IK targets.
     pub fn loose_feet(
         &self,
         skeleton: &Skeleton,
@@ -22,22 +22,22 @@ impl RoleMap {
 }
 
 impl Character {
-    /// The same body with feet that hang on their legs, for rigs in which they hang elsewhere: what
-    /// moves legs, such as planting feet on the ground, then takes the feet along.
+    /// Returns the character with feet that are children of their lower legs, for rigs in which
+    /// they are not. Constraints on legs, such as foot IK, then move the feet as well.
     ///
     /// Joints keep their names and their rest in model space, but not their indices. Clips keep
-    /// their own skeleton, and play by humanoid roles. Where all feet hang on their legs this
-    /// changes nothing.
+    /// their own skeleton and are bound by humanoid roles. The character is unchanged if all feet
+    /// are below their legs already.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRole`] for roles of another skeleton, [`Error::BadRest`] for a foot that would
-    /// be sheared, and [`Error::Cycle`] for a leg that hangs on its own foot.
+    /// [`Error::BadRole`] for roles of another skeleton, [`Error::BadRest`] if the foot's rest
+    /// would be sheared, and [`Error::Cycle`] for a leg below its own foot.
     pub fn with_feet_on_legs(&self, roles: &RoleMap) -> Result<Self, Error> {
         let old = &self.skeleton;
         if roles.joint_count() != old.joint_count() {
             let (wanted, has) = (roles.joint_count(), old.joint_count());
-            let what = format!("the roles are those of {wanted} joints, but there are {has}");
+            let what = format!("the role map is for {wanted} joints, but the skeleton has {has}");
             return Err(Error::BadRole { role: "leftFoot".into(), what });
         }
         let place = |joint: JointIndex| old.source_from_joint(joint);
@@ -59,7 +59,7 @@ impl Character {
                 return Err(Error::BadRest {
                     joint,
                     name,
-                    what: "a shear, once it hangs on its leg",
+                    what: "a shear as a child of its leg; scale the leg's joints uniformly",
                 });
             }
             let (translation, scale) =

@@ -1,10 +1,13 @@
-//! Which joints of two skeletons belong together, and the pose in which they stand alike.
+//! Matching of the joints of two skeletons, and the common pose of both.
 //!
-//! Both skeletons face +Z with +Y up, as glTF says. `Gs` and `Gt` are rotations in model space of a
-//! joint of the source (the clip's own skeleton) and of the target, `0` marks the rest pose, `c`
-//! the target's common pose. A joint of the target that has a joint of the source of its role turns
-//! away from the common pose as that one turns away from its rest pose:
-//! `Gt = Gs * inverse(Gs0) * Gtc`. All other joints of the target keep their local rest.
+//! Both skeletons face +Z with +Y up, as glTF specifies. `Gs` and `Gt` are model-space rotations of
+//! a joint of the source (the clip's own skeleton) and of the target; `0` marks the rest pose, `c`
+//! the target's common pose. A target joint whose role has a source joint rotates away from the
+//! common pose as the source joint rotates away from its rest pose: `Gt = Gs * inverse(Gs0) * Gtc`.
+//! All other joints of the target keep their local rest.
+//!
+//! A joint with a role is *detached* if it is not a descendant of the joint of its parent role, as
+//! the feet of rigs whose feet are IK targets.
 
 mod chain;
 mod ground;
@@ -18,21 +21,22 @@ use crate::{JointIndex, Skeleton, f64math};
 pub(crate) use chain::{Chain, ColumnMotion, Value};
 pub(crate) use soles::Soles;
 
-/// Lengths below this part of the body's size have no direction.
+/// Lengths below this fraction of the body's size have no direction.
 const SHORT: f64 = 1e-5;
-/// The longest run of joints that hang elsewhere, each from the one before.
-const LOOSE: usize = 4;
-/// Collarbones begin within this part of the way from the middle of the shoulders to an upper arm.
+/// Longest run of detached joints that follow each other.
+const MAX_DETACHED: usize = 4;
+/// Maximum distance of a collarbone's start from the middle of the shoulders, as a fraction of the
+/// distance of the upper arm.
 const COLLARBONE: f64 = 0.6;
 
-/// A skeleton at rest and its roles.
+/// A skeleton at rest, with its roles.
 pub(crate) struct Figure<'a> {
     pub(crate) skeleton: &'a Skeleton,
     roles: &'a RoleMap,
-    /// In model space.
+    /// Rest transforms in model space.
     rest: Vec<DAffine3>,
-    /// In model space, without the scales above.
-    turn: Vec<DQuat>,
+    /// Rest rotations in model space, without the scales of ancestors.
+    rotation: Vec<DQuat>,
 }
 
 impl<'a> Figure<'a> {
@@ -40,15 +44,15 @@ impl<'a> Figure<'a> {
         let parents: Vec<_> = skeleton.joints().map(|j| skeleton.parent(j)).collect();
         let local = |j: JointIndex| f64math::quat(skeleton.rest(j).rotation).normalize();
         let rest = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
-        let turn = f64math::turns(&parents, skeleton.joints().map(local));
-        Self { skeleton, roles, rest: f64math::model_from_joints(&parents, rest), turn }
+        let rotation = f64math::model_rotations(&parents, skeleton.joints().map(local));
+        Self { skeleton, roles, rest: f64math::model_from_joints(&parents, rest), rotation }
     }
 
-    fn place(&self, joint: JointIndex) -> DVec3 {
+    fn position(&self, joint: JointIndex) -> DVec3 {
         self.rest[joint.index()].translation
     }
 
-    /// How much longer what hangs on a joint is in model space than in its own, in the mean over
+    /// Returns the ratio of lengths in model space to those in the space of a joint, averaged over
     /// all directions.
     fn scale(&self, joint: Option<JointIndex>) -> f64 {
         joint.map_or(1.0, |joint| {
@@ -56,19 +60,20 @@ impl<'a> Figure<'a> {
         })
     }
 
-    /// The joint that carries the whole body over the ground, where there is one: the hips' parent.
+    /// Returns the joint that moves the whole body over the ground, if there is one: the parent of
+    /// the hips.
     fn root(&self) -> Option<JointIndex> {
         self.skeleton.parent(self.roles.joint(Role::Hips)?)
     }
 
-    /// Whether the joint between chest and upper arm leads outwards, as collarbones do. Some rigs
-    /// have a joint in its place that turns the arm in the shoulder: what it does is part of what
-    /// the upper arm does.
+    /// Returns whether the joint between chest and upper arm leads outwards like a collarbone. Some
+    /// rigs have a joint there that rotates the arm within the shoulder; its effect belongs to that
+    /// of the upper arm.
     fn has_collarbone(&self, side: Side) -> bool {
-        let place = |role| Some(self.place(self.roles.joint(role)?));
-        let arms = [Side::Left, Side::Right].map(|side| place(Role::UpperArm(side)));
+        let position = |role| Some(self.position(self.roles.joint(role)?));
+        let arms = [Side::Left, Side::Right].map(|side| position(Role::UpperArm(side)));
         let (Some(left), Some(right), Some(shoulder)) =
-            (arms[0], arms[1], place(Role::Shoulder(side)))
+            (arms[0], arms[1], position(Role::Shoulder(side)))
         else {
             return false;
         };
@@ -76,14 +81,14 @@ impl<'a> Figure<'a> {
         shoulder.distance(middle) < COLLARBONE * arm.distance(middle)
     }
 
-    /// Joints of the back, from below.
+    /// Returns the joints of the back, lowest first.
     fn back(&self) -> Vec<JointIndex> {
         let roles = [Role::Spine, Role::Chest, Role::UpperChest];
         roles.into_iter().filter_map(|role| self.roles.joint(role)).collect()
     }
 }
 
-/// A joint of the target and what it follows.
+/// A joint of the target and the source joint that it follows.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     source: JointIndex,
@@ -91,18 +96,18 @@ struct Pair {
     role: Option<Role>,
 }
 
-/// Two figures, and the pose in which the target stands as the source does at rest.
+/// Two figures, and the common pose: the pose of the target that matches the source's rest.
 pub(crate) struct Common<'a> {
     pub(crate) source: Figure<'a>,
     pub(crate) target: Figure<'a>,
-    /// By joint of the target.
+    /// For each joint of the target.
     pairs: Vec<Option<Pair>>,
-    /// By joint of the target, in model space.
-    turn: Vec<DQuat>,
-    place: Vec<DVec3>,
-    /// How much higher than at rest the hips stand, so that feet stay on the ground.
+    /// Rotations of the common pose in model space, for each joint of the target.
+    rotation: Vec<DQuat>,
+    position: Vec<DVec3>,
+    /// Height of the hips above their rest, so that the feet stay on the ground.
     lift: f64,
-    /// The target's legs over the source's.
+    /// Leg length of the target divided by that of the source.
     scale: f64,
 }
 
@@ -113,13 +118,13 @@ impl<'a> Common<'a> {
             source,
             target,
             pairs,
-            turn: Vec::new(),
-            place: Vec::new(),
+            rotation: Vec::new(),
+            position: Vec::new(),
             lift: 0.0,
             scale: 1.0,
         };
-        common.turn = common.turns();
-        common.place = common.places();
+        common.rotation = common.rotations();
+        common.position = common.positions();
         let sides = [Side::Left, Side::Right];
         let lowest = |height: &dyn Fn(JointIndex) -> f64, of: &Figure<'_>| {
             let feet = sides.into_iter().filter_map(|side| of.roles.joint(Role::Foot(side)));
@@ -131,10 +136,10 @@ impl<'a> Common<'a> {
         };
         let (source, target) = (&common.source, &common.target);
         let (at_rest, in_common) =
-            (|j| target.place(j).y, |j: JointIndex| common.place[j.index()].y);
+            (|j| target.position(j).y, |j: JointIndex| common.position[j.index()].y);
         let ground = lowest(&in_common, target).unwrap_or(0.0);
         let lift = lowest(&at_rest, target).unwrap_or(0.0) - ground;
-        let source_height = |j| source.place(j).y;
+        let source_height = |j| source.position(j).y;
         let legs = (
             top(&in_common, target) - ground,
             top(&source_height, source) - lowest(&source_height, source).unwrap_or(0.0),
@@ -147,18 +152,18 @@ impl<'a> Common<'a> {
         common
     }
 
-    /// How long the target's legs are, in parts of the source's.
-    pub(crate) fn legs(&self) -> f32 {
+    /// Leg length of the target divided by that of the source.
+    pub(crate) fn leg_ratio(&self) -> f32 {
         f64math::to_f32([self.scale])[0]
     }
 
-    /// How far a joint of the target turns from rest to the common pose, in radians.
+    /// Angle of a target joint between rest and common pose, in radians.
     pub(crate) fn turned_rad(&self, joint: JointIndex) -> f64 {
-        self.turn[joint.index()].angle_between(self.target.turn[joint.index()])
+        self.rotation[joint.index()].angle_between(self.target.rotation[joint.index()])
     }
 
-    /// The joint of the target whose turn from rest to the common pose a joint shares before its
-    /// own is added: its parent, or what it follows where it hangs elsewhere.
+    /// Returns the target joint whose rotation from rest to the common pose is applied to `joint`
+    /// before its own: its parent, or the joint that it follows if it is detached.
     fn guide(&self, joint: JointIndex) -> Option<JointIndex> {
         self.detached(joint)
             .or_else(|| {
@@ -169,7 +174,8 @@ impl<'a> Common<'a> {
             .or_else(|| self.target.skeleton.parent(joint))
     }
 
-    /// The joint that a joint with a role should hang on and does not, where both are paired.
+    /// Returns the joint that a joint with a role should descend from but does not, if both are
+    /// paired.
     fn detached(&self, joint: JointIndex) -> Option<JointIndex> {
         let role = self.pairs[joint.index()]?.role?;
         if self.target.roles.joint(role) != Some(joint) {
@@ -181,44 +187,44 @@ impl<'a> Common<'a> {
         (!self.target.skeleton.is_below(joint, of)).then_some(of)
     }
 
-    /// Rotations of the common pose. A joint's guide comes first; should guides lead in a circle,
-    /// what is left stays at rest.
-    fn turns(&self) -> Vec<DQuat> {
+    /// Computes the rotations of the common pose. A joint's guide is processed first. If guides
+    /// form a cycle, the remaining joints stay at rest.
+    fn rotations(&self) -> Vec<DQuat> {
         let skeleton = self.target.skeleton;
         let guides: Vec<_> = skeleton.joints().map(|j| self.guide(j)).collect();
-        let mut turns: Vec<Option<DQuat>> = vec![None; guides.len()];
+        let mut rotations: Vec<Option<DQuat>> = vec![None; guides.len()];
         let mut progress = true;
         while progress {
             progress = false;
             for joint in skeleton.joints() {
-                let at_rest = self.target.turn[joint.index()];
+                let at_rest = self.target.rotation[joint.index()];
                 let from_rest = match guides[joint.index()] {
                     None => Some(DQuat::IDENTITY),
-                    Some(g) => {
-                        turns[g.index()].map(|turn| turn * self.target.turn[g.index()].inverse())
-                    }
+                    Some(g) => rotations[g.index()]
+                        .map(|rotation| rotation * self.target.rotation[g.index()].inverse()),
                 };
-                if let (None, Some(from_rest)) = (turns[joint.index()], from_rest) {
-                    turns[joint.index()] = Some(self.common_turn(joint, from_rest) * at_rest);
+                if let (None, Some(from_rest)) = (rotations[joint.index()], from_rest) {
+                    rotations[joint.index()] =
+                        Some(self.common_rotation(joint, from_rest) * at_rest);
                     progress = true;
                 }
             }
         }
-        turns
+        rotations
             .into_iter()
-            .zip(&self.target.turn)
-            .map(|(turn, rest)| turn.unwrap_or(*rest).normalize())
+            .zip(&self.target.rotation)
+            .map(|(rotation, rest)| rotation.unwrap_or(*rest).normalize())
             .collect()
     }
 
-    /// How a joint turns from rest to the common pose, where `inherited` is how its guide does.
-    fn common_turn(&self, joint: JointIndex, inherited: DQuat) -> DQuat {
+    /// Returns a joint's rotation from rest to the common pose; `inherited` is that of its guide.
+    fn common_rotation(&self, joint: JointIndex, inherited: DQuat) -> DQuat {
         let Some(Pair { source, role: Some(role) }) = self.pairs[joint.index()] else {
             return inherited;
         };
         match role {
-            // Ankles and heads differ from body to body; soles lie flat and faces look ahead in
-            // every rest pose.
+            // Ankles and heads differ between bodies, but in every rest pose soles are flat and
+            // faces look ahead.
             Role::Foot(_) | Role::Head => return DQuat::IDENTITY,
             _ if self.target.roles.joint(role) != Some(joint) => return inherited,
             _ => {}
@@ -226,8 +232,9 @@ impl<'a> Common<'a> {
         let swing = end(role).and_then(|end| {
             let (to_source, to_target) =
                 (self.source.roles.joint(end)?, self.target.roles.joint(end)?);
-            let wanted = self.source.place(to_source) - self.source.place(source);
-            let inherits = inherited * (self.target.place(to_target) - self.target.place(joint));
+            let wanted = self.source.position(to_source) - self.source.position(source);
+            let inherits =
+                inherited * (self.target.position(to_target) - self.target.position(joint));
             let long =
                 |v: DVec3, of: &Figure<'_>| v.length() > SHORT * f64::from(of.skeleton.size_m());
             let both = long(wanted, &self.source) && long(inherits, &self.target);
@@ -236,41 +243,42 @@ impl<'a> Common<'a> {
         swing.unwrap_or(DQuat::IDENTITY) * inherited
     }
 
-    /// Places of the common pose, the hips where they are at rest.
-    fn places(&self) -> Vec<DVec3> {
+    /// Computes the positions of the common pose, with the hips at their rest position.
+    fn positions(&self) -> Vec<DVec3> {
         let skeleton = self.target.skeleton;
-        let mut models: Vec<DAffine3> = Vec::with_capacity(self.turn.len());
+        let mut models: Vec<DAffine3> = Vec::with_capacity(self.rotation.len());
         for joint in skeleton.joints() {
             let trs = skeleton.rest(joint);
             let parent = skeleton.parent(joint);
-            let above = parent.map_or(DQuat::IDENTITY, |p| self.turn[p.index()]);
+            let above = parent.map_or(DQuat::IDENTITY, |p| self.rotation[p.index()]);
             let local = DAffine3::from_scale_rotation_translation(
                 f64math::vec3(trs.scale),
-                above.inverse() * self.turn[joint.index()],
+                above.inverse() * self.rotation[joint.index()],
                 f64math::vec3(trs.translation),
             );
             models.push(parent.map_or(local, |p| models[p.index()] * local));
         }
-        let stood = |joint: JointIndex| models[joint.index()].translation;
+        let unshifted = |joint: JointIndex| models[joint.index()].translation;
         let mut shifts = vec![DVec3::ZERO; models.len()];
-        // What hangs elsewhere may come before what it follows, and a hand and three joints of a
-        // finger may all do.
-        for _ in 0..=LOOSE {
+        // A detached joint may come before the joint that it follows, and a hand and three joints
+        // of a finger may all be detached.
+        for _ in 0..=MAX_DETACHED {
             for joint in skeleton.joints() {
                 let parent = skeleton.parent(joint).map_or(DVec3::ZERO, |p| shifts[p.index()]);
                 shifts[joint.index()] = self.detached(joint).map_or(parent, |of| {
-                    let turn = self.turn[of.index()] * self.target.turn[of.index()].inverse();
-                    let arm = self.target.place(joint) - self.target.place(of);
-                    stood(of) + shifts[of.index()] + turn * arm - stood(joint)
+                    let rotation =
+                        self.rotation[of.index()] * self.target.rotation[of.index()].inverse();
+                    let arm = self.target.position(joint) - self.target.position(of);
+                    unshifted(of) + shifts[of.index()] + rotation * arm - unshifted(joint)
                 });
             }
         }
-        skeleton.joints().map(|joint| stood(joint) + shifts[joint.index()]).collect()
+        skeleton.joints().map(|joint| unshifted(joint) + shifts[joint.index()]).collect()
     }
 }
 
-/// Where the limb of a role leads to. Hands and fingers keep their own shape: a palm may be cupped
-/// at rest, and pulling it straight would tear it.
+/// Returns the role at the far end of a limb. Hands and fingers keep their own shape: a palm may be
+/// cupped at rest, and straightening it would distort the mesh.
 fn end(role: Role) -> Option<Role> {
     match role {
         Role::UpperArm(side) => Some(Role::LowerArm(side)),
@@ -281,9 +289,9 @@ fn end(role: Role) -> Option<Role> {
     }
 }
 
-/// Joints of the source by joint of the target: those of one role, and roots. Backs of unlike many
-/// joints are paired from both ends: where one has a chest and the other an upper chest, on either
-/// of them hang the shoulders.
+/// Returns the source joint for each joint of the target: joints of the same role, and roots. Backs
+/// with different numbers of joints are paired from both ends, because the shoulders descend from
+/// the chest on one body and from the upper chest on another.
 fn pairs(source: &Figure<'_>, target: &Figure<'_>) -> Vec<Option<Pair>> {
     let mut pairs = vec![None; target.skeleton.joint_count()];
     for (role, joint) in target.roles.iter().chain(target.roles.followers().iter().copied()) {

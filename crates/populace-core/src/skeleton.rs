@@ -19,23 +19,24 @@ impl JointIndex {
     }
 }
 
-/// A joint as a source lists it, in any order.
+/// A joint as listed by its source, in any order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointSource {
-    /// The name that clips bind to; must be unique in a skeleton.
+    /// The joint's name, which clips bind to; must be unique in a skeleton.
     pub name: String,
     /// Index of the parent in the same list; `None` marks a root.
     pub parent: Option<usize>,
-    /// Local transform when nothing plays.
+    /// Local transform when no clip plays.
     pub rest: Trs,
 }
 
 /// A hierarchy of joints, sorted breadth first.
 ///
-/// A parent's index is below its children's, and the joints of each depth form one contiguous
-/// range, a *level* (level-order flattening: Lister & Day 2012, section 3.1, fig. 2). Several roots
-/// are fine. The order of the source, which vertex joint indices and files use, is kept as a map.
-/// Copies share the joints: every clip keeps the skeleton that it was made for.
+/// A parent's index is below those of its children, and the joints of each depth form one
+/// contiguous range, a *level* (level-order flattening: Lister & Day 2012, section 3.1, fig. 2).
+/// There may be several roots. The order of the source, which vertex joint indices and files refer
+/// to, is kept as a map. Clones share their data, so that every clip can keep the skeleton it was
+/// made for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
     parts: Arc<Parts>,
@@ -56,13 +57,13 @@ struct Parts {
 }
 
 impl Skeleton {
-    /// Sorts the joints into level order; joints of one level keep the order of their parents, then
+    /// Sorts the joints into level order. Joints of one level keep the order of their parents, then
     /// of the source. Rest rotations are normalised.
     ///
     /// # Errors
     ///
-    /// The first joint found that names a missing parent, is its own ancestor, shares its name, or
-    /// has a rest transform that is not finite or whose rotation has no length.
+    /// An error for the first joint that has a missing parent, is its own ancestor, has the name of
+    /// another joint, or has a rest transform that is not finite or whose rotation has length zero.
     pub fn new(joints: &[JointSource]) -> Result<Self, Error> {
         check(joints)?;
         let (order, levels) = level_order(joints)?;
@@ -96,9 +97,9 @@ impl Skeleton {
         Ok(Self { parts: Arc::new(parts) })
     }
 
-    /// Says how far from each joint, in level order, the vertices that it moves lie at rest, in
-    /// metres: clips are then stored so that those vertices too stay within the error bound.
-    /// Missing and bad values count as 0.
+    /// Sets the distance in metres from each joint, in level order, to the farthest vertex that it
+    /// moves, at rest. Clips are then stored so that these vertices stay within the error bound
+    /// too. Missing, negative and non-finite values count as 0.
     #[must_use]
     pub fn with_reach(mut self, reach_m: &[f32]) -> Self {
         for (reach, given) in Arc::make_mut(&mut self.parts).reach_m.iter_mut().zip(reach_m) {
@@ -107,11 +108,10 @@ impl Skeleton {
         self
     }
 
-    /// Says which points of each joint, in level order, may touch the ground
-    /// ([`sole_points`](crate::sole_points)): places at rest in model space, in metres. The feet of
-    /// clips that were made for other bodies are then kept above the ground
-    /// ([`Binding::retarget`](crate::Binding::retarget)). Points that are not finite are passed
-    /// over.
+    /// Sets the points of each joint, in level order, that may touch the ground
+    /// ([`sole_points`](crate::sole_points)): positions at rest in model space, in metres. They
+    /// keep the feet of retargeted clips above the ground
+    /// ([`Binding::retarget`](crate::Binding::retarget)). Points that are not finite are ignored.
     #[must_use]
     pub fn with_soles(mut self, soles: &[Vec<[f32; 3]>]) -> Self {
         for (own, given) in Arc::make_mut(&mut self.parts).soles.iter_mut().zip(soles) {
@@ -121,7 +121,7 @@ impl Skeleton {
         self
     }
 
-    /// How many joints there are; at least one.
+    /// Number of joints; at least one.
     #[must_use]
     pub fn joint_count(&self) -> usize {
         self.parts.names.len()
@@ -137,19 +137,19 @@ impl Skeleton {
         (0..count).map(JointIndex)
     }
 
-    /// The name of a joint.
+    /// The joint's name.
     #[must_use]
     pub fn name(&self, joint: JointIndex) -> &str {
         &self.parts.names[joint.index()]
     }
 
-    /// The joint of a name.
+    /// The joint with this name.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<JointIndex> {
         self.parts.by_name.get(name).copied()
     }
 
-    /// The joints of these names, in their order.
+    /// The joints with these names, in the same order.
     ///
     /// # Errors
     ///
@@ -172,33 +172,33 @@ impl Skeleton {
         if unknown.is_empty() { Ok(found) } else { Err(Error::UnknownJoints { joints: unknown }) }
     }
 
-    /// The parent, `None` for a root.
+    /// The parent of a joint, `None` for a root.
     #[must_use]
     pub fn parent(&self, joint: JointIndex) -> Option<JointIndex> {
         self.parts.parents[joint.index()]
     }
 
-    /// Whether a joint hangs on another, over however many between.
+    /// Returns whether `joint` is a descendant of `above`.
     #[must_use]
     pub fn is_below(&self, joint: JointIndex, above: JointIndex) -> bool {
         self.ancestors(joint).any(|ancestor| ancestor == above)
     }
 
-    /// The joints that a joint hangs on, its parent first.
+    /// The ancestors of a joint, its parent first.
     pub fn ancestors(&self, joint: JointIndex) -> impl Iterator<Item = JointIndex> + '_ {
         std::iter::successors(self.parent(joint), |&joint| self.parent(joint))
     }
 
-    /// The local transform when nothing plays.
+    /// The local transform of a joint when no clip plays.
     #[must_use]
     pub fn rest(&self, joint: JointIndex) -> &Trs {
         &self.parts.rest[joint.index()]
     }
 
-    /// The model transform of a joint when nothing plays.
+    /// The model transform of a joint when no clip plays.
     #[must_use]
     pub fn rest_model(&self, joint: JointIndex) -> Affine {
-        // From the root down, without a call for each joint: chains may be longer than a stack.
+        // Iterates from the root down instead of recursing: a chain may be too long for the stack.
         let mut chain: Vec<_> = std::iter::once(joint).chain(self.ancestors(joint)).collect();
         let root = chain.pop().map_or(Affine::IDENTITY, |root| Affine::from_trs(self.rest(root)));
         chain
@@ -207,19 +207,19 @@ impl Skeleton {
             .fold(root, |model, joint| model.mul(&Affine::from_trs(self.rest(*joint))))
     }
 
-    /// The range of joint indices of each depth, roots first.
+    /// The range of joint indices at each depth, roots first.
     #[must_use]
     pub fn levels(&self) -> &[Range<usize>] {
         &self.parts.levels
     }
 
-    /// Where in the source list a joint stood.
+    /// Index of a joint in the source list.
     #[must_use]
     pub fn source_from_joint(&self, joint: JointIndex) -> usize {
         self.parts.source_from_joint[joint.index()]
     }
 
-    /// Where a joint of the source list stands now.
+    /// Joint index of a joint of the source list.
     ///
     /// # Panics
     ///
@@ -229,22 +229,21 @@ impl Skeleton {
         self.parts.joint_from_source[source]
     }
 
-    /// How far from each joint the vertices that it moves lie at rest, in metres; 0 where that is
-    /// not known.
+    /// Distance in metres from each joint to the farthest vertex that it moves, at rest; 0 if
+    /// unknown.
     #[must_use]
     pub fn reach_m(&self) -> &[f32] {
         &self.parts.reach_m
     }
 
-    /// Points of a joint that may touch the ground, at rest in model space; none where that is not
-    /// known.
+    /// Points of a joint that may touch the ground, at rest in model space; empty if unknown.
     #[must_use]
     pub fn soles(&self, joint: JointIndex) -> &[[f32; 3]] {
         &self.parts.soles[joint.index()]
     }
 
-    /// The largest side of the box around the joints at rest, in metres; 1 where all joints
-    /// coincide. Error bounds are in proportion to it.
+    /// The largest side of the box around the joints at rest, in metres; 1 if all joints coincide.
+    /// Error bounds are proportional to it.
     #[must_use]
     pub fn size_m(&self) -> f32 {
         self.parts.size_m
@@ -252,7 +251,7 @@ impl Skeleton {
 }
 
 fn joint_index(index: usize) -> Result<JointIndex, Error> {
-    const LIMIT: usize = 1 << 28; // a binding keeps three flags beside the index
+    const LIMIT: usize = 1 << 28; // bindings store three flags beside the index
     match u32::try_from(index) {
         Ok(value) if index < LIMIT => Ok(JointIndex(value)),
         _ => Err(Error::TooLarge { what: "a skeleton", count: index + 1, limit: LIMIT }),
@@ -309,8 +308,8 @@ fn level_order(joints: &[JointSource]) -> Result<(Vec<usize>, Vec<Range<usize>>)
     if order.len() < joints.len() {
         let mut reached = vec![false; joints.len()];
         order.iter().for_each(|&index| reached[index] = true);
-        // Every joint that no root reaches leads upwards into a cycle; walk far enough to stand on
-        // it.
+        // Every unreached joint has a path of parents into a cycle. After `joints.len()` steps the
+        // walk is on the cycle.
         let mut joint = reached.iter().position(|r| !r).unwrap_or(0);
         for _ in 0..joints.len() {
             joint = joints[joint].parent.unwrap_or(joint);
@@ -330,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn two_roots_and_a_shuffled_source_are_sorted_by_level() {
+    fn roots_and_unordered_joints_are_sorted_by_level() {
         let skeleton = Skeleton::new(&[
             joint("hand", Some(3)),
             joint("hips", None),
@@ -345,14 +344,14 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_beside_a_good_tree_is_named() {
+    fn cycle_next_to_a_valid_tree_is_reported() {
         let error = Skeleton::new(&[joint("root", None), joint("a", Some(2)), joint("b", Some(1))])
             .unwrap_err();
         assert!(matches!(error, Error::Cycle { joint: 1 | 2, .. }), "{error}");
     }
 
     #[test]
-    fn bad_joints_are_refused_by_name() {
+    fn invalid_joints_are_rejected_by_name() {
         assert_eq!(Skeleton::new(&[]).unwrap_err(), Error::NoJoints);
         let far = Skeleton::new(&[joint("far", Some(7))]).unwrap_err();
         assert_eq!(
@@ -367,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_of_a_long_chain_has_a_place() {
+    fn rest_model_of_a_long_chain_does_not_overflow() {
         let up = Trs { translation: [0.0, 1.0, 0.0], ..Trs::IDENTITY };
         let link =
             |i: usize| JointSource { name: i.to_string(), parent: i.checked_sub(1), rest: up };
@@ -377,26 +376,32 @@ mod tests {
 
     proptest! {
         #[test]
-        fn level_order_holds(parents in proptest::collection::vec(0usize..1000, 1..60), keep in 0usize..60) {
-            // A random forest: joint i hangs on one of the joints before it, or is a root; then the
-            // list is rotated, so that parents come after their children in the source.
+        fn level_order_holds(
+            parents in proptest::collection::vec(0usize..1000, 1..60),
+            keep in 0usize..60,
+        ) {
+            // A random forest: joint i is a child of an earlier joint, or a root. Then the list is
+            // rotated, so that parents come after their children in the source.
             let count = parents.len();
             let turn = keep % count;
             let place = |i: usize| (i + turn) % count;
             let mut sources = vec![joint("", None); count];
             for (i, &p) in parents.iter().enumerate() {
                 let parent = p % (i + 2);
-                sources[place(i)] = joint(&format!("joint {i}"), (parent < i).then(|| place(parent)));
+                let parent = (parent < i).then(|| place(parent));
+                sources[place(i)] = joint(&format!("joint {i}"), parent);
             }
             let skeleton = Skeleton::new(&sources).unwrap();
-            prop_assert_eq!(skeleton.levels().iter().map(ExactSizeIterator::len).sum::<usize>(), count);
+            let joints: usize = skeleton.levels().iter().map(ExactSizeIterator::len).sum();
+            prop_assert_eq!(joints, count);
             for (depth, level) in skeleton.levels().iter().enumerate() {
                 for joint in level.clone().map(|j| skeleton.joints().nth(j).unwrap()) {
                     let source = skeleton.source_from_joint(joint);
                     prop_assert_eq!(skeleton.joint_from_source(source), joint);
                     prop_assert_eq!(skeleton.name(joint), &sources[source].name);
                     let parent = skeleton.parent(joint);
-                    prop_assert_eq!(parent.map(|p| skeleton.source_from_joint(p)), sources[source].parent);
+                    let parent_source = parent.map(|p| skeleton.source_from_joint(p));
+                    prop_assert_eq!(parent_source, sources[source].parent);
                     match parent {
                         Some(p) => prop_assert!(skeleton.levels()[depth - 1].contains(&p.index())),
                         None => prop_assert_eq!(depth, 0),

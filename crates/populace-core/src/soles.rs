@@ -1,4 +1,4 @@
-//! Which vertices of a mesh may touch the ground.
+//! Vertices of a mesh that may touch the ground.
 
 use std::f64::consts::PI;
 
@@ -7,20 +7,20 @@ use glam::DVec3;
 use crate::character::rest_place;
 use crate::{PaletteEntry, Part, Skeleton, f64math};
 
-/// What is higher than this part of the body at rest is no sole.
+/// Vertices higher than this fraction of the body at rest are not part of a sole.
 const LOW: f64 = 0.25;
-/// The part of a vertex's weight that makes it a joint's own.
+/// Fraction of a vertex's weights from which it belongs to a joint.
 const MOST: f32 = 0.5;
-/// Steps of the directions in which points are the farthest: from heel down over flat to toes down,
-/// and to either side.
+/// Steps of the directions in which the farthest points are searched: from heel down over flat to
+/// toes down, and to either side.
 const PITCHES: i32 = 6;
 const ROLLS: i32 = 2;
 const STEP_RAD: f64 = PI / 12.0;
 
-/// For each joint, in level order, those of its vertices that come lowest when it stands flat, on
-/// the heel, on the toes or on an edge: places at rest in model space, in metres; what
-/// [`Skeleton::with_soles`] takes. A vertex is that of the joint that has half of its weight or
-/// more; only the lowest quarter of the body counts. Indices past the end are passed over.
+/// Returns for each joint, in level order, its lowest vertices when the foot is flat, on the heel,
+/// on the toes or on an edge: positions at rest in model space, in metres. This is the input of
+/// [`Skeleton::with_soles`]. A vertex belongs to the joint with at least half of its weight. Only
+/// the lowest quarter of the body is considered. Indices out of range are ignored.
 #[must_use]
 pub fn sole_points(
     skeleton: &Skeleton,
@@ -55,11 +55,11 @@ pub fn sole_points(
         .collect()
 }
 
-/// The farthest of some points in each direction that may lead down.
+/// Returns the farthest points in each direction that may point down.
 fn lowest(points: &[DVec3]) -> Vec<[f32; 3]> {
     let mut found: Vec<[f32; 3]> = Vec::new();
     if points.is_empty() {
-        return found; // most joints of a large file have none, and directions take time
+        return found; // most joints of a large file have no points, and directions take time
     }
     for pitch in -PITCHES..=PITCHES {
         for roll in -ROLLS..=ROLLS {
@@ -79,7 +79,7 @@ mod tests {
     use crate::{Affine, Influences, JointIndex, JointSource, Mesh, Trs};
 
     #[test]
-    fn the_lowest_vertices_of_each_joint_are_found() {
+    fn lowest_vertices_of_each_joint_are_found() {
         let joint = |name: &str, parent, y| JointSource {
             name: name.into(),
             parent,
@@ -93,8 +93,8 @@ mod tests {
             PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY },
             PaletteEntry { joint: JointIndex(1), joint_from_bind },
         ];
-        // Heel, tip, the top of the foot, what is moved by less than half, by no joint, and by the
-        // shin, too high up.
+        // Heel, tip, the top of the foot, a vertex with less than half of the weight, one without a
+        // joint, and one of the shin that is too high up.
         let positions = vec![
             [0.0, 0.0, -0.1],
             [0.0, 0.0, 0.2],

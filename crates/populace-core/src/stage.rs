@@ -1,4 +1,4 @@
-//! Stages that users write: functions over one joint of one member, that run in the crowd pipeline.
+//! User stages: functions that run on single joints within the crowd pipeline.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,47 +7,48 @@ use crate::control::Place;
 use crate::layout::STAGE_PARAMETERS;
 use crate::{Affine, Error, JointIndex, TICKS_PER_SEC, Trs};
 
-/// After which stage of the pipeline a user's stage runs.
+/// The pipeline stage after which a user stage runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum After {
-    /// Once a joint's local transform is known, with local overrides in it: before constraints,
-    /// which work on what comes out.
+    /// Runs when a joint's local transform is known, including local overrides. Constraints are
+    /// applied to the result.
     Pose,
-    /// Once a joint's model transform is known, with constraints in it, and before an override in
-    /// model space. Its children are computed after that, so that they follow, on every schedule.
+    /// Runs when a joint's model transform is known, including constraints, and before an override
+    /// in model space. Its children are computed afterwards, so that they follow, on every
+    /// schedule.
     Transform,
 }
 
-/// A joint of a member, as a [`UserStage`] in Rust gets it. Its twin in OpenCL C is
+/// A joint of a member, as passed to a [`UserStage`] in Rust. The OpenCL C equivalent is
 /// [`UserStage::OPENCL_C`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageJoint {
-    /// After [`After::Pose`], to read and write: the local transform, in metres. The rotation is
-    /// brought to length 1.
+    /// With [`After::Pose`], to read and write: the local transform, in metres. Its rotation is
+    /// normalised afterwards.
     pub local: Trs,
-    /// After [`After::Transform`], to read and write: `model_from_joint`, in metres.
+    /// With [`After::Transform`], to read and write: `model_from_joint`, in metres.
     pub model: Affine,
-    /// Where the member stands in the world.
+    /// The place of the member in the world.
     pub place: Place,
-    /// The member's own, as given when it began to use the stage.
+    /// The member's own values, as given when it began to use the stage.
     pub values: [f32; 4],
-    /// The stage's; 0 past those that were set.
+    /// The stage's parameters; those that were not set are 0.
     pub parameters: [f32; STAGE_PARAMETERS as usize],
-    /// Since the crowd began, [`TICKS_PER_SEC`] a second: exact for all time; see
+    /// Ticks since the crowd began, [`TICKS_PER_SEC`] per second. Exact for all time, see
     /// [`phase`](Self::phase).
     pub ticks: u64,
-    /// Seconds since the frame before.
+    /// Seconds since the previous frame.
     pub elapsed_secs: f32,
     /// The joint, in level order.
     pub joint: JointIndex,
-    /// The number of the member: that of no other while it is there.
+    /// The number of the member, which is unique among the members of the crowd.
     pub member: u32,
 }
 
 impl StageJoint {
-    /// How much of a period of so many seconds has gone by, from 0 to 1: as exact after days as
-    /// after seconds. Periods lie between 0.0001 and 1,000,000 seconds; others give 0. In OpenCL C
-    /// `stage_phase(joint, period_secs)`.
+    /// Returns the elapsed fraction, from 0 to 1, of a repeating period in seconds. It is as exact
+    /// after days as after seconds. Periods must be between 0.0001 and 1,000,000 seconds; others
+    /// give 0. OpenCL C: `stage_phase(joint, period_secs)`.
     #[must_use]
     pub fn phase(&self, period_secs: f32) -> f32 {
         if !(1e-4..=1e6).contains(&period_secs) {
@@ -62,7 +63,7 @@ impl StageJoint {
         (self.ticks % period) as f32 / period as f32
     }
 
-    /// A direction of the world in the member's model space. In OpenCL C
+    /// Converts a direction from world space to the member's model space. OpenCL C:
     /// `stage_to_model(joint, direction)`.
     #[must_use]
     pub fn to_model(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
@@ -70,36 +71,36 @@ impl StageJoint {
         [cos * x - sin * z, y, sin * x + cos * z]
     }
 
-    /// After [`After::Transform`]: turns the joint about its own place, by a quaternion `x y z w`
-    /// of length 1 in model space. In OpenCL C `stage_turn(joint, quaternion)`.
+    /// With [`After::Transform`]: rotates the joint about its own position by a unit quaternion `x
+    /// y z w` in model space. OpenCL C: `stage_turn(joint, quaternion)`.
     pub fn turn(&mut self, rotation: [f32; 4]) {
         self.model = self.model.turned(rotation);
     }
 }
 
-/// What a [`UserStage`] in Rust does with a joint.
+/// The Rust function of a [`UserStage`].
 pub type StageFn = Arc<dyn Fn(&mut StageJoint) + Send + Sync>;
 
-/// A user's own stage: a function over one joint of one member, in OpenCL C for OpenCL devices, in
-/// Rust for the native one, or in both. A crowd runs it for the members and joints that are told to
-/// use it.
+/// A user stage: a function on one joint of one member, in OpenCL C for OpenCL devices, in Rust for
+/// the native device, or both. A crowd runs it for the members and joints that are set to use it.
 ///
-/// In OpenCL C it is a text that defines `void NAME(StageJoint *joint)` for the stage's own name,
-/// with
+/// The OpenCL C text defines `void NAME(StageJoint *joint)`, with the stage's own name for `NAME`
+/// and
 #[doc = concat!("```c\n", include_str!("stage/joint.cl"), "```")]
 /// and the functions `float stage_phase(const StageJoint *, float period_secs)`, `float4
 /// stage_to_model(const StageJoint *, float4 direction)` and
-/// `void stage_turn(StageJoint *, float4 quaternion)`, which are those of [`StageJoint`].
+/// `void stage_turn(StageJoint *, float4 quaternion)`, which do what the methods of [`StageJoint`]
+/// do.
 ///
-/// Texts of a crowd's stages are compiled as one, each distinct text once, so functions beside the
-/// stage's own need names of their own too. They are OpenCL C 1.2, compiled for a single joint on
-/// every schedule: no barriers, no work-item functions. `+ - *` are never fused, so that what both
-/// languages compute with these alone is the same to the bit.
+/// The texts of a crowd's stages are compiled together, each distinct text once, so helper
+/// functions need unique names as well. They are OpenCL C 1.2, compiled for a single joint on every
+/// schedule: no barriers and no work-item functions. `+ - *` are never fused, so that both
+/// languages compute the same bits with these operations.
 ///
-/// A stage is part of the program: a text that writes past what it is given, or never returns,
-/// harms the process as such Rust would. What comes out may be anything else: a joint with a number
-/// that is not finite, or beyond 1e9 either way, stays as it was before the stage, so that it never
-/// reaches another member.
+/// A stage is part of the program: a text that writes out of bounds or never returns harms the
+/// process, as such Rust code would. Results are checked: a joint with a value that is not finite,
+/// or beyond 1e9 in magnitude, keeps its transform from before the stage, so that it never affects
+/// another member.
 ///
 /// ```
 /// use populace_core::UserStage;
@@ -117,24 +118,25 @@ pub struct UserStage {
 }
 
 impl UserStage {
-    /// The declaration of `StageJoint` in OpenCL C, as it stands before each stage's text.
+    /// The declaration of `StageJoint` in OpenCL C, which precedes each stage's text.
     pub const OPENCL_C: &'static str = include_str!("stage/joint.cl");
 
-    /// A stage of a name, which is that of its function in OpenCL C. It needs a form yet.
+    /// Creates a stage. The name is that of its function in OpenCL C. It still needs
+    /// [`opencl_c`](Self::opencl_c), [`rust`](Self::rust) or both.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         Self { name: name.into(), opencl_c: None, rust: None }
     }
 
-    /// With a text in OpenCL C.
+    /// Sets the text in OpenCL C.
     #[must_use]
     pub fn opencl_c(mut self, text: impl Into<Arc<str>>) -> Self {
         self.opencl_c = Some(text.into());
         self
     }
 
-    /// With a function in Rust. It is called from many threads at once, and must give the same for
-    /// the same joint. A panic in it goes on to whoever updates the crowd.
+    /// Sets the function in Rust. It is called from many threads at once, and must give the same
+    /// result for the same joint. A panic in it propagates to the caller of the crowd's update.
     #[must_use]
     pub fn rust(mut self, function: impl Fn(&mut StageJoint) + Send + Sync + 'static) -> Self {
         self.rust = Some(Arc::new(function));
@@ -147,37 +149,37 @@ impl UserStage {
         &self.name
     }
 
-    /// Its text in OpenCL C, if it has one.
+    /// The text in OpenCL C, if there is one.
     #[must_use]
     pub fn opencl_c_text(&self) -> Option<&str> {
         self.opencl_c.as_deref()
     }
 
-    /// Its function in Rust, if it has one.
+    /// The function in Rust, if there is one.
     #[must_use]
     pub fn rust_function(&self) -> Option<&StageFn> {
         self.rust.as_ref()
     }
 
-    /// Whether it can be a stage at all.
+    /// Checks that the stage is complete and its name valid.
     ///
     /// # Errors
     ///
-    /// [`Error::BadStage`] for a name that no function can have in C, a text with a zero character,
-    /// or a stage without any form.
+    /// [`Error::BadStage`] if the name is not a valid C identifier, the text contains a zero
+    /// character, or the stage has neither text nor function.
     pub fn check(&self) -> Result<(), Error> {
         let Self { name, opencl_c, rust } = self;
         let bad = |what: &str| Err(Error::BadStage { stage: name.clone(), what: what.into() });
         let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
         if !starts || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
             return bad(
-                "a name is made of A to Z, a to z, 0 to 9 and _, and does not begin with a digit",
+                "a name consists of A to Z, a to z, 0 to 9 and _, and does not begin with a digit",
             );
         }
         match (opencl_c, rust) {
             (None, None) => bad("it needs a text in OpenCL C, a function in Rust, or both"),
             (Some(text), _) if text.contains('\0') => {
-                bad("its text in OpenCL C holds a zero character")
+                bad("its text in OpenCL C contains a zero character")
             }
             _ => Ok(()),
         }
@@ -191,15 +193,14 @@ impl fmt::Debug for UserStage {
     }
 }
 
-/// That a member uses a stage.
+/// A member's use of a stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageUse {
-    /// The stage's number among those of the crowd, below
-    /// [`STAGES_MOST`](crate::layout::STAGES_MOST).
+    /// The stage's number in the crowd, below [`STAGES_MOST`](crate::layout::STAGES_MOST).
     pub stage: u32,
-    /// When it runs.
+    /// The pipeline stage after which it runs.
     pub after: After,
-    /// For which joints.
+    /// The joints that it runs on.
     pub joints: Vec<JointIndex>,
     /// The member's own values.
     pub values: [f32; 4],

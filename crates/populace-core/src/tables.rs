@@ -1,4 +1,4 @@
-//! The tables that devices evaluate: templates shared by all members, and the members themselves.
+//! The tables that devices evaluate: data shared by all members, and the members themselves.
 
 mod binding;
 mod controls;
@@ -40,44 +40,44 @@ fn u32_from(index: usize) -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyIndex(pub u32);
 
-/// All that a device needs to evaluate a crowd. The host's copy is the truth; devices take over
-/// what changed.
+/// All the data that a device needs to evaluate a crowd. The host's copy is authoritative; devices
+/// copy what changed.
 #[derive(Clone, Debug)]
 pub struct Tables {
     /// Slots of each member, 1 to [`MAX_SLOTS`].
     slots_per_member: usize,
     all: TableSet,
     blocks: BlockTableSet,
-    /// The widest level of any body at each depth.
+    /// Width of the widest level of any body, by depth.
     level_widths: Vec<usize>,
     page_lists: PageLists,
-    /// The lowest first; those past the last place are no longer there.
+    /// Unused member indices, lowest first. Indices past the end of the table are stale.
     free_members: BinaryHeap<Reverse<u32>>,
     joint_space: Space,
     palette_space: Space,
     control_spaces: ControlSpaces,
-    /// Members of each phase.
+    /// Number of members in each phase.
     phase_members: [usize; PHASES_MOST as usize],
     instance_space: InstanceSpace,
 }
 
 impl Tables {
-    /// Empty tables for members of `slots_per_member` slots, held to 1 to [`MAX_SLOTS`].
+    /// Creates empty tables. `slots_per_member` is clamped to 1 to [`MAX_SLOTS`].
     #[must_use]
     pub fn new(slots_per_member: usize) -> Self {
         Self::with_capacity(slots_per_member, 0)
     }
 
-    /// As [`new`](Self::new), for a crowd that will have so many members: devices make room for
-    /// them at once, and for no more. A crowd can still grow larger, and memory that the host needs
-    /// is taken as members come.
+    /// Creates empty tables for a crowd of `members` members. Devices allocate memory for exactly
+    /// that many at once. The crowd can still grow beyond it, and the host allocates its memory
+    /// only as members are added.
     #[must_use]
     pub fn with_capacity(slots_per_member: usize, members: usize) -> Self {
         let slots_per_member = slots_per_member.clamp(1, MAX_SLOTS);
         let mut all = TableSet::new();
-        all.members.expect(members);
-        all.slots.expect(members.saturating_mul(slots_per_member));
-        all.layers.expect(members.saturating_mul(LAYERS_PER_MEMBER as usize));
+        all.members.set_expected(members);
+        all.slots.set_expected(members.saturating_mul(slots_per_member));
+        all.layers.set_expected(members.saturating_mul(LAYERS_PER_MEMBER as usize));
         all.ground.grow(1, crate::layout::Ground::default());
         all.stage_values.grow(controls::PARAMETER_ELEMENTS, Float4::default());
         Self {
@@ -95,66 +95,67 @@ impl Tables {
         }
     }
 
-    /// Slots of each member.
+    /// Number of slots per member.
     #[must_use]
     pub fn slots_per_member(&self) -> usize {
         self.slots_per_member
     }
 
-    /// Places for members, taken or free, up to the last one taken.
+    /// Length of the member table: used and unused entries, up to the last used one.
     #[must_use]
     pub fn member_places(&self) -> usize {
         self.all.members.len()
     }
 
-    /// Elements of the joint buffer up to the last in use, padding and free places included.
+    /// Elements of the joint buffer up to the last one in use, including padding and unused blocks.
     #[must_use]
     pub fn joint_places(&self) -> usize {
         self.blocks.joint_blocks.len() * JOINT_BLOCK as usize
     }
 
-    /// Palette entries over all pages, up to the last in use.
+    /// Palette entries over all pages, up to the last one in use.
     #[must_use]
     pub fn palette_places(&self) -> usize {
         self.blocks.palette_blocks.len() * PALETTE_BLOCK as usize
     }
 
-    /// The palette entries of each page: all but the last are [`PAGE_ENTRIES`] long.
+    /// Palette entries of each page. All pages but the last have [`PAGE_ENTRIES`].
     pub fn page_lengths(&self) -> impl ExactSizeIterator<Item = usize> + use<> {
         let total = self.palette_places();
         let page = PAGE_ENTRIES as usize;
         (0..total.div_ceil(page)).map(move |p| (total - p * page).min(page))
     }
 
-    /// The places of the members whose palettes stand in a page, in no order; members without
-    /// palette entries stand in none. The list shortens as members leave: what stands past its end
-    /// on a device is of no meaning.
+    /// Indices of the members with palettes in `page`, in no particular order. Members without
+    /// palette entries are in no page. The list shrinks as members leave: elements past its end on
+    /// a device are meaningless.
     ///
     /// # Panics
     ///
-    /// If there is no such page: see [`page_lengths`](Self::page_lengths).
+    /// If the page does not exist, see [`page_lengths`](Self::page_lengths).
     #[must_use]
     pub fn page_members(&self, page: usize) -> &Table<u32> {
         &self.page_lists.lists()[page]
     }
 
-    /// The widest level of any body at each depth.
+    /// Width of the widest level of any body, by depth.
     #[must_use]
     pub fn level_widths(&self) -> &[usize] {
         &self.level_widths
     }
 
-    /// Joints of the largest body, padded to whole blocks.
+    /// Joint count of the largest body, padded to whole blocks.
     #[must_use]
     pub fn padded_most(&self) -> usize {
         self.all.bodies.as_slice().iter().map(|body| body.padded_count as usize).max().unwrap_or(0)
     }
 
-    /// Whose element `first` of a buffer is, and which of that member's own elements; `None` for
-    /// palettes, what is kept or watched, and for elements that are nobody's.
+    /// Returns the member that element `first` of `buffer` belongs to, and the index of the element
+    /// among those of that member. Returns `None` for palettes, history state and watched joints,
+    /// and for elements without a member.
     #[must_use]
     pub fn place_of(&self, buffer: StageBuffer, first: usize) -> Option<(u32, usize)> {
-        let place = match buffer {
+        let member_index = match buffer {
             StageBuffer::Palette
             | StageBuffer::States
             | StageBuffer::Watched
@@ -164,20 +165,24 @@ impl Tables {
             StageBuffer::Samples => u32::try_from(first / self.slots_per_member).ok()?,
             _ => *self.joint_blocks().as_slice().get(first / JOINT_BLOCK as usize)?,
         };
-        let member =
-            self.all.members.as_slice().get(place as usize).filter(|member| member.body != NONE)?;
+        let member = self
+            .all
+            .members
+            .as_slice()
+            .get(member_index as usize)
+            .filter(|member| member.body != NONE)?;
         let own_first = match buffer {
-            StageBuffer::Samples => place as usize * self.slots_per_member,
+            StageBuffer::Samples => member_index as usize * self.slots_per_member,
             _ => member.joint_first as usize,
         };
-        Some((place, first - own_first))
+        Some((member_index, first - own_first))
     }
 
     /// Adds a body.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets, or a palette larger than a page.
+    /// [`Error::TooLarge`] if offsets exceed 32 bits or the palette is larger than a page.
     pub fn add_body(
         &mut self,
         skeleton: &Skeleton,
@@ -228,18 +233,18 @@ impl Tables {
                     4..7 => trs.translation[plane - 4],
                     _ => trs.scale[plane - 7],
                 };
-                *value = component + 0.0; // a positive zero, as in the ranges of what stands still
+                *value = component + 0.0; // zeros become positive, as in constant ranges
             }
         }
         self.all.poses.extend(planes)
     }
 
-    /// Adds a clip's rows and returns its index. A live clip gets the room that it asks for, and
-    /// stands at rest until rows come in.
+    /// Adds a clip's rows and returns its index. A live clip gets a ring of the size that it asks
+    /// for, filled with the rest pose until rows are written.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets.
+    /// [`Error::TooLarge`] if offsets exceed 32 bits.
     pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
         let row_first = self.add_rows(clip)?;
         let block_first = self.all.row_blocks.extend(clip.row_blocks().iter().copied())?;
@@ -269,11 +274,11 @@ impl Tables {
         }])
     }
 
-    /// Adds a mask and returns the offset that layers name.
+    /// Adds a mask and returns its offset in [`masks`](Self::masks), for use in layers.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 31-bit offsets.
+    /// [`Error::TooLarge`] if offsets exceed 31 bits.
     pub fn add_mask(&mut self, mask: &Mask) -> Result<u32, Error> {
         let padded = padded(mask.weights().len());
         let (count, limit) = (self.all.masks.len() + padded, LAYER_MASK as usize);
@@ -284,18 +289,18 @@ impl Tables {
         self.all.masks.extend(mask.weights().iter().copied().chain(padding))
     }
 
-    /// Adds a factor for the length of each joint of a body, in level order, and returns where they
-    /// stand.
+    /// Adds a length factor for each joint of a body, in level order, and returns their offset in
+    /// [`joint_scales`](Self::joint_scales).
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets.
+    /// [`Error::TooLarge`] if offsets exceed 32 bits.
     pub fn add_joint_scales(&mut self, factors: &[f32]) -> Result<u32, Error> {
         let padding = std::iter::repeat_n(1.0, padded(factors.len()) - factors.len());
         self.all.joint_scales.extend(factors.iter().copied().chain(padding))
     }
 
-    /// Forgets which elements changed; called once every device took them over.
+    /// Clears the record of changes. Call it after every device has copied them.
     pub fn mark_clean(&mut self) {
         self.mark_controls_clean();
         self.all.mark_clean();
@@ -303,8 +308,8 @@ impl Tables {
         self.page_lists.mark_clean();
     }
 
-    /// Shows the tables to `read` as devices last took them over. Takes time by the number of
-    /// changes since.
+    /// Calls `read` with the tables as of the last [`mark_clean`](Self::mark_clean). Takes time
+    /// proportional to the number of changes since then.
     pub fn with_taken_over<R>(&mut self, read: impl FnOnce(&Self) -> R) -> R {
         self.all.revert();
         self.blocks.revert();
@@ -314,7 +319,7 @@ impl Tables {
         result
     }
 
-    /// Marks every element as changed, for a device that knows nothing yet.
+    /// Marks every element as changed, for a device that has copied nothing yet.
     pub fn mark_dirty(&mut self) {
         self.mark_controls_dirty();
         self.all.mark_dirty();

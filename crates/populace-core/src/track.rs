@@ -1,9 +1,9 @@
-//! Motion as a file states it: keyframes per joint and property.
+//! Animation data as stored in a file: keyframes per joint and property.
 
 use crate::Error;
 use crate::Trs;
 
-/// What a track drives.
+/// The property that a track drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Property {
     /// Local translation in metres, 3 values a key.
@@ -24,7 +24,7 @@ impl Property {
         }
     }
 
-    /// The property of a local transform; the fourth component of vectors is 0.
+    /// Returns the property of a local transform; the fourth component of vectors is 0.
     pub(crate) const fn of(self, trs: &Trs) -> [f32; 4] {
         let ([tx, ty, tz], [sx, sy, sz]) = (trs.translation, trs.scale);
         match self {
@@ -35,28 +35,28 @@ impl Property {
     }
 }
 
-/// How values between two keyframes are found (glTF 2.0, appendix C).
+/// Interpolation between two keyframes (glTF 2.0, appendix C).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Straight lines; for rotations the shorter great arc at constant speed (slerp).
+    /// Linear; for rotations along the shorter great arc at constant speed (slerp).
     Linear,
-    /// The value of the key before.
+    /// The value of the previous key.
     Step,
-    /// Cubic Hermite splines. A key is three values: in-tangent, value, out-tangent; tangents are
+    /// Cubic Hermite splines. A key is three values: in-tangent, value, out-tangent. Tangents are
     /// per second.
     CubicSpline,
 }
 
-/// One property of one joint over time.
+/// Keyframes of one property of one joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Name of the joint that the track drives.
     pub joint: String,
-    /// What is driven.
+    /// The property that is driven.
     pub property: Property,
-    /// How values between keys are found.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
-    /// Seconds on the clip's own axis, strictly increasing, at least one.
+    /// Key times in seconds on the clip's own axis, strictly increasing, at least one.
     pub times: Vec<f32>,
     /// `keys x width` values, or `keys x 3 x width` (in-tangent, value, out-tangent) for cubic
     /// splines.
@@ -64,7 +64,7 @@ pub struct Track {
 }
 
 impl Track {
-    /// Values of one key: the property's width, three times that for cubic splines.
+    /// Number of values per key: the property's width, three times that for cubic splines.
     #[must_use]
     pub fn values_per_key(&self) -> usize {
         let triple = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
@@ -75,9 +75,8 @@ impl Track {
     ///
     /// # Errors
     ///
-    /// [`Error::BadTrack`] names the joint and says what is wrong: no keys, times that do not
-    /// increase, a number of values that does not fit, a value that is not finite, or a rotation of
-    /// length zero.
+    /// [`Error::BadTrack`] names the joint and the defect: no keys, times that do not increase, a
+    /// wrong number of values, a value that is not finite, or a rotation of length zero.
     pub fn check(&self) -> Result<(), Error> {
         let bad = |what: String| {
             Err(Error::BadTrack { joint: self.joint.clone(), property: self.property, what })
@@ -119,7 +118,7 @@ impl Track {
         Ok(())
     }
 
-    /// The value (not the tangents) of a key.
+    /// The value of a key, without tangents.
     #[must_use]
     pub fn value(&self, key: usize) -> &[f32] {
         let width = self.property.width();
@@ -128,7 +127,7 @@ impl Track {
         &self.values[first..first + width]
     }
 
-    /// Whether every key has the value of the first and, for splines, no tangent bends it.
+    /// Returns whether every key has the same value and, for splines, all tangents are zero.
     #[must_use]
     pub fn is_constant(&self) -> bool {
         let first = self.value(0);
@@ -147,7 +146,8 @@ impl Track {
     }
 }
 
-/// One motion as a file states it: a name and its tracks, at most one for each joint and property.
+/// An animation as stored in a file: a name and its tracks, at most one for each joint and
+/// property.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClipSource {
     /// The clip's name; may be empty.

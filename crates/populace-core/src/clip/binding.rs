@@ -1,4 +1,4 @@
-//! Clips bound to skeletons: by joint names, or by humanoid roles.
+//! Binding of clips to skeletons, by joint names or by humanoid roles.
 
 use glam::{DAffine3, DQuat};
 
@@ -12,45 +12,45 @@ use crate::layout::{MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, RowBlock};
 use crate::retarget::{Chain, ColumnMotion, Common, Figure, Soles, Value};
 use crate::{Error, JointIndex, Property, Skeleton, Trs, f64math};
 
-/// Rests of joints of one name that turn no further from each other than this, in radians, and are
-/// no further apart than this part of the bodies' size, are the same.
+/// Limits below which the rests of two joints of one name count as equal: an angle in radians, and
+/// a distance as a fraction of the larger body's size.
 const SAME_TURN_RAD: f64 = 0.01;
 const SAME_PLACE: f64 = 0.002;
-/// Poses by which hips are lifted, and the pace of feet is found: some hundred.
+/// Approximate number of poses that are examined for the height of hips and the speed of feet.
 const GROUND_POSES: usize = 128;
 
-/// A clip bound to a skeleton: which column each joint follows, and what its stored components
-/// mean.
+/// A clip bound to a skeleton: the column that each joint follows, and the range of its stored
+/// components.
 ///
-/// Joints and properties that the clip does not drive keep the rest of the skeleton bound to,
-/// whatever the clip's own skeleton says there.
+/// Joints and properties that the clip does not drive keep the rest of the bound skeleton; the rest
+/// of the clip's own skeleton has no effect on them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding {
     joint_map: Vec<u32>,
     ranges: Vec<[Range; 3]>,
-    turns: Vec<Vec<Turn>>,
+    corrections: Vec<Vec<Turn>>,
     footing: Option<Footing>,
     bound_joint_count: usize,
-    /// How far root motion takes the body, in parts of how far it takes the clip's own.
+    /// Scale of root motion: distance moved by the body per distance moved by the clip's own
+    /// skeleton.
     motion_scale: f32,
     report: BindingReport,
 }
 
-/// What a joint's pose goes through where a clip is retargeted; see
-/// [`TURN_PLANES`](crate::layout::TURN_PLANES).
+/// A retarget correction of one joint; see [`TURN_PLANES`](crate::layout::TURN_PLANES).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turn {
-    /// The clip's column and `MAP_` flags of what its rows drive.
+    /// The clip's column, and `MAP_` flags for the properties that the clip's rows drive.
     pub(crate) map: u32,
     pub(crate) rotation: Range,
-    /// The step of the rotation's w.
+    /// Step of the rotation's `w`.
     pub(crate) step_w: f32,
     pub(crate) arm: Range,
     pub(crate) after: [f32; 4],
 }
 
 impl Turn {
-    /// Changes nothing.
+    /// The correction that changes nothing.
     pub(crate) const NONE: Self = Self {
         map: 0,
         rotation: Range { offset: [0.0, 0.0, 0.0, 1.0], step: 0.0 },
@@ -59,60 +59,69 @@ impl Turn {
         after: [0.0, 0.0, 0.0, 1.0],
     };
 
-    /// Whether it adds to the translation.
+    /// Returns whether the correction changes the translation.
     pub(crate) fn has_arm(&self) -> bool {
         self.arm != Self::NONE.arm
     }
 }
 
-/// What keeps the feet of a retargeted clip above the ground: a last turn with rows of its own, as
-/// many as the clip has.
+/// The correction that keeps the feet of a retargeted clip above the ground. It comes last and has
+/// its own rows, one for each row of the clip.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Footing {
-    pub(crate) turns: Vec<Turn>,
+    pub(crate) corrections: Vec<Turn>,
     pub(crate) rows: Vec<u32>,
-    /// Words from one row to the next.
+    /// Words between rows.
     pub(crate) stride: usize,
     pub(crate) blocks: Vec<RowBlock>,
 }
 
 impl Footing {
-    /// `None` where nothing would sink.
+    /// Returns `None` if no foot needs a correction.
     fn new(clip: &Clip, soles: &Soles<'_>, joint_count: usize) -> Option<Self> {
-        // Rows of live clips are still to come.
+        // Live clips have no rows yet.
         if clip.ring.is_some() {
             return None;
         }
         let rows: Vec<Vec<DQuat>> =
-            clip.rows.poses(&clip.skeleton, 1).map(|pose| soles.turns(&pose)).collect();
-        if rows.iter().all(|row| Soles::are_none(row)) {
+            clip.rows.poses(&clip.skeleton, 1).map(|pose| soles.rotations(&pose)).collect();
+        if rows.iter().all(|row| Soles::are_negligible(row)) {
             return None;
         }
-        let mut turns = vec![Turn::NONE; joint_count];
+        let mut corrections = vec![Turn::NONE; joint_count];
         let joints = soles.joints();
         if clip.row_stride() == 0 {
-            // All rows are one.
-            for (joint, turn) in joints.iter().zip(&rows[0]) {
-                turns[joint.index()].after = f64math::to_f32(turn.to_array());
+            // The clip does not move, so that all rows are equal.
+            for (joint, correction) in joints.iter().zip(&rows[0]) {
+                corrections[joint.index()].after = f64math::to_f32(correction.to_array());
             }
-            return Some(Self { turns, rows: Vec::new(), stride: 0, blocks: Vec::new() });
+            return Some(Self { corrections, rows: Vec::new(), stride: 0, blocks: Vec::new() });
         }
-        let Storage { words, stride, blocks, ranges, .. } = Storage::of_turns(&rows);
+        let Storage { words, stride, blocks, ranges, .. } = Storage::of_rotations(&rows);
         for ((column, joint), [_, rotation, _]) in (0..).zip(joints).zip(ranges) {
             let map = column | MAP_ROTATION;
-            turns[joint.index()] = Turn { map, rotation, step_w: rotation.step, ..Turn::NONE };
+            corrections[joint.index()] =
+                Turn { map, rotation, step_w: rotation.step, ..Turn::NONE };
         }
-        Some(Self { turns, rows: words, stride, blocks })
+        Some(Self { corrections, rows: words, stride, blocks })
     }
 }
 
 impl Binding {
     fn empty(motion_scale: f32, report: BindingReport) -> Self {
-        let (joint_map, ranges, turns) = (Vec::new(), Vec::new(), Vec::new());
-        Self { joint_map, ranges, turns, footing: None, bound_joint_count: 0, motion_scale, report }
+        let (joint_map, ranges, corrections) = (Vec::new(), Vec::new(), Vec::new());
+        Self {
+            joint_map,
+            ranges,
+            corrections,
+            footing: None,
+            bound_joint_count: 0,
+            motion_scale,
+            report,
+        }
     }
 
-    /// Binds by name.
+    /// Binds a clip by joint names.
     #[must_use]
     pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
         let mut binding = Self::empty(1.0, BindingReport::by_name(clip, skeleton));
@@ -127,14 +136,14 @@ impl Binding {
         binding
     }
 
-    /// Binds in the way that suits: by name where the skeleton is that of the clip
-    /// ([`Clip::is_made_for`]); by humanoid roles where both have them; else by name, whatever the
-    /// rests.
+    /// Binds a clip by the method that suits: by name if the skeleton is the clip's own
+    /// ([`Clip::is_made_for`]), by humanoid roles if both have them, else by name regardless of
+    /// rest poses.
     ///
     /// # Errors
     ///
-    /// [`Error::CannotBind`] where names alone bind less than [`BindingReport::LEAST_SHARE`] of the
-    /// joints that the clip moves.
+    /// [`Error::CannotBind`] if a binding by name only covers less than
+    /// [`BindingReport::LEAST_SHARE`] of the joints that the clip moves.
     pub fn fitting(
         clip: &Clip,
         clip_roles: Option<&RoleMap>,
@@ -146,12 +155,12 @@ impl Binding {
         Ok(binding)
     }
 
-    /// As [`fitting`](Self::fitting), of a clip of which no more than a part is wanted, such as
-    /// through a mask: names alone may bind any share of its joints.
+    /// Like [`fitting`](Self::fitting), but for clips of which only a part is needed, for example
+    /// through a mask: a binding by name only may cover any share of the joints.
     ///
     /// # Errors
     ///
-    /// [`Error::CannotBind`] where the clip drives something, but nothing of this skeleton.
+    /// [`Error::CannotBind`] if the clip drives joints, but none of this skeleton.
     pub fn partial(
         clip: &Clip,
         clip_roles: Option<&RoleMap>,
@@ -172,11 +181,12 @@ impl Binding {
             None => Ok(by_name),
             Some(first) => {
                 let first = clip.skeleton.name(first);
-                let has = |roles: Option<&RoleMap>| if roles.is_some() { "has" } else { "has not" };
+                let has =
+                    |roles: Option<&RoleMap>| if roles.is_some() { "has" } else { "does not have" };
                 let what = format!(
-                    "none of its joints has the name of one that the clip drives, such as \
-                     \"{first}\", and humanoid roles, which this skeleton {} and the clip's own \
-                     {}, are needed on both; RoleMap::from_names gives them",
+                    "no joint of the skeleton has the name of a joint that the clip drives, such \
+                     as \"{first}\"; humanoid roles are needed on both skeletons, but this \
+                     skeleton {} them and the clip's own {}; give roles with RoleMap::from_names",
                     has(roles),
                     has(clip_roles)
                 );
@@ -185,26 +195,28 @@ impl Binding {
         }
     }
 
-    /// Binds by humanoid roles: the skeleton's limbs point where those of the clip's own skeleton
-    /// do, and the body keeps its own proportions. Both skeletons face +Z with +Y up.
+    /// Binds a clip by humanoid roles: the skeleton's limbs point in the directions of the limbs of
+    /// the clip's own skeleton, and the body keeps its own proportions. Both skeletons must face +Z
+    /// with +Y up.
     ///
-    /// The skeleton is first brought to a common pose, its own rest with arms and legs turned to
-    /// where the clip's own skeleton has them at rest; heads, feet, backs and the shape of hands
-    /// stay. Then each joint with a role turns away from that pose as its partner turns away from
-    /// rest, whatever joints lie between on either side; other joints keep their local rest.
-    /// Translations move the root and the hips alone, scaled by how high the hips stand above the
-    /// feet on either body, and hips stand so high in the common pose that feet do on the ground.
-    /// Feet and fingers that do not hang on their limbs follow these.
+    /// The skeleton is first brought to a common pose: its own rest, with arms and legs rotated to
+    /// the directions they have at rest in the clip's own skeleton. Head, feet, back and the shape
+    /// of the hands stay as they are. Then each joint with a role rotates away from that pose as
+    /// its partner rotates away from rest, regardless of the joints in between on either side.
+    /// Other joints keep their local rest. Translations move only the root and the hips. They are
+    /// scaled by the ratio of the heights of the hips above the feet, and the hips of the common
+    /// pose are raised so that the feet are on the ground. Feet and fingers that do not descend
+    /// from their limbs follow them.
     ///
-    /// Where the skeleton knows its soles ([`Skeleton::with_soles`]), feet, and then toes, roll
-    /// about their own left-right axes by as little as keeps the mesh out of the ground, row by
-    /// row; those of the clip's own body may be in it by more than a few hundredths of its size,
-    /// and the others then are too.
+    /// If the soles of the skeleton are known ([`Skeleton::with_soles`]), feet, then toes, roll
+    /// about their own left-right axes by the smallest angle that keeps the mesh above the ground,
+    /// row by row. If the feet of the clip's own body are in the ground by more than a few
+    /// hundredths of its size, those of the skeleton may be as well.
     ///
     /// # Errors
     ///
-    /// [`Error::CannotBind`] where a map is not that of its skeleton, or the clip moves no joint
-    /// that both have.
+    /// [`Error::CannotBind`] if a map belongs to another skeleton, or the clip drives no joint with
+    /// a role that both have.
     pub fn retarget(
         clip: &Clip,
         clip_roles: &RoleMap,
@@ -216,7 +228,7 @@ impl Binding {
             if map.joint_count() != own.joint_count() {
                 let (wanted, has) = (map.joint_count(), own.joint_count());
                 return refused(format!(
-                    "its roles are those of {wanted} joints, but there are {has}"
+                    "its role map is for {wanted} joints, but the skeleton has {has}"
                 ));
             }
         }
@@ -232,13 +244,16 @@ impl Binding {
         let every = clip.rows.times.len().div_ceil(GROUND_POSES).max(1);
         let poses: Vec<_> = clip.rows.poses(&clip.skeleton, every).collect();
         common.keep_above_ground(&poses);
-        let heels = Soles::new(&common).map_or(0.0, |soles| soles.heels(&poses));
+        let heels = Soles::new(&common).map_or(0.0, |soles| soles.heel_lift(&poses));
         common.lift_by(heels);
         let soles = Soles::new(&common);
         let by_feet =
             clip.motion.as_ref().is_some_and(|motion| *motion.origin() == MotionOrigin::Feet);
-        let motion_scale =
-            if by_feet { common.pace(&poses, soles.as_ref()) } else { common.legs() };
+        let motion_scale = if by_feet {
+            common.ground_speed_ratio(&poses, soles.as_ref())
+        } else {
+            common.leg_ratio()
+        };
         let footing = soles.and_then(|soles| Footing::new(clip, &soles, skeleton.joint_count()));
         let report = BindingReport::by_roles(clip, skeleton, &common);
         let mut binding = Self { bound_joint_count, footing, ..Self::empty(motion_scale, report) };
@@ -249,7 +264,7 @@ impl Binding {
         Ok(binding)
     }
 
-    /// Adds a joint that goes through a chain, or stays at rest.
+    /// Adds a joint with its chain of corrections, or one at rest.
     fn push(&mut self, clip: &Clip, rest: &Trs, chain: Option<Chain>) {
         let joint = self.joint_map.len();
         let (mut at_rest, mut links) = (*rest, Vec::new());
@@ -262,72 +277,74 @@ impl Binding {
         let (map, ranges) = clip.rows.bind(None, &at_rest);
         self.joint_map.push(map);
         self.ranges.push(ranges);
-        for turn in &mut self.turns {
-            turn.push(Turn::NONE);
+        for correction in &mut self.corrections {
+            correction.push(Turn::NONE);
         }
         for (at, link) in links.iter().enumerate() {
-            if self.turns.len() <= at {
-                self.turns.push(vec![Turn::NONE; joint + 1]);
+            if self.corrections.len() <= at {
+                self.corrections.push(vec![Turn::NONE; joint + 1]);
             }
-            let mut turn = Turn { map: link.column.0, ..Turn::NONE };
-            turn.after = f64math::to_f32(link.after.normalize().to_array());
+            let mut correction = Turn { map: link.column.0, ..Turn::NONE };
+            correction.after = f64math::to_f32(link.after.normalize().to_array());
             let [translation, rotation, _] = clip.rows.storage.ranges[link.column.index()];
-            if link.turns {
+            if link.rotates {
                 let [x, y, z, w] = rotation.offset;
                 let sign = if link.undone { -1.0 } else { 1.0 };
                 let offset = [sign * x, sign * y, sign * z, w];
-                turn.rotation = Range { offset, step: sign * rotation.step };
-                turn.step_w = rotation.step;
-                turn.map |= MAP_ROTATION;
+                correction.rotation = Range { offset, step: sign * rotation.step };
+                correction.step_w = rotation.step;
+                correction.map |= MAP_ROTATION;
             }
             let mut arm = link.arm;
             if link.arm_scale != 0.0 {
                 let [x, y, z, _] = translation.offset;
                 arm += link.arm_scale * f64math::vec3([x, y, z]);
-                [turn.arm.step] = f64math::to_f32([link.arm_scale * f64::from(translation.step)]);
-                turn.map |= MAP_TRANSLATION;
+                [correction.arm.step] =
+                    f64math::to_f32([link.arm_scale * f64::from(translation.step)]);
+                correction.map |= MAP_TRANSLATION;
             }
             let [x, y, z] = f64math::to_f32(arm.to_array());
-            turn.arm.offset = [x, y, z, 0.0];
-            self.turns[at][joint] = turn;
+            correction.arm.offset = [x, y, z, 0.0];
+            self.corrections[at][joint] = correction;
         }
     }
 
-    /// For each joint, in level order, the clip's column and `MAP_` flags of what its rows drive.
+    /// For each joint, in level order, the clip's column, and `MAP_` flags for the properties that
+    /// the clip's rows drive.
     #[must_use]
     pub fn joint_map(&self) -> &[u32] {
         &self.joint_map
     }
 
-    /// For each joint and [`Property`] what its stored components mean.
+    /// The range of each joint and [`Property`].
     pub(crate) fn ranges(&self) -> &[[Range; 3]] {
         &self.ranges
     }
 
-    /// What poses go through one after the other, of all joints each; empty where the clip is bound
-    /// by name.
-    pub(crate) fn turns(&self) -> &[Vec<Turn>] {
-        &self.turns
+    /// The corrections that poses go through one after the other, each with one element per joint;
+    /// empty if the clip is bound by name.
+    pub(crate) fn corrections(&self) -> &[Vec<Turn>] {
+        &self.corrections
     }
 
-    /// The turn after those.
+    /// The foot correction, which comes after those.
     pub(crate) fn footing(&self) -> Option<&Footing> {
         self.footing.as_ref()
     }
 
-    /// How far root motion takes the body, in parts of how far it takes that of the clip.
+    /// Scale of root motion: distance moved by the body per distance moved by the clip's skeleton.
     #[must_use]
     pub fn motion_scale(&self) -> f32 {
         self.motion_scale
     }
 
-    /// How well the clip fits the skeleton.
+    /// Report on how well the clip fits the skeleton.
     #[must_use]
     pub fn report(&self) -> &BindingReport {
         &self.report
     }
 
-    /// Joints that the clip drives, moving or not.
+    /// Number of joints that the clip drives, moving or not.
     #[must_use]
     pub fn bound_joint_count(&self) -> usize {
         self.bound_joint_count
@@ -335,8 +352,8 @@ impl Binding {
 }
 
 impl Clip {
-    /// Whether a skeleton has the names of what the clip drives, most of them at least, and the
-    /// same rest there: as a file has that shares a skeleton with the clip's own.
+    /// Returns whether the skeleton can be that of the clip: it has at least half of the joint
+    /// names that the clip drives, with the same rests.
     #[must_use]
     pub fn is_made_for(&self, skeleton: &Skeleton) -> bool {
         let (size, own_size) = (f64::from(skeleton.size_m()), f64::from(self.skeleton.size_m()));
@@ -359,12 +376,12 @@ impl Clip {
 }
 
 impl Rows {
-    /// Whether any track drives a column.
+    /// Returns whether any track drives a column.
     pub(super) fn drives(&self, column: u32) -> bool {
         self.driven[column as usize].iter().any(|driven| *driven)
     }
 
-    /// One row of so many, as local transforms of all joints.
+    /// Returns the poses of every `every`th row, as local transforms of all joints.
     fn poses<'a>(
         &'a self,
         skeleton: &'a Skeleton,
@@ -376,7 +393,7 @@ impl Rows {
         (0..self.times.len()).step_by(every).map(pose)
     }
 
-    /// What moves a column.
+    /// Returns what the clip does to a column: constant values or motion.
     fn motion(&self, column: JointIndex) -> ColumnMotion {
         let [translation, rotation, _] = self.storage.ranges[column.index()];
         let [x, y, z, _] = translation.offset;
@@ -391,7 +408,7 @@ impl Rows {
         }
     }
 
-    /// The joint map and ranges of a joint at rest `rest` that follows `column`.
+    /// Returns the joint map and the ranges of a joint with rest `rest` that follows `column`.
     fn bind(&self, column: Option<u32>, rest: &Trs) -> (u32, [Range; 3]) {
         let mut map = column.unwrap_or(0);
         let ranges = [Property::Translation, Property::Rotation, Property::Scale].map(|property| {

@@ -4,7 +4,7 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use crate::{ClipSource, Error, Interpolation, JointIndex, Property, Skeleton, Track, f64math};
 
-/// Which of two values counts at a key where a STEP track jumps.
+/// The value to take at a key where a STEP track jumps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Side {
     Before,
@@ -25,7 +25,7 @@ impl Local {
     }
 }
 
-/// The tracks of a clip by joint of its own skeleton.
+/// The tracks of a clip, by joint of its own skeleton.
 pub(super) struct Curves<'a> {
     tracks: Vec<[Option<&'a Track>; 3]>,
     rest: Vec<Local>,
@@ -65,8 +65,8 @@ impl<'a> Curves<'a> {
         self.tracks.iter().flatten().flatten().copied()
     }
 
-    /// A joint's local transform at a time of the clip's axis; before the first key the first value
-    /// holds, after the last the last.
+    /// Returns a joint's local transform at a time on the clip's axis. Before the first key the
+    /// first value holds, after the last key the last.
     pub(super) fn local(&self, joint: JointIndex, secs: f64, side: Side) -> Local {
         let mut local = self.rest[joint.index()];
         let sampled = |property| self.track(joint, property).map(|track| sample(track, secs, side));
@@ -83,10 +83,10 @@ impl<'a> Curves<'a> {
     }
 }
 
-/// The value of a track (glTF 2.0, appendix C); the fourth component of vectors is 0.
+/// Samples a track (glTF 2.0, appendix C). The fourth component of vectors is 0.
 fn sample(track: &Track, secs: f64, side: Side) -> [f64; 4] {
     let times = &track.times;
-    // The number of keys at or before `secs` (before it, on the side before).
+    // The number of keys at or before `secs` (only before it for `Side::Before`).
     let passed = match side {
         Side::After => times.partition_point(|t| f64::from(*t) <= secs),
         Side::Before => times.partition_point(|t| f64::from(*t) < secs),

@@ -1,44 +1,44 @@
-//! How well a clip fits a skeleton that it is bound to.
+//! Reports of how well a clip fits the skeleton that it is bound to.
 
 use super::Clip;
 use crate::retarget::Common;
 use crate::{Error, JointIndex, Skeleton, f64math};
 
-/// How a clip's joints were brought together with those of a skeleton.
+/// Method of matching a clip's joints with those of a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BindingMethod {
-    /// By name, and the skeleton rests as the clip's own does ([`Clip::is_made_for`]).
+    /// By name; the skeleton has the same rest pose as the clip's own ([`Clip::is_made_for`]).
     SameRest,
-    /// By humanoid roles, which bring both bodies to a common pose.
+    /// By humanoid roles, through a common pose of both bodies.
     Roles,
-    /// By name alone, whatever the rest poses.
+    /// By name only, regardless of rest poses.
     Names,
 }
 
-/// How well a clip fits a skeleton.
+/// Report on the fit of a clip to a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BindingReport {
-    /// How its joints were found.
+    /// Method by which joints were matched.
     pub way: BindingMethod,
-    /// Joints that the clip moves; of one that moves none, those that it sets.
+    /// Number of joints that the clip moves; for a clip that moves none, those that it sets.
     pub moving_joints: usize,
-    /// Those of them that move the skeleton.
+    /// Number of these joints that affect the skeleton.
     pub bound_joints: usize,
-    /// How far the rest poses are turned from each other in radians, in the mean over bound joints:
-    /// by names, local rotations; by roles, what brings the body from its rest to the common pose.
+    /// Mean angle between the rest poses over bound joints, in radians. By names: between local
+    /// rotations. By roles: between the body's rest and the common pose.
     pub rest_turn_rad: f32,
-    /// How far local translations at rest differ, in parts of the larger body's size and in the
-    /// mean over bound joints; 0 by roles, which keep the body's own.
+    /// Mean difference of local translations at rest over bound joints, as a fraction of the larger
+    /// body's size. 0 by roles, which keep the body's own translations.
     pub rest_shift: f32,
 }
 
 impl BindingReport {
-    /// The least share of a clip's moving joints that names alone must bind, unless a part of the
-    /// clip is asked for.
+    /// Minimum share of a clip's moving joints that must be bound by name only, unless a partial
+    /// binding is asked for.
     pub const LEAST_SHARE: f32 = 0.3;
 
-    /// The share of the clip's moving joints that move the skeleton, 0 to 1; 1 for a clip that sets
-    /// nothing.
+    /// Share of the clip's moving joints that affect the skeleton, 0 to 1; 1 for a clip without
+    /// joints.
     #[must_use]
     pub fn share(&self) -> f32 {
         if self.moving_joints == 0 {
@@ -48,19 +48,19 @@ impl BindingReport {
         }
     }
 
-    /// Refuses a clip of which names alone bind too little.
+    /// Checks that a binding by name only covers enough of the clip.
     ///
     /// # Errors
     ///
-    /// [`Error::CannotBind`] below [`LEAST_SHARE`](Self::LEAST_SHARE).
+    /// [`Error::CannotBind`] if the share is below [`LEAST_SHARE`](Self::LEAST_SHARE).
     pub fn check(&self, clip: &str) -> Result<(), Error> {
         if self.way != BindingMethod::Names || self.share() >= Self::LEAST_SHARE {
             return Ok(());
         }
         let what = format!(
-            "it has the names of {} of the {} joints that the clip moves, less than {:.0} %, and \
-             not both have humanoid roles. RoleMap::from_names gives roles; Play::partial plays \
-             such a clip as it is",
+            "only {} of the {} joints that the clip moves are found by name, less than {:.0} %, \
+             and humanoid roles are not known for both skeletons; give roles with \
+             RoleMap::from_names, or play the clip as it is with Play::partial",
             self.bound_joints,
             self.moving_joints,
             100.0 * Self::LEAST_SHARE
@@ -95,7 +95,7 @@ impl BindingReport {
     pub(super) fn by_roles(clip: &Clip, skeleton: &Skeleton, common: &Common<'_>) -> Self {
         let partners: Vec<_> =
             skeleton.joints().filter_map(|joint| common.partner(joint)).collect();
-        // What lies above a partner turns it too.
+        // Joints above a partner turn it as well.
         let leads = |joint: &JointIndex| {
             partners
                 .iter()
@@ -115,7 +115,8 @@ impl BindingReport {
     }
 }
 
-/// Joints of its own skeleton that a clip moves, or those that it sets where it moves none.
+/// Returns the joints of its own skeleton that a clip moves, or those that it sets if it moves
+/// none.
 fn moving(clip: &Clip) -> Vec<JointIndex> {
     let driven = || clip.skeleton.joints().filter(|joint| clip.rows.drives(joint.0));
     let moves = |joint: &JointIndex| {

@@ -1,5 +1,5 @@
-//! The gap between two rows: how far rows stray from the curves there, and the rows it takes to
-//! mend that.
+//! The gap between two rows: the deviation of interpolated rows from the curves, and subdivision
+//! into more rows.
 
 use glam::{DAffine3, DQuat};
 
@@ -8,10 +8,11 @@ use super::parents;
 use super::rows::{PROPERTIES, Row};
 use crate::{Interpolation, JointIndex, Property, Skeleton, f64math};
 
-/// Parts of a gap between rows, at whose ends the error is measured.
+/// Number of intervals of a gap at whose ends the error is measured.
 const MEASURED: u32 = 8;
 
-/// For each joint how far from it, at rest, a probe of the joint or of one that hangs on it can be.
+/// Returns for each joint the maximum distance at rest to a probe of the joint or of its
+/// descendants.
 pub(super) fn reaches(skeleton: &Skeleton, probes: &[f64]) -> Vec<f64> {
     let parents = parents(skeleton);
     let locals = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
@@ -26,7 +27,7 @@ pub(super) fn reaches(skeleton: &Skeleton, probes: &[f64]) -> Vec<f64> {
     reach
 }
 
-/// Distances in model space at rest as each joint's own units count them.
+/// Converts distances in model space at rest to each joint's own units.
 pub(super) fn in_joint_units(skeleton: &Skeleton, distances: &[f64]) -> Vec<f64> {
     let locals = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
     let models = f64math::model_from_joints(&parents(skeleton), locals);
@@ -36,29 +37,30 @@ pub(super) fn in_joint_units(skeleton: &Skeleton, distances: &[f64]) -> Vec<f64>
     models.iter().zip(distances).map(|(model, distance)| distance / unit(model).max(1e-6)).collect()
 }
 
-/// What is needed to judge and fill the gap between two rows.
+/// Context for measuring and filling the gap between two rows.
 pub(super) struct Gap<'a> {
     pub(super) curves: &'a Curves<'a>,
     pub(super) skeleton: &'a Skeleton,
     pub(super) probes: &'a [f64],
     pub(super) reach: &'a [f64],
     pub(super) allowed: f64,
-    /// The most rows that the clip may have.
+    /// Maximum number of rows of the clip.
     pub(super) most: usize,
 }
 
 impl Gap<'_> {
-    /// Pushes `from` and the rows that are needed between it and `to`, which is left out; returns
-    /// the bound that holds.
+    /// Pushes `from` and the rows that are needed between it and `to`, but not `to`. Returns the
+    /// error bound that is kept.
     pub(super) fn fill(&self, from: Row, to: &Row, halvings: u32, rows: &mut Vec<Row>) -> f64 {
         let middle = from.secs + (to.secs - from.secs) / 2.0;
         let can_divide =
             halvings > 0 && rows.len() < self.most && middle > from.secs && middle < to.secs;
-        // Where the gap can be divided, that it must be is enough to know.
+        // If the gap can be divided, it is enough to know that the error is too large.
         let enough = if can_divide { self.allowed } else { f64::INFINITY };
         let mut bound = self.error_bound(&from, to, enough);
         if bound > self.allowed && from.secs < to.secs {
-            bound = bound.min(self.measured_error(&from, to, enough)); // the bound is cheap and often far too high
+            // The bound is cheap, but often far too high.
+            bound = bound.min(self.measured_error(&from, to, enough));
         }
         if bound <= self.allowed || !can_divide {
             rows.push(from);
@@ -69,9 +71,9 @@ impl Gap<'_> {
         first.max(self.fill(middle, to, halvings - 1, rows))
     }
 
-    /// An upper bound on how far a probe strays between two rows: each joint's own deviation moves
-    /// what hangs on it by at most its angle times reach, and deviations add up along the chain.
-    /// Infinite once it is more than `enough`.
+    /// Returns an upper bound of the deviation of any probe between two rows. Each joint's own
+    /// deviation moves its descendants by at most its angle times reach, and deviations add up
+    /// along the chain. Infinite as soon as it exceeds `enough`.
     fn error_bound(&self, from: &Row, to: &Row, enough: f64) -> f64 {
         let mut totals = Vec::with_capacity(self.reach.len());
         let mut worst: f64 = 0.0;
@@ -87,8 +89,8 @@ impl Gap<'_> {
         worst
     }
 
-    /// The error at places between two rows, with a tenth more for what lies between those places.
-    /// Of a place alone where that is more than `enough`.
+    /// Returns the error at sampled times between two rows, plus a tenth for the times in between.
+    /// Stops at the first time at which the error exceeds `enough`.
     fn measured_error(&self, from: &Row, to: &Row, enough: f64) -> f64 {
         let parents = parents(self.skeleton);
         let mut worst: f64 = 0.0;
@@ -124,8 +126,8 @@ impl Gap<'_> {
         0.0
     }
 
-    /// A spline minus a straight line is a cubic that is 0 at both ends; its largest value is at
-    /// most 1.1 times the largest of seven evenly spaced ones.
+    /// A spline minus a straight line is a cubic that is 0 at both ends. Its maximum is at most 1.1
+    /// times the largest of seven evenly spaced samples.
     fn sampled_deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
         let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
         let reach = self.reach[joint.index()];
@@ -142,7 +144,7 @@ impl Gap<'_> {
     }
 }
 
-/// Two rows as devices interpolate between them.
+/// Interpolates between two rows as devices do.
 fn between(a: &Local, b: &Local, u: f64) -> Local {
     let near = if a.rotation.dot(b.rotation) < 0.0 { -b.rotation } else { b.rotation };
     Local {
@@ -152,9 +154,9 @@ fn between(a: &Local, b: &Local, u: f64) -> Local {
     }
 }
 
-/// The largest angle between slerp and normalised linear interpolation of two rotations: at 0.2113
-/// of the way (1/2 - 1/sqrt(12), where their series first differ most), with 2% for larger angles,
-/// where the place moves.
+/// Returns the largest angle between slerp and normalised linear interpolation of two rotations. It
+/// is taken at 0.2113 of the way (1/2 - 1/sqrt(12), where their series first differ most), with 2%
+/// added because the location shifts for larger angles.
 fn nlerp_error_rad(a: DQuat, b: DQuat) -> f64 {
     let half_angle = a.dot(b).abs().min(1.0).acos();
     let u = 0.211_324_865;
@@ -162,9 +164,9 @@ fn nlerp_error_rad(a: DQuat, b: DQuat) -> f64 {
     1.02 * 2.0 * (u * half_angle - nlerp).abs()
 }
 
-/// At most how far apart two transforms take any point at the probe's distance, in the joint's own
-/// units: of three axes at right angles one shows at least sqrt(2/3) of the worst that a turn can
-/// do.
+/// Returns an upper bound of how far apart two transforms take any point at the probe's distance,
+/// in the joint's own units. Of three orthogonal axes, at least one shows sqrt(2/3) of the worst
+/// effect of a rotation.
 pub(super) fn distance_at_probes(a: &DAffine3, b: &DAffine3, probe: f64) -> f64 {
     let (m, n) = (&a.matrix3, &b.matrix3);
     let turn = m

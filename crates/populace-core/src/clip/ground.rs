@@ -1,4 +1,4 @@
-//! How feet meet the ground: when they come down, and the speed of a clip that walks in place.
+//! Ground contact of feet: touch-downs, and the walking speed of a clip that walks in place.
 
 use std::sync::Arc;
 
@@ -8,30 +8,30 @@ use super::parents;
 use super::rows::Rows;
 use crate::{JointIndex, Skeleton, f64math};
 
-/// A foot counts as planted while it is this part of the body's size above its lowest place, or
-/// less.
+/// Height above its lowest position, as a fraction of the body's size, up to which a foot counts as
+/// planted.
 const PLANTED: f64 = 0.02;
 
-/// A foot that was planted counts as lifted once it is this many times as high.
+/// Multiple of that height from which a planted foot counts as lifted.
 const LIFTED: f64 = 2.0;
 
-/// A foot that comes down.
+/// A foot touching the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Footstep {
-    /// The joint that touches the ground, by its name in the clip's own skeleton.
+    /// Name of the joint that touches the ground, in the clip's own skeleton.
     pub joint: Arc<str>,
-    /// When, on the clip's own axis.
+    /// Time on the clip's own axis, in seconds.
     pub secs: f32,
 }
 
-/// How feet meet the ground.
+/// Ground contacts of all feet.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Contacts {
-    /// The mean backward speed of the planted foot in metres per second: the speed at which the
-    /// ground must pass for the feet not to slide. `None` where no foot is known by its name or
-    /// nothing is ever planted.
+    /// Mean backward speed of the planted foot in metres per second: the speed at which the ground
+    /// must move so that feet do not slide. `None` if no joint has a known foot name or no foot is
+    /// ever planted.
     pub(super) speed: Option<f32>,
-    /// In order of time.
+    /// In ascending order of time.
     pub(super) footsteps: Vec<Footstep>,
 }
 
@@ -66,8 +66,9 @@ impl Contacts {
     }
 }
 
-/// When something comes down to 1 after it was at [`LIFTED`]: between two rows in a straight line,
-/// and at the first row where the last one leaves it lifted.
+/// Returns the times at which a height falls to 1 after it was above [`LIFTED`]. Times are
+/// interpolated linearly between rows. A foot that ends lifted and starts planted touches down at
+/// the first row.
 fn touch_downs(times: &[f32], above: &[f64]) -> Vec<f32> {
     let (mut lifted, mut found) = (above[0] > 1.0, Vec::new());
     for row in 1..times.len() {
@@ -106,8 +107,8 @@ fn ground_speed(
     (time > 0.0).then(|| f64math::to_f32([distance / time])[0])
 }
 
-/// The joints that touch the ground, by name: toes, else feet, else ankles; helpers of a rig left
-/// out.
+/// Returns the joints that touch the ground, by name: toes, else feet, else ankles, without the
+/// helper joints of rigs.
 fn feet(skeleton: &Skeleton) -> Vec<JointIndex> {
     let named = |word: &str| -> Vec<JointIndex> {
         let is_foot = |name: &str| {

@@ -1,4 +1,4 @@
-//! Clips whose rows come in while they play.
+//! Live clips, which receive their rows while they play.
 
 use super::ground::Contacts;
 use super::rows::{PROPERTIES, Rows};
@@ -6,40 +6,41 @@ use super::storage::Storage;
 use super::{Clip, ClipSource};
 use crate::{Error, Property, Skeleton, TICKS_PER_SEC, Trs};
 
-/// Rows per second that a live clip can have.
+/// Allowed rows per second of a live clip.
 const ROWS_PER_SEC: std::ops::RangeInclusive<f32> = 1.0..=1000.0;
-/// The most rows that one can keep: an hour at 1000 rows per second.
+/// Maximum number of rows kept: an hour at 1000 rows per second.
 const ROWS_MOST: f32 = 3.6e6;
 
-/// What of the joints of a live clip comes in beside their rotations, which all do.
+/// Selects joints of which a live clip receives translations or scales. Rotations of all joints are
+/// received.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Streamed {
-    /// Nothing: they stay at rest, and what poses say is not looked at.
+    /// No joints: they keep their rest, and the poses' values are ignored.
     Nothing,
-    /// That of the joints of these names.
+    /// The joints of these names.
     Joints(Vec<String>),
-    /// That of all joints.
+    /// All joints.
     All,
 }
 
-/// How a live clip takes poses in.
+/// Settings of a live clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveSettings {
-    /// Rows per second, 1 to 1000: poses are stored at this rate, rounded to whole ticks, however
-    /// they come in.
+    /// Rows per second, 1 to 1000. Poses are stored at this rate, rounded to whole ticks, at
+    /// whatever rate they arrive.
     pub rows_per_sec: f32,
-    /// How long rows are kept, in seconds, at most 3.6 million rows; older ones are written over. A
-    /// member can follow with a delay of up to this.
+    /// Time for which rows are kept, in seconds; at most 3.6 million rows. Older rows are
+    /// overwritten. A member can play with a delay of up to this time.
     pub secs: f32,
-    /// Of which joints translations come in. Where the stream comes from a body of other
-    /// proportions than those who are to play it, the hips alone are a good choice.
+    /// Joints of which translations are received. If the streamed body has other proportions than
+    /// the members that play the clip, use the hips only.
     pub translations: Streamed,
-    /// Of which joints scales come in.
+    /// Joints of which scales are received.
     pub scales: Streamed,
 }
 
 impl Default for LiveSettings {
-    /// 60 rows per second, kept for 10 seconds, of all rotations and translations.
+    /// 60 rows per second, kept for 10 seconds; all rotations and translations.
     fn default() -> Self {
         Self {
             rows_per_sec: 60.0,
@@ -50,23 +51,23 @@ impl Default for LiveSettings {
     }
 }
 
-/// The ring of a live clip's rows.
+/// The ring buffer of a live clip's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LiveRing {
-    /// How many rows it has room for.
+    /// Capacity in rows.
     pub rows: u32,
-    /// Ticks of the crowd's clock from one row to the next.
+    /// Ticks of the crowd's clock between rows.
     pub row_ticks: u32,
 }
 
 impl Clip {
-    /// A clip whose rows come in while it plays: a stream of poses of `skeleton`. It has no length
-    /// of its own, and stands at rest until the first pose has come.
+    /// Creates a clip that receives its rows while it plays: a stream of poses of `skeleton`. It
+    /// has no length of its own and is at rest until the first pose arrives.
     ///
     /// # Errors
     ///
-    /// [`Error::BadLive`] for settings out of their range, [`Error::UnknownJoints`] with the
-    /// nearest names.
+    /// [`Error::BadLive`] for settings out of range, [`Error::UnknownJoints`] with the nearest
+    /// names.
     pub fn live(name: &str, skeleton: &Skeleton, settings: &LiveSettings) -> Result<Self, Error> {
         let ring = ring(name, settings)?;
         let mut moves = vec![[false, true, false]; skeleton.joint_count()];
@@ -94,7 +95,7 @@ impl Clip {
         self.ring
     }
 
-    /// A pose as a row of a live clip.
+    /// Converts a pose to a row of a live clip.
     pub(crate) fn row_of(&self, pose: &[Trs]) -> Vec<u32> {
         self.rows.storage.row_of(pose)
     }
@@ -104,12 +105,12 @@ fn ring(name: &str, settings: &LiveSettings) -> Result<LiveRing, Error> {
     let bad = |what: String| Err(Error::BadLive { clip: name.to_owned(), what });
     let LiveSettings { rows_per_sec, secs, .. } = *settings;
     if !ROWS_PER_SEC.contains(&rows_per_sec) {
-        return bad(format!("is to have {rows_per_sec} rows per second; it must be 1 to 1000"));
+        return bad(format!("has {rows_per_sec} rows per second; it must be from 1 to 1000"));
     }
     let rows = (rows_per_sec * secs).ceil();
     if !(secs > 0.0 && rows <= ROWS_MOST) {
         return bad(format!(
-            "is to keep {secs} seconds; it must be above 0 and at most 3.6 million rows"
+            "keeps {secs} seconds of rows; it must be above 0 s and at most 3.6 million rows"
         ));
     }
     #[expect(
@@ -119,11 +120,11 @@ fn ring(name: &str, settings: &LiveSettings) -> Result<LiveRing, Error> {
     )]
     let (rows, row_ticks) =
         (rows as u32, (TICKS_PER_SEC as f64 / f64::from(rows_per_sec)).round() as u32);
-    // One to begin at, and one more, as the newest is hardly ever a whole step ahead.
+    // One row to begin with, and one more because the newest is rarely a full step ahead.
     Ok(LiveRing { rows: rows + 2, row_ticks })
 }
 
-/// Marks what is streamed; `moves` is per column and [`PROPERTIES`].
+/// Marks the streamed columns; `moves` is indexed by column and [`PROPERTIES`].
 fn stream(
     streamed: &Streamed,
     property: Property,

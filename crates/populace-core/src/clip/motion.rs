@@ -1,4 +1,4 @@
-//! Root motion: what of a clip moves the whole body over the ground, taken out of its pose.
+//! Root motion: the motion of the whole body over the ground, taken out of a clip's pose.
 
 use glam::{DQuat, DVec3};
 
@@ -8,95 +8,95 @@ use crate::humanoid::{Role, RoleMap};
 use crate::layout::Float4;
 use crate::{ClipSource, Error, Interpolation, JointIndex, Property, Track, f64math};
 
-/// Rows per second, or a little more: they fill the clip's length evenly.
+/// Minimum rows per second; rows divide the clip's length evenly.
 const ROWS_PER_SEC: f64 = 60.0;
-/// A body that ends no further from its start than this part of its size, or that much in each
-/// second, stands still, as does one whose feet tell no more.
-const STANDS: f64 = 0.05;
-/// A body whose heading ends no further from where it was than this, in radians, does not turn.
-const TURNS_RAD: f64 = 0.25;
+/// A body counts as standing if it ends no further from its start than this fraction of its size,
+/// or of its size per second. The same limit holds for the speed of its feet.
+const STANDING: f64 = 0.05;
+/// A body counts as not turning if its heading changes by no more than this, in radians.
+const TURNING_RAD: f64 = 0.25;
 
-/// What moves the body.
+/// The source of root motion.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum MotionSource {
-    /// [`Root`](Self::Root) where that goes anywhere or turns, [`Feet`](Self::Feet) for a clip that
-    /// walks in place, and nothing for one that stands, whose sway stays in its pose.
-    /// [`RootMotion::origin`] tells which.
+    /// [`Root`](Self::Root) if the root travels or turns; [`Feet`](Self::Feet) for a clip that
+    /// walks in place; no motion for a clip that stands still, whose sway stays in the pose.
+    /// [`RootMotion::origin`] tells which was chosen.
     #[default]
     Auto,
-    /// The first joint that moves from the root down to the hips; without hips, the first whose
+    /// The first moving joint from the root down to the hips. Without hips, the first joint whose
     /// translation moves.
     Root,
-    /// The joint of this name; what it hangs on stands still.
+    /// The joint of this name; its ancestors must not move.
     Joint(String),
-    /// The feet of a clip that walks in place: straight ahead, along +Z, as fast as they pass
-    /// backwards while planted
+    /// The feet of a clip that walks in place: straight ahead along +Z, at the speed at which
+    /// planted feet move backwards
     /// ([`ClipStats::ground_speed_m_per_sec`](crate::ClipStats::ground_speed_m_per_sec)).
     Feet,
 }
 
-/// What root motion was taken from.
+/// The source that root motion was taken from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MotionOrigin {
     /// The joint of this name.
     Joint(String),
     /// The feet of a clip that walks in place.
     Feet,
-    /// Nothing: the body stands, and its motion is none.
+    /// Nothing: the body stands still and has no motion.
     Nothing,
 }
 
-/// How root motion is taken out of a clip.
+/// Settings for taking root motion out of a clip.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MotionSettings {
-    /// What moves the body.
+    /// The source of the motion.
     pub from: MotionSource,
-    /// Whether its heading turns the body. Else turns stay in the pose.
+    /// True if the heading is part of the motion. Otherwise turns stay in the pose.
     pub turns: bool,
-    /// Whether it lifts the body. Else heights stay in the pose.
+    /// True if the height is part of the motion. Otherwise it stays in the pose.
     pub rises: bool,
 }
 
 impl Default for MotionSettings {
-    /// From whatever moves the body, over the ground, with its heading.
+    /// Any source, with heading, without height.
     fn default() -> Self {
         Self { from: MotionSource::Auto, turns: true, rises: false }
     }
 }
 
-/// A turn about +Y, then a shift, of the whole body in model space.
+/// A rotation about +Y followed by a translation, of the whole body in model space.
 #[derive(Clone, Copy, Debug)]
 struct Rigid {
     shift: DVec3,
-    /// Sine and cosine of the heading: 0 faces +Z, a quarter turn +X.
+    /// Sine and cosine of the heading. Heading 0 faces +Z, a quarter turn +X.
     heading: [f64; 2],
 }
 
 impl Rigid {
     const NONE: Self = Self { shift: DVec3::ZERO, heading: [0.0, 1.0] };
 
-    fn turn(&self) -> DQuat {
+    fn rotation(&self) -> DQuat {
         DQuat::from_rotation_y(self.heading[0].atan2(self.heading[1]))
     }
 
-    /// `next` first, then this one.
+    /// Composes two transforms: `next` is applied first.
     fn then(&self, next: &Self) -> Self {
         let ([s, c], [t, d]) = (self.heading, next.heading);
         Self {
-            shift: self.shift + self.turn() * next.shift,
+            shift: self.shift + self.rotation() * next.shift,
             heading: [s * d + c * t, c * d - s * t],
         }
     }
 
-    fn undone(&self) -> Self {
+    fn inverse(&self) -> Self {
         let back = Self { shift: DVec3::ZERO, heading: [-self.heading[0], self.heading[1]] };
-        Self { shift: -(back.turn() * self.shift), ..back }
+        Self { shift: -(back.rotation() * self.shift), ..back }
     }
 
-    /// So many times, a whole number.
+    /// Applies the transform `count` times; `count` is a whole number.
     fn times(&self, count: f64) -> Self {
         let yaw = self.heading[0].atan2(self.heading[1]);
-        // About the place that stays where it is, or straight on where there is none.
+        // About the fixed point of the transform, or straight ahead if there is none.
         let turn = DQuat::from_rotation_y(yaw * count);
         let [across, along] = [1.0 - self.heading[1], self.heading[0]];
         let squared = across * across + along * along;
@@ -109,7 +109,7 @@ impl Rigid {
         Self { shift: middle - turn * middle + DVec3::Y * (y * count), heading }
     }
 
-    /// Part of the way to another, as devices go it.
+    /// Interpolates as devices do.
     fn mix(&self, to: &Self, part: f64) -> Self {
         let [sin, cos] = [0, 1].map(|i| self.heading[i] + (to.heading[i] - self.heading[i]) * part);
         let length = sin.hypot(cos);
@@ -117,8 +117,7 @@ impl Rigid {
     }
 }
 
-/// How a clip moves a body over the ground: evenly spaced rows, the first of which is where the
-/// body stands.
+/// The root motion of a clip: evenly spaced rows, relative to the first.
 #[derive(Clone, Debug)]
 pub struct RootMotion {
     rows: Vec<Rigid>,
@@ -127,15 +126,15 @@ pub struct RootMotion {
 }
 
 impl RootMotion {
-    /// Where the body is after so much of the clip in seconds, held to its length, from where it
-    /// stood: metres in the clip's own model space, and its heading about +Y in radians.
+    /// Returns the motion after `secs` seconds of the clip, clamped to its length, relative to its
+    /// start: metres in the clip's own model space, and heading about +Y in radians.
     #[must_use]
     pub fn at(&self, secs: f32) -> ([f32; 3], f32) {
-        told(&self.rigid(f64::from(secs)))
+        position_and_yaw(&self.rigid(f64::from(secs)))
     }
 
-    /// As [`at`](Self::at), after playing the clip over and over for so many seconds, of a body
-    /// that began at a part of the clip, 0 to 1.
+    /// Like [`at`](Self::at), after playing the clip in a loop for `secs` seconds, starting at
+    /// `phase` from 0 to 1.
     #[must_use]
     pub fn looped(&self, phase: f32, secs: f32) -> ([f32; 3], f32) {
         let finite = |value: f32| if value.is_finite() { f64::from(value).max(0.0) } else { 0.0 };
@@ -143,31 +142,31 @@ impl RootMotion {
         let end = begun + finite(secs);
         let cycles =
             if self.duration_secs > 0.0 { (end / self.duration_secs).floor() } else { 0.0 };
-        let moved = self.rigid(begun).undone().then(&self.rigid(self.duration_secs).times(cycles));
-        told(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
+        let moved = self.rigid(begun).inverse().then(&self.rigid(self.duration_secs).times(cycles));
+        position_and_yaw(&moved.then(&self.rigid(end - cycles * self.duration_secs)))
     }
 
-    /// What the motion was taken from.
+    /// The source that the motion was taken from.
     #[must_use]
     pub fn origin(&self) -> &MotionOrigin {
         &self.origin
     }
 
-    /// The mean speed in metres per second, along the way; 0 for a clip of no length.
+    /// Mean speed along the path in metres per second; 0 for a clip of length 0.
     #[must_use]
     pub fn metres_per_sec(&self) -> f32 {
         let way: f64 = self.rows.windows(2).map(|pair| pair[0].shift.distance(pair[1].shift)).sum();
         if self.duration_secs > 0.0 { f64math::to_f32([way / self.duration_secs])[0] } else { 0.0 }
     }
 
-    /// Whether it takes a body of that size anywhere, or turns it.
+    /// Returns whether the motion moves a body of this size noticeably, or turns it.
     fn travels(&self, size: f64) -> bool {
         let end = self.rows[self.rows.len() - 1];
         let farthest = self.rows.iter().map(|row| row.shift.length()).fold(0.0, f64::max);
         let turned = end.heading[0].atan2(end.heading[1]).abs();
-        end.shift.length() > STANDS * size * self.duration_secs.max(1.0)
+        end.shift.length() > STANDING * size * self.duration_secs.max(1.0)
             || farthest > size
-            || turned > TURNS_RAD
+            || turned > TURNING_RAD
     }
 
     fn rigid(&self, secs: f64) -> Rigid {
@@ -184,7 +183,7 @@ impl RootMotion {
         self.rows[row].mix(&self.rows[last.min(row + 1)], place - row as f64)
     }
 
-    /// Rows as devices hold them: `x y z 0`, then sine and cosine of the heading.
+    /// Rows in the form that devices read: `x y z 0`, then sine and cosine of the heading.
     pub(crate) fn device_rows(&self) -> impl Iterator<Item = Float4> + '_ {
         self.rows.iter().flat_map(|rigid| {
             let [sin, cos] = f64math::to_f32(rigid.heading);
@@ -205,58 +204,59 @@ impl RootMotion {
     }
 }
 
-/// As numbers for people: metres, radians.
-fn told(rigid: &Rigid) -> ([f32; 3], f32) {
+/// Converts to metres and radians.
+fn position_and_yaw(rigid: &Rigid) -> ([f32; 3], f32) {
     let [yaw] = f64math::to_f32([rigid.heading[0].atan2(rigid.heading[1])]);
     (f64math::to_f32(rigid.shift.to_array()), yaw)
 }
 
 impl Clip {
-    /// The same motion with what moves the whole body taken out of its pose: members that are moved
-    /// by their clips go where it goes, others play it in place. [`RootMotion::origin`] of its
-    /// [`root_motion`](Self::root_motion) tells from where.
+    /// Returns the clip with the motion of the whole body taken out of its pose. Members with root
+    /// motion enabled follow it; others play the clip in place. [`RootMotion::origin`] of its
+    /// [`root_motion`](Self::root_motion) tells where the motion was taken from.
     ///
     /// # Errors
     ///
-    /// [`Error::NoMotion`] where nothing of the kind that is named moves the body, where it hangs
-    /// on what moves, and for a clip that is live or has its motion already;
-    /// [`Error::UnknownJoints`] with the nearest names.
+    /// [`Error::NoMotion`] if the chosen source does not move the body or has a moving ancestor,
+    /// and for a clip that is live or has its root motion already; [`Error::UnknownJoints`] with
+    /// the nearest names.
     pub fn with_root_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         if self.ring.is_some() || self.motion.is_some() {
-            return self.no_motion("is live, or its motion is taken out already");
+            return self.no_motion("is live, or its root motion has been taken out already");
         }
         match &settings.from {
-            MotionSource::Auto => self.driven_by_what_moves(settings),
+            MotionSource::Auto => self.with_automatic_motion(settings),
             MotionSource::Feet => match self.contacts.speed {
-                Some(speed) => Ok(self.moved_evenly(f64::from(speed), MotionOrigin::Feet)),
+                Some(speed) => Ok(self.with_even_motion(f64::from(speed), MotionOrigin::Feet)),
                 None => self.no_motion(
-                    "has no foot that is known by its joint's name and comes down, so how fast it \
-                     goes is not known",
+                    "has no touch-down of a joint with a known foot name, so its walking speed is \
+                     unknown",
                 ),
             },
             from => {
-                let taken = self.taken_from(self.carrier(from)?, settings, |_| true)?;
+                let taken = self.with_motion_of(self.carrier(from)?, settings, |_| true)?;
                 Ok(taken.unwrap_or_else(|| self.clone()))
             }
         }
     }
 
-    /// Takes out what moves the body, if anything does.
-    fn driven_by_what_moves(&self, settings: &MotionSettings) -> Result<Self, Error> {
+    /// Takes out the motion of the first source that moves the body, if any does.
+    fn with_automatic_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         let size = f64::from(self.skeleton.size_m());
         if let Ok(joint) = self.carrier(&MotionSource::Root)
-            && let Some(taken) = self.taken_from(joint, settings, |motion| motion.travels(size))?
+            && let Some(taken) =
+                self.with_motion_of(joint, settings, |motion| motion.travels(size))?
         {
             return Ok(taken);
         }
-        match self.contacts.speed.filter(|speed| f64::from(speed.abs()) > STANDS * size) {
-            Some(speed) => Ok(self.moved_evenly(f64::from(speed), MotionOrigin::Feet)),
-            None => Ok(self.moved_evenly(0.0, MotionOrigin::Nothing)),
+        match self.contacts.speed.filter(|speed| f64::from(speed.abs()) > STANDING * size) {
+            Some(speed) => Ok(self.with_even_motion(f64::from(speed), MotionOrigin::Feet)),
+            None => Ok(self.with_even_motion(0.0, MotionOrigin::Nothing)),
         }
     }
 
-    /// Takes out the motion of a joint, where that is wanted.
-    fn taken_from(
+    /// Takes out the motion of a joint if `wanted` accepts it.
+    fn with_motion_of(
         &self,
         joint: JointIndex,
         settings: &MotionSettings,
@@ -296,7 +296,7 @@ impl Clip {
         Ok(Some(Self { motion: Some(motion), ..Self::new(source, &self.skeleton)? }))
     }
 
-    /// The root motion that was taken out of the clip, if it was.
+    /// The root motion that was taken out of the clip, if any.
     #[must_use]
     pub fn root_motion(&self) -> Option<&RootMotion> {
         self.motion.as_ref()
@@ -306,15 +306,15 @@ impl Clip {
         Err(Error::NoMotion { clip: self.name().to_owned(), what: what.into() })
     }
 
-    /// Straight ahead at a speed in metres per second.
-    fn moved_evenly(&self, speed: f64, origin: MotionOrigin) -> Self {
+    /// Adds a motion straight ahead at a speed in metres per second.
+    fn with_even_motion(&self, speed: f64, origin: MotionOrigin) -> Self {
         let duration_secs = f64::from(self.duration_secs());
         let end = Rigid { shift: DVec3::new(0.0, 0.0, speed * duration_secs), ..Rigid::NONE };
         let motion = RootMotion { rows: vec![Rigid::NONE, end], duration_secs, origin };
         Self { motion: Some(motion), ..self.clone() }
     }
 
-    /// The joint that carries the body.
+    /// Returns the joint that carries the body.
     fn carrier(&self, from: &MotionSource) -> Result<JointIndex, Error> {
         let moves = |joint: &JointIndex| {
             let [translation, rotation, _] = self.rows.storage.ranges[joint.index()];
@@ -328,12 +328,12 @@ impl Clip {
         };
         if let MotionSource::Joint(name) = from {
             let [joint] = self.skeleton.find_all(std::slice::from_ref(name))?[..] else {
-                return self.no_motion("is asked for the motion of more than one joint");
+                return self.no_motion("has more than one joint of the requested name");
             };
             let path = above(joint);
             return match path[..path.len() - 1].iter().find(|joint| moves(joint)) {
                 Some(moving) => self.no_motion(format!(
-                    "moves \"{}\", on which \"{name}\" hangs: name that joint, or one above it",
+                    "moves \"{}\", an ancestor of \"{name}\"; choose that joint or one above it",
                     self.skeleton.name(*moving)
                 )),
                 None => Ok(joint),
@@ -350,22 +350,22 @@ impl Clip {
         match found {
             Some(joint) => Ok(joint),
             None => self.no_motion(
-                "moves the body by no joint from the root to the hips; one that walks in place is \
-                 moved by its feet (MotionSource::Feet)",
+                "has no moving joint from the root down to the hips; for a clip that walks in \
+                 place use MotionSource::Feet",
             ),
         }
     }
 }
 
-/// The joint whose motion is taken out, in source curves.
+/// The joint whose motion is taken out, with the source curves.
 struct Carrier<'a> {
     clip: &'a Clip,
     curves: &'a Curves<'a>,
     joint: JointIndex,
-    /// Of its parent, which stands still.
-    above: glam::DAffine3,
-    /// How that is turned.
-    above_turn: DQuat,
+    /// Model transform of the joint's parent, which does not move.
+    parent_model: glam::DAffine3,
+    /// Rotation of the parent in model space.
+    parent_rotation: DQuat,
 }
 
 impl<'a> Carrier<'a> {
@@ -376,18 +376,23 @@ impl<'a> Carrier<'a> {
             &parents(skeleton),
             skeleton.joints().map(|j| local(j).affine()),
         );
-        let turns =
-            f64math::turns(&parents(skeleton), skeleton.joints().map(|j| local(j).rotation));
+        let turns = f64math::model_rotations(
+            &parents(skeleton),
+            skeleton.joints().map(|j| local(j).rotation),
+        );
         let parent = skeleton.parent(joint);
-        let above = parent.map_or(glam::DAffine3::IDENTITY, |parent| models[parent.index()]);
-        let above_turn = parent.map_or(DQuat::IDENTITY, |parent| turns[parent.index()]);
-        Self { clip, curves, joint, above, above_turn }
+        let parent_model = parent.map_or(glam::DAffine3::IDENTITY, |parent| models[parent.index()]);
+        let parent_rotation = parent.map_or(DQuat::IDENTITY, |parent| turns[parent.index()]);
+        Self { clip, curves, joint, parent_model, parent_rotation }
     }
 
-    /// Where the joint is in model space at a time, and how it is turned.
+    /// Returns position and rotation of the joint in model space.
     fn model(&self, secs: f64) -> (DVec3, DQuat) {
         let local = self.curves.local(self.joint, secs, Side::After);
-        (self.above.transform_point3(local.translation), self.above_turn * local.rotation)
+        (
+            self.parent_model.transform_point3(local.translation),
+            self.parent_rotation * local.rotation,
+        )
     }
 
     fn rows(&self, times: impl Iterator<Item = f64>, settings: &MotionSettings) -> Vec<Rigid> {
@@ -401,12 +406,12 @@ impl<'a> Carrier<'a> {
                 ..Rigid::NONE
             };
             let DQuat { y, w, .. } = turn * turn0.inverse();
-            // Upside down it has no heading, and keeps the last.
+            // An upside-down body has no heading and keeps the last one.
             if settings.turns && y * y + w * w > 1e-6 {
                 let length = y * y + w * w;
                 rigid.heading = [2.0 * y * w / length, (w * w - y * y) / length];
             }
-            rigid.shift = place - rigid.turn() * place0;
+            rigid.shift = place - rigid.rotation() * place0;
             if !settings.rises {
                 rigid.shift.y = 0.0;
             }
@@ -415,7 +420,7 @@ impl<'a> Carrier<'a> {
         rows
     }
 
-    /// Tracks of what is left of the joint's motion.
+    /// Returns tracks of the joint's motion without the root motion.
     fn in_place(
         &self,
         motion: &RootMotion,
@@ -437,15 +442,15 @@ impl<'a> Carrier<'a> {
             values,
         };
         let (mut places, mut rotations) = (Vec::new(), Vec::new());
-        let below = self.above.inverse();
+        let below = self.parent_model.inverse();
         for secs in &times {
             let (place, turn) = self.model(f64::from(*secs));
             let rigid = motion.rigid(f64::from(*secs) - f64::from(self.clip.start_secs()));
-            let back = rigid.turn().inverse();
+            let back = rigid.rotation().inverse();
             places.extend(f64math::to_f32(
                 below.transform_point3(back * (place - rigid.shift)).to_array(),
             ));
-            let rotation = self.above_turn.inverse() * back * turn;
+            let rotation = self.parent_rotation.inverse() * back * turn;
             rotations.extend(f64math::to_f32(rotation.normalize().to_array()));
         }
         let mut tracks = vec![track(Property::Translation, places)];

@@ -1,4 +1,4 @@
-//! From source curves to rows within the bound.
+//! Conversion of source curves to rows within the error bound.
 
 use super::curves::{Curves, Local, Side};
 use super::gap::{Gap, distance_at_probes, in_joint_units, reaches};
@@ -6,25 +6,25 @@ use super::parents;
 use super::storage::{Judge, Storage};
 use crate::{Interpolation, JointIndex, Property, Skeleton, Trs, f64math};
 
-/// The bound for a body of 1.8 m: half of what is promised at 3 cm from the joints, so that
-/// vertices stay within 1e-4 of the body's height of where the source curves take them.
+/// Error bound for a body of 1.8 m, in metres. It is half of what is promised at 3 cm from the
+/// joints, so that vertices stay within 1e-4 of the body's height of the source curves.
 const TOLERANCE_M: f64 = 0.000_16;
-/// The part of it that 16-bit storage may take.
+/// The part of the error bound that 16-bit storage may use.
 const STORAGE_M: f64 = 0.000_06;
 const TOLERANCE_BODY_M: f64 = 1.8;
-/// Where it is measured: this far from each joint, or as far as the vertices lie that the joint
-/// moves.
+/// Distance from each joint at which the error is measured, unless the vertices that the joint
+/// moves are further away.
 const PROBE_M: f64 = 0.03;
-/// What single precision adds, in parts of the body's size: a few roundings of 2^-24 along a chain.
+/// Error of single precision relative to the body's size: a few roundings of 2^-24 along a chain.
 const COMPUTED: f64 = 4.8e-7;
-/// A gap between keys is halved at most this often.
+/// Maximum number of times that a gap between keys is halved.
 const MAX_HALVINGS: u32 = 12;
-/// A clip gets at most this many rows for each key time, and these many poses of one joint beside:
-/// a small file must not take memory out of proportion. Where they do not do, the clip's stated
-/// error is past the bound.
+/// Limits on the rows of a clip: this many per key time, plus this many poses of one joint in
+/// total. They keep a small file from using a disproportionate amount of memory. If the limits are
+/// too low for a clip, its reported error exceeds the bound.
 const ROWS_PER_KEY: usize = 8;
 const FREE_POSES: usize = 200_000;
-/// Rows count as evenly spaced when none is off by more than this part of the spacing.
+/// Rows count as evenly spaced if none is off by more than this part of the spacing.
 const EVEN_SPACING: f64 = 1e-4;
 
 /// The rows of a clip; see [`super::Clip`] for their layout.
@@ -35,13 +35,13 @@ pub(super) struct Rows {
     pub(super) buckets: Vec<u32>,
     pub(super) buckets_per_sec: f32,
     pub(super) rows_per_sec: f32,
-    /// Per column and [`Property`]: whether a track drives it.
+    /// For each column and [`Property`]: whether a track drives it.
     pub(super) driven: Vec<[bool; 3]>,
     pub(super) error_bound_m: f32,
     pub(super) tolerance_m: f32,
 }
 
-/// A row: all joints at one time, on one side of it.
+/// A row before storage: the pose of all joints at one time, on one side of a STEP.
 pub(super) struct Row {
     pub(super) secs: f32,
     side: Side,
@@ -123,7 +123,7 @@ impl Rows {
         for at in 0..self.times.len() - 1 {
             let (from, to) = (f64::from(self.times[at]), f64::from(self.times[at + 1]));
             if from >= to {
-                continue; // the two sides of a STEP
+                continue; // both sides of a STEP
             }
             for point in 0..=points {
                 let u = point as f64 / (points + 1) as f64;
@@ -140,18 +140,18 @@ impl Rows {
         f64math::to_f32([worst])[0]
     }
 
-    /// A joint's local transform between two stored rows, as devices interpolate it.
+    /// Returns a joint's local transform between two stored rows, as interpolated by devices.
     pub(super) fn local(&self, joint: JointIndex, row: usize, u: f64) -> Local {
         self.storage.local(joint, [row, (row + 1).min(self.times.len() - 1)], u)
     }
 }
 
-/// All properties, indexed by themselves.
+/// All properties; each one's index is its value as `usize`.
 pub(super) const PROPERTIES: [Property; 3] =
     [Property::Translation, Property::Rotation, Property::Scale];
 
-/// The union of the key times, each with whether a STEP track jumps there. A clip without keys has
-/// one time, 0.
+/// Returns all key times, each with a flag that tells whether a STEP track jumps there. A clip
+/// without keys has the single time 0.
 fn key_times(curves: &Curves) -> Vec<(f32, bool)> {
     let mut times = Vec::new();
     for track in curves.all_tracks() {
@@ -161,7 +161,7 @@ fn key_times(curves: &Curves) -> Vec<(f32, bool)> {
         }
     }
     if times.is_empty() {
-        // Keys of joints that the skeleton lacks still give the clip its length.
+        // Keys of joints that the skeleton lacks still determine the clip's length.
         let (start, end) = curves.source.time_range_secs();
         times = vec![(start, false), (end, false)];
     }
@@ -174,7 +174,7 @@ fn key_times(curves: &Curves) -> Vec<(f32, bool)> {
     times
 }
 
-/// The rows in single precision, each rotation in the hemisphere of the row before.
+/// Converts rows to single precision, with each rotation in the hemisphere of the previous row.
 fn rounded(rows: &[Row]) -> Vec<Vec<Trs>> {
     let mut poses: Vec<Vec<Trs>> = Vec::with_capacity(rows.len());
     for row in rows {
@@ -196,7 +196,7 @@ fn rounded(rows: &[Row]) -> Vec<Vec<Trs>> {
     poses
 }
 
-/// Rows per second where rows are evenly spaced, else 0.
+/// Returns rows per second if rows are evenly spaced, else 0.
 fn even_rate(times: &[f32]) -> f32 {
     let last = times.len() - 1;
     let start = f64::from(times[0]);
@@ -211,8 +211,8 @@ fn even_rate(times: &[f32]) -> f32 {
     if even { f64math::to_f32([1.0 / spacing])[0] } else { 0.0 }
 }
 
-/// One bucket for each row: the last row at or before the bucket's start, one bucket early so that
-/// rounding on a device cannot skip a row.
+/// Builds one bucket per row. A bucket holds the last row at or before the bucket's start, minus a
+/// hundredth of a bucket, so that rounding on a device cannot skip a row.
 fn buckets(times: &[f32]) -> (Vec<u32>, f32) {
     let start = f64::from(times[0]);
     let span = f64::from(times[times.len() - 1]) - start;

@@ -1,13 +1,11 @@
-//! Rows as devices hold them: 16-bit steps over each joint's own range, in blocks of 16 columns.
+//! Row storage as devices read it: 16-bit numbers over each joint's own range, in blocks of 16
+//! columns.
 //!
-//! A row is a run of 32-bit words. Each block of 16 columns has, for each property that moves in
-//! it, planes of one word for each column: rotations two planes, `x | y << 16` and `z | w << 16`;
-//! translations and scales one plane `x | y << 16`, then `z` as 16-bit halves, two in a word.
-//! Planes end with the last column of the block that moves. A component's value is
-//! `offset + step * n` for the stored `n`; a column that stands still has a step of 0, so what lies
-//! in its place does not matter. Where 16 bits cannot hold the bound a block's property is stored
-//! as floats, one plane for each component, all 16 columns wide: a device may read past a column
-//! that moves, and only finite garbage times 0 is 0.
+//! [`RowBlock`] describes the planes of a block. A component's value is `offset + step * n` for the
+//! stored `n`. A column that does not move has a step of 0, so the stored bits do not matter. If 16
+//! bits cannot represent a property of a block within the error bound, it is stored as floats, in
+//! planes of all 16 columns. Devices may read columns that do not move; the words there must be
+//! finite as floats, because only finite values times 0 are 0.
 
 use glam::{DQuat, DVec3};
 
@@ -18,29 +16,30 @@ use super::{BLOCK, parents};
 use crate::layout::{NONE, ROW_FLOATS, RowBlock};
 use crate::{JointIndex, Property, Skeleton, Trs, f64math};
 
-/// Steps over a joint's range.
+/// Number of steps over a joint's range.
 const STEPS: f64 = 65535.0;
-/// Properties of blocks that are made floats one by one.
+/// Number of block properties that are converted to floats one by one.
 const ONE_BY_ONE: usize = 6;
-/// A value counts as still while it moves no probe by more than this part of what storage may be
-/// off by.
+/// A value counts as constant if it moves no probe by more than this part of the allowed storage
+/// error.
 const STILL: f64 = 0.01;
 
-/// What a column's stored components mean: `offset + step * n`.
+/// Range of a column's stored numbers `n`: a component is `offset + step * n`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Range {
     pub(crate) offset: [f32; 4],
-    /// 0 where the column stands still.
+    /// 0 if the column is constant.
     pub(crate) step: f32,
 }
 
 impl Range {
-    /// A value that does not move. Zeros are positive, as `0 * n + offset` leaves them.
+    /// Creates the range of a constant value. Zeros are made positive, as the result of `0 * n +
+    /// offset` is.
     pub(crate) fn still(value: [f32; 4]) -> Self {
         Self { offset: value.map(|v| v + 0.0), step: 0.0 }
     }
 
-    /// From the least of each component to the greatest.
+    /// Creates the range from the minimum to the maximum of each component.
     fn over([low, high]: [[f32; 4]; 2]) -> Self {
         let widest = (0..4).map(|c| f64::from(high[c]) - f64::from(low[c])).fold(0.0, f64::max);
         let [step] = f64math::to_f32([widest / STEPS]);
@@ -48,38 +47,38 @@ impl Range {
     }
 }
 
-/// Rows of one clip as stored.
+/// The stored rows of one clip.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Storage {
     pub(super) words: Vec<u32>,
     /// Words from one row to the next.
     pub(super) stride: usize,
     pub(super) blocks: Vec<RowBlock>,
-    /// Per column and [`Property`].
+    /// Range of each column and [`Property`].
     pub(super) ranges: Vec<[Range; 3]>,
-    /// How far a stored component is from the exact one at most, per column and [`Property`]:
-    /// metres, quaternion components, factors.
+    /// Maximum error of a stored component, for each column and [`Property`]: in metres, quaternion
+    /// components or factors.
     pub(super) worst: Vec<[f32; 3]>,
-    /// How far that moves any probe, in metres.
+    /// Maximum distance that a probe is moved by storage, in metres.
     pub(super) error_m: f64,
 }
 
-/// What storage is judged by.
+/// Error metric and bound for storage.
 pub(super) struct Judge<'a> {
     pub(super) skeleton: &'a Skeleton,
-    /// Distances of the probes in each joint's own units.
+    /// Distances of the probes, in each joint's own units.
     pub(super) probes: &'a [f64],
-    /// For each joint how far the farthest probe that it moves can be, in metres.
+    /// For each joint, the distance in metres to the farthest probe that it moves.
     pub(super) reach: &'a [f64],
-    /// How far storage may move a probe, in metres.
+    /// Maximum distance that storage may move a probe, in metres.
     pub(super) allowed: f64,
 }
 
 impl Storage {
-    /// Stores rows: as 16-bit steps, and for as long as those move a probe too far, the properties
-    /// of blocks that move them most as floats. They are found one by one, and where many are
-    /// needed four times as many each time. `poses` are the rows in single precision, neighbouring
-    /// rotations in one hemisphere.
+    /// Stores rows as 16-bit numbers. While these move a probe too far, the block properties with
+    /// the largest error are converted to floats. They are converted one by one at first, then in
+    /// growing batches. `poses` are the rows in single precision, with neighbouring rotations in
+    /// one hemisphere.
     pub(super) fn new(rows: &[Row], poses: &[Vec<Trs>], judge: &Judge) -> Self {
         let ranges = ranges(poses, judge);
         let mut floats = vec![[false; 3]; ranges.len().div_ceil(BLOCK)];
@@ -99,9 +98,9 @@ impl Storage {
         }
     }
 
-    /// The properties of blocks that are not yet floats, those first whose steps move probes most.
+    /// Returns the block properties that are not stored as floats, largest effect on probes first.
     fn coarsest(&self, judge: &Judge, floats: &[[bool; 3]]) -> Vec<(usize, Property)> {
-        let moved_m = |block: usize, property: Property| {
+        let effect_m = |block: usize, property: Property| {
             let columns = block * BLOCK..self.worst.len().min((block + 1) * BLOCK);
             let moved = columns.map(|column| {
                 let worst = f64::from(self.worst[column][property as usize]);
@@ -117,7 +116,8 @@ impl Storage {
         let coarse = all.filter(|&(block, property)| {
             !floats[block][property as usize] && planes(&self.blocks[block], property).0 != NONE
         });
-        let mut coarse: Vec<_> = coarse.map(|(block, p)| (moved_m(block, p), (block, p))).collect();
+        let mut coarse: Vec<_> =
+            coarse.map(|(block, p)| (effect_m(block, p), (block, p))).collect();
         coarse.sort_by(|a, b| a.0.total_cmp(&b.0));
         coarse.into_iter().rev().map(|(_, which)| which).collect()
     }
@@ -148,8 +148,8 @@ impl Storage {
         stored
     }
 
-    /// One row that others will be written over, all that `moves`, per column and [`Property`], as
-    /// floats.
+    /// Creates storage of one row whose properties in `moves` (for each column and [`Property`])
+    /// are floats that will be overwritten.
     pub(super) fn live(pose: Vec<Trs>, moves: &[[bool; 3]]) -> Self {
         let range = |(trs, moves): (&Trs, &[bool; 3])| {
             PROPERTIES.map(|property| Range {
@@ -163,12 +163,13 @@ impl Storage {
         Self { worst, ..Self::encode(&[pose], ranges, &floats) }
     }
 
-    /// Rows of nothing but small rotations, a column each, all of which count as moving.
-    pub(super) fn of_turns(rows: &[Vec<DQuat>]) -> Self {
+    /// Creates storage of rows that hold one small rotation per column; all columns count as
+    /// moving.
+    pub(super) fn of_rotations(rows: &[Vec<DQuat>]) -> Self {
         let pose = |row: &Vec<DQuat>| -> Vec<Trs> {
-            let near = |turn: &DQuat| if turn.w < 0.0 { -*turn } else { *turn };
-            let rotation = |turn: &DQuat| f64math::to_f32(near(turn).to_array());
-            row.iter().map(|turn| Trs { rotation: rotation(turn), ..Trs::IDENTITY }).collect()
+            let near = |q: &DQuat| if q.w < 0.0 { -*q } else { *q };
+            let rotation = |q: &DQuat| f64math::to_f32(near(q).to_array());
+            row.iter().map(|q| Trs { rotation: rotation(q), ..Trs::IDENTITY }).collect()
         };
         let poses: Vec<_> = rows.iter().map(pose).collect();
         let columns = rows.first().map_or(0, Vec::len);
@@ -184,7 +185,7 @@ impl Storage {
         Self::encode(&poses, ranges, &floats)
     }
 
-    /// A pose as the words of a row of floats; what does not move is left out.
+    /// Converts a pose to the words of a row of floats; properties that do not move are left out.
     pub(super) fn row_of(&self, pose: &[Trs]) -> Vec<u32> {
         let mut words = vec![0; self.stride];
         for (column, trs) in pose.iter().enumerate().take(self.ranges.len()) {
@@ -194,7 +195,7 @@ impl Storage {
                 for (component, value) in
                     property.of(trs).into_iter().take(property.width()).enumerate()
                 {
-                    if let Place::Float(word) = self.place(column, property, component) {
+                    if let Location::Float(word) = self.location(column, property, component) {
                         words[word] = value.to_bits();
                     }
                 }
@@ -210,15 +211,15 @@ impl Storage {
         }
         let first = row * self.stride;
         for (component, &value) in values.iter().enumerate() {
-            match self.place(column, property, component) {
-                Place::Float(word) => self.words[first + word] = value.to_bits(),
-                Place::Half(word, shift) => {
+            match self.location(column, property, component) {
+                Location::Float(word) => self.words[first + word] = value.to_bits(),
+                Location::Half(word, shift) => {
                     let n = (f64::from(value) - f64::from(range.offset[component]))
                         / f64::from(range.step);
                     #[expect(
                         clippy::cast_possible_truncation,
                         clippy::cast_sign_loss,
-                        reason = "held to 16 bits just before"
+                        reason = "clamped to 16 bits on the line before"
                     )]
                     let n = n.round().clamp(0.0, STEPS) as u32;
                     self.words[first + word] |= n << shift;
@@ -227,22 +228,22 @@ impl Storage {
         }
     }
 
-    /// Where in a row a component stands.
-    fn place(&self, column: usize, property: Property, component: usize) -> Place {
+    /// Returns the location of a component within a row.
+    fn location(&self, column: usize, property: Property, component: usize) -> Location {
         let (first, lanes) = planes(&self.blocks[column / BLOCK], property);
         let lane = column % BLOCK;
         if lanes & ROW_FLOATS != 0 {
-            return Place::Float(first as usize + component * BLOCK + lane);
+            return Location::Float(first as usize + component * BLOCK + lane);
         }
         let plane = first as usize + component / 2 * lanes as usize;
         if component == 2 && property != Property::Rotation {
-            Place::Half(plane + lane / 2, 16 * (lane % 2))
+            Location::Half(plane + lane / 2, 16 * (lane % 2))
         } else {
-            Place::Half(plane + lane, 16 * (component % 2))
+            Location::Half(plane + lane, 16 * (component % 2))
         }
     }
 
-    /// A component of a stored row, as devices decode it.
+    /// Decodes a component of a stored row as devices do.
     fn component(&self, row: usize, column: usize, property: Property, component: usize) -> f64 {
         let range = &self.ranges[column][property as usize];
         let offset = f64::from(range.offset[component]);
@@ -250,15 +251,15 @@ impl Storage {
             return offset;
         }
         let word = |word: usize| self.words[row * self.stride + word];
-        let n = match self.place(column, property, component) {
-            Place::Float(at) => f64::from(f32::from_bits(word(at))),
-            Place::Half(at, shift) => f64::from(word(at) >> shift & 0xffff),
+        let n = match self.location(column, property, component) {
+            Location::Float(at) => f64::from(f32::from_bits(word(at))),
+            Location::Half(at, shift) => f64::from(word(at) >> shift & 0xffff),
         };
         offset + f64::from(range.step) * n
     }
 
-    /// A joint's local transform at `u` of the way from one stored row to another, as devices
-    /// interpolate it.
+    /// Interpolates a joint's local transform between two stored rows as devices do; `u` is 0 at
+    /// the first row and 1 at the second.
     pub(super) fn local(&self, joint: JointIndex, [row, next]: [usize; 2], u: f64) -> Local {
         let mix = |property, component| {
             let at = |row| self.component(row, joint.index(), property, component);
@@ -273,7 +274,7 @@ impl Storage {
         }
     }
 
-    /// Bytes of the ranges of what moves.
+    /// Returns the bytes of the ranges of all properties that move.
     pub(super) fn range_bytes(&self) -> usize {
         let moving = |property: Property| {
             self.ranges.iter().filter(|column| column[property as usize].step > 0.0).count()
@@ -281,7 +282,7 @@ impl Storage {
         PROPERTIES.into_iter().map(|property| (property.width() + 1) * 4 * moving(property)).sum()
     }
 
-    /// Finds how far stored rows are from the exact ones.
+    /// Measures the difference between stored and exact rows.
     fn measure(&mut self, rows: &[Row], judge: &Judge) {
         let parents = parents(judge.skeleton);
         let mut worst = vec![[0.0; 3]; parents.len()];
@@ -291,7 +292,7 @@ impl Storage {
             for joint in judge.skeleton.joints() {
                 let local = self.local(joint, [at, at], 0.0);
                 let exact = &row.pose[joint.index()];
-                // A quaternion and its negative are one rotation.
+                // A quaternion and its negative are the same rotation.
                 let side = if exact.rotation.dot(local.rotation) < 0.0 { -1.0 } else { 1.0 };
                 let turned = (exact.rotation - local.rotation * side).to_array().map(f64::abs);
                 let [t, r, s] = worst[joint.index()];
@@ -312,13 +313,13 @@ impl Storage {
     }
 }
 
-/// Where a component stands: a word, or a half of one from a bit on.
-enum Place {
+/// Location of a component: a word, or the half of a word that starts at a bit.
+enum Location {
     Float(usize),
     Half(usize, usize),
 }
 
-/// A block's first word and lanes for a property.
+/// Returns the first word and the lanes of a property in a block.
 pub(super) fn planes(block: &RowBlock, property: Property) -> (u32, u32) {
     match property {
         Property::Rotation => (block.rotation_first, block.rotation_lanes),
@@ -327,16 +328,16 @@ pub(super) fn planes(block: &RowBlock, property: Property) -> (u32, u32) {
     }
 }
 
-/// Per column and property the range of its values. What hardly moves stands still, at rest where
-/// it hardly strays from that.
+/// Returns the range of each column and property. Values that hardly move become constant, at the
+/// rest value if they stay close to it.
 fn ranges(poses: &[Vec<Trs>], judge: &Judge) -> Vec<[Range; 3]> {
     let range = |joint: JointIndex, property: Property| {
         let value = |trs: &Trs| property.of(trs);
         let still = STILL * judge.allowed
             / match property {
                 Property::Translation => 1.0,
-                // A component that is off by one part turns by at most twice as many, and there are
-                // four.
+                // Four components that are each off by `e` add up to a difference of length `2 e`,
+                // which rotates by at most `4 e`.
                 Property::Rotation => 4.0 * judge.reach[joint.index()],
                 Property::Scale => judge.reach[joint.index()],
             };
@@ -356,7 +357,7 @@ fn ranges(poses: &[Vec<Trs>], judge: &Judge) -> Vec<[Range; 3]> {
     judge.skeleton.joints().map(all).collect()
 }
 
-/// The least and the greatest of each component.
+/// Returns minimum and maximum of each component.
 fn bounds(values: impl Iterator<Item = [f32; 4]>) -> [[f32; 4]; 2] {
     let none = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
     values.fold(none, |[low, high], value| {
@@ -367,7 +368,7 @@ fn bounds(values: impl Iterator<Item = [f32; 4]>) -> [[f32; 4]; 2] {
     })
 }
 
-/// Where each block's planes stand in a row, and the row's length, both in words.
+/// Returns the location of each block's planes within a row and the length of a row, both in words.
 fn lay_out(ranges: &[[Range; 3]], floats: &[[bool; 3]]) -> (Vec<RowBlock>, usize) {
     let mut stride = 0u32;
     let mut blocks = vec![RowBlock::STILL; ranges.len().div_ceil(BLOCK)];
@@ -387,14 +388,14 @@ fn lay_out(ranges: &[[Range; 3]], floats: &[[bool; 3]]) -> (Vec<RowBlock>, usize
                 (false, Property::Rotation) => 2 * used,
                 (false, _) => used + used.div_ceil(2),
             };
-            let (first_place, lanes_place) = match property {
+            let (first_word, lanes_word) = match property {
                 Property::Rotation => (&mut block.rotation_first, &mut block.rotation_lanes),
                 Property::Translation => {
                     (&mut block.translation_first, &mut block.translation_lanes)
                 }
                 Property::Scale => (&mut block.scale_first, &mut block.scale_lanes),
             };
-            (*first_place, *lanes_place) = (stride, lanes);
+            (*first_word, *lanes_word) = (stride, lanes);
             stride += words;
         }
     }

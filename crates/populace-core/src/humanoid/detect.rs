@@ -1,4 +1,4 @@
-//! Finding roles by the names of joints.
+//! Detection of roles by joint names.
 
 use super::names::Name;
 use super::schemes::{ALL, Scheme};
@@ -6,9 +6,9 @@ use super::{NEEDED, Role, RoleMap, Side, all_roles};
 use crate::{JointIndex, Skeleton};
 
 impl RoleMap {
-    /// Finds roles by the names of joints: of the namings known, the one by which most roles are
-    /// found. `None` where no naming finds hips, legs with feet, arms and something of a back, each
-    /// hanging where it should.
+    /// Detects roles by joint names. Of all known namings it uses the one that finds the most
+    /// roles. Returns `None` if no naming finds hips, legs with feet, arms and a joint of the back
+    /// or head, each in a valid position of the hierarchy.
     #[must_use]
     pub fn detect(skeleton: &Skeleton) -> Option<Self> {
         let mut best: Option<Self> = None;
@@ -24,13 +24,13 @@ impl RoleMap {
     }
 }
 
-/// The best map that a naming gives: some have several names that could be the hips'.
+/// Returns the best map of a naming: some namings have several candidates for the hips.
 fn by_scheme(skeleton: &Skeleton, scheme: &Scheme) -> Option<RoleMap> {
     let names: Vec<Name> =
         skeleton.joints().map(|j| Name::of(skeleton.name(j), scheme.drop)).collect();
     let maps = candidates(&names, scheme, Role::Hips)
         .into_iter()
-        .map(|hips| below(skeleton, scheme, &names, hips));
+        .map(|hips| assign_roles(skeleton, scheme, &names, hips));
     let mut maps: Vec<RoleMap> = maps.filter(is_humanoid).collect();
     maps.sort_by_key(|map| std::cmp::Reverse(map.joints.len()));
     maps.into_iter().next()
@@ -44,7 +44,7 @@ fn is_humanoid(map: &RoleMap) -> bool {
         && back.into_iter().any(|role| map.joint(role).is_some())
 }
 
-/// The joints whose names could be a role's, the likeliest first.
+/// Returns the joints whose names fit a role, most likely first.
 fn candidates(names: &[Name], scheme: &Scheme, role: Role) -> Vec<JointIndex> {
     matching(names, &scheme.names_of(role), role)
 }
@@ -60,8 +60,8 @@ fn matching(names: &[Name], wanted: &[String], role: Role) -> Vec<JointIndex> {
     wanted.iter().flat_map(named).collect()
 }
 
-/// All roles that hang on these hips as they should.
-fn below(skeleton: &Skeleton, scheme: &Scheme, names: &[Name], hips: JointIndex) -> RoleMap {
+/// Finds all roles below these hips.
+fn assign_roles(skeleton: &Skeleton, scheme: &Scheme, names: &[Name], hips: JointIndex) -> RoleMap {
     let mut map = RoleMap::empty(skeleton, scheme.name);
     map.joints.insert(Role::Hips, hips);
     for role in all_roles().filter(|role| *role != Role::Hips) {

@@ -1,9 +1,8 @@
-//! Names of joints taken apart: the side, and what is left.
+//! Joint names split into the side and the rest.
 
 use super::Side;
 
-/// A joint's name without what tells nothing: lower case, without separators, prefixes and the
-/// side.
+/// A joint's name in lower case, without separators, prefixes and the side.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Name {
     pub(super) side: Option<Side>,
@@ -11,7 +10,7 @@ pub(super) struct Name {
 }
 
 impl Name {
-    /// `drop` are words in front that a naming puts before all its joints.
+    /// Parses a joint's name. `drop` lists the prefix words of a naming, which are removed.
     pub(super) fn of(joint: &str, drop: &[&str]) -> Self {
         // "mixamorig:Hips", "Armature|Hips".
         let bare = joint.rsplit([':', '|']).next().unwrap_or(joint);
@@ -26,7 +25,7 @@ impl Name {
         {
             side = side_of(&words.remove(at));
         } else if let Some((first, rest)) =
-            words.first().and_then(|word| Some((word, written_together(word)?)))
+            words.first().and_then(|word| Some((word, without_side_prefix(word)?)))
         {
             side = side_of(&first[..first.len() - rest.len()]);
             words[0] = rest;
@@ -35,8 +34,8 @@ impl Name {
     }
 }
 
-/// The rest of a word that starts with its side, as in "leftupperarm".
-fn written_together(word: &str) -> Option<String> {
+/// Returns the rest of a word that starts with its side, such as "leftupperarm".
+fn without_side_prefix(word: &str) -> Option<String> {
     let rest = word.strip_prefix("left").or_else(|| word.strip_prefix("right"))?;
     (!rest.is_empty()).then(|| rest.to_owned())
 }
@@ -49,8 +48,9 @@ fn side_of(word: &str) -> Option<Side> {
     }
 }
 
-/// Lower-case words: parted by anything but letters and digits, and before capitals that a small
-/// letter or digit stands before or after, as in "upperLeg" and "LHipJoint".
+/// Splits a name into lower-case words, at anything but letters and digits, and before capitals
+/// that follow a lower-case letter or digit or precede a lower-case letter, as in "upperLeg" and
+/// "LHipJoint".
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let letters: Vec<char> = name.chars().collect();
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sides_and_prefixes_are_taken_off() {
+    fn sides_and_prefixes_are_removed() {
         let left = |joint: &str, drop: &[&str], key: &str| {
             assert_eq!(
                 Name::of(joint, drop),

@@ -1,21 +1,22 @@
-//! How joints are called in widespread rigs.
+//! Joint names of widespread rigs.
 
 use super::{FINGERS, Finger, PHALANGES, Phalanx, Role, Side};
 
-/// The names of one kind of rig. Names have lost sides, separators and capitals; of several for a
-/// role the first found counts.
+/// The joint names of one kind of rig, without sides, separators and capitals. If a role has
+/// several names, the first one found counts.
 pub(super) struct Scheme {
     pub(super) name: &'static str,
-    /// Words in front of all names that say nothing.
+    /// Prefix words of all names.
     pub(super) drop: &'static [&'static str],
-    /// Sided roles stand for both sides.
+    /// Names of each role. Roles of the left side stand for both sides.
     pub(super) names: &'static [(Role, &'static [&'static str])],
     fingers: Option<Fingers>,
-    /// Joints that move as those of their roles do.
+    /// Further joints that follow the joint of their role.
     pub(super) also: &'static [(Role, &'static [&'static str])],
 }
 
-/// Names of fingers, thumb first, and what follows them for each joint, of thumbs and of others.
+/// Names of fingers, thumb first, and the suffixes of their joints, for thumbs and for other
+/// fingers.
 struct Fingers {
     names: [&'static str; 5],
     thumb: [&'static str; 3],
@@ -27,7 +28,7 @@ const NUMBERED: [&str; 3] = ["1", "2", "3"];
 const PADDED: [&str; 3] = ["01", "02", "03"];
 
 impl Scheme {
-    /// The names of a role's joint.
+    /// Returns the names of a role's joint.
     pub(super) fn names_of(&self, role: Role) -> Vec<String> {
         let listed = self.names.iter().find(|(known, _)| *known == role.on(L));
         let mut names: Vec<String> =
@@ -44,11 +45,11 @@ impl Scheme {
     }
 }
 
-/// Where several find as many roles the first counts.
+/// All schemes. If several find the same number of roles, the first counts.
 pub(super) const ALL: [Scheme; 8] =
     [KAYKIT, VRM, MIXAMO, UNREAL, RIGIFY, QUATERNIUS, CMU, POPULACE];
 
-/// KayKit characters: a few joints, and controls beside them.
+/// KayKit characters: few joints, with control joints beside them.
 const KAYKIT: Scheme = Scheme {
     name: "KayKit",
     drop: &[],
@@ -59,7 +60,7 @@ const KAYKIT: Scheme = Scheme {
         (Role::Head, &["head"]),
         (Role::UpperArm(L), &["upperarm"]),
         (Role::LowerArm(L), &["lowerarm"]),
-        // The wrist hardly moves in their clips, the hand does.
+        // The wrist hardly moves in KayKit's clips, the hand does.
         (Role::Hand(L), &["hand", "wrist"]),
         (Role::UpperLeg(L), &["upperleg"]),
         (Role::LowerLeg(L), &["lowerleg"]),
@@ -70,7 +71,7 @@ const KAYKIT: Scheme = Scheme {
     also: &[],
 };
 
-/// VRM 1.0 and 0.x by the names of their bones, and what VRoid Studio calls them.
+/// VRM 1.0 and 0.x by bone names, and the names of VRoid Studio.
 const VRM: Scheme = Scheme {
     name: "VRM",
     drop: &["j", "bip", "adj", "c"],
@@ -143,7 +144,7 @@ const MIXAMO: Scheme = Scheme {
     also: &[],
 };
 
-/// The mannequins of Unreal 4 and 5; the latter have five joints in the back.
+/// The mannequins of Unreal 4 and 5; the latter has five joints in the back.
 const UNREAL: Scheme = Scheme {
     name: "Unreal",
     drop: &[],
@@ -171,7 +172,7 @@ const UNREAL: Scheme = Scheme {
     also: &[],
 };
 
-/// The deforming joints of Blender's Rigify, and rigs named after them.
+/// The deform joints of Blender's Rigify, and rigs named after them.
 const RIGIFY: Scheme = Scheme {
     name: "Rigify",
     drop: &["def", "org"],
@@ -201,7 +202,7 @@ const RIGIFY: Scheme = Scheme {
     also: &[],
 };
 
-/// Characters by Quaternius: feet of some are pulled by targets, and palms have a bone for each
+/// Characters by Quaternius. The feet of some are IK targets, and palms have a bone for each
 /// finger.
 const QUATERNIUS: Scheme = Scheme {
     name: "Quaternius",
@@ -261,7 +262,7 @@ const CMU: Scheme = Scheme {
     also: &[],
 };
 
-/// The people that this project makes by code, on either of their rigs.
+/// The procedural people of this project, on either of their rigs.
 const POPULACE: Scheme = Scheme {
     name: "Populace",
     drop: &[],

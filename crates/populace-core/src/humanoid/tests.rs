@@ -1,9 +1,9 @@
-//! A list of joints of each naming, as such rigs have them.
+//! Skeletons with the joint names of each known naming.
 
 use super::*;
 use crate::{JointSource, Trs};
 
-/// From lines of a name and its children, indented by two spaces for each level.
+/// Builds a skeleton from one line per joint, indented by two spaces per level.
 fn skeleton(tree: &str) -> Skeleton {
     let mut path: Vec<usize> = Vec::new();
     let mut joints = Vec::new();
@@ -17,8 +17,8 @@ fn skeleton(tree: &str) -> Skeleton {
     Skeleton::new(&joints).unwrap()
 }
 
-/// A body of one line for each chain: joints apart by spaces, the first of them in an earlier line
-/// or new. `@` stands for either side, written as `sides` have it.
+/// Builds a body from one chain per line, with joints separated by spaces. The first joint is one
+/// of an earlier line or new. `@` stands for either side, written as in `sides`.
 fn body(chains: &[&str], sides: [&str; 2]) -> Skeleton {
     let mut names: Vec<String> = Vec::new();
     let mut joints: Vec<JointSource> = Vec::new();
@@ -238,7 +238,7 @@ const ODD: [(Role, &str); 7] = [
 ];
 
 #[test]
-fn a_users_own_map_is_taken_or_refused_with_the_reason() {
+fn role_map_from_names_is_checked() {
     let skeleton = odd();
     assert_eq!(RoleMap::detect(&skeleton), None);
     let map = RoleMap::from_names(&skeleton, &ODD).unwrap();
@@ -255,18 +255,18 @@ fn a_users_own_map_is_taken_or_refused_with_the_reason() {
     refused(
         2,
         (Role::LowerLeg(L), "belly"),
-        "joint \"belly\" does not hang on \"thigh_1\", which is leftUpperLeg",
+        "joint \"belly\" is not below \"thigh_1\", which is leftUpperLeg",
     );
     refused(0, (Role::Spine, "belly"), "role hips: no joint is given");
-    refused(3, (Role::Foot(L), "a"), "does not hang on");
-    // A foot may hang elsewhere.
+    refused(3, (Role::Foot(L), "a"), "is not below");
+    // A foot may be detached.
     let mut names = ODD;
     names[3].1 = "belly";
     RoleMap::from_names(&skeleton, &names).unwrap();
 }
 
 #[test]
-fn roles_are_called_as_vrm_calls_them() {
+fn roles_display_their_vrm_names() {
     let names = [
         (Role::UpperChest, "upperChest"),
         (Role::Eye(R), "rightEye"),

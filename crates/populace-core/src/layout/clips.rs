@@ -1,83 +1,105 @@
-//! Clips: their rows, and how they are bound to bodies.
+//! Rows of clips, and their binding to bodies.
 
 use super::*;
 
 device_struct! {
-    /// A clip's rows and where to find the row of a time.
+    /// The rows of a clip, and how to find the row for a time.
     ///
-    /// Of a live clip, which rows come into while it plays, they are a ring after the first row,
-    /// which stays: additive layers measure from it. Rows stand [`row_ticks`](Self::row_ticks)
-    /// apart on the crowd's clock, the newest less than that after the one before it. Devices count
-    /// back from it in whole ticks, so nothing is lost however long the stream goes on.
+    /// A live clip receives rows while it plays. Its rows form a ring behind a fixed first row,
+    /// which additive layers measure from. Rows of the ring are [`row_ticks`](Self::row_ticks)
+    /// apart on the crowd's clock; only the newest may follow sooner. Devices count back from the
+    /// newest row in whole ticks, so precision does not degrade however long the stream runs.
     pub struct ClipRows {
-        /// Live clips: the clock at the newest row.
+        /// Live clips: clock tick of the newest row.
         pub newest_tick: u64,
-        /// Into `rows`, in words: the first row.
+        /// Word offset into `rows`: the first row.
         pub row_first: u32,
         /// Words from one row to the next.
         pub row_stride: u32,
-        /// Rows, at least one; of a live clip those of the ring that have come in.
+        /// Number of rows, at least one. Live clips: rows of the ring received so far.
         pub row_count: u32,
-        /// Into `row_blocks`: one for each block of 16 columns.
+        /// Offset into `row_blocks`: one for each block of 16 columns.
         pub block_first: u32,
-        /// Into `row_times`.
+        /// Offset into `row_times`.
         pub time_first: u32,
-        /// Into `buckets`: for each, a row at or before the bucket's start.
+        /// Offset into `buckets`. Each bucket holds a row at or before the bucket's start.
         pub bucket_first: u32,
-        /// Buckets; 0 where rows are evenly spaced.
+        /// Number of buckets; 0 if rows are evenly spaced.
         pub bucket_count: u32,
         /// Buckets per second.
         pub buckets_per_sec: f32,
         /// Time of the first row on the clip's own axis.
         pub start_secs: f32,
-        /// From the first row to the last.
+        /// Seconds from the first row to the last.
         pub duration_secs: f32,
-        /// Rows per second where they are evenly spaced, else 0.
+        /// Rows per second if they are evenly spaced, else 0.
         pub rows_per_sec: f32,
-        /// Rows of a live clip's ring; 0 for others.
+        /// Capacity of a live clip's ring in rows; 0 for other clips.
         pub ring_rows: u32,
-        /// Live clips: ticks from one row to the next.
+        /// Live clips: ticks between rows.
         pub row_ticks: u32,
-        /// Live clips: the newest row's place in the ring.
+        /// Live clips: index of the newest row in the ring.
         pub newest_row: u32,
-        /// Live clips: ticks from the row before the newest to that, 1 to
+        /// Live clips: ticks from the second newest row to the newest, 1 to
         /// [`row_ticks`](Self::row_ticks).
         pub newest_ticks: u32,
         /// Live clips: 1 divided by [`row_ticks`](Self::row_ticks).
         pub per_row_tick: f32,
         /// Live clips: 1 divided by [`newest_ticks`](Self::newest_ticks).
         pub per_newest_tick: f32,
-        /// Into `motions`: the first row of its root motion.
+        /// Offset into `motions`: the first row of root motion.
         pub motion_first: u32,
-        /// Rows of its root motion; 0 where it has none.
+        /// Number of root-motion rows; 0 if the clip has none.
         pub motion_count: u32,
-        /// Such rows per second.
+        /// Root-motion rows per second.
         pub motion_rows_per_sec: f32,
     }
 }
 
 device_struct! {
-    /// Where in a row a block of 16 columns stands: for each property the first word, or [`NONE`]
-    /// where nothing moves, and the lanes: columns in each plane, with [`ROW_FLOATS`] where planes
-    /// hold floats instead of 16-bit steps.
+    /// Location of a block of 16 columns within a row.
+    ///
+    /// A row is a run of 32-bit words. For each property that moves in the block, planes of words
+    /// follow each other from the property's first word:
+    ///
+    /// | Format | Property | Plane | Words | Lane `i` |
+    /// |---|---|---|---|---|
+    /// | 16-bit | rotation | 0 | `lanes` | word `i`: `x` in bits 0 to 15, `y` in 16 to 31 |
+    /// | 16-bit | rotation | 1 | `lanes` | word `i`: `z` in bits 0 to 15, `w` in 16 to 31 |
+    /// | 16-bit | others | 0 | `lanes` | word `i`: `x` in bits 0 to 15, `y` in 16 to 31 |
+    /// | 16-bit | others | 1 | `lanes / 2` | word `i / 2`: `z`, low half for even `i`, else high |
+    /// | float | rotation | 0 to 3 | 16 each | word `i`: `x`, `y`, `z`, `w` as `f32` |
+    /// | float | others | 0 to 2 | 16 each | word `i`: `x`, `y`, `z` as `f32` |
+    ///
+    /// *Others* are translation and scale; `lanes / 2` is rounded up.
+    ///
+    /// The fields of each property:
+    ///
+    /// | Field | Bits | Content |
+    /// |---|---|---|
+    /// | `*_first` | 0 to 31 | first word within the row, or [`NONE`] if nothing moves |
+    /// | `*_lanes` | 31 | [`ROW_FLOATS`]: the planes hold floats |
+    /// | `*_lanes` | 0 to 30 | columns per plane, up to the last column that moves |
+    ///
+    /// A 16-bit number `n` stands for `offset + step * n`, see [`RANGE_PLANES`].
     pub struct RowBlock {
-        /// First word of the rotations.
+        /// First word of the rotations, or [`NONE`].
         pub rotation_first: u32,
-        /// Columns in each of their planes.
+        /// Columns per rotation plane, and [`ROW_FLOATS`].
         pub rotation_lanes: u32,
-        /// First word of the translations.
+        /// First word of the translations, or [`NONE`].
         pub translation_first: u32,
-        /// Columns in each of their planes.
+        /// Columns per translation plane, and [`ROW_FLOATS`].
         pub translation_lanes: u32,
-        /// First word of the scales.
+        /// First word of the scales, or [`NONE`].
         pub scale_first: u32,
-        /// Columns in each of their planes.
+        /// Columns per scale plane, and [`ROW_FLOATS`].
         pub scale_lanes: u32,
     }
 }
 
 impl RowBlock {
-    /// A block in which nothing moves.
+    /// A block without any moving property.
     pub const STILL: Self = Self {
         rotation_first: NONE,
         rotation_lanes: 0,
@@ -87,7 +109,9 @@ impl RowBlock {
         scale_lanes: 0,
     };
 
-    /// What moves in either block, and whether either holds floats; where it stands is that of one.
+    /// Merges two blocks into one that only tells what moves in either. First words are those of
+    /// one of the two. The lanes of rotation and scale have [`ROW_FLOATS`] if those of either block
+    /// have it; those of translation are taken from one of the two.
     #[must_use]
     pub const fn or_moving(mut self, other: &Self) -> Self {
         if other.rotation_first != NONE {
@@ -109,63 +133,64 @@ impl RowBlock {
 device_struct! {
     /// A clip bound to a body.
     pub struct BoundClip {
-        /// Into `clips`.
+        /// Index into `clips`.
         pub clip: u32,
-        /// Into `joint_maps`: for each joint the clip's column and `MAP_` flags of what its rows
-        /// drive.
+        /// Offset into `joint_maps`: for each joint the clip's column, and `MAP_` flags for the
+        /// properties that the clip's rows drive.
         pub map_first: u32,
-        /// Into `poses`: thirteen planes of what the joints' stored components mean (see
-        /// [`RANGE_PLANES`]).
+        /// Offset into `poses`: the planes of [`RANGE_PLANES`].
         pub range_first: u32,
-        /// Into `bound_blocks`: one for each block of 16 joints of the body.
+        /// Offset into `bound_blocks`: one for each block of 16 joints of the body.
         pub block_first: u32,
-        /// The body it is bound to; [`NONE`] for a turn, which no slot may name.
+        /// The body it is bound to; [`NONE`] for a retarget correction, which slots must not name.
         pub body: u32,
-        /// Into `bound_clips`: the turn that what was sampled goes through next, or [`NONE`]. A
-        /// turn is a bound clip whose ranges are those of [`TURN_PLANES`]; blocks that have no
-        /// [`BLOCK_TURNED`] do not look at it.
+        /// Index into `bound_clips`: the correction that the sampled pose goes through next, or
+        /// [`NONE`]. A correction is a bound clip whose ranges are those of [`TURN_PLANES`]. Blocks
+        /// without [`BLOCK_TURNED`] skip it.
         pub next: u32,
-        /// How far root motion takes the body, in parts of how far it takes that of the clip.
+        /// Scale of root motion: distance moved by the body per distance moved by the clip's
+        /// skeleton.
         pub motion_scale: f32,
-        /// Into `row_blocks`: where in a row the first 16 columns stand.
+        /// Offset into `row_blocks`: where the first 16 columns lie within a row.
         pub row_block_first: u32,
-        /// Into `rows`, in words: where the rows of a turn begin that has its own, one for each of
-        /// the clip's.
+        /// Word offset into `rows`: rows of a correction that has its own, one for each row of the
+        /// clip.
         pub row_first: u32,
-        /// Words from one of these to the next; 0 where the clip's rows are taken.
+        /// Words between rows of the correction; 0 if it uses the clip's rows.
         pub row_stride: u32,
     }
 }
 
 device_struct! {
-    /// Where 16 neighbouring joints of a body find their columns in a clip's rows. The first six
-    /// are those of a
-    /// [`RowBlock`]: where [`BLOCK_STRAIGHT`] is set, of the one that the joints follow; else a first word only tells
-    /// whether anything moves, and lanes whether any of it is held as floats.
+    /// Location of the columns of 16 neighbouring joints of a body within a clip's rows.
+    ///
+    /// The first six fields are those of a [`RowBlock`]. With [`BLOCK_STRAIGHT`] they are those of
+    /// the single block that the joints follow. Otherwise a first word only tells whether anything
+    /// moves, and the lanes only whether any source holds floats.
     pub struct BoundBlock {
-        /// First word of the rotations.
+        /// First word of the rotations, or [`NONE`].
         pub rotation_first: u32,
-        /// Columns in each of their planes.
+        /// Columns per rotation plane, and [`ROW_FLOATS`].
         pub rotation_lanes: u32,
-        /// First word of the translations.
+        /// First word of the translations, or [`NONE`].
         pub translation_first: u32,
-        /// Columns in each of their planes.
+        /// Columns per translation plane, and [`ROW_FLOATS`].
         pub translation_lanes: u32,
-        /// First word of the scales.
+        /// First word of the scales, or [`NONE`].
         pub scale_first: u32,
-        /// Columns in each of their planes.
+        /// Columns per scale plane, and [`ROW_FLOATS`].
         pub scale_lanes: u32,
-        /// [`BLOCK_STRAIGHT`], [`BLOCK_TURNED`], [`REST_TRANSLATION`] and [`REST_SCALE`].
+        /// Bits of [`BLOCK_STRAIGHT`], [`BLOCK_TURNED`], [`REST_TRANSLATION`] and [`REST_SCALE`].
         pub flags: u32,
-        /// Into `sources`.
+        /// Offset into `sources`.
         pub source_first: u32,
-        /// Blocks of the clip that the joints follow; 0 where nothing moves.
+        /// Number of the clip's blocks that the joints follow; 0 if nothing moves.
         pub source_count: u32,
     }
 }
 
 impl BoundBlock {
-    /// Where the columns stand if they stand in one block.
+    /// Returns the location of the columns; valid with [`BLOCK_STRAIGHT`].
     #[inline]
     #[must_use]
     pub const fn rows(&self) -> RowBlock {
@@ -183,10 +208,10 @@ impl BoundBlock {
 device_struct! {
     /// A block of columns that some of 16 neighbouring joints follow.
     pub struct Source {
-        /// Into `row_blocks`.
+        /// Index into `row_blocks`.
         pub block: u32,
-        /// Into `source_lanes`: for each of the 16 joints its lane in the block, or [`NONE`] where
-        /// it follows another.
+        /// Offset into `source_lanes`: for each of the 16 joints its lane in the block, or [`NONE`]
+        /// if it follows another block.
         pub lanes_first: u32,
     }
 }

@@ -1,27 +1,26 @@
-//! Bodies, the members that have them, and what beside clips moves these.
+//! Bodies, members, and the constraint programs that move members besides clips.
 
 use super::*;
 
 device_struct! {
-    /// A body: a skeleton and the palette entries of the meshes on it. Offsets count elements of
-    /// the tables named.
+    /// A body: a skeleton and the palette entries of its meshes.
     pub struct Body {
-        /// Into `parents`.
+        /// Offset into `parents`.
         pub joint_first: u32,
-        /// Joints.
+        /// Number of joints.
         pub joint_count: u32,
-        /// Joints, padded to whole blocks of [`JOINT_BLOCK`].
+        /// Number of joints, padded to whole blocks of [`JOINT_BLOCK`].
         pub padded_count: u32,
-        /// Into `levels`: `level_count + 1` joint indices, the first of each level and the end of
-        /// the last.
+        /// Offset into `levels`: `level_count + 1` joint indices, the first of each level and the
+        /// end of the last.
         pub level_first: u32,
-        /// Levels.
+        /// Number of levels.
         pub level_count: u32,
-        /// Into `poses`: the rest pose, ten planes of `padded_count` floats (see [`POSE_PLANES`]).
+        /// Offset into `poses`: the rest pose, [`POSE_PLANES`] planes of `padded_count` floats.
         pub rest_first: u32,
-        /// Into `entries`.
+        /// Offset into `entries`.
         pub entry_first: u32,
-        /// Palette entries.
+        /// Number of palette entries.
         pub entry_count: u32,
     }
 }
@@ -48,71 +47,84 @@ device_struct! {
 
 device_struct! {
     /// One character of the crowd.
+    ///
+    /// Packed fields:
+    ///
+    /// | Field | Bits | Content |
+    /// |---|---|---|
+    /// | `palette_first` | 20 to 31 | palette page |
+    /// | `palette_first` | 0 to 19 | first palette entry within the page |
+    /// | `layers_and_phase` | 8 to 31 | phase, 0 to [`PHASES_MOST`]` - 1` |
+    /// | `layers_and_phase` | 0 to 7 | layers in use, 1 to [`LAYERS_PER_MEMBER`] |
+    ///
+    /// A page has [`PAGE_ENTRIES`] entries, and [`MEMBER_LAYER_BITS`] bits count layers. The phase
+    /// says when within a frame the member is evaluated: phase 0 if it is attached to nothing, else
+    /// one phase after its parent.
     pub struct Member {
-        /// Into `bodies`, or [`NONE`] for a free place.
+        /// Index into `bodies`, or [`NONE`] for an unused entry.
         pub body: u32,
-        /// Into the joint buffer: the member's first joint, at a whole block.
+        /// Offset into the joint buffer: the member's first joint, at a block boundary.
         pub joint_first: u32,
-        /// The member's first palette entry: page times [`PAGE_ENTRIES`] plus the place within the
-        /// page.
+        /// The member's first palette entry over all pages; see the table above.
         pub palette_first: u32,
-        /// Layers in use, 1 to [`LAYERS_PER_MEMBER`], in the lower [`MEMBER_LAYER_BITS`]; above
-        /// them the phase in which the member is evaluated: 0, or one after that of the member that
-        /// it is attached to.
+        /// Layers in use and phase; see the table above.
         pub layers_and_phase: u32,
-        /// Into `controls`, or [`NONE`] where nothing but clips moves the member.
+        /// Index into `controls`, or [`NONE`] if only clips move the member.
         pub control: u32,
     }
 }
 
 device_struct! {
-    /// What beside clips moves a member, and where it stands.
+    /// The constraint program of a member, and the member's place in the world.
     pub struct Control {
-        /// Where in the world its model space lies: position in metres, and scale.
+        /// `x y z` of the model space's origin in the world, in metres, and the member's scale.
         pub place: Float4,
-        /// Sine and cosine of its heading about +Y: 0 faces +Z, a quarter turn +X.
+        /// Sine and cosine of the heading about +Y, then zeros. Heading 0 faces +Z, a quarter turn
+        /// +X.
         pub facing: Float4,
-        /// Into `steps`.
+        /// Offset into `steps`.
         pub step_first: u32,
-        /// Steps, by joint.
+        /// Number of steps that run during Transform, sorted by joint.
         pub step_count: u32,
-        /// Into `overrides`: those in local space.
+        /// Offset into `overrides`: the overrides in local space.
         pub local_first: u32,
-        /// How many those are.
+        /// Number of overrides in local space.
         pub local_count: u32,
-        /// Changes with whose control this is, so that nobody takes over another's state.
+        /// Identifies the owner. History state with another epoch belongs to an earlier member and
+        /// is ignored.
         pub epoch: u32,
-        /// Into `joint_scales`: a factor for the length of each joint's translation, padded, or
-        /// [`NONE`].
+        /// Offset into `joint_scales`: a length factor for each joint's translation, padded to
+        /// whole blocks, or [`NONE`].
         pub scale_first: u32,
-        /// Steps after those of `step_count`, by joint: users' stages that work on local
-        /// transforms.
+        /// Number of steps after the first `step_count`, sorted by joint: user stages that work on
+        /// local transforms.
         pub pose_step_count: u32,
-        /// The member's place.
+        /// The member's index in `members`.
         pub member: u32,
     }
 }
 
 device_struct! {
-    /// Something to be done on the way down a hierarchy, once a joint's model transform is known.
+    /// One operation of a constraint program, run once the joint's model transform is known.
     pub struct Step {
-        /// The joint.
+        /// The joint that triggers the step.
         pub joint: u32,
-        /// A `STEP_` kind.
+        /// A `STEP_` constant.
         pub kind: u32,
-        /// Into `constraints`, `overrides` or `watched`, or a stage's number, by kind.
+        /// Depends on `kind`: index into `constraints`, `overrides` or watched joints, or number of
+        /// a user stage.
         pub index: u32,
-        /// The first of the member's turns that it writes, or the one that it takes;
-        /// [`STEP_STAGE`]: into `stage_values`;
-        /// [`STEP_ATTACH`]: into `overrides`.
+        /// The first of the member's rotations that the step writes, or the one that it applies.
+        /// [`STEP_STAGE`]: offset into `stage_values`. [`STEP_ATTACH`]: index into `overrides`.
+        /// [`STEP_MOTION`]: epoch of the root motion.
         pub turn: u32,
     }
 }
 
 device_struct! {
-    /// A transform that the host gives a joint.
+    /// A transform that the host sets on a joint.
     pub struct Override {
-        /// `x y z`, and the weight from 0 to 1.
+        /// Translation `x y z`, and the weight from 0 to 1.
         pub translation_and_weight: Float4,
         /// Unit quaternion.
         pub rotation: Float4,
@@ -131,35 +143,44 @@ device_struct! {
 
 device_struct! {
     /// A constraint on a chain of joints.
+    ///
+    /// | Field | `x y z` | `w` |
+    /// |---|---|---|
+    /// | `axis`, gaze | facing of the last joint, in its own space | tangent of maximum yaw |
+    /// | `axis`, limb and foot | bend direction, in the first joint's space | 0 |
+    /// | `front`, gaze | front, in the space of the first joint's parent | tangent of maximum up |
+    /// | `front`, limb | pole direction in model space, or 0 | 1 if there is a pole, else 0 |
+    /// | `up`, gaze | up, in the space of the first joint's parent | tangent of maximum down |
     pub struct Constraint {
-        /// Gaze: where the last joint faces, in its own space, and the tangent of the most to turn
-        /// to either side. Limbs: where the middle joint bends to, in the first joint's space.
+        /// See the table above.
         pub axis: Float4,
-        /// Gaze: the front of the first joint's parent, in that one's space, and the tangent of the
-        /// most to turn up. Limbs: the pole, a direction in model space, and 1 where there is one.
+        /// See the table above.
         pub front: Float4,
-        /// Gaze: up for the first joint's parent, in that one's space, and the tangent of the most
-        /// to turn down. Feet: rest height in metres, the height up to which a foot is planted, the
-        /// one from which it follows the clip alone, and how far it may be held back.
+        /// Gaze: see the table above. Foot, in metres: height of the ankle at rest; height above it
+        /// up to which the foot counts as planted; height above it from which the foot follows only
+        /// the clip; maximum lag behind the clip.
         pub up: Float4,
-        /// Gaze: the most to turn to either side, up, down, in radians. Limbs: the part of the
-        /// length in which the chain straightens, then the constraint's weight.
+        /// Gaze: maximum yaw, pitch up and pitch down, in radians. Limb, chain and foot: fraction
+        /// of the length over which the chain straightens, then the constraint's weight.
         pub limits: Float4,
-        /// Into `links`: the chain, every joint from the first to the last.
+        /// Offset into `links`: the chain, every joint from the first to the last.
         pub link_first: u32,
-        /// Joints of the chain.
+        /// Number of joints of the chain.
         pub link_count: u32,
-        /// Limbs: the link that bends.
+        /// Limb and foot: index of the link that bends.
         pub middle: u32,
-        /// Feet: the link where the leg begins; those before it lead from the pelvis.
+        /// Foot: index of the link where the leg begins; the links before it lead down from the
+        /// pelvis.
         pub upper: u32,
-        /// Into `targets`.
+        /// Offset into `targets`.
         pub target_first: u32,
-        /// Targets; of the first foot, the member's feet.
+        /// Number of targets. Foot: number of the member's feet.
         pub target_count: u32,
-        /// Limbs: 1 where the last joint keeps the rotation that it has without the constraint.
+        /// Limb and foot: 1 if the last joint keeps the rotation that it has without the
+        /// constraint.
         pub keeps_end: u32,
-        /// Of the first foot: 1 where nothing else moves the legs after the pelvis.
+        /// First foot: 1 if no other step moves the legs after the pelvis, so that they are solved
+        /// with it.
         pub at_once: u32,
     }
 }
@@ -169,28 +190,29 @@ device_struct! {
     pub struct Link {
         /// The joint.
         pub joint: u32,
-        /// Its part of a turn that the chain shares.
+        /// Fraction of the chain's total rotation that this joint takes.
         pub share: f32,
     }
 }
 
 device_struct! {
-    /// Something to look at or to reach, with a weight in closed form as that of a slot, eased at
-    /// both ends.
+    /// A target to look at or to reach. Its weight is a closed-form ramp like that of a slot, eased
+    /// at both ends.
     pub struct Target {
-        /// A point in metres, or a direction.
+        /// A point in metres or a direction, by `kind`. [`TARGET_WATCHED`]: offset added in world
+        /// space.
         pub point: Float4,
-        /// The clock when the weight began to move.
+        /// Clock tick at which the weight begins to change.
         pub weight_tick: u64,
         /// Weight at `weight_tick`.
         pub start_weight: f32,
-        /// Weight per second.
+        /// Change of the weight per second.
         pub weight_rate: f32,
-        /// Where the weight stops.
+        /// Weight at which the ramp ends.
         pub end_weight: f32,
-        /// A `TARGET_` kind.
+        /// A `TARGET_` constant.
         pub kind: u32,
-        /// [`TARGET_WATCHED`]: into `watched`; `point` is then added, in world space.
+        /// [`TARGET_WATCHED`]: index of the watched joint.
         pub watched: u32,
         /// Zero.
         pub unused: u32,
@@ -198,25 +220,24 @@ device_struct! {
 }
 
 device_struct! {
-    /// The ground that feet stand on, in world space:
-    /// `height = offset + slope_x * x + slope_z * z`, and on a grid of samples within it what these
-    /// hold besides.
+    /// The ground in world space: `height = offset + slope_x * x + slope_z * z`, plus the
+    /// bilinearly interpolated height of a sample grid if there is one.
     pub struct Ground {
-        /// Metres at the origin.
+        /// Height in metres at the origin.
         pub offset: f32,
         /// Metres per metre along +X.
         pub slope_x: f32,
         /// Metres per metre along +Z.
         pub slope_z: f32,
-        /// Where the grid begins.
+        /// World x of the grid's first sample, in metres.
         pub grid_x: f32,
-        /// Where the grid begins.
+        /// World z of the grid's first sample, in metres.
         pub grid_z: f32,
-        /// Samples per metre; 0 where there is no grid.
+        /// Samples per metre; 0 if there is no grid.
         pub per_metre: f32,
-        /// Samples along +X, which vary fastest.
+        /// Number of samples along +X, which vary fastest.
         pub count_x: u32,
-        /// Samples along +Z.
+        /// Number of samples along +Z.
         pub count_z: u32,
     }
 }

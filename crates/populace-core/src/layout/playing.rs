@@ -1,65 +1,93 @@
-//! What members play: slots, layers and state machines.
+//! Playback: slots, layers and state machines.
 
 use super::*;
 
 device_struct! {
-    /// One playing clip of a member, in closed form: devices evaluate it from the clock and never
+    /// A clip playing on a member, in closed form: devices evaluate it from the clock and never
     /// write it.
     ///
-    /// The phase is a 64-bit fraction of the clip's cycle, `start_phase + elapsed * phase_rate`,
-    /// wrapping: exact for all time, and equal on every device. [`SLOT_ONCE`] is at its end when
-    /// `elapsed * |phase_rate|` fills a cycle, which the upper half of the 128-bit product tells.
+    /// Fields by mode:
+    ///
+    /// | Field | Mode | Bits | Content |
+    /// |---|---|---|---|
+    /// | `start_tick` | all | 0 to 63 | clock tick at which the slot begins |
+    /// | `phase_rate` | loop, once | 0 to 63 | phase per tick, 2^-64 cycles, two's complement |
+    /// | | live | 0 to 63 | delay in ticks |
+    /// | | inertialization | 0 to 31 | `f32`: row of the outgoing clip |
+    /// | | inertialization | 32 to 63 | `f32`: pace of the outgoing clip |
+    /// | `weight_tick` | inertialization | 0 to 31 | `f32`: row of the incoming clip |
+    /// | | inertialization | 32 to 63 | `f32`: pace of the incoming clip |
+    /// | | others | 0 to 63 | clock tick at which the weight begins to change |
+    /// | `start_phase` | loop | 0 to 31 | phase at `start_tick`, 2^-32 cycles |
+    /// | | held | 0 to 31 | `f32`: time on the clip's own axis in seconds |
+    /// | | inertialization | 0 to 31 | incoming clip, index into `bound_clips` |
+    /// | `bound_clip` | machine | 0 | which of the machine's two slots |
+    /// | | machine | 1 to 31 | index into `machine_instances` |
+    /// | | inertialization | 0 to 31 | outgoing clip, index into `bound_clips` |
+    /// | | others | 0 to 31 | index into `bound_clips` |
+    /// | | all | 0 to 31 | [`NONE`]: the slot is empty |
+    /// | `layer_and_mode` | all | 0 to 7 | mode ([`SLOT_MODE_BITS`]) |
+    /// | | all | 8 to 31 | layer |
+    /// | `start_weight` | inertialization | `f32` | share of the outgoing clip in the layer |
+    /// | | others | `f32` | weight before the ramp |
+    /// | `weight_rate` | inertialization | `f32` | change of that share over the duration |
+    /// | | others | `f32` | weight per second |
+    /// | `end_weight` | inertialization | `f32` | 1 / duration in ticks |
+    /// | | others | `f32` | weight after the ramp |
+    ///
+    /// Modes are [`SLOT_LOOP`], [`SLOT_ONCE`], [`SLOT_HELD`], [`SLOT_LIVE`], [`SLOT_MACHINE`] and
+    /// [`SLOT_INERTIALIZATION`]. Fields not listed for a mode are 0. *Row* is fractional. *Pace* is
+    /// the clip's motion over the duration of the inertialization, in multiples of the difference
+    /// between that row and the far row ([`far_row`](crate::far_row)); see [`Slot::left`] and
+    /// [`Slot::taking`].
+    ///
+    /// The phase is a 64-bit fraction of the cycle, `(start_phase << 32) + elapsed * phase_rate`,
+    /// wrapping. It is exact for all time and equal on every device. [`SLOT_ONCE`] ends when
+    /// `elapsed * |phase_rate|` reaches a cycle, that is when the upper half of the 128-bit product
+    /// is not 0. It begins at the clip's start, or at its end if `phase_rate` is negative.
     pub struct Slot {
-        /// The clock when the slot began.
+        /// Clock tick at which the slot begins.
         pub start_tick: u64,
-        /// Phase per tick, in 2^-64 of the clip's length, two's complement: negative plays
-        /// backwards. [`SLOT_LIVE`]: how many ticks ago is shown. [`SLOT_INERTIALIZATION`]: how the
-        /// clip stood when it was left, two floats: in the lower half where in its rows, in the
-        /// upper how many times the way to the far row ([`far_row`](crate::far_row)) it would have
-        /// gone while the slot inertializes.
+        /// Phase per tick in 2^-64 of a cycle, two's complement; a negative rate plays backwards.
+        /// Other modes: see the table above.
         pub phase_rate: u64,
-        /// The clock when the weight began to move. [`SLOT_INERTIALIZATION`]: how the clip stood
-        /// that took this one's place, alike.
+        /// Clock tick at which the weight begins to change. [`SLOT_INERTIALIZATION`]: see the table
+        /// above.
         pub weight_tick: u64,
-        /// [`SLOT_LOOP`]: the phase at `start_tick`, in 2^-32 of the clip's length. [`SLOT_HELD`]: the bits of the
-        /// time that the slot stands at, a single-precision number of seconds on the clip's own
-        /// axis. [`SLOT_ONCE`] begins at the clip's start, or at its end where it plays backwards,
-        /// and has zero here.
-        /// [`SLOT_INERTIALIZATION`]: into `bound_clips`, the clip that took this one's place.
+        /// [`SLOT_LOOP`]: phase at `start_tick` in 2^-32 of a cycle. Other modes: see the table
+        /// above.
         pub start_phase: u32,
-        /// Into `bound_clips`, or [`NONE`] for an empty slot.
+        /// Index into `bound_clips`, or [`NONE`] for an empty slot. [`SLOT_MACHINE`]: see the table
+        /// above.
         pub bound_clip: u32,
-        /// The `SLOT_` mode in the lower [`SLOT_MODE_BITS`], above them the layer that the slot is
-        /// mixed in.
+        /// The `SLOT_` mode in the low [`SLOT_MODE_BITS`], the layer in the bits above.
         pub layer_and_mode: u32,
-        /// Weight up to `weight_tick`. [`SLOT_INERTIALIZATION`]: the clip's part of what the layer
-        /// showed.
+        /// Weight up to `weight_tick`. [`SLOT_INERTIALIZATION`]: see the table above.
         pub start_weight: f32,
-        /// Weight per second; 0 where it is at its end from `weight_tick` on.
-        /// [`SLOT_INERTIALIZATION`]: by how much that part would have changed while the slot
-        /// inertializes.
+        /// Change of the weight per second; 0 if the weight is `end_weight` from `weight_tick` on.
+        /// [`SLOT_INERTIALIZATION`]: see the table above.
         pub weight_rate: f32,
-        /// Where the weight stops. [`SLOT_INERTIALIZATION`]: 1 divided by the ticks that it
-        /// inertializes in.
+        /// Weight at which the ramp ends. [`SLOT_INERTIALIZATION`]: see the table above.
         pub end_weight: f32,
     }
 }
 
 device_struct! {
-    /// A state of a machine, for members of one body: what of a [`Slot`] is the same whenever the
-    /// state is entered.
+    /// A state of a state machine for members of one body: the part of a [`Slot`] that is the same
+    /// each time the state is entered.
     pub struct MachineState {
         /// As [`Slot::phase_rate`].
         pub phase_rate: u64,
         /// As [`Slot::start_phase`].
         pub start_phase: u32,
-        /// Into `bound_clips`.
+        /// Index into `bound_clips`.
         pub bound_clip: u32,
         /// A `SLOT_` mode.
         pub mode: u32,
-        /// Into `transitions`: those that lead out of the state, the first that holds is taken.
+        /// Offset into `transitions`: the outgoing transitions. The first whose conditions hold is
+        /// taken.
         pub transition_first: u32,
-        /// How many those are.
+        /// Number of outgoing transitions.
         pub transition_count: u32,
         /// Zero.
         pub unused: u32,
@@ -67,17 +95,17 @@ device_struct! {
 }
 
 device_struct! {
-    /// A way out of a state.
+    /// A transition out of a state.
     pub struct Transition {
-        /// Into `machine_states`.
+        /// Index into `machine_states`: the state entered.
         pub to: u32,
-        /// Into `conditions`: all must hold.
+        /// Offset into `conditions`; all of them must hold.
         pub condition_first: u32,
-        /// How many those are.
+        /// Number of conditions.
         pub condition_count: u32,
-        /// Ticks that the crossfade takes.
+        /// Duration of the crossfade in ticks.
         pub fade_ticks: u32,
-        /// What the new state's weight rises by in a second; 0 where `fade_ticks` is.
+        /// Weight that the new state gains per second; 0 if `fade_ticks` is 0.
         pub fade_rate: f32,
         /// Zero.
         pub unused: u32,
@@ -85,15 +113,15 @@ device_struct! {
 }
 
 device_struct! {
-    /// What must hold for a transition to be taken.
+    /// A condition of a transition.
     pub struct Condition {
         /// [`CONDITION_AFTER`]: ticks since the state was entered.
         pub ticks: u64,
-        /// A `CONDITION_` kind.
+        /// A `CONDITION_` constant.
         pub kind: u32,
-        /// Which of the machine's parameters.
+        /// Index of the machine's parameter.
         pub parameter: u32,
-        /// What it is compared with.
+        /// Value that the parameter is compared with.
         pub value: f32,
         /// Zero.
         pub unused: u32,
@@ -101,38 +129,39 @@ device_struct! {
 }
 
 device_struct! {
-    /// A state machine that a member runs.
+    /// A state machine that runs on a member.
     pub struct MachineInstance {
-        /// The clock when it began.
+        /// Clock tick at which it began.
         pub start_tick: u64,
-        /// Into `machine_states`: the state that it begins in, or [`NONE`] for a free place.
+        /// Index into `machine_states`: the initial state, or [`NONE`] for an unused entry.
         pub state: u32,
-        /// Changes with whose machine instance this is, so that nobody goes on in another's state;
-        /// never 0.
+        /// Identifies the owner; never 0. A [`Running`] with another epoch belongs to an earlier
+        /// owner and is ignored.
         pub epoch: u32,
     }
 }
 
 device_struct! {
-    /// Where a [`MachineInstance`] is: written by devices once a frame, and as whole ticks and
-    /// comparisons alone lead there, the same on all of them.
+    /// The current state of a [`MachineInstance`], written by devices once per frame. It results
+    /// from whole ticks and comparisons only, so it is the same on all devices.
     pub struct Running {
-        /// The clock when the state was entered.
+        /// Clock tick at which the current state was entered.
         pub entry_tick: u64,
-        /// The clock when the state before was.
+        /// Clock tick at which the previous state was entered.
         pub previous_tick: u64,
-        /// Into `machine_states`.
+        /// Index into `machine_states`: the current state.
         pub state: u32,
-        /// The state before, which fades out; [`NONE`] in the first.
+        /// Index into `machine_states`: the previous state, which fades out; [`NONE`] in the
+        /// initial state.
         pub previous: u32,
-        /// Which of the machine instance's two slots plays the state, 0 or 1; the other plays the
-        /// one before.
+        /// Which of the machine's two slots plays the current state, 0 or 1; the other slot plays
+        /// the previous state.
         pub which: u32,
-        /// Ticks that the crossfade from the one before takes.
+        /// Duration in ticks of the crossfade from the previous state.
         pub fade_ticks: u32,
-        /// What the state's weight rises by in a second.
+        /// Weight that the current state gains per second.
         pub fade_rate: f32,
-        /// That of the machine instance when this was written; another one's starts anew.
+        /// [`MachineInstance::epoch`] at the time of writing. If it differs, the machine restarts.
         pub epoch: u32,
         /// Zero.
         pub unused0: u32,
@@ -144,25 +173,25 @@ device_struct! {
 device_struct! {
     /// One layer of a member.
     pub struct Layer {
-        /// From 0 to 1; not looked at in layer 0.
+        /// Weight from 0 to 1; ignored for layer 0.
         pub weight: f32,
-        /// [`LAYER_ADDITIVE`] or not, and in the bits of [`LAYER_MASK`] where in `masks` a weight
-        /// per joint stands, or all of them for all joints.
+        /// Bit 31: [`LAYER_ADDITIVE`]. Bits 0 to 30 ([`LAYER_MASK`]): offset into `masks` of a
+        /// weight per joint; all bits set means all joints.
         pub mask_and_mode: u32,
     }
 }
 
 device_struct! {
-    /// What the evaluate stage finds for one slot: two neighbouring rows, how far between them, and
-    /// the weight.
+    /// Result of the Evaluate stage for one slot: two neighbouring rows, the position between them,
+    /// and the weight.
     pub struct SlotSample {
-        /// Into `rows`, in words.
+        /// Word offset into `rows`: the row at or before the time.
         pub row0: u32,
-        /// Into `rows`, in words.
+        /// Word offset into `rows`: the row after it.
         pub row1: u32,
-        /// 0 at `row0`, 1 at `row1`.
+        /// Position between the rows: 0 at `row0`, 1 at `row1`.
         pub between: f32,
-        /// The slot's weight now; 0 where the slot is empty.
+        /// The slot's current weight; 0 if the slot is empty.
         pub weight: f32,
     }
 }

@@ -1,9 +1,9 @@
-//! Affine transforms as three rows of four; the twin of `kernels/affine.cl`.
+//! Affine transforms as three rows of four; twin of `kernels/affine.cl`.
 
 use super::{Real, Trs};
 
-/// The twelve elements, row by row, of the matrix of translation times rotation times scale (glTF
-/// 2.0, section 3.5.3).
+/// Returns the twelve elements, row by row, of the matrix of translation times rotation times scale
+/// (glTF 2.0, section 3.5.3).
 #[inline(always)]
 #[must_use]
 pub fn components<R: Real>(t: [R; 3], [x, y, z, w]: [R; 4], s: [R; 3]) -> [R; 12] {
@@ -33,7 +33,7 @@ pub struct Affine {
 }
 
 impl Affine {
-    /// The transform that changes nothing.
+    /// The identity transform.
     pub const IDENTITY: Self =
         Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
@@ -46,7 +46,7 @@ impl Affine {
         Self { rows: [[a, b, c, d], [e, f, g, h], [i, j, k, l]] }
     }
 
-    /// `self * other`: applies `other` first.
+    /// Composes two transforms, `self * other`: `other` is applied first.
     #[inline]
     #[must_use]
     pub fn mul(&self, other: &Self) -> Self {
@@ -62,28 +62,28 @@ impl Affine {
         Self { rows: [row(self.rows[0]), row(self.rows[1]), row(self.rows[2])] }
     }
 
-    /// The image of a point.
+    /// Transforms a point.
     #[inline]
     #[must_use]
     pub fn transform_point(&self, p: [f32; 3]) -> [f32; 3] {
         self.rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
     }
 
-    /// Where the origin goes.
+    /// Returns the image of the origin.
     #[inline]
     #[must_use]
     pub fn origin(&self) -> [f32; 3] {
         self.rows.map(|r| r[3])
     }
 
-    /// The image of a direction, with its length changed as by the transform.
+    /// Transforms a direction; its length changes with the transform's scale.
     #[inline]
     #[must_use]
     pub fn transform_vector(&self, v: [f32; 3]) -> [f32; 3] {
         self.rows.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2])
     }
 
-    /// Turned by a unit quaternion about its own origin, which stays where it is.
+    /// Rotates the transform by a unit quaternion about its own origin, which stays in place.
     #[inline]
     #[must_use]
     pub fn turned(&self, turn: [f32; 4]) -> Self {
@@ -96,15 +96,15 @@ impl Affine {
         Self { rows }
     }
 
-    /// The sixteen elements of the 4x4 matrix, column-major, as OpenGL and glTF write them.
+    /// Returns the sixteen elements of the 4x4 matrix, column-major, as in OpenGL and glTF.
     #[must_use]
     pub fn to_cols_array(&self) -> [f32; 16] {
         let [a, b, c] = self.rows;
         [a[0], b[0], c[0], 0.0, a[1], b[1], c[1], 0.0, a[2], b[2], c[2], 0.0, a[3], b[3], c[3], 1.0]
     }
 
-    /// Builds from the sixteen elements of a 4x4 matrix, column-major; the fourth row is not looked
-    /// at.
+    /// Builds a transform from the sixteen elements of a 4x4 matrix, column-major. The fourth row
+    /// is ignored.
     #[must_use]
     pub fn from_cols_array(m: &[f32; 16]) -> Self {
         Self {
@@ -116,7 +116,7 @@ impl Affine {
         }
     }
 
-    /// Whether every element is finite.
+    /// Returns whether every element is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.rows.iter().flatten().all(|v| v.is_finite())

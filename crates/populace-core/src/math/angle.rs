@@ -1,4 +1,4 @@
-//! Angles by `+ - * /` alone, so that every device rounds them alike; the twin of
+//! Angles computed with `+ - * /` only, so that every device rounds them the same; twin of
 //! `kernels/angle.cl`.
 
 /// Half a turn in radians.
@@ -6,9 +6,9 @@ pub const HALF_TURN: f32 = std::f32::consts::PI;
 /// A quarter of a turn.
 const QUARTER: f32 = std::f32::consts::FRAC_PI_2;
 
-/// The angle from +X towards +Y of a vector in the plane, from -pi to pi, within 1e-6; 0 for a
-/// vector of no length. By `atan(a) = atan(1/2) + atan((a - 1/2) / (1 + a/2))` the series is needed
-/// for a third at most.
+/// Returns the angle from +X towards +Y of a vector in the plane, from -pi to pi, within 1e-6; 0
+/// for a vector of length 0. With `atan(a) = atan(1/2) + atan((a - 1/2) / (1 + a/2))` the series is
+/// evaluated for arguments of at most a third.
 #[inline]
 #[must_use]
 pub fn of(y: f32, x: f32) -> f32 {
@@ -30,11 +30,11 @@ pub fn of(y: f32, x: f32) -> f32 {
     if y < 0.0 { -right } else { right }
 }
 
-/// Sine and cosine of an angle from -pi to pi, within 1e-6.
+/// Returns sine and cosine of an angle from -pi to pi, within 1e-6.
 #[inline]
 #[must_use]
 pub fn sin_cos(angle: f32) -> (f32, f32) {
-    // By the angle's half the series stay within a quarter of a turn.
+    // With half the angle the arguments of the series are at most a quarter turn.
     let x = 0.5 * angle;
     let s = x * x;
     let sin = x
@@ -56,9 +56,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_are_what_the_standard_library_says() {
+    fn angles_agree_with_the_standard_library() {
         let mut worst: f64 = 0.0;
-        // Half a turn either way is the same.
+        // Half a turn is left out: both signs are correct there.
         for step in -9_999..=9_999_i16 {
             let angle = f64::from(step) / 10_000.0 * std::f64::consts::PI;
             #[expect(clippy::cast_possible_truncation, reason = "to the nearest")]

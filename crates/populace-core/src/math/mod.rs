@@ -1,9 +1,11 @@
-//! The arithmetic of the stages in single precision.
+//! Single-precision arithmetic of the stages.
 //!
-//! Functions that the kernels need have a twin in the OpenCL C sources with the same order of
-//! operations, so that devices agree bit for bit wherever `+ - *` and copies decide, and within the
-//! rounding of `/` elsewhere. Names there carry the module's name where OpenCL C has no modules:
-//! `quat::mul` is `quat_mul`.
+//! Functions that kernels need have a twin in the OpenCL C sources with the same order of
+//! operations. Devices therefore agree bit for bit wherever only `+ - *` and copies are used, and
+//! within the rounding of `/` elsewhere. Most twins carry the module's name: `quat::mul` is
+//! `quat_mul`, `vec3::add` is `vec3_add`. Exceptions are `vec3::root` (`square_root`),
+//! `vec3::between` (`turn_between`), `vec3::turned` (`quat_turned`), `vec3::part_of` (`quat_part`),
+//! `vec3::part_as_told` (`quat_part_as_told`) and `angle::sin_cos` (`sin_cos`).
 
 pub mod affine;
 pub mod angle;
@@ -32,13 +34,14 @@ impl Trs {
     pub const IDENTITY: Self =
         Self { translation: [0.0; 3], rotation: [0.0, 0.0, 0.0, 1.0], scale: [1.0, 1.0, 1.0] };
 
-    /// Whether every component is finite.
+    /// Returns whether every component is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.translation.iter().chain(&self.rotation).chain(&self.scale).all(|v| v.is_finite())
     }
 
-    /// Whether translations are at most [`LARGEST`] in size and scales at most [`LARGEST_SCALE`].
+    /// Returns whether no translation exceeds [`LARGEST`] and no scale exceeds [`LARGEST_SCALE`] in
+    /// magnitude.
     #[must_use]
     pub fn is_bounded(&self) -> bool {
         let within = |values: &[f32; 3], largest: f32| values.iter().all(|v| v.abs() <= largest);
@@ -46,9 +49,10 @@ impl Trs {
     }
 }
 
-/// The largest size of a number that calls take, such as a coordinate in metres: products of
-/// several stay within single precision.
+/// Maximum magnitude of a number passed to the library, such as a coordinate in metres. Products of
+/// several such numbers stay within single precision.
 pub const LARGEST: f32 = 1e9;
 
-/// The largest scale factor that calls take; a member's own scale is at least 1 part of it.
+/// Maximum scale factor passed to the library. A member's own scale must also be at least `1 /
+/// LARGEST_SCALE`.
 pub const LARGEST_SCALE: f32 = 1e4;

@@ -1,15 +1,15 @@
-//! Unit quaternions as `[x, y, z, w]`; the twin of `kernels/quat.cl`.
+//! Unit quaternions as `[x, y, z, w]`; twin of `kernels/quat.cl`.
 
 use super::Real;
 
-/// The rotation that changes nothing.
+/// The identity rotation.
 #[inline(always)]
 #[must_use]
 pub fn identity<R: Real>() -> [R; 4] {
     [R::splat(0.0), R::splat(0.0), R::splat(0.0), R::splat(1.0)]
 }
 
-/// Sum of the products of the components.
+/// Dot product.
 #[inline(always)]
 #[must_use]
 pub fn dot<R: Real>(a: [R; 4], b: [R; 4]) -> R {
@@ -23,21 +23,21 @@ pub fn scale<R: Real>(a: [R; 4], k: R) -> [R; 4] {
     [a[0] * k, a[1] * k, a[2] * k, a[3] * k]
 }
 
-/// The sum, component by component.
+/// Sum of the components.
 #[inline(always)]
 #[must_use]
 pub fn add<R: Real>(a: [R; 4], b: [R; 4]) -> [R; 4] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
 }
 
-/// `a + (b - a) * t`, component by component, not normalised.
+/// Interpolates linearly: `a + (b - a) * t`, not normalised.
 #[inline(always)]
 #[must_use]
 pub fn mix<R: Real>(a: [R; 4], b: [R; 4], t: R) -> [R; 4] {
     [a[0].mix(b[0], t), a[1].mix(b[1], t), a[2].mix(b[2], t), a[3].mix(b[3], t)]
 }
 
-/// `a` where chosen, else `b`.
+/// Returns `a` where `which` is true, else `b`.
 #[inline(always)]
 #[must_use]
 pub fn choose<R: Real>(which: R::Choice, a: [R; 4], b: [R; 4]) -> [R; 4] {
@@ -45,7 +45,7 @@ pub fn choose<R: Real>(which: R::Choice, a: [R; 4], b: [R; 4]) -> [R; 4] {
     [one(0), one(1), one(2), one(3)]
 }
 
-/// `a` divided by its length, or `fallback` where the length is too small to divide by.
+/// Returns `a` divided by its length, or `fallback` if the length is too small to divide by.
 #[inline(always)]
 #[must_use]
 pub fn normalize_or<R: Real>(a: [R; 4], fallback: [R; 4]) -> [R; 4] {
@@ -54,14 +54,14 @@ pub fn normalize_or<R: Real>(a: [R; 4], fallback: [R; 4]) -> [R; 4] {
     choose::<R>(long, scale(a, length_squared.inverse_sqrt()), fallback)
 }
 
-/// 1 or -1: the sign that turns `a` to the half-space of `towards`.
+/// Returns the sign, 1 or -1, that brings `a` into the hemisphere of `towards`.
 #[inline(always)]
 #[must_use]
 pub fn side<R: Real>(a: [R; 4], towards: [R; 4]) -> R {
     R::choose(dot(a, towards).less(R::splat(0.0)), R::splat(-1.0), R::splat(1.0))
 }
 
-/// `a` or `-a`, whichever lies in the half-space of `towards`. Both stand for the same rotation.
+/// Returns `a` or `-a`, whichever is in the hemisphere of `towards`. Both are the same rotation.
 #[inline(always)]
 #[must_use]
 pub fn hemisphere<R: Real>(a: [R; 4], towards: [R; 4]) -> [R; 4] {
@@ -75,7 +75,7 @@ pub fn conjugate<R: Real>(a: [R; 4]) -> [R; 4] {
     [-a[0], -a[1], -a[2], a[3]]
 }
 
-/// The rotation that applies `b` first, then `a`.
+/// Composes two rotations: `b` is applied first, then `a`.
 #[inline(always)]
 #[must_use]
 pub fn mul<R: Real>(a: [R; 4], b: [R; 4]) -> [R; 4] {

@@ -1,12 +1,12 @@
-//! What the stages compute with: one `f32`, or several side by side.
+//! The number type of the stages: one `f32`, or several lanes.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A number, or several that go through the same arithmetic: one for each of several joints.
+/// A number, or several lanes that go through the same arithmetic, such as one per joint.
 ///
 /// The stages are written once for any `Real`, in `populace-native`, and once in OpenCL C, in the
-/// same order of operations. They use no function beyond `+ - * /`, so that devices that round
-/// quotients correctly agree bit for bit.
+/// same order of operations. They use only `+ - * /`, so that devices that round quotients
+/// correctly agree bit for bit.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -15,26 +15,26 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// The answer of a comparison, for each number.
+    /// Result of a comparison, for each lane.
     type Choice: Copy;
 
-    /// The same number everywhere.
+    /// Sets all lanes to the same number.
     fn splat(value: f32) -> Self;
 
-    /// Where `self` is below `other`.
+    /// Returns for each lane whether `self` is below `other`.
     fn less(self, other: Self) -> Self::Choice;
 
-    /// `a` where chosen, else `b`.
+    /// Returns `a` for lanes where `which` is true, else `b`.
     fn choose(which: Self::Choice, a: Self, b: Self) -> Self;
 
-    /// A first guess of `1 / sqrt(self)`, within 3.5%, from the bits: half the exponent, turned
-    /// around.
+    /// Returns an estimate of `1 / sqrt(self)` from the bits, by halving and negating the exponent;
+    /// within 3.5%.
     #[must_use]
     fn inverse_sqrt_guess(self) -> Self;
 
-    /// `1 / sqrt(self)` within three units in the last place, by `+ - *` alone: a guess and three
-    /// steps of Newton's method. Every device rounds it alike, and it costs a CPU less than a root
-    /// and a quotient. `self` is positive and normal.
+    /// Returns `1 / sqrt(self)` within three units in the last place, with `+ - *` only: an
+    /// estimate and three steps of Newton's method. Every device rounds it the same, and a CPU
+    /// computes it faster than a root and a quotient. `self` must be positive and normal.
     #[inline(always)]
     #[must_use]
     fn inverse_sqrt(self) -> Self {
@@ -43,7 +43,7 @@ pub trait Real:
         step(step(step(self.inverse_sqrt_guess())))
     }
 
-    /// `self` at `t = 0`, moving towards `to` as `t` grows: `self + (to - self) * t`.
+    /// Interpolates linearly: `self + (to - self) * t`.
     #[inline(always)]
     #[must_use]
     fn mix(self, to: Self, t: Self) -> Self {
@@ -51,8 +51,8 @@ pub trait Real:
     }
 }
 
-/// The magic number of [`Real::inverse_sqrt_guess`]: it halves and turns around the exponent's
-/// bias, and balances the error.
+/// The magic number of [`Real::inverse_sqrt_guess`]: it corrects the exponent's bias and balances
+/// the error.
 pub const INVERSE_SQRT_BITS: u32 = 0x5f37_59df;
 
 impl Real for f32 {
@@ -84,9 +84,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_inverse_root_is_within_three_units_in_the_last_place() {
+    fn inverse_sqrt_is_within_three_units_in_the_last_place() {
         let mut worst: f64 = 0.0;
-        // A float for each of 100,000 steps over all exponents that squares of lengths can have.
+        // Every 11,113th float over all exponents that squared lengths can have.
         for bits in (1e-20f32.to_bits()..1e20f32.to_bits()).step_by(11_113) {
             let x = f32::from_bits(bits);
             let exact = 1.0 / f64::from(x).sqrt();

@@ -1,35 +1,36 @@
-//! Vectors of three components, and the rotations between them; the twin of `kernels/turn.cl`.
+//! Vectors of three components, and rotations between them; twin of the `vec3_` functions of
+//! `kernels/quat.cl` for lanes, and of `kernels/turn.cl` for single vectors.
 
 use super::{Real, quat};
 
 /// A vector.
 pub type Vec3<R = f32> = [R; 3];
 
-/// Below this a squared length counts as none.
+/// Squared lengths up to this count as zero.
 const TINY: f32 = 1e-20;
 
-/// The sum of the products of the components.
+/// Dot product.
 #[inline(always)]
 #[must_use]
 pub fn dot<R: Real>(a: Vec3<R>, b: Vec3<R>) -> R {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The vector at a right angle to both.
+/// Cross product.
 #[inline(always)]
 #[must_use]
 pub fn cross<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The sum.
+/// Sum.
 #[inline(always)]
 #[must_use]
 pub fn add<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// What leads from `b` to `a`.
+/// Difference `a - b`.
 #[inline(always)]
 #[must_use]
 pub fn sub<R: Real>(a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
@@ -50,28 +51,28 @@ pub fn add_scaled<R: Real>(a: Vec3<R>, b: Vec3<R>, k: R) -> Vec3<R> {
     [a[0] + b[0] * k, a[1] + b[1] * k, a[2] + b[2] * k]
 }
 
-/// `a` where chosen, else `b`.
+/// Returns `a` where `which` is true, else `b`.
 #[inline(always)]
 #[must_use]
 pub fn choose<R: Real>(which: R::Choice, a: Vec3<R>, b: Vec3<R>) -> Vec3<R> {
     [R::choose(which, a[0], b[0]), R::choose(which, a[1], b[1]), R::choose(which, a[2], b[2])]
 }
 
-/// The square root of what is not negative, by [`Real::inverse_sqrt`]: 0 below 1e-20.
+/// Square root by [`Real::inverse_sqrt`]; 0 up to 1e-20. `x` must not be negative.
 #[inline(always)]
 #[must_use]
 pub fn root<R: Real>(x: R) -> R {
     R::choose(R::splat(TINY).less(x), x * x.inverse_sqrt(), R::splat(0.0))
 }
 
-/// The length.
+/// Length.
 #[inline(always)]
 #[must_use]
 pub fn length<R: Real>(a: Vec3<R>) -> R {
     root(dot(a, a))
 }
 
-/// `a` divided by its length, or `fallback` where it has none.
+/// Returns `a` divided by its length, or `fallback` if the length is zero.
 #[inline(always)]
 #[must_use]
 pub fn unit_or<R: Real>(a: Vec3<R>, fallback: Vec3<R>) -> Vec3<R> {
@@ -79,14 +80,14 @@ pub fn unit_or<R: Real>(a: Vec3<R>, fallback: Vec3<R>) -> Vec3<R> {
     choose::<R>(R::splat(TINY).less(squared), scale(a, squared.inverse_sqrt()), fallback)
 }
 
-/// `a` less its part along the unit vector `axis`.
+/// Returns `a` minus its component along the unit vector `axis`.
 #[inline(always)]
 #[must_use]
 pub fn across<R: Real>(a: Vec3<R>, axis: Vec3<R>) -> Vec3<R> {
     add_scaled(a, axis, -dot(a, axis))
 }
 
-/// `v` turned by a unit quaternion.
+/// Rotates `v` by a unit quaternion.
 #[inline(always)]
 #[must_use]
 pub fn turned<R: Real>(q: [R; 4], v: Vec3<R>) -> Vec3<R> {
@@ -95,8 +96,8 @@ pub fn turned<R: Real>(q: [R; 4], v: Vec3<R>) -> Vec3<R> {
     add(add_scaled(v, twice, q[3]), cross(axis, twice))
 }
 
-/// The shortest turn that takes one unit vector to another. Where they are opposite it is half a
-/// turn about an axis at a right angle to both, the nearest to `about`.
+/// Returns the shortest rotation from one unit vector to another. For opposite vectors it is half a
+/// turn about the axis perpendicular to both that is nearest to `about`.
 #[inline]
 #[must_use]
 pub fn between(from: Vec3, to: Vec3, about: Vec3) -> [f32; 4] {
@@ -108,7 +109,7 @@ pub fn between(from: Vec3, to: Vec3, about: Vec3) -> [f32; 4] {
     [x, y, z, 0.0]
 }
 
-/// A unit vector at a right angle to a unit vector.
+/// Returns a unit vector perpendicular to a unit vector.
 #[inline]
 #[must_use]
 pub fn any_across(a: Vec3) -> Vec3 {
@@ -116,14 +117,15 @@ pub fn any_across(a: Vec3) -> Vec3 {
     unit_or(across(along, a), [0.0, 0.0, 1.0])
 }
 
-/// A turn taken in part, the short way: `k` of 0 turns nothing, 1 turns it all.
+/// Scales a rotation along the shorter arc: `k` of 0 gives the identity, 1 the whole rotation.
 #[inline(always)]
 #[must_use]
 pub fn part_of<R: Real>(turn: [R; 4], k: R) -> [R; 4] {
     part_as_told(quat::hemisphere(turn, quat::identity()), k)
 }
 
-/// A turn taken in part, the way that its sign tells: beyond half a turn where its `w` is below 0.
+/// Scales a rotation along the arc given by its sign, which is longer than half a turn if `w` is
+/// negative.
 #[inline(always)]
 #[must_use]
 pub fn part_as_told<R: Real>(turn: [R; 4], k: R) -> [R; 4] {
@@ -135,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shortest_turn_takes_one_vector_to_the_other_even_where_they_are_opposite() {
+    fn shortest_rotation_maps_one_vector_to_the_other() {
         let unit = |v: Vec3| unit_or(v, [0.0; 3]);
         let vectors = [
             [1.0, 2.0, 3.0],

@@ -1,27 +1,28 @@
-//! What is left of a clip once another has taken its place at once: how the two differed, in pose
-//! and in speed, which decays by itself (Bollo, "Inertialization: high-performance animation
-//! transitions in Gears of War", GDC 2018).
+//! Inertialization: the difference in pose and velocity between an outgoing clip and the clip that
+//! replaces it at once, which then decays by itself (Bollo, "Inertialization: high-performance
+//! animation transitions in Gears of War", GDC 2018).
 
 use super::TICKS_PER_SEC;
 use crate::Tables;
 use crate::layout::{ClipRows, NONE, SLOT_HELD, SLOT_INERTIALIZATION, SLOT_LOOP, SLOT_ONCE, Slot};
 
-/// Rows nearer to each other than this are a step of the clip, over which it has no speed.
+/// Rows closer together than this are a step of the clip, over which no velocity is defined.
 const STEP_SECS: f32 = 1e-3;
 
-/// How a clip stands at one instant: where in its rows, and how fast it moves.
+/// The sampled state of a clip at one instant: its row and its pace.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampledState {
-    /// Into `bound_clips`.
+    /// Index into `bound_clips`.
     pub bound_clip: u32,
-    /// The row at or before it, and how far it is to the next.
+    /// Fractional row: the row at or before the sampled time, plus the fraction of the way to the
+    /// next.
     pub row: f32,
-    /// How many times the way from there to the [`far_row`] it goes in a second.
+    /// Rate per second in units of the difference between `row` and the [`far_row`].
     pub pace: f32,
 }
 
-/// The row that a clip's speed is measured towards: the end of the gap between rows that is not the
-/// nearer one. The twin of `far_row` in `kernels/inertialize.cl`.
+/// Returns the row that a clip's velocity is measured towards: of the two rows around `at`, the one
+/// further away. Twin of `far_row` in `kernels/inertialize.cl`.
 #[inline]
 #[must_use]
 pub fn far_row(at: f32, last: u32) -> u32 {
@@ -33,38 +34,39 @@ pub fn far_row(at: f32, last: u32) -> u32 {
     }
 }
 
-/// The row at or before a place in a clip's rows.
+/// Returns the row at or before the fractional row `at`.
 #[inline]
 #[must_use]
 pub fn row_before(at: f32, last: u32) -> u32 {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "cut off on purpose"
+        reason = "truncation is intended"
     )]
     let row = at as u32;
     row.min(last)
 }
 
 impl Slot {
-    /// A slot of which only that remains in which it differed, at `tick`, from what then took its
-    /// place, decaying in so many ticks, at least one. `share` is its part of what the layer
-    /// showed, and how that changed in a second; the parts of all that are left at once make 1, and
-    /// in an additive layer what they weighed in all.
+    /// Creates a slot that holds the difference at `tick` between an outgoing clip and the incoming
+    /// clip that replaces it. The difference decays in `ticks`, at least 1. `share` is the weight
+    /// of the outgoing clip in the layer's mix, and the change of that weight per second. The
+    /// shares of all clips that are replaced at once sum to 1, in an additive layer to their total
+    /// weight.
     #[must_use]
     pub fn inertialization(
         tick: u64,
         ticks: u64,
-        [left, taking]: [SampledState; 2],
+        [outgoing, incoming]: [SampledState; 2],
         share: [f32; 2],
     ) -> Self {
         let secs = secs_of(ticks);
         Self {
             start_tick: tick,
-            phase_rate: pair(left.row, left.pace * secs),
-            weight_tick: pair(taking.row, taking.pace * secs),
-            start_phase: taking.bound_clip,
-            bound_clip: left.bound_clip,
+            phase_rate: pack(outgoing.row, outgoing.pace * secs),
+            weight_tick: pack(incoming.row, incoming.pace * secs),
+            start_phase: incoming.bound_clip,
+            bound_clip: outgoing.bound_clip,
             layer_and_mode: SLOT_INERTIALIZATION,
             start_weight: share[0],
             weight_rate: share[1] * secs,
@@ -72,40 +74,40 @@ impl Slot {
         }
     }
 
-    /// Lets a slot of [`SLOT_INERTIALIZATION`] inertialize into another clip from the same tick on,
-    /// in so many ticks: what first took its place was never seen.
-    pub fn inertialize_into(&mut self, taking: SampledState, ticks: u64) {
-        let (left, before) = (self.left(), secs_of(1) / self.end_weight);
-        let left = SampledState { pace: left.pace / before, ..left };
+    /// Changes the incoming clip and the duration of a slot of [`SLOT_INERTIALIZATION`] whose
+    /// incoming clip has never been evaluated. The start tick stays.
+    pub fn inertialize_into(&mut self, incoming: SampledState, ticks: u64) {
+        let (outgoing, before) = (self.left(), secs_of(1) / self.end_weight);
+        let outgoing = SampledState { pace: outgoing.pace / before, ..outgoing };
         let share = [self.start_weight, self.weight_rate / before];
-        *self = Self::inertialization(self.start_tick, ticks, [left, taking], share)
+        *self = Self::inertialization(self.start_tick, ticks, [outgoing, incoming], share)
             .on_layer(self.layer());
     }
 
-    /// Whether its clip runs by the clock alone and can inertialize: it loops, plays once or is
-    /// held.
+    /// Returns whether the slot's clip is a function of the clock alone and can be inertialized: it
+    /// loops, plays once or is held.
     #[inline]
     #[must_use]
     pub const fn can_inertialize(&self) -> bool {
         matches!(self.mode(), SLOT_LOOP | SLOT_ONCE | SLOT_HELD)
     }
 
-    /// Whether it is of [`SLOT_INERTIALIZATION`]: nothing but a decaying difference.
+    /// Returns whether the slot is an inertialization slot.
     #[inline]
     #[must_use]
     pub const fn is_inertialization(&self) -> bool {
         self.mode() == SLOT_INERTIALIZATION
     }
 
-    /// Of [`SLOT_INERTIALIZATION`]: how much of its time has passed; from 1 on nothing is left, nor
-    /// before its start. The twin of `slot_inertialized` in `kernels/slot.cl`.
+    /// The elapsed fraction of an inertialization slot's duration. The slot has no effect from 1
+    /// on, nor before its start. Twin of `slot_inertialized` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub const fn inertialized_at(&self, tick: u64) -> f32 {
         tick.wrapping_sub(self.start_tick) as f32 * self.end_weight
     }
 
-    /// Whether it is one of [`SLOT_INERTIALIZATION`] of which something is left; the twin of
+    /// Returns whether the slot is an inertialization slot that still has an effect. Twin of
     /// `slot_inertializes` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
@@ -113,7 +115,8 @@ impl Slot {
         self.is_inertialization() && self.bound_clip != NONE && self.inertialized_at(tick) < 1.0
     }
 
-    /// Of [`SLOT_INERTIALIZATION`]: a tick by which nothing is left, at most a few after the first.
+    /// A tick at which an inertialization slot has no effect any more, at most a few ticks after
+    /// the first such tick.
     #[must_use]
     pub fn inertialization_tick(&self) -> u64 {
         #[expect(
@@ -125,20 +128,21 @@ impl Slot {
         self.start_tick.saturating_add(ticks)
     }
 
-    /// Of [`SLOT_INERTIALIZATION`]: how its own clip stood; the pace is that in all of the time
-    /// that it inertializes in.
+    /// The sampled state of the outgoing clip of an inertialization slot. Its pace is per duration
+    /// of the inertialization, not per second.
     #[inline]
     #[must_use]
     pub const fn left(&self) -> SampledState {
-        let [row, pace] = parts(self.phase_rate);
+        let [row, pace] = unpack(self.phase_rate);
         SampledState { bound_clip: self.bound_clip, row, pace }
     }
 
-    /// Of [`SLOT_INERTIALIZATION`]: how that stood which took its place, alike.
+    /// The sampled state of the incoming clip of an inertialization slot, with the pace per
+    /// duration as well.
     #[inline]
     #[must_use]
     pub const fn taking(&self) -> SampledState {
-        let [row, pace] = parts(self.weight_tick);
+        let [row, pace] = unpack(self.weight_tick);
         SampledState { bound_clip: self.start_phase, row, pace }
     }
 }
@@ -147,24 +151,24 @@ fn secs_of(ticks: u64) -> f32 {
     ticks as f32 / TICKS_PER_SEC as f32
 }
 
-/// 1 divided by so many ticks, rounded so that they make 1 in all.
+/// Returns 1 divided by `ticks`, rounded so that `ticks` times the result is at least 1.
 fn per_tick(ticks: u64) -> f32 {
     let per_tick = 1.0 / ticks.max(1) as f32;
     if ticks as f32 * per_tick < 1.0 { per_tick.next_up() } else { per_tick }
 }
 
-fn pair(low: f32, high: f32) -> u64 {
+fn pack(low: f32, high: f32) -> u64 {
     u64::from(high.to_bits()) << 32 | u64::from(low.to_bits())
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "its two halves")]
-const fn parts(pair: u64) -> [f32; 2] {
-    [f32::from_bits(pair as u32), f32::from_bits((pair >> 32) as u32)]
+const fn unpack(packed: u64) -> [f32; 2] {
+    [f32::from_bits(packed as u32), f32::from_bits((packed >> 32) as u32)]
 }
 
 impl Tables {
-    /// How a slot that loops, plays once or is held stands at a time of the clock that is not
-    /// before its start.
+    /// Returns the sampled state at a clock tick of a slot that loops, plays once or is held.
+    /// `tick` must not be before the slot's start.
     ///
     /// # Panics
     ///
@@ -185,7 +189,8 @@ impl Tables {
         }
     }
 
-    /// How many times the way to the far row a clip goes in a second of its own time.
+    /// Returns the rate of a clip at row `at`, in units of the difference to the far row, per
+    /// second of clip time.
     fn far_rate(&self, clip: &ClipRows, at: f32) -> f32 {
         let last = clip.row_count - 1;
         let far = far_row(at, last);
@@ -209,11 +214,11 @@ mod tests {
     use crate::playback::FIRST_TICK;
 
     #[test]
-    fn a_inertialization_slot_weighs_nothing_and_ends_on_its_tick() {
+    fn inertialization_slot_has_no_weight_and_ends_on_its_tick() {
         for ticks in [1, 3, 7, 211_680, 705_600, 1_000_003] {
-            let stands =
+            let states =
                 [1, 2].map(|clip| SampledState { bound_clip: clip, row: 3.25, pace: -2.0 });
-            let mut slot = Slot::inertialization(FIRST_TICK, ticks, stands, [0.5, 4.0]).on_layer(2);
+            let mut slot = Slot::inertialization(FIRST_TICK, ticks, states, [0.5, 4.0]).on_layer(2);
             for ticks in [ticks, 2 * ticks] {
                 assert!(
                     slot.inertialized_at(FIRST_TICK + ticks) >= 1.0
@@ -229,14 +234,14 @@ mod tests {
                 let near = |found: f32, wanted: f32| (found - wanted).abs() <= wanted.abs() * 1e-5;
                 assert!(near(slot.left().pace, -2.0 * secs) && near(slot.weight_rate, 4.0 * secs));
                 assert_eq!((slot.left().bound_clip, slot.taking().row), (1, 3.25));
-                slot.inertialize_into(SampledState { bound_clip: 7, ..stands[1] }, 2 * ticks);
+                slot.inertialize_into(SampledState { bound_clip: 7, ..states[1] }, 2 * ticks);
                 assert_eq!(slot.taking().bound_clip, 7);
             }
         }
     }
 
     #[test]
-    fn the_far_row_is_never_near() {
+    fn far_row_is_never_the_nearest() {
         for (at, far) in [(0.0, 1), (0.4, 1), (0.5, 0), (2.75, 2), (4.0, 3), (9.0, 4)] {
             assert_eq!(far_row(at, 4), far, "{at}");
         }

@@ -1,23 +1,28 @@
-//! Masks: how much of each joint a layer takes.
+//! Masks: the weight of each joint in a layer.
 
 use crate::humanoid::{Role, RoleMap};
 use crate::{Error, JointIndex, Skeleton};
 
-/// A weight per joint of one skeleton: 1 = affected, 0 = left alone.
+/// A weight per joint of one skeleton: 1 for affected, 0 for unaffected joints.
 ///
 /// ```
 /// use populace_core::{JointSource, Mask, Skeleton, Trs};
 ///
 /// let joint = |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
-/// let skeleton =
-///     Skeleton::new(&[joint("hips", None), joint("spine", Some(0)), joint("chest", Some(1)), joint("head", Some(2))])?;
+/// let skeleton = Skeleton::new(&[
+///     joint("hips", None),
+///     joint("spine", Some(0)),
+///     joint("chest", Some(1)),
+///     joint("head", Some(2)),
+/// ])?;
 /// let upper = Mask::of_subtrees(&skeleton, ["spine"])?.with_falloff(&skeleton, 2)?;
 /// assert_eq!(upper.weights(), [0.0, 0.5, 1.0, 1.0]);
 /// let head = Mask::of_joints(&skeleton, ["head"])?;
 /// assert_eq!(upper.without(&head)?.weights(), [0.0, 0.5, 1.0, 0.0]);
 ///
 /// let error = Mask::of_joints(&skeleton, ["haed"]).unwrap_err();
-/// assert_eq!(error.to_string(), "there is no joint \"haed\"; did you mean \"head\" or \"chest\"?");
+/// let message = "there is no joint \"haed\"; did you mean \"head\" or \"chest\"?";
+/// assert_eq!(error.to_string(), message);
 /// # Ok::<(), populace_core::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -26,11 +31,11 @@ pub struct Mask {
 }
 
 impl Mask {
-    /// From one weight per joint, in level order.
+    /// Creates a mask from one weight per joint, in level order.
     ///
     /// # Errors
     ///
-    /// [`Error::BadMask`] where the number of weights is not the number of joints, or one is not
+    /// [`Error::BadMask`] if the number of weights is not the number of joints, or a weight is not
     /// from 0 to 1.
     pub fn new(skeleton: &Skeleton, weights: Vec<f32>) -> Result<Self, Error> {
         let good = weights.len() == skeleton.joint_count()
@@ -42,13 +47,13 @@ impl Mask {
         }
     }
 
-    /// Weight 1 for a joint and all that hangs on it, 0 for the rest.
+    /// Creates a mask with weight 1 for a joint and its descendants, 0 for the others.
     #[must_use]
     pub fn subtree(skeleton: &Skeleton, root: JointIndex) -> Self {
         Self::subtrees(skeleton, &[root])
     }
 
-    /// Weight 1 for the joints of these names and all that hangs on them, 0 for the rest.
+    /// Creates a mask with weight 1 for the named joints and their descendants, 0 for the others.
     ///
     /// # Errors
     ///
@@ -60,7 +65,8 @@ impl Mask {
         Ok(Self::subtrees(skeleton, &skeleton.find_all(names)?))
     }
 
-    /// Weight 1 for the joints of these names alone, 0 for the rest, also for what hangs on them.
+    /// Creates a mask with weight 1 for exactly the named joints, 0 for the others, including their
+    /// descendants.
     ///
     /// # Errors
     ///
@@ -76,13 +82,13 @@ impl Mask {
         Ok(Self { weights })
     }
 
-    /// Weight 1 for the joints of these humanoid roles, 0 for those of others. A joint without a
-    /// role counts with the nearest above it that has one.
+    /// Creates a mask with weight 1 for the joints of these humanoid roles, 0 for those of other
+    /// roles. A joint without a role has the weight of its nearest ancestor with a role.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRole`] for a role that the body has no joint of, [`Error::BadMask`] for the
-    /// roles of another skeleton.
+    /// [`Error::BadRole`] for a role that the body has no joint for, [`Error::BadMask`] if `map`
+    /// belongs to another skeleton.
     pub fn of_roles(
         skeleton: &Skeleton,
         map: &RoleMap,
@@ -97,7 +103,8 @@ impl Mask {
         let mut own = vec![None; skeleton.joint_count()];
         map.iter().for_each(|(_, joint)| own[joint.index()] = Some(0.0));
         for role in roles {
-            let what = "the body has no joint of it; RoleMap::joint tells which it has";
+            let what =
+                "the body has no joint with this role; RoleMap::joint tells which roles it has";
             let missing = || Error::BadRole { role: role.to_string(), what: what.into() };
             own[map.joint(role).ok_or_else(missing)?.index()] = Some(1.0);
         }
@@ -118,14 +125,14 @@ impl Mask {
         Self { weights }
     }
 
-    /// Lets the weights fade in down the hierarchy, over so many joints, so that no seam shows
-    /// where the mask begins: a joint whose parent weighs nothing is the first, its children are
-    /// the second, and so on; the `n`th keeps `n / joints` of its weight, the last of them and
-    /// those below it all. 3 gives 1/3, 2/3, 1, 1; 0 and 1 change nothing.
+    /// Ramps the weights up down the hierarchy over `joints` joints, so that no seam shows where
+    /// the mask begins. A joint whose parent has weight 0 is the first, its children are the
+    /// second, and so on. The `n`th keeps `n / joints` of its weight; the last one and all below it
+    /// keep their full weight. 3 gives 1/3, 2/3, 1, 1; 0 and 1 change nothing.
     ///
     /// # Errors
     ///
-    /// [`Error::BadMask`] for another skeleton's mask.
+    /// [`Error::BadMask`] if the mask belongs to another skeleton.
     pub fn with_falloff(mut self, skeleton: &Skeleton, joints: u32) -> Result<Self, Error> {
         if self.weights.len() != skeleton.joint_count() {
             return Err(Error::BadMask {
@@ -144,25 +151,25 @@ impl Mask {
         Ok(self)
     }
 
-    /// The larger weight of both.
+    /// Combines two masks: each joint gets the larger weight.
     ///
     /// # Errors
     ///
-    /// [`Error::BadMask`] for another skeleton's mask.
+    /// [`Error::BadMask`] if the mask belongs to another skeleton.
     pub fn and(self, other: &Self) -> Result<Self, Error> {
         self.with_each(other, f32::max)
     }
 
-    /// What of this mask the other leaves: each weight times 1 less the other's.
+    /// Subtracts a mask: each weight is multiplied by 1 minus the other's.
     ///
     /// # Errors
     ///
-    /// [`Error::BadMask`] for another skeleton's mask.
+    /// [`Error::BadMask`] if the mask belongs to another skeleton.
     pub fn without(self, other: &Self) -> Result<Self, Error> {
         self.with_each(other, |own, other| own * (1.0 - other))
     }
 
-    /// Each weight's remainder to 1.
+    /// Inverts the mask: each weight becomes 1 minus itself.
     #[must_use]
     pub fn inverted(mut self) -> Self {
         self.weights.iter_mut().for_each(|weight| *weight = 1.0 - *weight);
@@ -195,7 +202,7 @@ mod tests {
     use super::*;
     use crate::{JointSource, Trs};
 
-    /// hips - spine - chest - (head, arm - hand), and a leg on the hips; a prop of its own.
+    /// hips - spine - chest - (head, arm - hand), a leg below the hips, and a separate prop.
     fn skeleton() -> Skeleton {
         let joint =
             |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
@@ -224,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_and_subtrees_are_found_by_name() {
+    fn masks_are_built_from_joint_names() {
         let s = skeleton();
         assert_weights(
             &Mask::of_joints(&s, ["spine", "hand"]).unwrap(),
@@ -239,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn regions_of_the_body_are_found_by_role() {
+    fn masks_are_built_from_roles() {
         use crate::humanoid::Side::{Left, Right};
         let joint =
             |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
@@ -277,17 +284,17 @@ mod tests {
             let joints = s.joints().filter(|joint| mask.weights()[joint.index()] == 1.0);
             joints.map(|joint| s.name(joint).to_owned()).collect()
         };
-        // What has no role goes with what it hangs on.
+        // Joints without a role follow their ancestor.
         assert_eq!(weigh(Mask::of_roles(&s, &map, [Role::Head]).unwrap()), ["head", "hat"]);
         let arm = Mask::of_roles(&s, &map, [Role::UpperArm(Left), Role::Hand(Left)]).unwrap();
         assert_eq!(weigh(arm), ["leftUpperArm", "twist", "leftHand"]);
         let missing = Mask::of_roles(&s, &map, [Role::Hand(Right)]).unwrap_err().to_string();
-        assert!(missing.contains("the body has no joint of it"), "{missing}");
+        assert!(missing.contains("the body has no joint with this role"), "{missing}");
         assert!(matches!(Mask::of_roles(&skeleton(), &map, []), Err(Error::BadMask { .. })));
     }
 
     #[test]
-    fn all_unknown_joints_are_named_with_what_may_have_been_meant() {
+    fn unknown_joints_are_all_listed_with_suggestions() {
         let error = Mask::of_subtrees(&skeleton(), ["arm", "haed", "zzz"]).unwrap_err();
         let wanted = "there is no joint \"haed\"; did you mean \"head\", \"hand\" or \
                       \"chest\"?\nthere is no joint \"zzz\"";
@@ -295,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_fade_in_down_from_where_a_mask_begins() {
+    fn falloff_ramps_weights_down_the_hierarchy() {
         let s = skeleton();
         let third = 1.0 / 3.0;
         let spine = Mask::of_subtrees(&s, ["spine"]).unwrap();
@@ -305,7 +312,7 @@ mod tests {
         for none in [0, 1] {
             assert_eq!(spine.clone().with_falloff(&s, none).unwrap(), spine);
         }
-        // Each part of a mask begins anew, and weights that were there are kept in proportion.
+        // Each part of a mask ramps separately and keeps the ratio of its weights.
         let mut weights = spine.weights().to_vec();
         weights[s.find("chest").unwrap().index()] = 0.0;
         weights[s.find("hand").unwrap().index()] = 0.5;
@@ -316,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_are_taken_from_each_other_and_inverted() {
+    fn masks_can_be_subtracted_and_inverted() {
         let s = skeleton();
         let upper = Mask::of_subtrees(&s, ["spine"]).unwrap().with_falloff(&s, 2).unwrap();
         let arm = Mask::of_subtrees(&s, ["arm"]).unwrap();
@@ -334,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_of_other_skeletons_and_bad_weights_are_refused() {
+    fn foreign_masks_and_bad_weights_are_rejected() {
         let s = skeleton();
         let one =
             Skeleton::new(&[JointSource { name: "a".into(), parent: None, rest: Trs::IDENTITY }])

@@ -1,5 +1,4 @@
-//! What only the host asks of a slot's closed form: how fast it runs, when it ends, and another
-//! speed from now on.
+//! Closed-form queries that only the host needs: a slot's speed, its end, and a change of speed.
 
 use super::{TICKS_PER_SEC, once_rate, phase_rate, upper_half};
 use crate::layout::{
@@ -7,11 +6,11 @@ use crate::layout::{
     Slot,
 };
 
-/// A whole cycle, in the unit of phases.
+/// A whole cycle in the unit of phases.
 const CYCLE: u128 = 1 << 64;
 
 impl Slot {
-    /// The phase of a looping slot, in 2^-64 of a cycle.
+    /// The phase of a looping slot at a clock tick, in 2^-64 of a cycle.
     #[inline]
     #[must_use]
     pub fn phase_at(&self, tick: u64) -> u64 {
@@ -19,15 +18,15 @@ impl Slot {
         (u64::from(self.start_phase) << 32).wrapping_add(elapsed.wrapping_mul(self.phase_rate))
     }
 
-    /// Whether it has no speed of its own to run at: it is held, live or inertialization, or a
-    /// machine's.
+    /// Returns whether the slot has no speed of its own: it is held, live, a state machine's slot,
+    /// or an inertialization slot.
     #[must_use]
     pub fn is_tied(&self) -> bool {
         matches!(self.mode(), SLOT_HELD | SLOT_LIVE | SLOT_MACHINE | SLOT_INERTIALIZATION)
     }
 
-    /// Times the pace of a clip of that length; negative runs backwards. 0 for one that stands, 1
-    /// for one that is live.
+    /// The speed relative to a clip of length `duration_secs`; negative for backward playback. Held
+    /// slots, and slots of state machines, have speed 0, live slots 1.
     #[must_use]
     pub fn speed(&self, duration_secs: f32) -> f32 {
         if self.is_tied() {
@@ -43,8 +42,9 @@ impl Slot {
         speed
     }
 
-    /// When a slot that plays once reaches its end, and one that loops, seen from `tick`, the next
-    /// end of a cycle. `None` for one that stands, that is live, or that is a machine's.
+    /// The tick at which a slot that plays once ends, or at which a looping slot reaches its next
+    /// cycle end after `tick`. `None` if the slot stands still, is live or belongs to a state
+    /// machine.
     #[must_use]
     pub fn end_tick(&self, tick: u64) -> Option<u64> {
         let rate = u128::from(self.phase_rate.cast_signed().unsigned_abs());
@@ -59,13 +59,11 @@ impl Slot {
         Some(from.saturating_add(u64::try_from(left.div_ceil(rate)).unwrap_or(u64::MAX)))
     }
 
-    /// Runs at another speed from `tick` on, going on from the time at which the slot stands, to
-    /// within one tick of it. `once` says that the slot is one to run once, which a slot that
-    /// stands at speed 0 cannot tell itself. Held and live slots and those of machines stay as they
-    /// are.
+    /// Changes the speed from `tick` on. The sampled time continues where it is, to within one
+    /// tick. `once` says that the slot plays once, which a slot of speed 0 does not record. Held
+    /// and live slots and those of state machines stay as they are.
     ///
-    /// A run that is begun again more slowly than would take it as long as the clock has run stands
-    /// still.
+    /// The slot stops if the new speed is so low that its start would be before clock tick 0.
     pub fn set_speed(&mut self, tick: u64, duration_secs: f32, speed: f32, once: bool) {
         if self.is_tied() {
             return;
@@ -76,27 +74,26 @@ impl Slot {
             self.phase_rate = phase_rate(duration_secs, speed);
             return;
         }
-        let place = self.place_in_run(tick);
+        let position = self.position_in_cycle(tick);
         let rate = once_rate(duration_secs, speed);
-        let done = if rate >> 63 == 0 { place } else { CYCLE - place };
+        let done = if rate >> 63 == 0 { position } else { CYCLE - position };
         let ticks = done.checked_div_euclid(u128::from(rate.cast_signed().unsigned_abs()));
         let ticks = ticks.and_then(|whole| u64::try_from(whole).ok());
-        // Where the division leaves something, one tick more, so that a run that has ended stays
-        // so.
+        // One tick more than the rounded-down quotient, so that a slot that has ended stays ended.
         let start = ticks.and_then(|ticks| tick.checked_sub(ticks)?.checked_sub(1));
         let (start_tick, start_phase, phase_rate, mode) = match start {
             Some(_) if done == 0 => (tick, 0, rate, SLOT_ONCE),
             Some(start) => (start, 0, rate, SLOT_ONCE),
-            // One that runs once has no phase to stand at; one that loops does.
-            None => (tick, upper_half(u64::try_from(place).unwrap_or(u64::MAX)), 0, SLOT_LOOP),
+            // A slot that plays once cannot hold a phase, so a stopped one becomes a looping slot.
+            None => (tick, upper_half(u64::try_from(position).unwrap_or(u64::MAX)), 0, SLOT_LOOP),
         };
         (self.start_tick, self.start_phase, self.phase_rate) =
             (start_tick, start_phase, phase_rate);
         self.layer_and_mode = self.layer() << SLOT_MODE_BITS | mode;
     }
 
-    /// How far from the clip's start a slot that is to run once is, from 0 to a whole cycle.
-    fn place_in_run(&self, tick: u64) -> u128 {
+    /// The position within the cycle of a slot that plays once, from 0 to [`CYCLE`].
+    fn position_in_cycle(&self, tick: u64) -> u128 {
         if self.mode() != SLOT_ONCE {
             return u128::from(self.phase_at(tick));
         }
@@ -112,7 +109,7 @@ mod tests {
     use super::*;
 
     const SEC: u64 = TICKS_PER_SEC;
-    /// Clocks begin far from 0, so that a run can be taken to have begun long ago.
+    /// Clocks begin far from 0, so that a slot can be rewritten as one that started long ago.
     const NOW: u64 = 1 << 44;
 
     #[track_caller]
@@ -122,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn a_loop_goes_on_from_where_it_is_at_any_speed_either_way() {
+    fn loop_continues_from_its_time_at_any_speed() {
         let mut slot = Slot::looping(0, NOW, 2.0, 0.25, 1.0);
         let before = slot.time_at(NOW + SEC, 0.0, 2.0);
         slot.set_speed(NOW + SEC, 2.0, -0.5, false);
@@ -135,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_goes_on_turns_stands_and_ends_where_it_should() {
+    fn once_continues_reverses_stops_and_ends_on_time() {
         let mut slot = Slot::once(0, NOW, 2.0, 1.0).on_layer(3);
         let mut at = |tick: u64, speed: f32, then: &[(u64, f32)]| {
             let before = slot.time_at(tick, 0.0, 2.0);
@@ -147,7 +144,7 @@ mod tests {
         };
         let near = |found: Option<u64>, wanted: u64| found.is_some_and(|f| f.abs_diff(wanted) <= 2);
         assert!(near(at(NOW + SEC / 2, 3.0, &[(NOW + SEC, 2.0), (NOW + 9 * SEC, 2.0)]), NOW + SEC));
-        // Ended; backwards from there.
+        // Ended; now backwards from there.
         assert!(near(at(NOW + 9 * SEC, -1.0, &[(NOW + 10 * SEC, 1.0)]), NOW + 11 * SEC));
         assert_eq!(at(NOW + 10 * SEC, 0.0, &[(NOW + 20 * SEC, 1.0)]), None);
         assert!(near(
@@ -163,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_are_known_beforehand() {
+    fn end_ticks_are_known_in_advance() {
         assert_eq!(Slot::once(0, NOW, 2.0, -0.5).end_tick(NOW + 1), Some(NOW + 4 * SEC));
         let near =
             |slot: Slot, tick, wanted| slot.end_tick(tick).is_some_and(|t| t.abs_diff(wanted) <= 2);
@@ -175,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_have_begun_so_long_ago_stands_still() {
+    fn start_before_clock_zero_stops_the_slot() {
         let mut slot = Slot::once(0, 0, 2.0, 1.0);
         slot.set_speed(SEC, 2.0, 1e-6, true);
         assert_time(&slot, SEC, 1.0);
@@ -186,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn slots_in_phase_run_alike_whatever_their_clips() {
+    fn slots_of_equal_phase_agree_for_all_clips() {
         let quarter = 1_u64 << 62;
         let slots = [0, 1].map(|bound| Slot::in_phase(bound, NOW, quarter, 0.5));
         assert_eq!(slots[0].phase_at(NOW + SEC), slots[1].phase_at(NOW + SEC));

@@ -2,7 +2,7 @@ use super::*;
 use crate::layout::NONE;
 
 #[test]
-fn a_loop_keeps_its_phase_for_a_year() {
+fn loop_keeps_its_phase_for_a_year() {
     let slot = Slot::looping(0, 0, 1.25, 0.25, 1.0);
     let year = 31_536_000 * TICKS_PER_SEC; // a whole number of 1.25 s cycles
     let time = slot.time_at(year, 0.5, 1.25);
@@ -12,7 +12,7 @@ fn a_loop_keeps_its_phase_for_a_year() {
 }
 
 #[test]
-fn backwards_starts_at_the_end_and_holds_the_start() {
+fn backward_playback_starts_at_the_end_and_holds_the_start() {
     let slot = Slot::once(0, 100, 2.0, -2.0);
     assert!((slot.time_at(100, 0.5, 2.0) - 2.5).abs() < 1e-6);
     assert!((slot.time_at(100 + TICKS_PER_SEC / 2, 0.5, 2.0) - 1.5).abs() < 1e-6);
@@ -21,14 +21,14 @@ fn backwards_starts_at_the_end_and_holds_the_start() {
 }
 
 #[test]
-fn once_reaches_its_end_exactly_and_stays() {
+fn once_reaches_its_end_exactly_and_holds_it() {
     let slot = Slot::once(0, 0, 0.75, 1.0);
     assert_eq!(slot.time_at(ticks_from_secs(0.75), 0.0, 0.75), 0.75);
     assert_eq!(slot.time_at(ticks_from_secs(75.0), 0.0, 0.75), 0.75);
 }
 
 #[test]
-fn once_ends_on_its_tick_at_any_speed_either_way() {
+fn once_ends_on_its_tick_at_any_speed() {
     let start = 0.033_f32;
     for duration in [0.001_f32, 1.0 / 3.0, 0.75, 2.533_333, 59.94, 1_234.567] {
         for speed in [0.01_f32, 0.3, 0.999_999_9, 1.0, 1.000_000_1, 7.3, 1e3] {
@@ -42,7 +42,7 @@ fn once_ends_on_its_tick_at_any_speed_either_way() {
             assert_eq!(forwards.time_at(5, start, duration), start, "{what}");
             assert_eq!(forwards.time_at(5 + ticks, start, duration), start + duration, "{what}");
             let backwards = Slot::once(0, 5, duration, -speed);
-            // Times are told apart to 2^-24 of the clip.
+            // Times have a resolution of 2^-24 of the clip.
             let one_tick_left = backwards.time_at(5 + ticks - 1, 0.0, duration);
             assert!(one_tick_left > 0.0 || ticks > 1 << 23, "{what}");
             assert!(backwards.time_at(5, 0.0, duration) > duration * 0.999_999, "{what}");
@@ -53,7 +53,7 @@ fn once_ends_on_its_tick_at_any_speed_either_way() {
 }
 
 #[test]
-fn once_runs_evenly_between_its_ends() {
+fn once_advances_evenly() {
     let (duration, speed) = (2.533_333_f32, 0.37);
     let ticks = ticks_from_secs(f64::from(duration) / f64::from(speed));
     for step in 0..=1000 {
@@ -70,7 +70,7 @@ fn once_runs_evenly_between_its_ends() {
 }
 
 #[test]
-fn a_run_of_no_speed_or_no_length_stands_at_its_start() {
+fn once_without_speed_or_length_stays_at_its_start() {
     for (duration, speed) in [(1.5, 0.0), (1.5, -0.0), (0.0, 1.0), (0.0, -1.0), (0.0, 0.0)] {
         for tick in [0, 1, TICKS_PER_SEC, u64::MAX] {
             assert_eq!(Slot::once(0, 0, duration, speed).time_at(tick, 0.25, duration), 0.25);
@@ -79,7 +79,7 @@ fn a_run_of_no_speed_or_no_length_stands_at_its_start() {
 }
 
 #[test]
-fn a_run_of_less_than_a_tick_still_ends_and_stays() {
+fn once_shorter_than_a_tick_ends_and_holds() {
     for speed in [1.0, -1.0] {
         let slot = Slot::once(0, 0, 1e-7, speed);
         let end = if speed < 0.0 { 0.0 } else { 1e-7 };
@@ -91,7 +91,7 @@ fn a_run_of_less_than_a_tick_still_ends_and_stays() {
 }
 
 #[test]
-fn a_slot_remembers_its_layer_and_mode() {
+fn slot_packs_layer_and_mode() {
     let slot = Slot::held(7, 0, -1.5).on_layer(3);
     assert_eq!((slot.layer(), slot.mode(), slot.held_secs()), (3, SLOT_HELD, -1.5));
     let slot = Slot::once(7, 0, 1.0, 1.0).on_layer(2).on_layer(1);
@@ -100,7 +100,7 @@ fn a_slot_remembers_its_layer_and_mode() {
 }
 
 #[test]
-fn a_layer_remembers_its_mask_and_mode() {
+fn layer_packs_mask_and_mode() {
     for (mode, additive) in [(LayerMode::Override, false), (LayerMode::Additive, true)] {
         for mask in [None, Some(0), Some(77), Some(LAYER_MASK - 1)] {
             let layer = Layer::new(LayerSettings { mode, weight: 0.5 }, mask);
@@ -112,7 +112,7 @@ fn a_layer_remembers_its_mask_and_mode() {
 }
 
 #[test]
-fn weights_ramp_and_stop() {
+fn weight_ramps_and_stops() {
     let mut slot = Slot::held(0, 0, 0.0);
     slot.ramp_weight(TICKS_PER_SEC, 1.0, 0.25, 0.5);
     assert_eq!(slot.weight_at(TICKS_PER_SEC), 1.0);
@@ -121,7 +121,7 @@ fn weights_ramp_and_stop() {
 }
 
 #[test]
-fn a_slot_of_the_future_weighs_nothing_until_its_time() {
+fn future_slot_has_no_weight_before_its_start() {
     let mut slot = Slot::once(0, 100, 1.0, 1.0);
     assert_eq!((slot.weight_at(99), slot.weight_at(100)), (0.0, 1.0));
     slot.ramp_weight(100 + TICKS_PER_SEC, 0.25, 1.0, 1.0);
@@ -136,7 +136,7 @@ fn usual_frame_rates_are_whole_ticks() {
 }
 
 #[test]
-fn a_fade_of_no_time_to_speak_of_takes_a_tick_and_stays_finite() {
+fn shortest_fade_takes_a_tick_and_stays_finite() {
     for secs in [f32::from_bits(1), f32::MIN_POSITIVE, 1e-20, 1e-7] {
         for (from, to) in [(0.0, 1.0), (1.0, 0.0), (0.25, 0.5)] {
             let mut slot = Slot::looping(0, FIRST_TICK, 1.0, 0.0, 1.0);
@@ -152,7 +152,7 @@ fn a_fade_of_no_time_to_speak_of_takes_a_tick_and_stays_finite() {
 }
 
 #[test]
-fn the_mean_of_a_weight_is_that_of_its_ticks() {
+fn mean_weight_equals_mean_over_ticks() {
     let mean = |slot: &Slot, from: u64, to: u64| {
         let at =
             |tick| if tick < slot.weight_tick { slot.start_weight } else { slot.weight_at(tick) };

@@ -1,9 +1,10 @@
-//! What a joint of the target computes from the source's local rotations.
+//! Computation of a target joint from local rotations of the source.
 //!
-//! `inverse(Gt(parent)) * Gt` is, for the nearest joint above that is paired,
-//! `before * path * after`, where `path` is the product of the source's local rotations from that
-//! joint's partner to the own one: up, undone, and down again. Rotations that do not move are
-//! multiplied into their neighbours, so most joints are left with one between two.
+//! Let *above* be the nearest paired ancestor of a target joint. Its local rotation
+//! `inverse(Gt(parent)) * Gt` is `before * path * after`. `path` is the product of the source's
+//! local rotations from the partner of *above* to the joint's own partner: inverted on the way up,
+//! then plain on the way down. Constant rotations are multiplied into their neighbours, so most
+//! joints are left with one moving rotation between two constant ones.
 
 use glam::{DQuat, DVec3};
 
@@ -11,70 +12,70 @@ use super::{Common, Figure, Pair};
 use crate::humanoid::Role;
 use crate::{JointIndex, f64math};
 
-/// A value of the clip that stands still, or one that moves with its rows.
+/// A value of the clip: constant, or moving with its rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Value<T> {
     Still(T),
     Moving,
 }
 
-/// What a clip does to a joint of its own skeleton.
+/// The clip's effect on a joint of its own skeleton.
 pub(crate) struct ColumnMotion {
     pub(crate) rotation: Value<DQuat>,
     pub(crate) translation: Value<DVec3>,
 }
 
-/// A rotation of the source on the way, and what is added to the translation before it turns.
+/// A rotation of the source within a path, and the arm that is added to the translation before it.
 #[derive(Clone, Debug)]
 pub(crate) struct Link {
-    /// The source's joint, of what moves.
+    /// The source joint that moves.
     pub(crate) column: JointIndex,
-    /// The rotation moves; else it is none.
-    pub(crate) turns: bool,
-    /// The rotation is undone.
+    /// True if the rotation moves; otherwise it is the identity.
+    pub(crate) rotates: bool,
+    /// True if the rotation is inverted.
     pub(crate) undone: bool,
-    /// Added to the translation, in the space of the rotation so far.
+    /// Offset added to the translation, in the space of the rotation so far.
     pub(crate) arm: DVec3,
-    /// And so many times the source's translation where that moves; else 0.
+    /// Factor of the source's translation, which is added too if it moves; otherwise 0.
     pub(crate) arm_scale: f64,
-    /// A rotation that follows.
+    /// A constant rotation that follows.
     pub(crate) after: DQuat,
 }
 
-/// A joint's local rotation is `before` times, for each link, its rotation times its `after`; the
-/// local translation is `base` and the arms.
+/// The corrections of one joint. The local rotation is `before`, multiplied for each link by its
+/// rotation and its `after`. The local translation is `base` plus the arms.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
     pub(crate) before: DQuat,
-    /// `None` where the translation stays at rest.
+    /// `None` if the translation stays at rest.
     pub(crate) base: Option<DVec3>,
     pub(crate) links: Vec<Link>,
 }
 
-/// A step on the way, not yet folded.
+/// A rotation of the path before constant ones are merged.
 struct Step {
     link: Link,
     still: DQuat,
 }
 
-/// Lays out the way to one joint.
+/// Collects the path to one joint.
 struct Walk<'a> {
     common: &'a Common<'a>,
     motion: &'a dyn Fn(JointIndex) -> ColumnMotion,
-    /// From lengths in the source's model space to those of the target's parent.
+    /// Ratio of lengths in the space of the target's parent to those in the source's model space.
     per_metre: f64,
     steps: Vec<Step>,
-    /// What the next step adds to the translation.
+    /// Offset that the next step adds to the translation.
     arm: DVec3,
 }
 
 impl Common<'_> {
-    /// The joint of the source that a joint of the target follows.
+    /// Returns the source joint that a target joint follows.
     pub(crate) fn partner(&self, joint: JointIndex) -> Option<JointIndex> {
         self.pairs[joint.index()].map(|pair| pair.source)
     }
 
-    /// What a joint of the target computes; `None` where it keeps its rest.
+    /// Returns the corrections of a target joint; `None` if it keeps its rest.
     pub(crate) fn chain(
         &self,
         joint: JointIndex,
@@ -84,7 +85,7 @@ impl Common<'_> {
         let skeleton = self.target.skeleton;
         let parent = skeleton.parent(joint);
         let above = skeleton.ancestors(joint).find_map(|a| Some((a, self.partner(a)?)));
-        let parent_turn = parent.map_or(DQuat::IDENTITY, |p| self.turn[p.index()]);
+        let parent_rotation = parent.map_or(DQuat::IDENTITY, |p| self.rotation[p.index()]);
         let space = self.target.scale(parent);
         let mut walk = Walk {
             common: self,
@@ -93,68 +94,68 @@ impl Common<'_> {
             steps: Vec::new(),
             arm: DVec3::ZERO,
         };
-        let way = self.way(joint, above.map(|(a, _)| a));
-        let moves = way.len() > 1 || self.is_carried(joint);
+        let waypoints = self.waypoints(joint, above.map(|(a, _)| a));
+        let moves = waypoints.len() > 1 || self.is_carried(joint);
         let from_parent = |to: JointIndex| {
-            let start = parent.map_or(DVec3::ZERO, |p| self.place[p.index()]);
-            parent_turn.inverse() * (self.place_of(to) - start) / space
+            let start = parent.map_or(DVec3::ZERO, |p| self.position[p.index()]);
+            parent_rotation.inverse() * (self.raised_position(to) - start) / space
         };
-        let base = moves.then(|| from_parent(way[0]));
+        let base = moves.then(|| from_parent(waypoints[0]));
         let mut at = above.map(|(_, source)| source);
-        for (n, &stop) in way.iter().enumerate() {
+        for (n, &stop) in waypoints.iter().enumerate() {
             let partner = self.partner(stop)?;
             walk.path(at, partner, self.is_carried(stop));
-            if let Some(&next) = way.get(n + 1) {
-                let arm = self.place_of(next) - self.place_of(stop);
-                walk.arm += self.source.turn[partner.index()].inverse() * arm / space;
+            if let Some(&next) = waypoints.get(n + 1) {
+                let arm = self.raised_position(next) - self.raised_position(stop);
+                walk.arm += self.source.rotation[partner.index()].inverse() * arm / space;
             }
             at = Some(partner);
         }
-        let before = parent_turn.inverse()
-            * above.map_or(DQuat::IDENTITY, |(_, s)| self.source.turn[s.index()]);
-        let after = self.source.turn[source.index()].inverse() * self.turn[joint.index()];
+        let before = parent_rotation.inverse()
+            * above.map_or(DQuat::IDENTITY, |(_, s)| self.source.rotation[s.index()]);
+        let after = self.source.rotation[source.index()].inverse() * self.rotation[joint.index()];
         Some(fold(Chain { before, base, links: Vec::new() }, walk, after))
     }
 
-    /// Joints of the target through whose places the way to a joint leads, itself last: those that
-    /// it should hang on and does not.
-    fn way(&self, joint: JointIndex, above: Option<JointIndex>) -> Vec<JointIndex> {
+    /// Returns the target joints through whose positions the path to a detached joint leads, ending
+    /// with the joint itself.
+    fn waypoints(&self, joint: JointIndex, above: Option<JointIndex>) -> Vec<JointIndex> {
         let Some(of) = self.detached(joint) else {
             return vec![joint];
         };
         let skeleton = self.target.skeleton;
         let reached = above.is_none_or(|above| skeleton.is_below(of, above) || of == above);
         let chain = std::iter::once(of).chain(skeleton.ancestors(of));
-        let mut way: Vec<_> = chain
+        let mut waypoints: Vec<_> = chain
             .take_while(|j| Some(*j) != above)
             .filter(|j| self.partner(*j).is_some())
             .collect();
-        // What hangs on neither is left where it is.
+        // If the joint descends from neither, it stays where it is.
         if !reached {
-            way.clear();
+            waypoints.clear();
         }
-        way.reverse();
-        way.push(joint);
-        way
+        waypoints.reverse();
+        waypoints.push(joint);
+        waypoints
     }
 
-    /// Whether the source's translations carry a joint: the root and the hips.
+    /// Returns whether translations of the source move the joint: the root and the hips.
     fn is_carried(&self, joint: JointIndex) -> bool {
         self.pairs[joint.index()].is_some_and(|pair| matches!(pair.role, None | Some(Role::Hips)))
     }
 
-    /// A place of the common pose, the whole body lifted so that feet are on the ground; the root
-    /// stays there.
-    pub(super) fn place_of(&self, joint: JointIndex) -> DVec3 {
+    /// Returns a position of the common pose, raised so that the feet are on the ground. The root
+    /// is not raised.
+    pub(super) fn raised_position(&self, joint: JointIndex) -> DVec3 {
         let is_root = self.pairs[joint.index()].is_some_and(|pair| pair.role.is_none());
         let lift = if is_root { 0.0 } else { self.lift };
-        self.place[joint.index()] + DVec3::new(0.0, lift, 0.0)
+        self.position[joint.index()] + DVec3::new(0.0, lift, 0.0)
     }
 }
 
 impl Walk<'_> {
-    /// From a joint of the source to another; from none, from above all. Where translations are
-    /// carried, what they are at rest is taken off.
+    /// Adds the path from one source joint to another, or from above all roots. If translations are
+    /// carried, their rest is subtracted.
     fn path(&mut self, from: Option<JointIndex>, to: JointIndex, carried: bool) {
         let source = &self.common.source;
         let upwards: Vec<JointIndex> = from
@@ -178,7 +179,8 @@ impl Walk<'_> {
         }
     }
 
-    /// From the units of a joint's translation to those of the target's parent.
+    /// Returns the ratio of lengths in the space of the target's parent to those of the joint's
+    /// translation.
     fn metres(&self, joint: JointIndex) -> f64 {
         let source = &self.common.source;
         self.per_metre * source.scale(source.skeleton.parent(joint))
@@ -186,10 +188,10 @@ impl Walk<'_> {
 
     fn step(&mut self, joint: JointIndex, undone: bool, carried: Option<f64>) {
         let motion = (self.motion)(joint);
-        let (turns, still) = match motion.rotation {
+        let (rotates, still) = match motion.rotation {
             Value::Moving => (true, DQuat::IDENTITY),
-            Value::Still(turn) if undone => (false, turn.inverse()),
-            Value::Still(turn) => (false, turn),
+            Value::Still(rotation) if undone => (false, rotation.inverse()),
+            Value::Still(rotation) => (false, rotation),
         };
         let mut arm = std::mem::take(&mut self.arm);
         let mut arm_scale = 0.0;
@@ -199,34 +201,34 @@ impl Walk<'_> {
                 Value::Still(translation) => arm += scale * translation,
             }
         }
-        let link = Link { column: joint, turns, undone, arm, arm_scale, after: DQuat::IDENTITY };
+        let link = Link { column: joint, rotates, undone, arm, arm_scale, after: DQuat::IDENTITY };
         self.steps.push(Step { link, still });
     }
 }
 
-/// How far the source's joints down to one lead at rest, in the space of the joint that the first
-/// hangs on.
+/// Returns the offset at rest over the source joints in `downwards`, in the space of the parent of
+/// the topmost.
 fn rest_offset(
     source: &Figure<'_>,
     downwards: &[JointIndex],
     scale: impl Fn(JointIndex) -> f64,
 ) -> DVec3 {
-    let (mut offset, mut turn) = (DVec3::ZERO, DQuat::IDENTITY);
+    let (mut offset, mut rotation) = (DVec3::ZERO, DQuat::IDENTITY);
     for &joint in downwards.iter().rev() {
         let rest = source.skeleton.rest(joint);
-        offset += turn * (scale(joint) * f64math::vec3(rest.translation));
-        turn *= f64math::quat(rest.rotation).normalize();
+        offset += rotation * (scale(joint) * f64math::vec3(rest.translation));
+        rotation *= f64math::quat(rest.rotation).normalize();
     }
     offset
 }
 
-/// Multiplies what stands still into what does not.
+/// Merges constant rotations into their moving neighbours.
 fn fold(mut chain: Chain, walk: Walk<'_>, after: DQuat) -> Chain {
     let mut arm = DVec3::ZERO;
     for Step { mut link, still } in walk.steps {
         link.arm += arm;
         arm = DVec3::ZERO;
-        if link.turns || link.arm_scale != 0.0 {
+        if link.rotates || link.arm_scale != 0.0 {
             link.after = still;
             chain.links.push(link);
         } else if let Some(last) = chain.links.last_mut() {
@@ -248,7 +250,7 @@ fn fold(mut chain: Chain, walk: Walk<'_>, after: DQuat) -> Chain {
             let column = last.column;
             chain.links.push(Link {
                 column,
-                turns: false,
+                rotates: false,
                 undone: false,
                 arm,
                 arm_scale: 0.0,

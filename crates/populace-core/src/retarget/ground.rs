@@ -1,5 +1,5 @@
-//! How feet of the target meet the ground: how far they would sink into it, and how fast they pass
-//! over it.
+//! Ground contact of the target's feet: how deep they would sink, and how fast they pass over the
+//! ground.
 
 use glam::{DAffine3, DQuat, DVec3};
 
@@ -7,26 +7,27 @@ use super::{Common, Soles};
 use crate::humanoid::{Role, Side};
 use crate::{JointIndex, f64math};
 
-/// Feet may sink by this part of the body's size before the whole body is lifted, and it is lifted
-/// by no more than that: who lies or swims is meant to.
-const SINKS: f64 = 0.004;
-const MOST: f64 = 0.02;
+/// Depth, as a fraction of the body's size, to which feet may sink before the whole body is lifted,
+/// and the maximum lift. Bodies that lie or swim are below the ground on purpose.
+const SINK_TOLERANCE: f64 = 0.004;
+const MAX_LIFT: f64 = 0.02;
 pub(super) const SIDES: [Side; 2] = [Side::Left, Side::Right];
-/// A pace that is further from what the length of legs says is none.
-const LIKELY: std::ops::Range<f64> = 0.4..2.5;
+/// Plausible ratios of the measured pace to that expected from leg lengths; others are ignored.
+const PLAUSIBLE_RATIO: std::ops::Range<f64> = 0.4..2.5;
 
-/// What of the target touches the ground: a foot, or its toes.
+/// A foot or toes of the target that touch the ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stands {
     pub(super) joint: JointIndex,
-    /// In model space.
-    pub(super) place: DVec3,
-    /// From rest, in model space.
-    pub(super) turn: DQuat,
+    /// Position in model space.
+    pub(super) position: DVec3,
+    /// Rotation from rest, in model space.
+    pub(super) rotation: DQuat,
 }
 
-/// How far the ground passes under feet: each moment has the place of one or none for each side.
-fn passed(moments: &[[Option<DVec3>; 2]]) -> f64 {
+/// Returns the distance that the ground moves under the feet. Each moment has the position of one
+/// foot per side, or none.
+fn ground_distance(moments: &[[Option<DVec3>; 2]]) -> f64 {
     let passes = moments.windows(2).map(|pair| {
         let both = pair[0].iter().zip(pair[1]).filter_map(|(before, now)| Some(((*before)?, now?)));
         let bears = both.min_by(|(a, b), (c, d)| (a.y + b.y).total_cmp(&(c.y + d.y)));
@@ -36,69 +37,73 @@ fn passed(moments: &[[Option<DVec3>; 2]]) -> f64 {
 }
 
 impl Common<'_> {
-    /// Lifts the hips where the thighs of one body are longer against the shins than those of the
-    /// other, so that feet would sink. `poses` are local transforms of the source's joints, one
-    /// after the other.
+    /// Lifts the hips if the feet would sink because the ratio of thigh to shin differs between the
+    /// bodies. `poses` are local transforms of the source's joints.
     pub(crate) fn keep_above_ground(&mut self, poses: &[Vec<DAffine3>]) {
         let depth = |pose: &Vec<DAffine3>| {
-            let (turns, models) = self.source_models(pose);
-            let feet = SIDES.into_iter().flat_map(|side| self.feet(side, &turns, &models));
-            feet.map(|foot| self.target.place(foot.joint).y - foot.place.y).fold(0.0, f64::max)
+            let (rotations, models) = self.source_models(pose);
+            let feet = SIDES.into_iter().flat_map(|side| self.feet(side, &rotations, &models));
+            feet.map(|foot| self.target.position(foot.joint).y - foot.position.y)
+                .fold(0.0, f64::max)
         };
         let deepest = poses.iter().map(depth).fold(0.0, f64::max);
         let size = f64::from(self.target.skeleton.size_m());
-        self.lift += (deepest - SINKS * size).clamp(0.0, MOST * size);
+        self.lift += (deepest - SINK_TOLERANCE * size).clamp(0.0, MAX_LIFT * size);
     }
 
-    /// Lifts the whole body.
+    /// Raises the whole body by `height`.
     pub(crate) fn lift_by(&mut self, height: f64) {
         self.lift += height;
     }
 
-    /// How fast the ground passes under the target's feet, in parts of how fast it passes under the
-    /// source's; as long as its legs are against the source's where nothing is planted.
-    pub(crate) fn pace(&self, poses: &[Vec<DAffine3>], soles: Option<&Soles<'_>>) -> f32 {
-        // The last of a leg bears it: toes where there are any.
+    /// Returns the speed of the ground under the target's feet divided by that under the source's
+    /// feet. If nothing is planted it is the ratio of leg lengths.
+    pub(crate) fn ground_speed_ratio(
+        &self,
+        poses: &[Vec<DAffine3>],
+        soles: Option<&Soles<'_>>,
+    ) -> f32 {
+        // The last joint of a leg carries it: the toes if there are any.
         let last = |side| {
             let roles = &self.source.roles;
             roles.joint(Role::Toes(side)).or_else(|| roles.joint(Role::Foot(side)))
         };
         let (mut source, mut target) = (Vec::new(), Vec::new());
         for pose in poses {
-            let (turns, models) = self.source_models(pose);
-            let place = |joint: JointIndex| models[joint.index()].translation;
-            source.push(SIDES.map(|side| last(side).map(place)));
+            let (rotations, models) = self.source_models(pose);
+            let position = |joint: JointIndex| models[joint.index()].translation;
+            source.push(SIDES.map(|side| last(side).map(position)));
             target.push(SIDES.map(|side| {
-                let mut feet = self.feet(side, &turns, &models);
+                let mut feet = self.feet(side, &rotations, &models);
                 if let Some(soles) = soles {
-                    soles.stand(side, &mut feet, soles.depth(&turns, &models, side));
+                    soles.roll_feet(side, &mut feet, soles.depth(&rotations, &models, side));
                 }
-                feet.pop().map(|foot| foot.place)
+                feet.pop().map(|foot| foot.position)
             }));
         }
-        let (source, target) = (passed(&source), passed(&target));
+        let (source, target) = (ground_distance(&source), ground_distance(&target));
         let pace = target / source;
-        let likely = LIKELY.contains(&(pace / self.scale));
+        let likely = PLAUSIBLE_RATIO.contains(&(pace / self.scale));
         f64math::to_f32([if likely { pace } else { self.scale }])[0]
     }
 
-    /// How the source's joints are turned, and where they are, in model space.
+    /// Returns the model-space rotations and transforms of the source's joints.
     pub(super) fn source_models(&self, pose: &[DAffine3]) -> (Vec<DQuat>, Vec<DAffine3>) {
         let parents: Vec<_> =
             self.source.skeleton.joints().map(|j| self.source.skeleton.parent(j)).collect();
-        let turns = pose.iter().map(|local| local.to_scale_rotation_translation().1);
+        let rotations = pose.iter().map(|local| local.to_scale_rotation_translation().1);
         (
-            f64math::turns(&parents, turns),
+            f64math::model_rotations(&parents, rotations),
             f64math::model_from_joints(&parents, pose.iter().copied()),
         )
     }
 
-    /// Where the hips are, carried by the root where both bodies have one.
-    fn hips_place(
+    /// Returns the position of the hips, carried by the root if both bodies have one.
+    fn hips_position(
         &self,
         hips: JointIndex,
         partner: JointIndex,
-        turns: &[DQuat],
+        rotations: &[DQuat],
         models: &[DAffine3],
     ) -> DVec3 {
         let now = |joint: JointIndex| models[joint.index()].translation;
@@ -108,18 +113,22 @@ impl Common<'_> {
                 .map(|pair| (root, pair.source))
         });
         let Some((root, other)) = roots else {
-            return self.place_of(hips) + self.scale * (now(partner) - self.source.place(partner));
+            return self.raised_position(hips)
+                + self.scale * (now(partner) - self.source.position(partner));
         };
-        let guide = turns[other.index()] * self.source.turn[other.index()].inverse();
+        let guide = rotations[other.index()] * self.source.rotation[other.index()].inverse();
         let own = now(partner)
             - now(other)
-            - guide * (self.source.place(partner) - self.source.place(other));
-        let root_place = self.place_of(root) + self.scale * (now(other) - self.source.place(other));
-        root_place + guide * (self.place_of(hips) - self.place_of(root)) + self.scale * own
+            - guide * (self.source.position(partner) - self.source.position(other));
+        let root_position =
+            self.raised_position(root) + self.scale * (now(other) - self.source.position(other));
+        root_position
+            + guide * (self.raised_position(hips) - self.raised_position(root))
+            + self.scale * own
     }
 
-    /// The foot and the toes of a side.
-    pub(super) fn feet(&self, side: Side, turns: &[DQuat], models: &[DAffine3]) -> Vec<Stands> {
+    /// Returns the foot and the toes of a side.
+    pub(super) fn feet(&self, side: Side, rotations: &[DQuat], models: &[DAffine3]) -> Vec<Stands> {
         let roles = [
             Role::Hips,
             Role::UpperLeg(side),
@@ -136,21 +145,21 @@ impl Common<'_> {
                 continue;
             };
             let away = |partner: JointIndex| {
-                turns[partner.index()] * self.source.turn[partner.index()].inverse()
+                rotations[partner.index()] * self.source.rotation[partner.index()].inverse()
             };
-            let place = match at {
-                None => self.hips_place(joint, partner, turns, models),
-                Some((above, place)) => {
+            let position = match at {
+                None => self.hips_position(joint, partner, rotations, models),
+                Some((above, position)) => {
                     let guide = self.partner(above).map_or(DQuat::IDENTITY, away);
-                    place + guide * (self.place[joint.index()] - self.place[above.index()])
+                    position + guide * (self.position[joint.index()] - self.position[above.index()])
                 }
             };
             if matches!(role, Role::Foot(_) | Role::Toes(_)) {
                 let from_rest =
-                    self.turn[joint.index()] * self.target.turn[joint.index()].inverse();
-                feet.push(Stands { joint, place, turn: away(partner) * from_rest });
+                    self.rotation[joint.index()] * self.target.rotation[joint.index()].inverse();
+                feet.push(Stands { joint, position, rotation: away(partner) * from_rest });
             }
-            at = Some((joint, place));
+            at = Some((joint, position));
         }
         feet
     }

@@ -1,4 +1,4 @@
-//! Clips bound to bodies: what a joint's stored components mean, and where its column is.
+//! Clips bound to bodies: the ranges and the column of each joint, and retarget corrections.
 
 use super::{BodyIndex, Tables, padded, u32_from};
 use crate::Error;
@@ -9,41 +9,45 @@ use crate::layout::{
     RowBlock, Source, TURN_PLANES,
 };
 
-/// Of each block of a body, whether any of its joints has something in a turn or a later one.
-struct Later {
-    turns: Vec<bool>,
+/// For each block of 16 joints of a body: whether a joint of it has a rotation or an arm in a
+/// correction or in any later one.
+struct CorrectedBlocks {
+    corrections: Vec<bool>,
     arms: Vec<bool>,
 }
 
-impl Later {
+impl CorrectedBlocks {
     fn none(body: &Body) -> Self {
         let blocks = vec![false; (body.padded_count / JOINT_BLOCK) as usize];
-        Self { turns: blocks.clone(), arms: blocks }
+        Self { corrections: blocks.clone(), arms: blocks }
     }
 
-    fn of(turns: &[Turn], body: &Body) -> Self {
+    fn of(corrections: &[Turn], body: &Body) -> Self {
         let mut some = Self::none(body);
-        for (joint, turn) in turns.iter().enumerate() {
+        for (joint, correction) in corrections.iter().enumerate() {
             let block = joint / JOINT_BLOCK as usize;
-            some.turns[block] |= *turn != Turn::NONE;
-            some.arms[block] |= turn.has_arm();
+            some.corrections[block] |= *correction != Turn::NONE;
+            some.arms[block] |= correction.has_arm();
         }
         some
     }
 
     fn or(&self, other: &Self) -> Self {
         let either = |a: &[bool], b: &[bool]| a.iter().zip(b).map(|(a, b)| a | b).collect();
-        Self { turns: either(&self.turns, &other.turns), arms: either(&self.arms, &other.arms) }
+        Self {
+            corrections: either(&self.corrections, &other.corrections),
+            arms: either(&self.arms, &other.arms),
+        }
     }
 }
 
 impl Tables {
-    /// Binds a clip to a body and returns the index that slots name.
+    /// Binds a clip to a body and returns the index of the bound clip, for use in slots.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets; [`Error::BadPlayback`] for a clip or body that is
-    /// not there, or a binding to another skeleton.
+    /// [`Error::TooLarge`] if offsets exceed 32 bits; [`Error::BadPlayback`] if the clip or body
+    /// does not exist or the binding is for another skeleton.
     pub fn add_bound_clip(
         &mut self,
         clip: u32,
@@ -59,31 +63,33 @@ impl Tables {
         let row_block_first = self.all.clips.as_slice()[clip as usize].block_first;
         let of_clip =
             BoundClip { clip, row_block_first, body: NONE, next: NONE, ..BoundClip::default() };
-        // From the last turn on, so that each knows the next.
-        let (mut next, mut later) = (NONE, Later::none(&body_row));
+        // Corrections are added last to first, so that each can name the next.
+        let (mut next, mut later) = (NONE, CorrectedBlocks::none(&body_row));
         if let Some(footing) = binding.footing() {
             let bound = self.add_footing(footing, of_clip)?;
-            (next, later) = self.add_turn(&footing.turns, bound, (next, later), &body_row)?;
+            (next, later) =
+                self.add_correction(&footing.corrections, bound, (next, later), &body_row)?;
         }
-        for turns in binding.turns().iter().rev() {
-            (next, later) = self.add_turn(turns, of_clip, (next, later), &body_row)?;
+        for corrections in binding.corrections().iter().rev() {
+            (next, later) = self.add_correction(corrections, of_clip, (next, later), &body_row)?;
         }
         let range_first = self.add_ranges(binding)?;
         let first_joints = (0..body_row.padded_count as usize).step_by(JOINT_BLOCK as usize);
-        let flags =
-            first_joints.zip(later.turns.iter().zip(&later.arms)).map(|(first, (turned, arms))| {
+        let flags = first_joints.zip(later.corrections.iter().zip(&later.arms)).map(
+            |(first, (corrected, arms))| {
                 let moved = u32::from(*arms) * REST_TRANSLATION;
                 (self.rest_flags(&body_row, range_first, first) & !moved)
-                    | (u32::from(*turned) * BLOCK_TURNED)
-            });
+                    | (u32::from(*corrected) * BLOCK_TURNED)
+            },
+        );
         let flags = flags.collect();
         let motion_scale = binding.motion_scale();
         let bound = BoundClip { range_first, body: body.0, next, motion_scale, ..of_clip };
         self.add_bound(bound, binding.joint_map(), flags)
     }
 
-    /// Adds a bound clip, or a turn of one, with its joint map and blocks; `flags` are those of
-    /// each block.
+    /// Adds a bound clip or a correction of one, with its joint map and blocks. `flags` holds the
+    /// flags of each block.
     fn add_bound(&mut self, bound: BoundClip, map: &[u32], flags: Vec<u32>) -> Result<u32, Error> {
         let map_first = self.all.joint_maps.extend(map.iter().copied())?;
         let block_first = u32_from(self.all.bound_blocks.len());
@@ -96,27 +102,27 @@ impl Tables {
         self.all.bound_clips.extend([BoundClip { map_first, block_first, ..bound }])
     }
 
-    /// Adds a turn of `of` before those that come later, and returns its index and what there is
-    /// from it on.
-    fn add_turn(
+    /// Adds a correction of the clip `of` in front of `next`. Returns its index and the blocks that
+    /// it or a later correction affects.
+    fn add_correction(
         &mut self,
-        turns: &[Turn],
+        corrections: &[Turn],
         of: BoundClip,
-        (next, later): (u32, Later),
+        (next, later): (u32, CorrectedBlocks),
         body: &Body,
-    ) -> Result<(u32, Later), Error> {
-        let map: Vec<u32> = turns.iter().map(|turn| turn.map).collect();
-        let range_first = self.add_turn_planes(turns)?;
-        let own = Later::of(turns, body);
-        let flags = own.arms.iter().zip(&later.turns).map(|(arms, turned)| {
+    ) -> Result<(u32, CorrectedBlocks), Error> {
+        let map: Vec<u32> = corrections.iter().map(|correction| correction.map).collect();
+        let range_first = self.add_correction_planes(corrections)?;
+        let own = CorrectedBlocks::of(corrections, body);
+        let flags = own.arms.iter().zip(&later.corrections).map(|(arms, corrected)| {
             let still = if *arms { 0 } else { REST_TRANSLATION };
-            still | (u32::from(*turned) * BLOCK_TURNED)
+            still | (u32::from(*corrected) * BLOCK_TURNED)
         });
         let index = self.add_bound(BoundClip { range_first, next, ..of }, &map, flags.collect())?;
         Ok((index, later.or(&own)))
     }
 
-    /// Adds the rows of a turn that has its own; one that stands still has none.
+    /// Adds the rows of a foot correction. A constant correction has no rows of its own.
     fn add_footing(&mut self, footing: &Footing, of: BoundClip) -> Result<BoundClip, Error> {
         if footing.rows.is_empty() {
             return Ok(of);
@@ -126,12 +132,12 @@ impl Tables {
         Ok(BoundClip { row_block_first, row_first, row_stride: u32_from(footing.stride), ..of })
     }
 
-    fn add_turn_planes(&mut self, turns: &[Turn]) -> Result<u32, Error> {
-        let padded = padded(turns.len());
+    fn add_correction_planes(&mut self, corrections: &[Turn]) -> Result<u32, Error> {
+        let padded = padded(corrections.len());
         let mut planes = vec![0.0; TURN_PLANES * padded];
         for joint in 0..padded {
             let Turn { rotation, step_w, arm, after, .. } =
-                turns.get(joint).copied().unwrap_or(Turn::NONE);
+                corrections.get(joint).copied().unwrap_or(Turn::NONE);
             let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) =
                 (rotation.offset, arm.offset, after);
             let values =
@@ -159,7 +165,8 @@ impl Tables {
         self.all.poses.extend(planes)
     }
 
-    /// Where 16 joints of these maps find their columns.
+    /// Builds the location of the columns that 16 joints follow. `blocks` is the offset of the
+    /// clip's first block.
     fn bind_block(&mut self, blocks: u32, maps: &[u32], flags: u32) -> Result<BoundBlock, Error> {
         const BLOCK: usize = JOINT_BLOCK as usize;
         let moves = MAP_ROTATION | MAP_TRANSLATION | MAP_SCALE;
@@ -199,8 +206,8 @@ impl Tables {
         })
     }
 
-    /// Whether the translations and scales of 16 joints from `first` on stand where the body's rest
-    /// has them.
+    /// Returns flags that tell whether the translations and scales of 16 joints from `first` on
+    /// equal those of the body's rest.
     fn rest_flags(&self, body: &Body, range_first: u32, first: usize) -> u32 {
         let (padded, joints) = (body.padded_count as usize, first..first + JOINT_BLOCK as usize);
         let poses = self.all.poses.as_slice();

@@ -1,5 +1,5 @@
-//! What beside clips moves members, as devices read it: one [`Control`] for each member that has
-//! any, and runs of steps, overrides, constraints, links and targets.
+//! Constraint programs in the form that devices read: a [`Control`] per member that needs one, and
+//! runs of steps, overrides, constraints, links and targets.
 
 mod compile;
 mod ground;
@@ -18,7 +18,7 @@ use compile::Program;
 pub use ground::Ground;
 pub(super) use stages::PARAMETER_ELEMENTS;
 
-/// Where a member's runs stand: first element and length of each.
+/// Runs of a control in each table: first element and length.
 #[derive(Clone, Copy, Debug, Default)]
 struct Runs {
     steps: (usize, usize),
@@ -29,7 +29,7 @@ struct Runs {
     values: (usize, usize),
 }
 
-/// Places for controls, and for what they name.
+/// Allocation of controls and of their runs.
 #[derive(Clone, Debug)]
 pub(super) struct ControlSpaces {
     controls: Space,
@@ -40,13 +40,13 @@ pub(super) struct ControlSpaces {
     targets: Space,
     values: Space,
     watched: Space,
-    /// Places among what is watched that were given out since devices last took over.
+    /// Indices of watched joints allocated since the last `mark_clean`.
     watched_new: BTreeSet<u32>,
-    /// Elements of what is watched that every device has room for.
+    /// Number of watched elements that every device has memory for.
     watched_known: usize,
-    /// By control.
+    /// Runs, by control index.
     runs: Vec<Runs>,
-    /// Controls whose programs changed since devices last took over.
+    /// Controls whose programs changed since the last `mark_clean`.
     unchecked: BTreeSet<u32>,
     epoch: u32,
 }
@@ -72,15 +72,15 @@ impl ControlSpaces {
     }
 }
 
-/// Gives a run back and takes one of `count` elements, or keeps it where it has as many.
-fn refit(space: &mut Space, run: &mut (usize, usize), count: usize) {
+/// Replaces a run by one of `count` elements; keeps it if the length is unchanged.
+fn resize_run(space: &mut Space, run: &mut (usize, usize), count: usize) {
     if run.1 != count {
-        space.give_back(*run);
+        space.release(*run);
         *run = space.take(count);
     }
 }
 
-/// Writes elements where their run stands.
+/// Writes elements to the table, and records only those that differ.
 fn write<T: bytemuck::Pod + Default + PartialEq>(table: &mut Table<T>, first: usize, values: &[T]) {
     table.grow(first + values.len(), T::default());
     for (index, value) in (first..).zip(values) {
@@ -91,41 +91,44 @@ fn write<T: bytemuck::Pod + Default + PartialEq>(table: &mut Table<T>, first: us
 }
 
 impl Tables {
-    /// Sets what beside clips moves a member, in place of what did. `skeleton` is that of its body.
+    /// Sets the constraint program of a member, replacing the previous one. `skeleton` must be that
+    /// of its body.
     ///
-    /// What a device keeps of it from frame to frame, such as where feet stand, goes on.
+    /// History state on devices, such as foot positions, is kept.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member or among what is watched that was not
-    /// given out, [`Error::BadConstraint`] for what cannot be solved, [`Error::TooLarge`] past
-    /// 32-bit offsets; all is then as it was.
+    /// [`Error::BadPlayback`] if the member does not exist or a watched joint was not allocated,
+    /// [`Error::BadConstraint`] for a constraint that cannot be solved, [`Error::TooLarge`] if
+    /// offsets exceed 32 bits. The tables are then unchanged.
     pub fn set_controls(
         &mut self,
-        place: u32,
+        member_index: u32,
         skeleton: &Skeleton,
         controls: &Controls,
     ) -> Result<(), Error> {
-        let member = self.taken(place)?;
+        let member = self.used_member(member_index)?;
         if controls.is_empty() {
-            self.remove_control(place);
+            self.remove_control(member_index);
             return Ok(());
         }
-        let watched = controls.watches.iter().chain(&controls.carries).map(|(_, place)| *place);
-        let unknown = |place: &u32| *place as usize >= self.control_spaces.watched.end();
-        if let Some(value) = watched.chain(controls.attached.map(|(place, _)| place)).find(unknown)
+        let watched = controls.watches.iter().chain(&controls.carries).map(|(_, watched)| *watched);
+        let unknown = |watched: &u32| *watched as usize >= self.control_spaces.watched.end();
+        if let Some(value) =
+            watched.chain(controls.attached.map(|(watched, _)| watched)).find(unknown)
         {
             return Err(Error::BadPlayback { what: "watched joint", value });
         }
         let program = Program::compile(skeleton, controls)?;
-        self.check_control_room(&program)?;
-        let control = if member.control == NONE { self.add_control(place) } else { member.control };
-        self.fit_runs(control as usize, &program);
+        self.check_control_capacity(&program)?;
+        let control =
+            if member.control == NONE { self.add_control(member_index) } else { member.control };
+        self.resize_runs(control as usize, &program);
         self.write_program(control as usize, program);
         Ok(())
     }
 
-    fn check_control_room(&self, program: &Program) -> Result<(), Error> {
+    fn check_control_capacity(&self, program: &Program) -> Result<(), Error> {
         let spaces = &self.control_spaces;
         for (what, count) in [
             ("the steps", spaces.steps.end_with(program.steps.len())),
@@ -145,7 +148,7 @@ impl Tables {
         Ok(())
     }
 
-    fn add_control(&mut self, place: u32) -> u32 {
+    fn add_control(&mut self, member_index: u32) -> u32 {
         let spaces = &mut self.control_spaces;
         let (first, _) = spaces.controls.take(1);
         spaces.runs.resize(spaces.runs.len().max(first + 1), Runs::default());
@@ -157,40 +160,40 @@ impl Tables {
             facing,
             epoch: spaces.epoch,
             scale_first: NONE,
-            member: place,
+            member: member_index,
             ..Control::default()
         };
         self.all.controls.grow(first + 1, control);
         self.all.controls.set(first, control);
-        let mut member = self.all.members.as_slice()[place as usize];
+        let mut member = self.all.members.as_slice()[member_index as usize];
         member.control = u32_from(first);
-        self.all.members.set(place as usize, member);
+        self.all.members.set(member_index as usize, member);
         member.control
     }
 
-    /// Lets nothing but clips move a member.
-    pub(super) fn remove_control(&mut self, place: u32) {
-        let mut member = self.all.members.as_slice()[place as usize];
+    /// Removes the constraint program of a member.
+    pub(super) fn remove_control(&mut self, member_index: u32) {
+        let mut member = self.all.members.as_slice()[member_index as usize];
         if member.control == NONE {
             return;
         }
-        self.fit_runs(member.control as usize, &Program::default());
+        self.resize_runs(member.control as usize, &Program::default());
         self.control_spaces.unchecked.remove(&member.control);
-        self.control_spaces.controls.give_back((member.control as usize, 1));
+        self.control_spaces.controls.release((member.control as usize, 1));
         self.all.controls.truncate(self.control_spaces.controls.end());
         member.control = NONE;
-        self.all.members.set(place as usize, member);
+        self.all.members.set(member_index as usize, member);
     }
 
-    fn fit_runs(&mut self, control: usize, program: &Program) {
+    fn resize_runs(&mut self, control: usize, program: &Program) {
         let spaces = &mut self.control_spaces;
         let runs = &mut spaces.runs[control];
-        refit(&mut spaces.steps, &mut runs.steps, program.steps.len());
-        refit(&mut spaces.overrides, &mut runs.overrides, program.overrides.len());
-        refit(&mut spaces.constraints, &mut runs.constraints, program.constraints.len());
-        refit(&mut spaces.links, &mut runs.links, program.links.len());
-        refit(&mut spaces.targets, &mut runs.targets, program.targets.len());
-        refit(&mut spaces.values, &mut runs.values, program.values.len());
+        resize_run(&mut spaces.steps, &mut runs.steps, program.steps.len());
+        resize_run(&mut spaces.overrides, &mut runs.overrides, program.overrides.len());
+        resize_run(&mut spaces.constraints, &mut runs.constraints, program.constraints.len());
+        resize_run(&mut spaces.links, &mut runs.links, program.links.len());
+        resize_run(&mut spaces.targets, &mut runs.targets, program.targets.len());
+        resize_run(&mut spaces.values, &mut runs.values, program.values.len());
         self.all.steps.truncate(spaces.steps.end());
         self.all.overrides.truncate(spaces.overrides.end());
         self.all.constraints.truncate(spaces.constraints.end());
@@ -227,13 +230,14 @@ impl Tables {
         self.control_spaces.unchecked.insert(u32_from(control));
     }
 
-    /// Says where a member with controls stands; nothing for one without.
+    /// Sets the place of a member in the world. Does nothing if the member has no constraint
+    /// program.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member.
-    pub fn set_place(&mut self, place: u32, standing: &Place) -> Result<(), Error> {
-        let control = self.taken(place)?.control;
+    /// [`Error::BadPlayback`] if the member does not exist.
+    pub fn set_place(&mut self, member_index: u32, standing: &Place) -> Result<(), Error> {
+        let control = self.used_member(member_index)?.control;
         if control != NONE {
             let [at, facing] = device_place(standing);
             let row =
@@ -243,14 +247,19 @@ impl Tables {
         Ok(())
     }
 
-    /// Replaces one of the targets that a member's constraints have, counted through them all in
-    /// order: a change that costs less than [`set_controls`](Self::set_controls).
+    /// Replaces one target of a member's constraints. `index` counts through the targets of all its
+    /// constraints in order. This is cheaper than [`set_controls`](Self::set_controls).
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a member or target that is not there.
-    pub fn set_target(&mut self, place: u32, index: usize, target: Target) -> Result<(), Error> {
-        let control = self.taken(place)?.control as usize;
+    /// [`Error::BadPlayback`] if the member or target does not exist.
+    pub fn set_target(
+        &mut self,
+        member_index: u32,
+        index: usize,
+        target: Target,
+    ) -> Result<(), Error> {
+        let control = self.used_member(member_index)?.control as usize;
         let run = self.control_spaces.runs.get(control).map_or((0, 0), |runs| runs.targets);
         if index >= run.1 {
             return Err(Error::BadPlayback {
@@ -262,21 +271,22 @@ impl Tables {
         Ok(())
     }
 
-    /// Takes a place among what devices write for others to look at.
+    /// Allocates a watched joint and returns its index. Devices write the joint's matrix there for
+    /// other members, attachments or readback.
     pub fn add_watched(&mut self) -> u32 {
         let watched = u32_from(self.control_spaces.watched.take(1).0);
         self.control_spaces.watched_new.insert(watched);
         watched
     }
 
-    /// Gives such a place back.
+    /// Frees a watched joint.
     pub fn remove_watched(&mut self, watched: u32) {
-        self.control_spaces.watched.give_back((watched as usize, 1));
+        self.control_spaces.watched.release((watched as usize, 1));
     }
 
-    /// Elements of what is watched that belong to joints watched since
-    /// [`mark_clean`](Self::mark_clean): devices set them to zero, which means not seen yet, for
-    /// another joint may have had the place before.
+    /// Element ranges of joints watched since [`mark_clean`](Self::mark_clean). Devices set them to
+    /// zero, which means "not seen yet", because another joint may have used the same elements
+    /// before.
     pub fn new_watched_elements(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let (each, end) = (WATCHED_ELEMENTS as usize, self.watched_elements());
         let runs =
@@ -284,13 +294,15 @@ impl Tables {
         runs.map(move |first| first..first + each).filter(move |run| run.end <= end)
     }
 
-    /// Elements of what is watched, up to the last in use.
+    /// Elements of [`StageBuffer::Watched`](crate::StageBuffer::Watched), up to the last one in
+    /// use.
     #[must_use]
     pub fn watched_elements(&self) -> usize {
         self.control_spaces.watched.end() * WATCHED_ELEMENTS as usize
     }
 
-    /// Of these, those that every device had room for when it last took the tables over.
+    /// The part of the watched elements that every device had memory for at the last
+    /// [`mark_clean`](Self::mark_clean).
     #[must_use]
     pub fn watched_elements_known(&self) -> usize {
         self.control_spaces.watched_known.min(self.watched_elements())
@@ -306,7 +318,7 @@ impl Tables {
         self.control_spaces.watched_known = 0;
     }
 
-    /// Elements of what devices keep of members from frame to frame, up to the last in use.
+    /// Elements of [`StageBuffer::States`](crate::StageBuffer::States), up to the last one in use.
     #[must_use]
     pub fn state_elements(&self) -> usize {
         self.all.controls.len() * STATES_PER_CONTROL as usize

@@ -1,4 +1,4 @@
-//! Rows of clips, and those that come in while a clip plays.
+//! Rows of clips, and rows that arrive while a live clip plays.
 
 use super::Tables;
 use crate::layout::{ClipRows, JOINT_BLOCK};
@@ -7,17 +7,17 @@ use crate::{Clip, Error, Trs};
 /// The newest row of a live clip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LiveNewest {
-    /// The clock when it stands.
+    /// Clock tick of the row.
     pub tick: u64,
-    /// Its place in the ring.
+    /// Index of the row in the ring.
     pub row: u32,
-    /// Rows of the ring that have come in, itself included.
+    /// Number of rows in the ring received so far, including this one.
     pub row_count: u32,
-    /// Ticks since the row before it, 1 to [`LiveRing::row_ticks`](crate::LiveRing::row_ticks).
+    /// Ticks since the previous row, 1 to [`LiveRing::row_ticks`](crate::LiveRing::row_ticks).
     pub ticks: u32,
 }
 
-/// What a clip's ring is before anything has come in: one row, at rest.
+/// Ring fields of a clip that has received nothing: one row, at rest.
 pub(super) fn new_ring(clip: &Clip) -> ClipRows {
     clip.ring().map_or_else(ClipRows::default, |ring| ClipRows {
         ring_rows: ring.rows,
@@ -30,9 +30,9 @@ pub(super) fn new_ring(clip: &Clip) -> ClipRows {
 }
 
 impl Tables {
-    /// Adds the rows of a clip, or the room for them, and returns where they begin.
+    /// Adds the rows of a clip, or empty rows for its ring, and returns the first word.
     pub(super) fn add_rows(&mut self, clip: &Clip) -> Result<u32, Error> {
-        // The first row, from which additive layers measure, and the ring.
+        // The first row, which additive layers measure from, and the ring.
         let times = clip.ring().map_or(1, |ring| 1 + ring.rows as usize);
         let (rows, count) = (clip.rows(), clip.rows().len().saturating_mul(times));
         if self.all.rows.len().saturating_add(count) > u32::MAX as usize {
@@ -41,18 +41,18 @@ impl Tables {
         self.add_words(rows.iter().copied().cycle().take(count))
     }
 
-    /// Adds rows and returns where they begin.
+    /// Adds words with padding behind them and returns the first word.
     pub(super) fn add_words(&mut self, words: impl Iterator<Item = u32>) -> Result<u32, Error> {
         let past_the_end = [0; JOINT_BLOCK as usize];
         self.all.rows.extend(words.chain(past_the_end))
     }
 
-    /// Writes a pose into a row of a live clip's ring, or where `row` is `None` into the one that
-    /// additive layers measure from. `clip` is what was added as `index`.
+    /// Writes a pose into a row of a live clip's ring. With `row` of `None` it writes the row that
+    /// additive layers measure from. `clip` must be the clip that was added as `index`.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for another clip, or a row that is not there.
+    /// [`Error::BadPlayback`] if `clip` is another clip or the row does not exist.
     pub fn set_live_row(
         &mut self,
         index: u32,
@@ -63,32 +63,31 @@ impl Tables {
         let rows = self.live_rows(index)?;
         let words = clip.row_of(pose);
         if clip.ring().is_none() || words.len() != rows.row_stride as usize {
-            return Err(Error::BadPlayback { what: "live clip of such rows", value: index });
+            return Err(Error::BadPlayback {
+                what: "live clip with such rows and index",
+                value: index,
+            });
         }
         if let Some(row) = row.filter(|row| *row >= rows.ring_rows) {
-            return Err(Error::BadPlayback { what: "row", value: row });
+            return Err(Error::BadPlayback { what: "ring row", value: row });
         }
         let nth = row.map_or(0, |row| row as usize + 1);
         self.all.rows.set_run(rows.row_first as usize + nth * words.len(), &words);
         Ok(())
     }
 
-    /// Says which row of a live clip is the newest.
+    /// Sets the newest row of a live clip.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a clip that is not live, or a row or number of ticks that it
-    /// cannot have.
+    /// [`Error::BadPlayback`] if the clip is not live, or if the row, row count or tick count is
+    /// out of range.
     pub fn set_live_newest(&mut self, index: u32, newest: LiveNewest) -> Result<(), Error> {
         let rows = self.live_rows(index)?;
         for (what, value, fits) in [
-            ("row", newest.row, newest.row < rows.ring_rows),
-            ("count of rows", newest.row_count, (1..=rows.ring_rows).contains(&newest.row_count)),
-            (
-                "length of a row in ticks",
-                newest.ticks,
-                (1..=rows.row_ticks).contains(&newest.ticks),
-            ),
+            ("ring row", newest.row, newest.row < rows.ring_rows),
+            ("row count", newest.row_count, (1..=rows.ring_rows).contains(&newest.row_count)),
+            ("row length in ticks", newest.ticks, (1..=rows.row_ticks).contains(&newest.ticks)),
         ] {
             if !fits {
                 return Err(Error::BadPlayback { what, value });

@@ -1,4 +1,4 @@
-//! State machines: their states, ways out of them, and who runs them.
+//! State machines: states, transitions, and the machines that run on members.
 
 use super::{BodyIndex, Space, Tables, u32_from};
 use crate::layout::{
@@ -8,12 +8,13 @@ use crate::layout::{
 use crate::{Error, ticks_from_secs};
 
 const PARAMETERS: usize = MACHINE_PARAMETERS as usize;
-/// MachineInstances are named beside which of two slots it is, and that is not to read as [`NONE`].
-const RUNNERS_MOST: usize = (NONE / 2) as usize;
+/// Maximum number of machine instances. A slot stores `2 * instance + which`, which must not equal
+/// [`NONE`].
+const MAX_INSTANCES: usize = (NONE / 2) as usize;
 const FREE: MachineInstance = MachineInstance { start_tick: 0, state: NONE, epoch: 0 };
 
 impl Running {
-    /// Of its elements as devices keep them.
+    /// Reads the struct from its elements in a device buffer.
     #[must_use]
     pub fn from_elements(elements: [Float4; RUNNING_ELEMENTS as usize]) -> Self {
         bytemuck::cast(elements)
@@ -23,32 +24,31 @@ impl Running {
 /// A state of a machine, for members of one body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineState {
-    /// What it plays: a bound clip, and how; when it starts, its weight and its layer are not
-    /// looked at.
+    /// Playback of the state's bound clip. The slot's start tick, weight and layer are ignored.
     pub slot: Slot,
-    /// Ways out; the first that holds is taken.
+    /// Outgoing transitions; the first whose conditions hold is taken.
     pub transitions: Vec<Transition>,
 }
 
-/// A way out of a state.
+/// A transition out of a state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transition {
-    /// Which of the machine's states it leads to.
+    /// Index of the machine's state that it leads to.
     pub to: usize,
-    /// How long the crossfade takes; less than a tick cuts.
+    /// Duration of the crossfade in seconds; less than one tick is a cut.
     pub fade_secs: f32,
-    /// All must hold.
+    /// Conditions, all of which must hold.
     pub conditions: Vec<Condition>,
 }
 
-/// What must hold for a transition to be taken.
+/// A condition of a transition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Condition {
-    /// A parameter is above a number.
+    /// The parameter of this index is above the value.
     Above(u32, f32),
-    /// A parameter is below a number.
+    /// The parameter of this index is below the value.
     Below(u32, f32),
-    /// The state was entered so many ticks ago, or more.
+    /// At least this many ticks have passed since the state was entered.
     After(u64),
 }
 
@@ -67,11 +67,11 @@ impl Condition {
     }
 }
 
-/// Places for machine instances.
+/// Allocation of machine instances.
 #[derive(Clone, Debug)]
 pub(super) struct InstanceSpace {
     space: Space,
-    /// Slots that name each machine instance.
+    /// Number of slots that refer to each machine instance.
     uses: Vec<u32>,
     epoch: u32,
 }
@@ -87,13 +87,13 @@ fn bad(what: &'static str, value: u32) -> Error {
 }
 
 impl Tables {
-    /// Adds the states of a machine for members of a body, and returns where they begin.
+    /// Adds the states of a machine for members of `body` and returns the index of the first.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a clip that is not bound to the body or is not played so, for a
-    /// transition to a state that is not there, and for a parameter that is not there;
-    /// [`Error::TooLarge`] past 32-bit offsets.
+    /// [`Error::BadPlayback`] if a clip is not bound to the body or does not allow its playback
+    /// mode, or if a transition names a missing state or parameter; [`Error::TooLarge`] if offsets
+    /// exceed 32 bits.
     pub fn add_states(&mut self, body: BodyIndex, states: &[MachineState]) -> Result<u32, Error> {
         let of_body = Member { body: body.0, ..Member::default() };
         for state in states {
@@ -143,13 +143,13 @@ impl Tables {
         })
     }
 
-    /// Takes a machine instance for a machine that begins in a state; two slots are to name it then
-    /// (see [`Slot::machine`]), and it is free for others once none does any longer.
+    /// Allocates a machine instance that begins in `state` at `tick`. Two slots must then refer to
+    /// it (see [`Slot::machine`]). It is freed when no slot refers to it any more.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a state that is not there, [`Error::TooLarge`] past 31-bit
-    /// offsets.
+    /// [`Error::BadPlayback`] if the state does not exist; [`Error::TooLarge`] if offsets exceed 31
+    /// bits.
     pub fn add_machine_instance(
         &mut self,
         state: u32,
@@ -161,8 +161,12 @@ impl Tables {
         }
         let InstanceSpace { space, uses, epoch } = &mut self.instance_space;
         let count = space.end_with(1);
-        if count > RUNNERS_MOST {
-            return Err(Error::TooLarge { what: "the state machines", count, limit: RUNNERS_MOST });
+        if count > MAX_INSTANCES {
+            return Err(Error::TooLarge {
+                what: "the state machines",
+                count,
+                limit: MAX_INSTANCES,
+            });
         }
         let (index, _) = space.take(1);
         uses.resize(uses.len().max(index + 1), 0);
@@ -175,11 +179,11 @@ impl Tables {
         Ok(u32_from(index))
     }
 
-    /// Sets one of a machine instance's parameters.
+    /// Sets one parameter of a machine instance.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a machine instance or parameter that is not there.
+    /// [`Error::BadPlayback`] if the machine instance or the parameter does not exist.
     pub fn set_machine_parameter(
         &mut self,
         machine_instance: u32,
@@ -197,11 +201,11 @@ impl Tables {
         Ok(())
     }
 
-    /// A machine that a member runs.
+    /// Returns a state machine that runs on a member.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a machine instance that is not there.
+    /// [`Error::BadPlayback`] if the machine instance does not exist.
     pub fn machine_instance(&self, machine_instance: u32) -> Result<MachineInstance, Error> {
         let found = self
             .all
@@ -212,13 +216,14 @@ impl Tables {
         found.copied().ok_or_else(|| bad("state machine", machine_instance))
     }
 
-    /// Elements of where state machines are, up to the last in use.
+    /// Elements of [`StageBuffer::Running`](crate::StageBuffer::Running), up to the last one in
+    /// use.
     #[must_use]
     pub fn running_elements(&self) -> usize {
         self.all.machine_instances.len() * RUNNING_ELEMENTS as usize
     }
 
-    /// Whether a machine's slot names a machine instance of the member's body.
+    /// Checks that a slot refers to an existing machine instance of the member's body.
     pub(super) fn check_machine_instance(&self, slot: &Slot, member: &Member) -> Result<(), Error> {
         let index = slot.bound_clip >> 1;
         let state = self.machine_instance(index)?.state as usize;
@@ -227,9 +232,9 @@ impl Tables {
         if body == member.body { Ok(()) } else { Err(bad("state machine", index)) }
     }
 
-    /// A slot names another machine instance than before: one that no slot names any longer is
-    /// free.
-    pub(super) fn pass_machine_instance(&mut self, before: Option<u32>, now: Option<u32>) {
+    /// Updates use counts when a slot changes its machine instance from `before` to `now`, and
+    /// frees an instance without uses.
+    pub(super) fn update_instance_uses(&mut self, before: Option<u32>, now: Option<u32>) {
         if before == now {
             return;
         }
@@ -240,7 +245,7 @@ impl Tables {
         if let Some(machine_instance) = before.map(|machine_instance| machine_instance as usize) {
             uses[machine_instance] -= 1;
             if uses[machine_instance] == 0 {
-                space.give_back((machine_instance, 1));
+                space.release((machine_instance, 1));
                 self.all.machine_instances.set(machine_instance, FREE);
                 self.all.machine_instances.truncate(space.end());
                 self.all.machine_parameters.truncate(space.end() * PARAMETERS);
@@ -270,7 +275,7 @@ mod tests {
         Binding, Clip, ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs,
     };
 
-    /// Two bodies, a member of each, and a machine of one state that loops for the first.
+    /// Two bodies with one member each, and for the first body a machine with one looping state.
     fn tables() -> (Tables, [u32; 2], u32) {
         let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
         let skeleton = Skeleton::new(&[joint]).unwrap();
@@ -296,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn a_machine_instance_is_free_once_no_slot_names_it() {
+    fn machine_instance_is_freed_with_its_last_slot() {
         let (mut tables, [member, other], state) = tables();
         let machine_instance = tables.add_machine_instance(state, 9, [0.5; PARAMETERS]).unwrap();
         for which in [0, 1] {
@@ -304,12 +309,13 @@ mod tests {
                 .set_slot(member, which, Slot::machine(machine_instance, u32_from(which), 9))
                 .unwrap();
         }
-        tables.set_slot(other, 0, Slot::machine(machine_instance, 0, 9)).unwrap_err(); // of another body
+        // A machine of another body.
+        tables.set_slot(other, 0, Slot::machine(machine_instance, 0, 9)).unwrap_err();
         tables.set_slot(member, 0, Slot::machine(machine_instance + 1, 0, 9)).unwrap_err();
         let epoch = tables.machine_instance(machine_instance).unwrap().epoch;
         tables.set_slot(member, 0, Slot::machine(machine_instance, 0, 9).with_weight(0.2)).unwrap();
         tables.set_slot(member, 1, Slot { bound_clip: NONE, ..Slot::default() }).unwrap();
-        assert_eq!(tables.running_elements(), 3, "one slot names it");
+        assert_eq!(tables.running_elements(), 3, "one slot refers to it");
         tables.remove_member(member);
         assert_eq!((tables.running_elements(), tables.machine_parameters().len()), (0, 0));
         tables.set_machine_parameter(machine_instance, 0, 1.0).unwrap_err();
@@ -317,12 +323,12 @@ mod tests {
         assert_ne!(
             tables.machine_instance(machine_instance).unwrap().epoch,
             epoch,
-            "its place has another owner"
+            "its index has another owner"
         );
     }
 
     #[test]
-    fn a_parameter_changes_alone_and_nothing_points_past_what_is_there() {
+    fn parameters_change_alone_and_indices_are_checked() {
         let (mut tables, _, state) = tables();
         let machine_instance = tables.add_machine_instance(state, 9, [0.0; PARAMETERS]).unwrap();
         tables.mark_clean();

@@ -1,4 +1,4 @@
-//! Members: their places, and what they play.
+//! Members, their slots and their layers.
 
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -22,19 +22,19 @@ const EMPTY_SLOT: Slot = Slot {
     weight_rate: 0.0,
     end_weight: 0.0,
 };
-const FREE_PLACE: Member =
+const FREE_MEMBER: Member =
     Member { body: NONE, joint_first: 0, palette_first: 0, layers_and_phase: 0, control: NONE };
 const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask_and_mode: LAYER_MASK };
 
 impl Member {
-    /// Layers in use.
+    /// Number of layers in use.
     #[inline]
     #[must_use]
     pub const fn layer_count(&self) -> u32 {
         self.layers_and_phase & ((1 << MEMBER_LAYER_BITS) - 1)
     }
 
-    /// The phase of a frame in which it is evaluated.
+    /// Phase of the frame in which the member is evaluated.
     #[inline]
     #[must_use]
     pub const fn phase(&self) -> u32 {
@@ -43,11 +43,11 @@ impl Member {
 }
 
 impl Tables {
-    /// Gives a member of a body a place, without any clip; returns the place.
+    /// Adds a member of `body` without any clip and returns its index.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past 32-bit offsets.
+    /// [`Error::TooLarge`] if offsets exceed 32 bits.
     ///
     /// # Panics
     ///
@@ -55,17 +55,17 @@ impl Tables {
     pub fn add_member(&mut self, body: BodyIndex) -> Result<u32, Error> {
         let Body { padded_count, entry_count, .. } = self.all.bodies.as_slice()[body.0 as usize];
         let blocks = (padded_count / JOINT_BLOCK) as usize;
-        self.check_room(blocks, palette_block_count(entry_count))?;
-        let place = self.take_place()?;
+        self.check_capacity(blocks, palette_block_count(entry_count))?;
+        let member_index = self.take_index()?;
         self.all.slots.grow(self.member_places() * self.slots_per_member, EMPTY_SLOT);
         self.all.layers.grow(self.member_places() * LAYERS_PER_MEMBER as usize, PLAIN_LAYER);
         let joint_block = self.joint_space.take(blocks);
         let palette_block = self.palette_space.take(palette_block_count(entry_count));
-        fill(&mut self.blocks.joint_blocks, joint_block, place);
-        fill(&mut self.blocks.palette_blocks, palette_block, place);
-        self.reset_playback(place);
+        fill(&mut self.blocks.joint_blocks, joint_block, member_index);
+        fill(&mut self.blocks.palette_blocks, palette_block, member_index);
+        self.reset_playback(member_index);
         self.all.members.set(
-            place as usize,
+            member_index as usize,
             Member {
                 body: body.0,
                 joint_first: u32_from(joint_block.0 * JOINT_BLOCK as usize),
@@ -76,12 +76,12 @@ impl Tables {
         );
         self.phase_members[0] += 1;
         if entry_count > 0 {
-            self.page_lists.add(page_of(palette_block), place);
+            self.page_lists.add(page_of(palette_block), member_index);
         }
-        Ok(place)
+        Ok(member_index)
     }
 
-    fn check_room(&self, joint_blocks: usize, palette_blocks: usize) -> Result<(), Error> {
+    fn check_capacity(&self, joint_blocks: usize, palette_blocks: usize) -> Result<(), Error> {
         let (joints, palettes) =
             (self.joint_space.end_with(joint_blocks), self.palette_space.end_with(palette_blocks));
         let slots = (self.member_places() + 1) * self.slots_per_member;
@@ -97,26 +97,28 @@ impl Tables {
         Ok(())
     }
 
-    /// The lowest free place, else a new one.
-    fn take_place(&mut self) -> Result<u32, Error> {
+    /// Returns the lowest unused member index, or a new one.
+    fn take_index(&mut self) -> Result<u32, Error> {
         match self.free_members.pop() {
-            Some(Reverse(place)) if (place as usize) < self.member_places() => Ok(place),
-            // Where the table shrank the lowest can be past its end. It is dropped here, so that
-            // the table, which grows by one each time, never comes to hold a place that is also
-            // listed as free.
-            _ => self.all.members.extend([FREE_PLACE]),
+            Some(Reverse(member_index)) if (member_index as usize) < self.member_places() => {
+                Ok(member_index)
+            }
+            // The table may have shrunk so that the lowest unused index is past its end. The index
+            // is dropped here. The table grows by one each time, so it never contains an entry that
+            // is also listed as unused.
+            _ => self.all.members.extend([FREE_MEMBER]),
         }
     }
 
-    /// Frees a member's place. Places that are free at the end are let go of, so that the tables
-    /// ask devices for no more than those in use need.
+    /// Removes a member. Unused entries at the end of the tables are dropped, so that devices need
+    /// memory only for those in use.
     ///
     /// # Panics
     ///
-    /// If the place is not taken.
-    pub fn remove_member(&mut self, place: u32) {
-        self.remove_control(place);
-        let member = self.all.members.as_slice()[place as usize];
+    /// If there is no such member.
+    pub fn remove_member(&mut self, member_index: u32) {
+        self.remove_control(member_index);
+        let member = self.all.members.as_slice()[member_index as usize];
         let Body { padded_count, entry_count, .. } =
             self.all.bodies.as_slice()[member.body as usize];
         let joints =
@@ -126,18 +128,18 @@ impl Tables {
         fill(&mut self.blocks.joint_blocks, joints, NONE);
         fill(&mut self.blocks.palette_blocks, palette, NONE);
         self.phase_members[member.phase() as usize] -= 1;
-        self.joint_space.give_back(joints);
-        self.palette_space.give_back(palette);
+        self.joint_space.release(joints);
+        self.palette_space.release(palette);
         if entry_count > 0 {
-            self.page_lists.remove(page_of(palette), place);
+            self.page_lists.remove(page_of(palette), member_index);
         }
-        self.reset_playback(place);
-        self.all.members.set(place as usize, FREE_PLACE);
-        self.free_members.push(Reverse(place));
-        self.let_go_of_the_end();
+        self.reset_playback(member_index);
+        self.all.members.set(member_index as usize, FREE_MEMBER);
+        self.free_members.push(Reverse(member_index));
+        self.drop_unused_end();
     }
 
-    fn let_go_of_the_end(&mut self) {
+    fn drop_unused_end(&mut self) {
         let members = &mut self.all.members;
         let taken =
             members.as_slice().iter().rposition(|m| m.body != NONE).map_or(0, |last| last + 1);
@@ -148,24 +150,24 @@ impl Tables {
         self.blocks.palette_blocks.truncate(self.palette_space.end());
     }
 
-    fn reset_playback(&mut self, place: u32) {
-        for slot in self.slot_range(place) {
+    fn reset_playback(&mut self, member_index: u32) {
+        for slot in self.slot_range(member_index) {
             self.replace_slot(slot, EMPTY_SLOT);
         }
-        for layer in self.layer_range(place) {
+        for layer in self.layer_range(member_index) {
             self.all.layers.set(layer, PLAIN_LAYER);
         }
     }
 
-    /// Replaces one of a member's slots.
+    /// Replaces a slot of a member.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member, a slot that there is not, a layer past
-    /// the last, a clip that is not bound to the member's body, or a machine that is not one of
-    /// its.
-    pub fn set_slot(&mut self, place: u32, index: usize, slot: Slot) -> Result<(), Error> {
-        let member = self.taken(place)?;
+    /// [`Error::BadPlayback`] if the member, slot or layer does not exist, the clip is not bound to
+    /// the member's body or does not allow the slot's mode, or the state machine belongs to another
+    /// body.
+    pub fn set_slot(&mut self, member_index: u32, index: usize, slot: Slot) -> Result<(), Error> {
+        let member = self.used_member(member_index)?;
         let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
         if index >= self.slots_per_member {
             return bad("slot", u32::try_from(index).unwrap_or(NONE));
@@ -178,8 +180,8 @@ impl Tables {
         } else {
             self.check_bound(&slot, &member)?;
         }
-        self.replace_slot(place as usize * self.slots_per_member + index, slot);
-        self.use_layer(place, slot.layer());
+        self.replace_slot(member_index as usize * self.slots_per_member + index, slot);
+        self.use_layer(member_index, slot.layer());
         Ok(())
     }
 
@@ -193,7 +195,7 @@ impl Tables {
         let is_live =
             |bound: &BoundClip| self.all.clips.as_slice()[bound.clip as usize].ring_rows > 0;
         if bound.is_some_and(|bound| is_live(bound) != (slot.mode() == SLOT_LIVE)) {
-            return bad("mode of such a clip", slot.mode());
+            return bad("slot mode for this clip", slot.mode());
         }
         let taking = slot.taking().bound_clip;
         if slot.bound_clip != NONE
@@ -208,17 +210,21 @@ impl Tables {
     fn replace_slot(&mut self, index: usize, slot: Slot) {
         let before = self.all.slots.as_slice()[index];
         self.all.slots.set(index, slot);
-        self.pass_machine_instance(before.machine_instance(), slot.machine_instance());
+        self.update_instance_uses(before.machine_instance(), slot.machine_instance());
     }
 
-    /// Replaces one of a member's layers.
+    /// Replaces a layer of a member.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member, a layer past the last, or a mask that
-    /// is not there.
-    pub fn set_layer(&mut self, place: u32, index: usize, layer: Layer) -> Result<(), Error> {
-        let member = self.taken(place)?;
+    /// [`Error::BadPlayback`] if the member, layer or mask does not exist.
+    pub fn set_layer(
+        &mut self,
+        member_index: u32,
+        index: usize,
+        layer: Layer,
+    ) -> Result<(), Error> {
+        let member = self.used_member(member_index)?;
         let joints = self.all.bodies.as_slice()[member.body as usize].padded_count as usize;
         let layer_index = u32::try_from(index).unwrap_or(NONE);
         if layer_index >= LAYERS_PER_MEMBER {
@@ -227,32 +233,34 @@ impl Tables {
         if let Some(first) = layer.mask().filter(|m| *m as usize + joints > self.all.masks.len()) {
             return Err(Error::BadPlayback { what: "mask", value: first });
         }
-        self.all.layers.set(place as usize * LAYERS_PER_MEMBER as usize + index, layer);
-        self.use_layer(place, layer_index);
+        self.all.layers.set(member_index as usize * LAYERS_PER_MEMBER as usize + index, layer);
+        self.use_layer(member_index, layer_index);
         Ok(())
     }
 
-    pub(super) fn taken(&self, place: u32) -> Result<Member, Error> {
-        let member = self.all.members.as_slice().get(place as usize).filter(|m| m.body != NONE);
-        member.copied().ok_or(Error::BadPlayback { what: "member", value: place })
+    pub(super) fn used_member(&self, member_index: u32) -> Result<Member, Error> {
+        let member =
+            self.all.members.as_slice().get(member_index as usize).filter(|m| m.body != NONE);
+        member.copied().ok_or(Error::BadPlayback { what: "member", value: member_index })
     }
 
-    fn use_layer(&mut self, place: u32, layer: u32) {
-        let mut member = self.all.members.as_slice()[place as usize];
+    fn use_layer(&mut self, member_index: u32, layer: u32) {
+        let mut member = self.all.members.as_slice()[member_index as usize];
         if member.layer_count() <= layer {
             member.layers_and_phase += layer + 1 - member.layer_count();
-            self.all.members.set(place as usize, member);
+            self.all.members.set(member_index as usize, member);
         }
     }
 
-    /// Says in which phase of a frame a member is evaluated: one that is attached to another, in
-    /// one after that one's.
+    /// Sets the phase of the frame in which a member is evaluated. An attached member needs a later
+    /// phase than its parent.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a place without a member, or a phase of [`PHASES_MOST`] or above.
-    pub fn set_phase(&mut self, place: u32, phase: u32) -> Result<(), Error> {
-        let mut member = self.taken(place)?;
+    /// [`Error::BadPlayback`] if the member does not exist or the phase is [`PHASES_MOST`] or
+    /// above.
+    pub fn set_phase(&mut self, member_index: u32, phase: u32) -> Result<(), Error> {
+        let mut member = self.used_member(member_index)?;
         if phase >= PHASES_MOST {
             return Err(Error::BadPlayback { what: "phase", value: phase });
         }
@@ -262,11 +270,11 @@ impl Tables {
         self.phase_members[member.phase() as usize] -= 1;
         self.phase_members[phase as usize] += 1;
         member.layers_and_phase = phase << MEMBER_LAYER_BITS | member.layer_count();
-        self.all.members.set(place as usize, member);
+        self.all.members.set(member_index as usize, member);
         Ok(())
     }
 
-    /// Phases of a frame, up to the last that some member is evaluated in; at least one.
+    /// Number of phases in a frame, up to the last one that a member is evaluated in; at least 1.
     #[must_use]
     pub fn phase_count(&self) -> u32 {
         u32_from(
@@ -274,17 +282,17 @@ impl Tables {
         )
     }
 
-    /// Where a member's slots stand in [`Tables::slots`].
+    /// Range of a member's slots in [`Tables::slots`].
     #[must_use]
-    pub fn slot_range(&self, place: u32) -> Range<usize> {
-        let first = place as usize * self.slots_per_member;
+    pub fn slot_range(&self, member_index: u32) -> Range<usize> {
+        let first = member_index as usize * self.slots_per_member;
         first..first + self.slots_per_member
     }
 
-    /// Where a member's layers stand in [`Tables::layers`].
+    /// Range of a member's layers in [`Tables::layers`].
     #[must_use]
-    pub fn layer_range(&self, place: u32) -> Range<usize> {
-        let first = place as usize * LAYERS_PER_MEMBER as usize;
+    pub fn layer_range(&self, member_index: u32) -> Range<usize> {
+        let first = member_index as usize * LAYERS_PER_MEMBER as usize;
         first..first + LAYERS_PER_MEMBER as usize
     }
 }
@@ -297,10 +305,10 @@ fn palette_block_count(entry_count: u32) -> usize {
     entry_count.div_ceil(PALETTE_BLOCK) as usize
 }
 
-fn fill(blocks: &mut Table<u32>, (first, count): (usize, usize), place: u32) {
+fn fill(blocks: &mut Table<u32>, (first, count): (usize, usize), member_index: u32) {
     blocks.grow(first + count, NONE);
     for block in first..first + count {
-        blocks.set(block, place);
+        blocks.set(block, member_index);
     }
 }
 
@@ -311,7 +319,7 @@ mod tests {
     use super::*;
     use crate::{Affine, JointIndex, JointSource, PaletteEntry, Skeleton, Trs};
 
-    /// Bodies of these numbers of joints, each with these numbers of palette entries.
+    /// Bodies given as (joint count, palette entry count).
     fn tables(bodies: &[(usize, usize)]) -> (Tables, Vec<BodyIndex>) {
         let mut tables = Tables::new(2);
         let add = |(joints, entries): &(usize, usize)| {
@@ -324,31 +332,31 @@ mod tests {
         (tables, bodies)
     }
 
-    /// Everything about members, recounted from their own table.
+    /// Compares all lists and sizes with values recounted from the member table.
     fn assert_consistent(tables: &Tables) {
         let members = tables.members().as_slice();
         let mut pages = vec![HashSet::new(); tables.page_lengths().len()];
         let mut joint_blocks = vec![NONE; tables.joint_blocks().len()];
         let mut palette_blocks = vec![NONE; tables.palette_blocks().len()];
-        for (place, member) in (0..).zip(members).filter(|(_, m)| m.body != NONE) {
+        for (member_index, member) in (0..).zip(members).filter(|(_, m)| m.body != NONE) {
             let body = tables.bodies().as_slice()[member.body as usize];
             let (first, count) =
                 (member.joint_first / JOINT_BLOCK, body.padded_count / JOINT_BLOCK);
-            joint_blocks[first as usize..][..count as usize].fill(place);
+            joint_blocks[first as usize..][..count as usize].fill(member_index);
             if body.entry_count > 0 {
-                pages[(member.palette_first / PAGE_ENTRIES) as usize].insert(place);
+                pages[(member.palette_first / PAGE_ENTRIES) as usize].insert(member_index);
                 let first = (member.palette_first / PALETTE_BLOCK) as usize;
-                palette_blocks[first..][..palette_block_count(body.entry_count)].fill(place);
+                palette_blocks[first..][..palette_block_count(body.entry_count)].fill(member_index);
             }
         }
         for (page, wanted) in pages.iter().enumerate() {
             let list = tables.page_members(page).as_slice();
-            assert_eq!(list.len(), wanted.len(), "page {page} names some member twice");
+            assert_eq!(list.len(), wanted.len(), "page {page} lists a member twice");
             assert_eq!(list.iter().copied().collect::<HashSet<_>>(), *wanted, "page {page}");
         }
         assert_eq!(tables.joint_blocks().as_slice(), joint_blocks);
         assert_eq!(tables.palette_blocks().as_slice(), palette_blocks);
-        assert_ne!(members.last().map(|m| m.body), Some(NONE), "the last place is taken");
+        assert_ne!(members.last().map(|m| m.body), Some(NONE), "the last entry is in use");
         assert_ne!(joint_blocks.last(), Some(&NONE));
         assert_ne!(palette_blocks.last(), Some(&NONE));
         assert_eq!(tables.slots().len(), members.len() * tables.slots_per_member());
@@ -356,8 +364,8 @@ mod tests {
     }
 
     #[test]
-    fn lists_of_pages_and_blocks_hold_however_members_come_and_go() {
-        // A third of a page, a quarter of one, hardly any, and none.
+    fn page_lists_and_blocks_stay_consistent_under_random_use() {
+        // A third of a page, a quarter of one, a few entries, and none.
         let (mut tables, bodies) = tables(&[(1, 350_000), (40, 262_144), (17, 3), (2, 0)]);
         let (mut taken, mut state) = (Vec::new(), 3_u64);
         let mut random = |below: usize| {
@@ -367,11 +375,11 @@ mod tests {
             usize::try_from(state >> 33).unwrap() % below
         };
         for step in 0..600 {
-            // Mostly coming in one half of the time, mostly leaving in the other.
+            // Mostly add members in one half of the time, mostly remove them in the other.
             if random(10) < if step / 40 % 2 == 0 { 7 } else { 3 } || taken.is_empty() {
-                let place = tables.add_member(bodies[random(4)]).unwrap();
-                assert!(!taken.contains(&place), "{place} is given out twice");
-                taken.push(place);
+                let member_index = tables.add_member(bodies[random(4)]).unwrap();
+                assert!(!taken.contains(&member_index), "index {member_index} is used twice");
+                taken.push(member_index);
             } else {
                 tables.remove_member(taken.swap_remove(random(taken.len())));
             }
@@ -382,7 +390,7 @@ mod tests {
                 tables.mark_clean();
             }
         }
-        taken.drain(..).for_each(|place| tables.remove_member(place));
+        taken.drain(..).for_each(|member_index| tables.remove_member(member_index));
         assert_eq!(
             (tables.member_places(), tables.joint_places(), tables.palette_places()),
             (0, 0, 0)
@@ -390,14 +398,14 @@ mod tests {
     }
 
     #[test]
-    fn there_are_as_many_phases_as_members_need() {
+    fn phase_count_follows_the_members() {
         let (mut tables, bodies) = tables(&[(1, 1)]);
         assert_eq!(tables.phase_count(), 1);
         let [first, second] = [(); 2].map(|()| tables.add_member(bodies[0]).unwrap());
         tables.set_phase(second, 3).unwrap();
         tables
             .set_layer(second, 2, Layer { weight: 0.5, mask_and_mode: LAYER_MASK })
-            .expect("a layer that there is");
+            .expect("the layer exists");
         let row = tables.members().as_slice()[second as usize];
         assert_eq!((row.phase(), row.layer_count(), tables.phase_count()), (3, 3, 4));
         tables.set_phase(first, 1).unwrap();
@@ -410,23 +418,30 @@ mod tests {
     }
 
     #[test]
-    fn a_new_member_plays_nothing_of_the_one_before_it() {
+    fn new_member_inherits_no_playback() {
         let (mut tables, bodies) = tables(&[(1, 1)]);
-        let place = tables.add_member(bodies[0]).unwrap();
-        tables.set_layer(place, 2, Layer { weight: 0.5, mask_and_mode: LAYER_MASK }).unwrap();
-        tables.set_slot(place, 1, Slot::default().on_layer(3)).unwrap_err(); // no clip is bound
+        let member_index = tables.add_member(bodies[0]).unwrap();
+        tables
+            .set_layer(member_index, 2, Layer { weight: 0.5, mask_and_mode: LAYER_MASK })
+            .unwrap();
+        // No clip is bound.
+        tables.set_slot(member_index, 1, Slot::default().on_layer(3)).unwrap_err();
         tables.mark_clean();
-        tables.remove_member(place);
-        assert_eq!(tables.add_member(bodies[0]), Ok(place));
-        assert_eq!(tables.members().as_slice()[place as usize].layers_and_phase, 1);
+        tables.remove_member(member_index);
+        assert_eq!(tables.add_member(bodies[0]), Ok(member_index));
+        assert_eq!(tables.members().as_slice()[member_index as usize].layers_and_phase, 1);
         assert!(
-            tables.layers().as_slice()[tables.layer_range(place)].iter().all(|l| *l == PLAIN_LAYER)
+            tables.layers().as_slice()[tables.layer_range(member_index)]
+                .iter()
+                .all(|l| *l == PLAIN_LAYER)
         );
         assert!(
-            tables.slots().as_slice()[tables.slot_range(place)].iter().all(|s| *s == EMPTY_SLOT)
+            tables.slots().as_slice()[tables.slot_range(member_index)]
+                .iter()
+                .all(|s| *s == EMPTY_SLOT)
         );
-        // It stands where a device has the old one.
-        assert_eq!(tables.members().changed().collect::<Vec<_>>(), [place]);
+        // It has the index of the old member on devices.
+        assert_eq!(tables.members().changed().collect::<Vec<_>>(), [member_index]);
         assert_eq!((tables.slots().changed().count(), tables.layers().changed().count()), (2, 4));
     }
 }

@@ -1,13 +1,13 @@
-//! Which members' palettes stand in which page.
+//! Lists of the members with palettes in each page.
 
 use super::{Table, u32_from};
 
-/// A list for each page, in no order: additions go to its end, and its last fills the place of one
-/// that leaves.
+/// One list of member indices per page, in no particular order: new members are appended, and the
+/// last entry fills the gap when a member leaves.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PageLists {
     lists: Vec<Table<u32>>,
-    /// Where in its list each member stands, by its place; any number for those in none.
+    /// Position of each member in its list, by member index; arbitrary for members in no list.
     positions: Vec<u32>,
 }
 
@@ -16,21 +16,21 @@ impl PageLists {
         &self.lists
     }
 
-    pub(super) fn add(&mut self, page: usize, place: u32) {
+    pub(super) fn add(&mut self, page: usize, member: u32) {
         while self.lists.len() <= page {
             self.lists.push(Table::new("the members of a page"));
         }
         let list = &mut self.lists[page];
         let position = list.len();
-        list.grow(position + 1, place);
-        if self.positions.len() <= place as usize {
-            self.positions.resize(place as usize + 1, 0);
+        list.grow(position + 1, member);
+        if self.positions.len() <= member as usize {
+            self.positions.resize(member as usize + 1, 0);
         }
-        self.positions[place as usize] = u32_from(position);
+        self.positions[member as usize] = u32_from(position);
     }
 
-    pub(super) fn remove(&mut self, page: usize, place: u32) {
-        let (list, position) = (&mut self.lists[page], self.positions[place as usize] as usize);
+    pub(super) fn remove(&mut self, page: usize, member: u32) {
+        let (list, position) = (&mut self.lists[page], self.positions[member as usize] as usize);
         let last = list.len() - 1;
         let moved = list.as_slice()[last];
         if position != last {

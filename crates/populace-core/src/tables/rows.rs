@@ -1,11 +1,12 @@
-//! Where in a clip's rows a time is.
+//! Finds the row of a clip for a time.
 
 use super::Tables;
 use crate::layout::ClipRows;
 
 impl Tables {
-    /// The last row of a clip at or before a time on its own axis, and how far it is to the next;
-    /// the first and the last row hold outside. The twin of `find_row` in `kernels/slot.cl`.
+    /// Returns the last row of a clip at or before a time on its own axis, and the fraction of the
+    /// way to the next row. Before the first row that row holds, after the last row the last. Twin
+    /// of `find_row` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub fn find_row(&self, clip: &ClipRows, secs: f32) -> (u32, f32) {
@@ -19,14 +20,14 @@ impl Tables {
             if at >= last as f32 {
                 return (last, 0.0);
             }
-            let row = whole(at);
+            let row = truncated(at);
             return (row, at - row as f32);
         }
         let times = &self.row_times().as_slice()[clip.time_first as usize..];
         if secs >= times[last as usize] {
             return (last, 0.0);
         }
-        let bucket = whole((passed * clip.buckets_per_sec).max(0.0)).min(clip.bucket_count - 1);
+        let bucket = truncated((passed * clip.buckets_per_sec).max(0.0)).min(clip.bucket_count - 1);
         let mut row = self.buckets().as_slice()[(clip.bucket_first + bucket) as usize];
         while times[row as usize + 1] <= secs {
             row += 1;
@@ -39,8 +40,8 @@ impl Tables {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "not negative, and cut off on purpose"
+    reason = "not negative; truncation is intended"
 )]
-fn whole(x: f32) -> u32 {
+fn truncated(x: f32) -> u32 {
     x as u32
 }

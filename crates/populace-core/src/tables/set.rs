@@ -1,4 +1,4 @@
-//! The tables, listed once: host and devices make theirs from the same list.
+//! The list of all tables, from which the host and the devices declare theirs.
 
 use super::{Table, Tables};
 use crate::layout::{
@@ -7,9 +7,9 @@ use crate::layout::{
     Target, Transition,
 };
 
-/// Calls a macro with every table that all schedules read: its documentation, its name, and the
-/// type of its elements (types of [`layout`](crate::layout), which must be in scope where it is
-/// called). What follows the macro's name is passed on before the list.
+/// Calls a macro with every table that all schedules read: its documentation, its name and its
+/// element type. The element types are those of [`layout`](crate::layout) and must be in scope at
+/// the call. Arguments after the macro's name are passed on before the list.
 #[macro_export]
 macro_rules! with_tables {
     ($callback:ident $(, $more:tt)*) => {
@@ -17,93 +17,94 @@ macro_rules! with_tables {
             $($more)*;
             /// Bodies.
             bodies: Body,
-            /// Parents of the joints of all bodies, in level order within each; `NONE` for roots.
+            /// Parents of the joints of all bodies, in level order within each body; `NONE` for
+            /// roots.
             parents: u32,
-            /// First joint of each level of all bodies, and the end of the last.
+            /// First joint of each level of all bodies; after the last level, its end.
             levels: u32,
             /// Palette entries of all bodies.
             entries: Entry,
-            /// Rest poses, `POSE_PLANES` planes each, the ranges of bound clips, `RANGE_PLANES`
-            /// planes each, and of their turns, `TURN_PLANES` planes each.
+            /// Rest poses (`POSE_PLANES` planes each), ranges of bound clips (`RANGE_PLANES` planes
+            /// each) and of their retarget corrections (`TURN_PLANES` planes each).
             poses: f32,
             /// Clips.
             clips: ClipRows,
-            /// Rows of the root motion of clips, `MOTION_ELEMENTS` each: `x y z 0`, sine and cosine
+            /// Root-motion rows of clips, `MOTION_ELEMENTS` each: `x y z 0`, then sine and cosine
             /// of the heading.
             motions: Float4,
-            /// Rows of all clips, and at the end of each what 16 lanes may read past it.
+            /// Rows of all clips. Each clip is followed by padding, because 16 lanes may read past
+            /// its end.
             rows: u32,
-            /// Times of the rows of clips that are not evenly spaced, on each clip's own axis.
+            /// Row times of clips whose rows are not evenly spaced, on each clip's own axis.
             row_times: f32,
-            /// Buckets of such clips.
+            /// Buckets of those clips.
             buckets: u32,
-            /// Where in a row each block of 16 columns stands.
+            /// Location within a row of each block of 16 columns.
             row_blocks: RowBlock,
             /// Clips bound to bodies.
             bound_clips: BoundClip,
-            /// Where 16 neighbouring joints of a bound clip's body find their columns.
+            /// Location of the columns of 16 neighbouring joints, for each bound clip.
             bound_blocks: BoundBlock,
-            /// Blocks of columns that they follow.
+            /// Blocks of columns that bound blocks follow.
             sources: Source,
-            /// For each source and each of 16 joints its lane in it, or `NONE`.
+            /// For each source and each of 16 joints: its lane in the source, or `NONE`.
             source_lanes: u32,
-            /// For each joint of each bound clip its column and `MAP_` flags.
+            /// For each joint of each bound clip: its column and `MAP_` flags.
             joint_maps: u32,
             /// Masks: a weight per joint, padded to whole blocks of `JOINT_BLOCK`.
             masks: f32,
-            /// Members, by place.
+            /// Members, by member index.
             members: Member,
-            /// `members x slots_per_member`, slots fastest.
+            /// Slots, `members x slots_per_member`, slots fastest.
             slots: Slot,
-            /// `members x LAYERS_PER_MEMBER`, layers fastest.
+            /// Layers, `members x LAYERS_PER_MEMBER`, layers fastest.
             layers: Layer,
-            /// What beside clips moves members, for those that have any.
+            /// Constraint programs of the members that have one.
             controls: Control,
-            /// Steps of all controls.
+            /// Steps of all constraint programs.
             steps: Step,
-            /// Transforms that the host gives joints.
+            /// Transforms that the host sets on joints.
             overrides: Override,
-            /// Constraints of all controls.
+            /// Constraints of all constraint programs.
             constraints: Constraint,
             /// Chains of all constraints.
             links: Link,
             /// Targets of all constraints.
             targets: Target,
-            /// Factors for the lengths of joints, padded to whole blocks of `JOINT_BLOCK`.
+            /// Length factors of joints, padded to whole blocks of `JOINT_BLOCK`.
             joint_scales: f32,
             /// The ground: one element.
             ground: Ground,
-            /// Heights of the ground's grid.
+            /// Height samples of the ground's grid.
             heights: f32,
-            /// Parameters of users' stages, four elements each, then values of the members that use
-            /// them.
+            /// Parameters of user stages, `STAGE_PARAMETERS / 4` elements each, then the values of
+            /// members that use them.
             stage_values: Float4,
-            /// States of machines, for each body that runs them.
+            /// States of state machines, for each body that runs them.
             machine_states: MachineState,
-            /// Ways out of them.
+            /// Transitions between those states.
             transitions: Transition,
-            /// What must hold for those.
+            /// Conditions of those transitions.
             conditions: Condition,
-            /// Machines that members run.
+            /// State machines that run on members.
             machine_instances: MachineInstance,
-            /// `machine instances x MACHINE_PARAMETERS`, parameters fastest.
+            /// `machine_instances x MACHINE_PARAMETERS`, parameters fastest.
             machine_parameters: f32,
         }
     };
 }
 
-/// As [`with_tables`], with the tables that only the staged schedule reads: a device that does not
-/// run it needs no copy of them.
+/// Like [`with_tables`], for the tables that only the staged schedule reads. Devices that do not
+/// run it need no copy of them.
 #[macro_export]
 macro_rules! with_block_tables {
     ($callback:ident $(, $more:tt)*) => {
         $callback! {
             $($more)*;
-            /// The member of each block of `JOINT_BLOCK` joints in the joint buffer, `NONE` where
-            /// it is free. Only the staged schedule reads it.
+            /// Member index of each block of `JOINT_BLOCK` joints in the joint buffer, `NONE` if
+            /// unused.
             joint_blocks: u32,
-            /// The member of each block of `PALETTE_BLOCK` palette entries, `NONE` where it is
-            /// free. Only the staged schedule reads it.
+            /// Member index of each block of `PALETTE_BLOCK` palette entries, `NONE` if unused.
             palette_blocks: u32,
         }
     };
@@ -138,10 +139,14 @@ macro_rules! table_set {
             }
         }
 
-        /// What devices read. Elements change only through methods that check them: a device
-        /// follows every index.
+        /// The tables that devices read. Elements change only through methods that check every
+        /// index, because devices follow all of them.
         impl Tables {
-            $($(#[$doc])* #[must_use] pub fn $name(&self) -> &Table<$element> { &self.$field.$name })*
+            $(
+                $(#[$doc])*
+                #[must_use]
+                pub fn $name(&self) -> &Table<$element> { &self.$field.$name }
+            )*
         }
     };
 }

@@ -1,18 +1,17 @@
-//! Places for members in the joint buffer and the palette pages.
+//! Allocation of blocks in the joint buffer and the palette pages.
 
 use std::collections::HashMap;
 
-/// Hands out runs of blocks, none across a page's border, and takes them back by length: a crowd
-/// has few bodies, so a run that is given back fits the next member of its kind. Free runs at the
-/// end are let go of, so that a crowd that shrinks asks for less.
+/// Allocates runs of blocks that do not cross a page boundary, and reuses freed runs of equal
+/// length. A crowd has few different bodies, so a freed run fits the next member of the same body.
+/// Free runs at the end are dropped, so that a shrinking crowd needs less memory.
 #[derive(Clone, Debug)]
 pub(super) struct Space {
     page_blocks: usize,
     end: usize,
-    /// First blocks of free runs by their length; those that `free_ends` does not hold are no
-    /// longer free.
+    /// First blocks of free runs, by length. Entries missing from `free_ends` are stale.
     free: Vec<(usize, Vec<usize>)>,
-    /// The first block of each free run by the block that follows it.
+    /// First block of each free run, keyed by the block that follows the run.
     free_ends: HashMap<usize, usize>,
 }
 
@@ -21,19 +20,19 @@ impl Space {
         Self { page_blocks, end: 0, free: Vec::new(), free_ends: HashMap::new() }
     }
 
-    /// Blocks up to the last one taken.
+    /// Number of blocks up to the last one in use.
     pub(super) fn end(&self) -> usize {
         self.end
     }
 
-    /// Blocks there would be after taking a run, at most.
+    /// Upper bound of [`end`](Self::end) after allocating a run of `count` blocks.
     pub(super) fn end_with(&self, count: usize) -> usize {
         let page = if count < self.page_blocks { self.page_blocks.min(count) } else { 0 };
         self.end.saturating_add(count).saturating_add(page)
     }
 
-    /// Takes a run of `count` blocks and returns it as (first block, `count`). An empty run begins
-    /// at block 0: it outlives any change of the space, and 0 never lies past the end.
+    /// Allocates a run of `count` blocks and returns it as (first block, `count`). An empty run
+    /// starts at block 0, so that it stays valid however the space shrinks.
     pub(super) fn take(&mut self, count: usize) -> (usize, usize) {
         if count == 0 {
             return (0, 0);
@@ -44,17 +43,17 @@ impl Space {
                 return (first, count);
             }
         }
-        let left = self.page_blocks - self.end % self.page_blocks;
-        if count > left {
-            self.make_free(self.end, left);
-            self.end += left;
+        let remaining = self.page_blocks - self.end % self.page_blocks;
+        if count > remaining {
+            self.make_free(self.end, remaining);
+            self.end += remaining;
         }
         let first = self.end;
         self.end += count;
         (first, count)
     }
 
-    pub(super) fn give_back(&mut self, (first, count): (usize, usize)) {
+    pub(super) fn release(&mut self, (first, count): (usize, usize)) {
         if count == 0 {
             return;
         }
@@ -86,31 +85,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_never_cross_a_page_and_are_used_again() {
+    fn runs_stay_within_pages_and_are_reused() {
         let mut space = Space::new(10);
         assert_eq!(space.take(6), (0, 6));
         assert_eq!(space.take(6), (10, 6));
-        assert_eq!(space.take(4), (6, 4), "what was left of the first page");
+        assert_eq!(space.take(4), (6, 4), "the rest of the first page");
         assert_eq!(space.take(4), (16, 4));
-        space.give_back((0, 6));
+        space.release((0, 6));
         assert_eq!(space.take(5), (20, 5));
         assert_eq!(space.take(6), (0, 6));
-        assert_eq!(space.take(0), (0, 0), "an empty run lies within the space however it shrinks");
-        space.give_back((0, 0));
+        assert_eq!(space.take(0), (0, 0), "an empty run stays valid however the space shrinks");
+        space.release((0, 0));
         assert_eq!(space.end(), 25);
     }
 
     #[test]
-    fn what_is_free_at_the_end_is_let_go_of_and_taken_anew() {
+    fn free_runs_at_the_end_are_dropped_and_reallocated() {
         let mut space = Space::new(10);
         let runs = [6, 6, 3, 6].map(|count| space.take(count));
         assert_eq!((runs, space.end()), ([(0, 6), (10, 6), (16, 3), (20, 6)], 26));
-        space.give_back(runs[1]);
-        space.give_back(runs[3]);
-        assert_eq!(space.end(), 19, "the gap at the end of the page went too");
-        space.give_back(runs[2]);
-        assert_eq!(space.end(), 6, "and so did the run before and the first page's gap");
-        // Nothing that was let go of is handed out twice.
+        space.release(runs[1]);
+        space.release(runs[3]);
+        assert_eq!(space.end(), 19, "the gap at the end of the page is dropped too");
+        space.release(runs[2]);
+        assert_eq!(space.end(), 6, "and so are the run before it and the first page's gap");
+        // No dropped run is allocated twice.
         assert_eq!(
             [4, 6, 6, 1].map(|count| space.take(count)),
             [(6, 4), (10, 6), (20, 6), (26, 1)]
@@ -119,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn no_two_runs_overlap_however_they_come_and_go() {
+    fn runs_never_overlap_under_random_use() {
         let mut space = Space::new(16);
         let (mut taken, mut state) = (Vec::<(usize, usize)>::new(), 1_u64);
         let mut random = |below: usize| {
@@ -129,7 +128,7 @@ mod tests {
             usize::try_from(state >> 33).unwrap() % below
         };
         for step in 0..20_000 {
-            // Mostly taking in one half of the time, mostly giving back in the other.
+            // Mostly allocate in one half of the time, mostly free in the other.
             if random(10) < if step / 500 % 2 == 0 { 6 } else { 4 } || taken.is_empty() {
                 let (first, count) = space.take(1 + random(7));
                 assert!(first / 16 == (first + count - 1) / 16, "{first} {count} crosses a page");
@@ -137,7 +136,7 @@ mod tests {
                 assert_eq!(taken.iter().filter(apart).count(), taken.len(), "{first} {count}");
                 taken.push((first, count));
             } else {
-                space.give_back(taken.swap_remove(random(taken.len())));
+                space.release(taken.swap_remove(random(taken.len())));
             }
             assert_eq!(space.end(), taken.iter().map(|t| t.0 + t.1).max().unwrap_or(0));
         }

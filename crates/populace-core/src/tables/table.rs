@@ -1,4 +1,4 @@
-//! An array that devices copy, and what changed in it since they did.
+//! An array copied by devices, with a record of its changes.
 
 use std::ops::Range;
 
@@ -6,23 +6,23 @@ use super::u32_from;
 use crate::Error;
 use crate::layout::NONE;
 
-/// An array of which devices keep copies. What they have not taken over yet is the
-/// [`tail`](Self::tail), and the elements before it that [`changed`](Self::changed) names. Keeping
-/// and forgetting that takes time by the number of changes, never by the number of elements.
+/// An array that devices keep copies of. A device's copy lacks the [`tail`](Self::tail) and the
+/// elements before it that [`changed`](Self::changed) lists. Recording and clearing changes takes
+/// time proportional to their number, not to the number of elements.
 #[derive(Clone, Debug)]
 pub struct Table<T> {
     name: &'static str,
     data: Vec<T>,
     expected: usize,
-    /// Elements that there were when devices last took over.
+    /// Number of elements at the last [`mark_clean`](Self::mark_clean).
     known: usize,
-    /// Those below `known` that changed since or are gone, each once.
+    /// Indices below `known` that changed or were removed since then, each once.
     changed: Vec<u32>,
-    /// What stood at each of `changed` when devices last took over.
+    /// Earlier value of each element in `changed`.
     before: Vec<T>,
-    /// Elements past the table's own end that are there while it is reverted.
-    brought_back: usize,
-    /// A bit for each element below `known`, set for those in `changed`.
+    /// Number of removed elements that are present while the table is reverted.
+    revived: usize,
+    /// One bit for each element below `known`, set for those in `changed`.
     is_changed: Vec<u64>,
 }
 
@@ -35,45 +35,45 @@ impl<T: bytemuck::Pod> Table<T> {
             known: 0,
             changed: Vec::new(),
             before: Vec::new(),
-            brought_back: 0,
+            revived: 0,
             is_changed: Vec::new(),
         }
     }
 
-    /// The table's name, for errors.
+    /// The table's name, for error messages.
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// All elements.
+    /// All elements of the table.
     #[must_use]
     pub fn as_slice(&self) -> &[T] {
         &self.data
     }
 
     /// Indices of the elements before the [`tail`](Self::tail) that changed since
-    /// [`Tables::mark_clean`](super::Tables::mark_clean), each once, in no order.
+    /// [`Tables::mark_clean`](super::Tables::mark_clean), each once, in no particular order.
     pub fn changed(&self) -> impl Iterator<Item = u32> + '_ {
         self.changed.iter().copied().filter(|index| (*index as usize) < self.data.len())
     }
 
-    /// The elements that were added since [`Tables::mark_clean`](super::Tables::mark_clean), and
-    /// all that follow them.
+    /// Range of the elements added since [`Tables::mark_clean`](super::Tables::mark_clean). It
+    /// reaches to the end of the table.
     #[must_use]
     pub fn tail(&self) -> Range<usize> {
         self.known.min(self.data.len())..self.data.len()
     }
 
-    /// As many elements as the table will have at its fullest, where that is known (see
-    /// [`Tables::with_capacity`](super::Tables::with_capacity)), else 0: devices make room for them
-    /// at once.
+    /// Expected maximum number of elements (see
+    /// [`Tables::with_capacity`](super::Tables::with_capacity)), or 0 if unknown. Devices allocate
+    /// memory for it at once.
     #[must_use]
     pub fn expected(&self) -> usize {
         self.expected
     }
 
-    pub(super) fn expect(&mut self, count: usize) {
+    pub(super) fn set_expected(&mut self, count: usize) {
         self.expected = count;
     }
 
@@ -82,18 +82,18 @@ impl<T: bytemuck::Pod> Table<T> {
     }
 
     pub(super) fn set(&mut self, index: usize, value: T) {
-        self.touch(index);
+        self.record_change(index);
         self.data[index] = value;
     }
 
-    /// Writes neighbouring elements that there are.
+    /// Overwrites existing elements from `first` on.
     pub(super) fn set_run(&mut self, first: usize, values: &[T]) {
-        (first..first + values.len()).for_each(|index| self.touch(index));
+        (first..first + values.len()).for_each(|index| self.record_change(index));
         self.data[first..first + values.len()].copy_from_slice(values);
     }
 
-    /// Notes that an element is about to change or to go, and keeps its value.
-    fn touch(&mut self, index: usize) {
+    /// Records that an element is about to change or be removed, and saves its value.
+    fn record_change(&mut self, index: usize) {
         if index >= self.known {
             return; // in the tail
         }
@@ -117,49 +117,49 @@ impl<T: bytemuck::Pod> Table<T> {
         Ok(u32_from(first))
     }
 
-    /// Lengthens the table to `count` elements, or leaves it where it has as many.
+    /// Extends the table to `count` elements; does nothing if it has as many or more.
     pub(super) fn grow(&mut self, count: usize, value: T) {
         if count > self.data.len() {
             self.data.resize(count, value);
         }
     }
 
-    /// Shortens the table to `count` elements, or leaves it where it has no more. Devices still
-    /// hold the elements that go: those that come in their place count as changed.
+    /// Shortens the table to `count` elements; does nothing if it has as many or fewer. Devices
+    /// still hold the removed elements, so elements added in their place count as changed.
     pub(super) fn truncate(&mut self, count: usize) {
-        (count..self.data.len().min(self.known)).for_each(|index| self.touch(index));
+        (count..self.data.len().min(self.known)).for_each(|index| self.record_change(index));
         self.data.truncate(count);
     }
 
-    /// Whether devices have taken over all there is.
+    /// Returns whether no change has been recorded since [`mark_clean`](Self::mark_clean).
     pub(super) fn is_clean(&self) -> bool {
         self.changed.is_empty() && self.known == self.data.len()
     }
 
-    /// Puts back the elements that devices last took over; elements added since stay behind them.
-    /// [`restore`](Self::restore) ends this, and nothing may change until then. Takes time by the
-    /// number of changes.
+    /// Restores the element values of the last [`mark_clean`](Self::mark_clean); elements added
+    /// since stay after them. No element may change until [`restore`](Self::restore) is called.
+    /// Takes time proportional to the number of changes.
     pub(super) fn revert(&mut self) {
-        self.brought_back = self.known.saturating_sub(self.data.len());
-        self.data.resize(self.data.len() + self.brought_back, T::zeroed());
-        self.exchange();
+        self.revived = self.known.saturating_sub(self.data.len());
+        self.data.resize(self.data.len() + self.revived, T::zeroed());
+        self.swap_changes();
     }
 
-    /// Puts the changes in again after [`revert`](Self::revert).
+    /// Reapplies the changes after [`revert`](Self::revert).
     pub(super) fn restore(&mut self) {
-        self.exchange();
-        self.data.truncate(self.data.len() - std::mem::take(&mut self.brought_back));
+        self.swap_changes();
+        self.data.truncate(self.data.len() - std::mem::take(&mut self.revived));
     }
 
-    fn exchange(&mut self) {
+    fn swap_changes(&mut self) {
         for (index, before) in self.changed.iter().zip(&mut self.before) {
             std::mem::swap(&mut self.data[*index as usize], before);
         }
     }
 
-    /// Forgets which elements changed.
+    /// Clears the record of changes.
     pub(super) fn mark_clean(&mut self) {
-        self.forget_changes();
+        self.clear_changes();
         self.known = self.data.len();
         let words = self.known.div_ceil(64);
         if words > self.is_changed.len() {
@@ -169,11 +169,11 @@ impl<T: bytemuck::Pod> Table<T> {
 
     /// Makes every element part of the tail.
     pub(super) fn mark_dirty(&mut self) {
-        self.forget_changes();
+        self.clear_changes();
         self.known = 0;
     }
 
-    fn forget_changes(&mut self) {
+    fn clear_changes(&mut self) {
         for index in self.changed.drain(..) {
             self.is_changed[index as usize / 64] = 0;
         }
@@ -185,12 +185,12 @@ impl<T: bytemuck::Pod> Table<T> {
 mod tests {
     use super::*;
 
-    /// A device's copy, and what it was told.
+    /// A simulated device copy that follows the recorded changes.
     #[derive(Default)]
-    struct Copy(Vec<u32>);
+    struct DeviceCopy(Vec<u32>);
 
-    impl Copy {
-        fn take_over(&mut self, table: &Table<u32>) {
+    impl DeviceCopy {
+        fn copy_changes(&mut self, table: &Table<u32>) {
             for index in table.changed() {
                 self.0[index as usize] = table.as_slice()[index as usize];
             }
@@ -218,11 +218,11 @@ mod tests {
     }
 
     #[test]
-    fn new_elements_are_the_tail_and_old_ones_are_named_once() {
+    fn new_elements_form_the_tail_and_changes_are_listed_once() {
         let mut table = table_of(200);
         assert_eq!((changed(&table), table.tail()), (vec![], 0..200));
         table.set(7, 1);
-        assert_eq!((changed(&table), table.tail()), (vec![], 0..200), "the tail holds it already");
+        assert_eq!((changed(&table), table.tail()), (vec![], 0..200), "the tail has it already");
         table.mark_clean();
         assert_eq!((changed(&table), table.tail()), (vec![], 200..200));
         for index in [199, 7, 64, 7, 199] {
@@ -234,7 +234,7 @@ mod tests {
         table.mark_clean();
         assert_eq!((changed(&table), table.tail()), (vec![], 202..202));
         table.set(7, 3);
-        assert_eq!(changed(&table), [7], "named again after it was forgotten");
+        assert_eq!(changed(&table), [7], "listed again after the record was cleared");
         table.mark_dirty();
         assert_eq!((changed(&table), table.tail()), (vec![], 0..202));
         table.mark_clean();
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_gone_is_not_named_and_what_came_in_its_place_is() {
+    fn removed_elements_are_not_listed_but_their_replacements_are() {
         let mut table = table_of(100);
         table.mark_clean();
         [3, 98, 99].into_iter().for_each(|index| table.set(index, 7));
@@ -260,10 +260,10 @@ mod tests {
     }
 
     #[test]
-    fn a_device_that_takes_over_what_it_is_told_holds_all() {
+    fn device_copies_follow_random_changes() {
         let (mut table, mut state) = (table_of(40), 7_u64);
-        let mut copies = [Copy::default(), Copy::default()];
-        let mut taken_over = Vec::new();
+        let mut copies = [DeviceCopy::default(), DeviceCopy::default()];
+        let mut copied = Vec::new();
         let mut random = |below: usize| {
             state = state
                 .wrapping_mul(6_364_136_223_846_793_005)
@@ -283,16 +283,16 @@ mod tests {
                 85..92 => table.truncate(table.len().saturating_sub(random(15))),
                 92 => table.mark_dirty(),
                 _ => {
-                    // A frame whose devices all take over, then one that failed before they were
-                    // told apart.
+                    // All devices copy the changes. In some frames the record is then not cleared,
+                    // as if the frame had failed.
                     for copy in &mut copies {
-                        copy.take_over(&table);
+                        copy.copy_changes(&table);
                         copy.assert_holds(&table);
                     }
                     if random(4) > 0 {
                         table.mark_clean();
                         assert!(table.is_clean());
-                        taken_over = table.as_slice().to_vec();
+                        copied = table.as_slice().to_vec();
                     }
                 }
             }
@@ -300,7 +300,7 @@ mod tests {
                 let now = table.as_slice().to_vec();
                 for _ in 0..2 {
                     table.revert();
-                    assert_eq!(table.as_slice()[..table.known], taken_over, "step {step}");
+                    assert_eq!(table.as_slice()[..table.known], copied, "step {step}");
                     table.restore();
                     assert_eq!(table.as_slice(), now, "step {step}");
                 }

@@ -5,7 +5,7 @@ use crate::{JointSource, Skeleton, Trs};
 
 const SECS: f32 = 1.5;
 
-/// A root that is turned and scaled and stands still, hips that walk and turn on it, and a leg.
+/// A rotated and scaled root that does not move, hips that walk and turn, and a leg.
 fn walker() -> Skeleton {
     let tilted = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2).to_array();
     let joint = |name: &str, parent, rest| JointSource { name: name.into(), parent, rest };
@@ -20,7 +20,7 @@ fn walker() -> Skeleton {
     .unwrap()
 }
 
-/// A walk in a curve, and a swing of the leg.
+/// A walk along a curve, with a swinging leg.
 fn curve(skeleton: &Skeleton) -> Clip {
     let keys = 31_u8;
     let times: Vec<f32> = (0..keys).map(|key| SECS * f32::from(key) / 30.0).collect();
@@ -28,7 +28,7 @@ fn curve(skeleton: &Skeleton) -> Clip {
         let yaw = 1.2 * secs;
         let place =
             DVec3::new(80.0 * (1.0 - yaw.cos()), 6.0 * (9.0 * secs).sin(), 80.0 * yaw.sin());
-        // Up is +Z where the armature lies on its back.
+        // Up is +Z because the armature lies on its back.
         let back = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
         (
             back * (place + DVec3::Y * 90.0),
@@ -71,7 +71,7 @@ fn settings(turns: bool, rises: bool) -> MotionSettings {
 }
 
 #[test]
-fn what_is_taken_out_and_what_is_left_are_the_motion() {
+fn root_motion_and_remaining_pose_combine_to_the_original() {
     let skeleton = walker();
     let clip = curve(&skeleton);
     for settings in
@@ -83,19 +83,19 @@ fn what_is_taken_out_and_what_is_left_are_the_motion() {
         for step in 0..=300 {
             let secs = f64::from(SECS) * f64::from(step) / 300.0;
             let rigid = motion.rigid(secs);
-            let carried = DAffine3::from_rotation_translation(rigid.turn(), rigid.shift);
-            // What the hips hang on is carried along.
+            let carried = DAffine3::from_rotation_translation(rigid.rotation(), rigid.shift);
+            // The ancestors of the hips are carried along.
             for (left, whole) in models(&moved, secs).iter().zip(models(&clip, secs)).skip(1) {
                 worst = worst.max(((carried * *left).translation - whole.translation).length());
             }
         }
-        // Straight lines between 60 rows a second, of a curve of 0.8 m.
+        // Linear interpolation of a curve of 0.8 m at 60 rows per second.
         assert!(worst < 4e-4, "{settings:?}: {worst} m");
     }
 }
 
 #[test]
-fn the_pose_that_is_left_stays_in_place() {
+fn remaining_pose_stays_in_place() {
     let clip = curve(&walker());
     let moved = clip.with_root_motion(&settings(true, false)).unwrap();
     let hips = |secs: f64| models(&moved, secs)[1];
@@ -107,7 +107,7 @@ fn the_pose_that_is_left_stays_in_place() {
             - hips(0.0).transform_vector3(DVec3::X).normalize();
         assert!(ahead.length() < 1e-3, "{ahead}");
     }
-    // What is not asked for stays in the pose.
+    // Components that are not requested stay in the pose.
     let rises = |secs: f64| hips(secs).translation.y - hips(0.0).translation.y;
     assert!((rises(0.17) - 0.06).abs() < 0.01, "{}", rises(0.17));
     let (end, yaw) = moved.root_motion().unwrap().at(SECS);
@@ -115,11 +115,11 @@ fn the_pose_that_is_left_stays_in_place() {
 }
 
 #[test]
-fn cycles_follow_each_other() {
+fn looped_motion_accumulates_cycles() {
     let clip = curve(&walker()).with_root_motion(&settings(true, false)).unwrap();
     let motion = clip.root_motion().unwrap();
     assert_eq!(motion.looped(0.0, 0.7), motion.at(0.7));
-    // 1.8 radians a cycle, about a place 0.8 m to the side of the hips, which stand beside the
+    // 1.8 radians per cycle, about a point 0.8 m to the side of the hips, which are not above the
     // body's own origin.
     let ([x, _, z], yaw) = motion.looped(0.5, 2.5 * SECS);
     assert!((yaw - (2.5 * 1.8 - std::f32::consts::TAU)).abs() < 1e-3, "{yaw}");
@@ -130,7 +130,7 @@ fn cycles_follow_each_other() {
 }
 
 #[test]
-fn nothing_to_take_out_is_said() {
+fn missing_motion_is_reported() {
     let skeleton = walker();
     let clip = curve(&skeleton);
     let of = |name: &str| MotionSettings {
@@ -140,19 +140,19 @@ fn nothing_to_take_out_is_said() {
     let refused = |result: Result<Clip, Error>| result.unwrap_err().to_string();
     assert!(
         refused(clip.with_root_motion(&of("leg")))
-            .contains("moves \"hips\", on which \"leg\" hangs")
+            .contains("moves \"hips\", an ancestor of \"leg\"")
     );
     assert!(refused(clip.with_root_motion(&of("hip"))).contains("hips"), "the nearest name");
     let moved = clip.with_root_motion(&of("hips")).unwrap();
     assert!(refused(moved.with_root_motion(&of("hips"))).contains("taken out already"));
     let feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
-    assert!(refused(clip.with_root_motion(&feet)).contains("no foot that is known"));
+    assert!(refused(clip.with_root_motion(&feet)).contains("a known foot name"));
     let still = Clip::new(ClipSource::default(), &skeleton).unwrap();
     let root = MotionSettings { from: MotionSource::Root, ..MotionSettings::default() };
     assert!(refused(still.with_root_motion(&root)).contains("MotionSource::Feet"));
 }
 
-/// Hips with two feet that tread in place, a step each, `reach` metres long, and hips that go `far`
+/// Hips with two feet that tread in place, one step of `reach` metres each; the hips move `far`
 /// metres ahead.
 fn tread(reach: f32, far: f32) -> Clip {
     let joint = |name: &str, parent, translation| JointSource {
@@ -191,7 +191,7 @@ fn tread(reach: f32, far: f32) -> Clip {
 }
 
 #[test]
-fn one_call_moves_walks_of_both_kinds_and_lets_idles_stand() {
+fn auto_source_moves_walks_and_leaves_idles_standing() {
     let chosen = |clip: &Clip| {
         let taken = clip.with_root_motion(&MotionSettings::default()).unwrap();
         let motion = taken.root_motion().unwrap();
@@ -206,11 +206,11 @@ fn one_call_moves_walks_of_both_kinds_and_lets_idles_stand() {
     assert_eq!((origin, left), (MotionOrigin::Feet, true));
     assert_eq!(Some(speed), walk.stats().ground_speed_m_per_sec);
     assert!(speed > 0.5 && (after - 4.0 * speed).abs() < 1e-3, "{speed} {after}");
-    // Hips that sway, feet that stay, and a clip that moves nothing at all.
+    // Hips that sway while the feet stay, and a clip without any motion.
     for idle in [tread(0.01, 0.02), Clip::new(ClipSource::default(), &walker()).unwrap()] {
         assert_eq!(chosen(&idle), (MotionOrigin::Nothing, 0.0, 0.0, true));
     }
-    // A turn on the spot is motion, too.
+    // Turning on the spot is motion, too.
     let (origin, ..) = chosen(&curve(&walker()));
     assert_eq!(origin, MotionOrigin::Joint("hips".into()));
 }

@@ -1,4 +1,4 @@
-//! Legs of one length with feet of two, in poses of plain numbers.
+//! Bodies with equal legs and different feet, in simple poses.
 
 use super::*;
 use crate::humanoid::RoleMap;
@@ -17,8 +17,8 @@ const NAMES: [(Role, &str); 9] = [
 ];
 const ANKLE_M: f64 = 0.08;
 
-/// 1.6 m high, with soles from 5 cm behind the ankle to `foot_m` before it; toes begin at half of
-/// that where there are any, and hang on `toes_on`.
+/// Creates a body 1.6 m high, with soles from 5 cm behind the ankle to `foot_m` in front of it.
+/// Toes, if any, begin at half of that and are children of `toes_on`.
 fn body(foot_m: f32, toes_on: Option<&str>) -> (Skeleton, RoleMap) {
     let mut joints: Vec<JointSource> = Vec::new();
     let mut add = |name: &str, parent: Option<&str>, translation: [f32; 3]| {
@@ -56,12 +56,12 @@ fn body(foot_m: f32, toes_on: Option<&str>) -> (Skeleton, RoleMap) {
     (skeleton, roles)
 }
 
-/// Rest, hips higher, and joints turned toes down.
+/// The rest pose with the hips raised and joints pitched toes down.
 fn pose(skeleton: &Skeleton, higher_m: f64, pitches: &[(&str, f64)]) -> Vec<DAffine3> {
     let local = |joint| {
         let name = skeleton.name(joint);
         let mut local = f64math::affine(skeleton.rest(joint));
-        for (_, pitch) in pitches.iter().filter(|(turned, _)| *turned == name) {
+        for (_, pitch) in pitches.iter().filter(|(pitched, _)| *pitched == name) {
             local *= DAffine3::from_rotation_x(*pitch);
         }
         local.translation.y += if name == "hips" { higher_m } else { 0.0 };
@@ -70,40 +70,41 @@ fn pose(skeleton: &Skeleton, higher_m: f64, pitches: &[(&str, f64)]) -> Vec<DAff
     skeleton.joints().map(local).collect()
 }
 
-/// What the joints of a target are turned by as the source stands so.
-fn turns(
+/// Returns the corrections of the target's joints for a pose of the source.
+fn corrections(
     source: &(Skeleton, RoleMap),
     target: &(Skeleton, RoleMap),
     pose: &[DAffine3],
 ) -> Option<Vec<DQuat>> {
     let [source, target] = [source, target].map(|(skeleton, roles)| Figure::new(skeleton, roles));
     let common = Common::new(source, target);
-    Some(Soles::new(&common)?.turns(pose))
+    Some(Soles::new(&common)?.rotations(pose))
 }
 
-fn angle(turn: DQuat) -> f64 {
-    2.0 * turn.x.atan2(turn.w)
+fn angle(rotation: DQuat) -> f64 {
+    2.0 * rotation.x.atan2(rotation.w)
 }
 
 #[test]
-fn a_longer_foot_rolls_until_its_tip_is_on_the_ground() {
+fn longer_foot_rolls_until_its_tip_is_on_the_ground() {
     let (source, target) = (body(0.15, None), body(0.3, None));
     let higher = 0.15 * 0.6_f64.sin() - ANKLE_M * (1.0 - 0.6_f64.cos());
-    let found = turns(&source, &target, &pose(&source.0, higher, &[("foot.l", 0.6)])).unwrap();
+    let found =
+        corrections(&source, &target, &pose(&source.0, higher, &[("foot.l", 0.6)])).unwrap();
     let down = 0.6 + angle(found[0]);
     let tip = higher + ANKLE_M - ANKLE_M * down.cos() - 0.3 * down.sin();
-    assert!((tip + SINKS * 1.6).abs() < 1e-4, "the tip is {tip} m high");
+    assert!((tip + DEPTH_TOLERANCE * 1.6).abs() < 1e-4, "the tip is {tip} m high");
     assert!(down > 0.2, "the heel is up: {down}");
     assert_eq!(found[1], DQuat::IDENTITY, "the right foot is in the air");
 }
 
 #[test]
-fn feet_in_the_air_deep_down_or_lying_are_left() {
+fn airborne_deep_and_lying_feet_do_not_roll() {
     let (source, target) = (body(0.15, None), body(0.3, None));
     for (higher, pitch) in [(0.5, 0.6), (-0.3, 0.0), (-0.05, -1.5), (0.0, 2.5)] {
         let found =
-            turns(&source, &target, &pose(&source.0, higher, &[("foot.l", pitch)])).unwrap();
-        assert!(Soles::are_none(&found), "{higher} m higher and {pitch} rad: {found:?}");
+            corrections(&source, &target, &pose(&source.0, higher, &[("foot.l", pitch)])).unwrap();
+        assert!(Soles::are_negligible(&found), "{higher} m higher and {pitch} rad: {found:?}");
     }
 }
 
@@ -112,23 +113,24 @@ fn toes_stay_flat_while_the_foot_rolls() {
     let (source, target) = (body(0.2, Some("foot")), body(0.4, Some("foot")));
     let higher = 0.1 * 0.6_f64.sin();
     let pose = pose(&source.0, higher, &[("foot.l", 0.6), ("toes.l", -0.6)]);
-    let found = turns(&source, &target, &pose).unwrap();
+    let found = corrections(&source, &target, &pose).unwrap();
     let toes = DQuat::from_rotation_x(0.6) * found[0] * DQuat::from_rotation_x(-0.6) * found[1];
-    assert!(angle(found[0]) < -0.1, "the foot is left as it was");
-    assert!(angle(toes).abs() < 1e-6, "toes are turned by {}", angle(toes));
+    assert!(angle(found[0]) < -0.1, "the foot has not rolled");
+    assert!(angle(toes).abs() < 1e-6, "toes are rotated by {}", angle(toes));
 }
 
 #[test]
-fn toes_of_their_own_bend_as_the_source_has_none() {
+fn toes_without_partner_bend_by_themselves() {
     let (source, target) = (body(0.15, None), body(0.3, Some("foot")));
     let higher = 0.15 * 0.6_f64.sin();
-    let found = turns(&source, &target, &pose(&source.0, higher, &[("foot.l", 0.6)])).unwrap();
+    let found =
+        corrections(&source, &target, &pose(&source.0, higher, &[("foot.l", 0.6)])).unwrap();
     assert!(angle(found[1]) < -0.1, "the tip of the toes is in the ground");
 }
 
-/// From a heel in the air to a foot flat on the ground and up on its tip, in small steps.
+/// From a heel in the air over a flat foot to its tip, in small steps.
 #[test]
-fn feet_do_not_flip() {
+fn roll_is_continuous() {
     let (source, target) = (body(0.15, None), body(0.3, None));
     let mut before: Option<f64> = None;
     for step in 0..=400 {
@@ -136,7 +138,7 @@ fn feet_do_not_flip() {
         let higher =
             ANKLE_M * (pitch.cos() - 1.0) + if pitch < 0.0 { -0.05 } else { 0.15 } * pitch.sin();
         let found =
-            turns(&source, &target, &pose(&source.0, higher.max(0.0), &[("foot.l", pitch)]))
+            corrections(&source, &target, &pose(&source.0, higher.max(0.0), &[("foot.l", pitch)]))
                 .unwrap();
         let now = pitch + angle(found[0]);
         let jump = before.map_or(0.0, |before| (now - before).abs());
@@ -146,21 +148,21 @@ fn feet_do_not_flip() {
 }
 
 #[test]
-fn unknown_soles_and_loose_toes_leave_feet_as_they_are() {
+fn unknown_soles_and_detached_toes_are_not_corrected() {
     let source = body(0.15, None);
     let at_rest = pose(&source.0, 0.0, &[]);
     let (skeleton, roles) = body(0.3, None);
     let bare = skeleton.clone().with_soles(&vec![Vec::new(); skeleton.joint_count()]);
-    assert_eq!(turns(&source, &(bare, roles), &at_rest), None);
-    assert_eq!(turns(&source, &body(0.3, Some("hips")), &at_rest), None);
-    assert!(Soles::are_none(&turns(&source, &body(0.3, None), &at_rest).unwrap()));
+    assert_eq!(corrections(&source, &(bare, roles), &at_rest), None);
+    assert_eq!(corrections(&source, &body(0.3, Some("hips")), &at_rest), None);
+    assert!(Soles::are_negligible(&corrections(&source, &body(0.3, None), &at_rest).unwrap()));
 }
 
 #[test]
-fn a_foot_scaled_to_nothing_is_left() {
+fn foot_scaled_to_zero_is_not_corrected() {
     let (source, target) = (body(0.15, None), body(0.3, None));
     let mut pose = pose(&source.0, 0.0, &[("foot.l", 0.6)]);
     pose[source.0.find("foot.l").unwrap().index()].matrix3 = glam::DMat3::ZERO;
-    let found = turns(&source, &target, &pose).unwrap();
-    assert!(found.iter().all(|turn| turn.is_finite()), "{found:?}");
+    let found = corrections(&source, &target, &pose).unwrap();
+    assert!(found.iter().all(|rotation| rotation.is_finite()), "{found:?}");
 }

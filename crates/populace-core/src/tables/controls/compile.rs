@@ -1,5 +1,5 @@
-//! From constraints in words to what devices read: which step follows which joint, and where each
-//! finds its data.
+//! Compiles constraints into the form that devices read: the steps of each joint, and the data of
+//! each step.
 
 use crate::control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
@@ -12,57 +12,56 @@ use crate::layout::{
 use crate::tables::u32_from;
 use crate::{Error, JointIndex, LARGEST, LARGEST_SCALE, Skeleton, Trs, f64math};
 
-/// Part of a leg's length in which it straightens. Little, for straight legs are what clips of
-/// standing people have.
+/// Fraction of a leg's length over which it straightens. It is small because clips of standing
+/// people have almost straight legs.
 const FOOT_SOFT: f32 = 0.005;
-/// Heights in parts of a leg's length: up to the first a foot is planted, from the second on it
-/// follows the clip alone.
+/// Ankle heights above rest, as fractions of the leg's length. Up to `PLANTED` a foot is planted;
+/// from `LIFTED` on it follows only the clip.
 const PLANTED: f32 = 0.03;
 const LIFTED: f32 = 0.14;
-/// How far a foot may be held back, in parts of its leg's length.
+/// Maximum lag of a foot behind the clip, as a fraction of the leg's length.
 const HELD_BACK: f32 = 0.5;
 
-/// All that one control has devices do. Indices count from the program's own first element until it
-/// is moved.
+/// The compiled constraint program of one member. Indices count from the program's own first
+/// elements until [`move_to`](Self::move_to) is called.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Program {
-    /// By joint, those of the way down the hierarchy first, then those after Pose.
+    /// Steps by joint: those that run during Transform, then those that run after Pose.
     pub(super) steps: Vec<Step>,
     pub(super) pose_step_count: usize,
-    /// Those in local space first, then those in model space, and last where the member is
-    /// attached.
+    /// Overrides in local space, then those in model space, then the attachment offset.
     pub(super) overrides: Vec<Override>,
     pub(super) local_count: usize,
     pub(super) constraints: Vec<layout::Constraint>,
     pub(super) links: Vec<Link>,
     pub(super) targets: Vec<Target>,
-    /// The member's own, of the stages that it uses.
+    /// The member's values for the stages that it uses.
     pub(super) values: Vec<Float4>,
     pub(super) scale_first: u32,
-    turns: usize,
+    rotation_count: usize,
 }
 
 fn bad<T>(what: impl Into<String>) -> Result<T, Error> {
     Err(Error::BadConstraint { what: what.into() })
 }
 
-fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
+fn check_finite(what: &str, values: &[f32]) -> Result<(), Error> {
     if values.iter().all(|v| v.is_finite()) {
         Ok(())
     } else {
-        bad(format!("{what} has a number that is not finite"))
+        bad(format!("{what} has a value that is not finite"))
     }
 }
 
-fn bounded(what: &str, values: &[f32]) -> Result<(), Error> {
+fn check_bounded(what: &str, values: &[f32]) -> Result<(), Error> {
     if values.iter().all(|v| v.abs() <= LARGEST) {
         Ok(())
     } else {
-        bad(format!("{what} has a number that is not finite, or larger than {LARGEST:e} in size"))
+        bad(format!("{what} has a value that is not finite or whose magnitude exceeds {LARGEST:e}"))
     }
 }
 
-/// Of length 1, however long it was given; as it is where that has no length.
+/// Returns the vector with length 1, or unchanged if its length is 0.
 #[expect(clippy::cast_possible_truncation, reason = "to the nearest")]
 fn direction(of: [f32; 3]) -> [f32; 3] {
     let wide = of.map(f64::from);
@@ -70,13 +69,13 @@ fn direction(of: [f32; 3]) -> [f32; 3] {
     if length > 0.0 { wide.map(|v| (v / length) as f32) } else { of }
 }
 
-/// A transform that the host gives.
+/// Converts a transform that the host sets.
 fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
     let length: f32 = given.rotation.iter().map(|v| v * v).sum();
     if !given.is_bounded() || !(0.9..1.1).contains(&length) {
         return bad(format!(
-            "{what} needs finite numbers, a translation of at most {LARGEST:e}, scales of at most \
-             {LARGEST_SCALE:e} and a rotation of length 1"
+            "{what} needs finite values, a translation of at most {LARGEST:e}, scales of at most \
+                         {LARGEST_SCALE:e} and a rotation of length 1"
         ));
     }
     let [x, y, z] = given.translation;
@@ -88,7 +87,7 @@ fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
     })
 }
 
-/// The tangent of an angle below a quarter of a turn, and beyond any other from there on.
+/// Returns the tangent of an angle below a quarter turn, or the largest number for larger angles.
 fn tangent(angle_rad: f32) -> f32 {
     if angle_rad < std::f32::consts::FRAC_PI_2 { angle_rad.tan() } else { f32::MAX }
 }
@@ -124,17 +123,17 @@ impl Program {
             }
         }
         program.attach(skeleton, controls.attached)?;
-        program.solve_legs_at_once();
-        if program.turns > TURNS_MOST as usize {
+        program.solve_legs_with_pelvis();
+        if program.rotation_count > TURNS_MOST as usize {
             let what = format!(
-                "a member's constraints would turn {} joints one after the other; {TURNS_MOST} at \
-                 most can be",
-                program.turns
+                "the constraints of a member rotate {} joints in sequence; at most {TURNS_MOST} \
+                 are supported",
+                program.rotation_count
             );
             return bad(what);
         }
-        // Stable: what moves the whole body comes first, then where a root is attached; constraints
-        // of one joint stay in order, then stages, then overrides, then what is watched.
+        // Stable sort. Root motion comes first, then attachments. Constraints of one joint keep
+        // their order, followed by stages, overrides and watched joints.
         program.steps.sort_by_key(|step| (step.joint, rank(step.kind)));
         program.pose_step_count = pose_steps.len();
         program.steps.extend(pose_steps);
@@ -145,10 +144,10 @@ impl Program {
         self.steps.push(Step { joint: joint.0, kind, index, turn: u32_from(turn) });
     }
 
-    /// Takes turns for the steps to come.
-    fn take_turns(&mut self, count: usize) -> usize {
-        self.turns += count;
-        self.turns - count
+    /// Allocates `count` rotations that later steps apply, and returns the first index.
+    fn allocate_rotations(&mut self, count: usize) -> usize {
+        self.rotation_count += count;
+        self.rotation_count - count
     }
 
     fn add(
@@ -158,8 +157,8 @@ impl Program {
         targets: &[Target],
     ) -> Result<u32, Error> {
         for target in targets {
-            bounded("a target", &target.point.0)?;
-            finite(
+            check_bounded("a target", &target.point.0)?;
+            check_finite(
                 "the weight of a target",
                 &[target.start_weight, target.weight_rate, target.end_weight],
             )?;
@@ -192,10 +191,12 @@ impl Program {
         let in_range = (0.0..half).contains(&limits.yaw_rad)
             && [limits.up_rad, limits.down_rad].iter().all(|v| (0.0..half / 2.0).contains(v));
         if !good || !in_range {
-            return bad("a gaze shares its turn in parts that are not negative, and turns less \
-                        than half about to either side, and less than a quarter up and down");
+            return bad(
+                "a gaze needs shares that are not negative and sum to more than 0, a yaw limit \
+                 below pi, and up and down limits below pi / 2",
+            );
         }
-        finite("where a gaze faces", &gaze.facing)?;
+        check_finite("the facing direction of a gaze", &gaze.facing)?;
         let joints = path(skeleton, first, last)?;
         let share_of = |joint: &JointIndex| {
             let parts = gaze.chain.iter().filter(|(j, _)| j == joint);
@@ -215,7 +216,7 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &gaze.targets)?;
-        let turn = self.take_turns(joints.len() - 1);
+        let turn = self.allocate_rotations(joints.len() - 1);
         self.step(first, STEP_GAZE, index, turn);
         for (at, link) in links.iter().enumerate().skip(1).filter(|(_, link)| link.share > 0.0) {
             self.step(JointIndex(link.joint), STEP_TURN, index, turn + at - 1);
@@ -228,13 +229,13 @@ impl Program {
             limb_links(skeleton, limb.first, [limb.first, limb.middle, limb.end])?;
         if !(limb.soft > 0.0 && limb.soft <= 0.5) {
             return bad(format!(
-                "a limb straightens in a part {} of its length; above 0 and up to 0.5 is needed",
+                "the `soft` fraction of a limb is {}; it must be above 0 and at most 0.5",
                 limb.soft
             ));
         }
-        finite("where a limb bends to", &limb.bend)?;
+        check_finite("the bend direction of a limb", &limb.bend)?;
         let pole = limb.pole.unwrap_or([0.0; 3]);
-        finite("a pole", &pole)?;
+        check_finite("a pole", &pole)?;
         let row = layout::Constraint {
             axis: float4(in_joint(skeleton, Some(limb.first), direction(limb.bend)), 0.0),
             front: float4(direction(pole), f32::from(u8::from(limb.pole.is_some()))),
@@ -244,7 +245,7 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &limb.targets)?;
-        let turn = self.take_turns(2);
+        let turn = self.allocate_rotations(2);
         self.step(limb.first, STEP_REACH, index, turn);
         self.step(limb.middle, STEP_TURN, index, turn);
         self.step(limb.end, STEP_TURN, index, turn + 1);
@@ -258,7 +259,7 @@ impl Program {
         }
         if !(chain.soft > 0.0 && chain.soft <= 0.5) {
             return bad(format!(
-                "a chain straightens in a part {} of its length; above 0 and up to 0.5 is needed",
+                "the `soft` fraction of a chain is {}; it must be above 0 and at most 0.5",
                 chain.soft
             ));
         }
@@ -269,7 +270,7 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &chain.targets)?;
-        let turn = self.take_turns(joints.len() - 1);
+        let turn = self.allocate_rotations(joints.len() - 1);
         self.step(chain.first, STEP_CHAIN, index, turn);
         for (at, joint) in joints.iter().enumerate().skip(1) {
             self.step(*joint, STEP_TURN, index, turn + at - 1);
@@ -279,15 +280,18 @@ impl Program {
 
     fn feet(&mut self, skeleton: &Skeleton, feet: &Feet) -> Result<(), Error> {
         if feet.feet.is_empty() || feet.feet.len() > FEET_MOST as usize {
-            return bad(format!("{} feet are given; 1 to {FEET_MOST} can be", feet.feet.len()));
+            return bad(format!(
+                "{} feet are given; 1 to {FEET_MOST} are supported",
+                feet.feet.len()
+            ));
         }
         if !(0.0..=1.0).contains(&feet.weight) {
-            return bad(format!("feet weigh {}; from 0 to 1 is needed", feet.weight));
+            return bad(format!("the weight of feet is {}; it must be from 0 to 1", feet.weight));
         }
         if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
-            return bad("a member's feet are given twice");
+            return bad("a member has two feet constraints; only one is supported");
         }
-        let turn = self.take_turns(3 * feet.feet.len());
+        let turn = self.allocate_rotations(3 * feet.feet.len());
         let first = u32_from(self.constraints.len());
         for (nth, foot) in feet.feet.iter().enumerate() {
             let (row, links) = foot_row(skeleton, feet, foot)?;
@@ -302,9 +306,9 @@ impl Program {
         Ok(())
     }
 
-    /// Legs are solved with the pelvis, side by side, where nothing else moves them between it and
+    /// Solves the legs together with the pelvis if no other step moves the joints between it and
     /// the knees.
-    fn solve_legs_at_once(&mut self) {
+    fn solve_legs_with_pelvis(&mut self) {
         let is_foot = |step: &&mut Step| step.kind == STEP_FOOT;
         let chains = self.steps.iter().filter(|step| step.kind == STEP_FOOT).flat_map(|step| {
             let foot = &self.constraints[step.index as usize];
@@ -329,7 +333,9 @@ impl Program {
             path(skeleton, given.joint, given.joint)?;
             let name = skeleton.name(given.joint);
             if !(0.0..=1.0).contains(&given.weight) {
-                return bad(format!("the override of joint \"{name}\" needs a weight from 0 to 1"));
+                return bad(format!(
+                    "the weight of the override of joint \"{name}\" must be from 0 to 1"
+                ));
             }
             let row = transform(
                 &format!("the override of joint \"{name}\""),
@@ -346,18 +352,18 @@ impl Program {
         Ok(())
     }
 
-    /// Lets all roots follow the joint that the member is attached to.
+    /// Adds steps that make all roots follow the joint that the member is attached to.
     fn attach(&mut self, skeleton: &Skeleton, attached: Option<(u32, Trs)>) -> Result<(), Error> {
         let Some((watched, offset)) = attached else { return Ok(()) };
         let at = self.overrides.len();
-        self.overrides.push(transform("the offset of what is attached", &offset, 1.0)?);
+        self.overrides.push(transform("the offset of an attachment", &offset, 1.0)?);
         for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
             self.step(root, STEP_ATTACH, watched, at);
         }
         Ok(())
     }
 
-    /// Makes indices count from where the tables hold the program.
+    /// Offsets all indices to the program's location in the tables.
     pub(super) fn move_to(
         &mut self,
         overrides: usize,
@@ -385,7 +391,7 @@ impl Program {
     }
 }
 
-/// Among the steps of one joint.
+/// Order of the steps of one joint.
 fn rank(kind: u32) -> u32 {
     match kind {
         STEP_MOTION => 0,
@@ -398,8 +404,7 @@ fn rank(kind: u32) -> u32 {
     }
 }
 
-/// The chain from `from` to the end of a limb of `first`, `middle` and `end`, and which link the
-/// middle is.
+/// Returns the chain of links from `from` to the end of a limb, and the link index of `middle`.
 fn limb_links(
     skeleton: &Skeleton,
     from: JointIndex,
@@ -410,19 +415,19 @@ fn limb_links(
     let (Some(upper), Some(bends)) = (at(first), at(middle)) else {
         let (middle, end) = (skeleton.name(middle), skeleton.name(end));
         return bad(format!(
-            "joint \"{middle}\" does not stand between the limb's first joint and \"{end}\""
+            "joint \"{middle}\" is not between the first joint of its limb and joint \"{end}\""
         ));
     };
     if !(upper < bends && bends + 1 < joints.len()) {
         return bad(format!(
-            "a limb needs three joints, the one below the other; it ends at \"{}\"",
+            "a limb needs three joints, each below the one before; this limb ends at \"{}\"",
             skeleton.name(end)
         ));
     }
     Ok((joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect(), u32_from(bends)))
 }
 
-/// A foot's constraint and its chain, which begins at the pelvis.
+/// Builds the constraint and the chain of one foot. The chain begins at the pelvis.
 fn foot_row(
     skeleton: &Skeleton,
     feet: &Feet,
@@ -433,7 +438,7 @@ fn foot_row(
     let upper = links.iter().position(|link| link.joint == foot.hip.0).unwrap_or(0);
     if upper == 0 {
         return bad(format!(
-            "the leg of \"{}\" begins at the pelvis itself",
+            "the leg of \"{}\" must begin below the pelvis, not at it",
             skeleton.name(foot.ankle)
         ));
     }

@@ -1,10 +1,10 @@
-//! The ground that feet keep to.
+//! The ground that feet stand on.
 
 use crate::layout;
 use crate::tables::{Tables, u32_from};
 use crate::{Error, LARGEST};
 
-/// The ground in the world: a plane, or a height for each place of a grid.
+/// The ground in world space: a plane, or heights on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ground {
     plane: layout::Ground,
@@ -12,12 +12,12 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// A plane that is so high, in metres, at the world's origin, and rises by so many metres for
-    /// each along +X and +Z.
+    /// Creates a plane with the given height in metres at the world's origin and slopes in metres
+    /// per metre along +X and +Z.
     ///
     /// # Errors
     ///
-    /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size.
+    /// [`Error::BadConstraint`] if a number is not finite or its magnitude exceeds [`LARGEST`].
     pub fn plane(height: f32, [slope_x, slope_z]: [f32; 2]) -> Result<Self, Error> {
         if [height, slope_x, slope_z].iter().all(|v| v.abs() <= LARGEST) {
             let plane =
@@ -25,20 +25,21 @@ impl Ground {
             return Ok(Self { plane, heights: Vec::new() });
         }
         let what = format!(
-            "a plane of the ground has a number that is not finite, or larger than {LARGEST:e} in \
-             size"
+            "the plane of the ground has a value that is not finite or whose magnitude exceeds \
+                         {LARGEST:e}"
         );
         Err(Error::BadConstraint { what })
     }
 
-    /// A height in metres for each place of a grid that begins at `corner` (x and z in metres) and
-    /// has a sample every `spacing_m` metres, `count_x` of them along +X, which vary fastest.
-    /// Between samples heights are interpolated linearly both ways; outside, the border's go on.
+    /// Creates a height field from heights in metres. The grid begins at `corner` (world x and z in
+    /// metres) and has a sample every `spacing_m` metres; `count_x` samples are along +X, which
+    /// vary fastest. Heights are interpolated bilinearly between samples; outside the grid those of
+    /// its border continue.
     ///
     /// # Errors
     ///
-    /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size,
-    /// a spacing not above 0, or fewer than two samples either way.
+    /// [`Error::BadConstraint`] if a number is not finite or its magnitude exceeds [`LARGEST`], the
+    /// spacing is not above 0, or there are fewer than two samples in either direction.
     pub fn height_field(
         corner: [f32; 2],
         spacing_m: f32,
@@ -51,9 +52,9 @@ impl Ground {
         let per_metre = 1.0 / spacing_m;
         if !(numbers && grid && spacing_m > 0.0 && per_metre.is_finite() && per_metre > 0.0) {
             let what = format!(
-                "a height field of {} heights, {count_x} in a row, {spacing_m} m apart: whole \
-                 rows are needed, two at least each way, of at most {LARGEST:e} m, and above 0 m \
-                 apart",
+                "a height field has {} heights in rows of {count_x}, {spacing_m} m apart; it needs \
+                 whole rows, at least two samples in each direction, heights of at most \
+                 {LARGEST:e} m, and a spacing above 0 m",
                 heights.len()
             );
             return Err(Error::BadConstraint { what });

@@ -1,4 +1,4 @@
-//! Checks that devices stay within the tables when they follow the indices of controls.
+//! Checks that all indices of constraint programs lie within their tables.
 
 use super::Tables;
 use crate::Error;
@@ -8,13 +8,14 @@ use crate::layout::{
 };
 
 impl Tables {
-    /// Checks every range that a control names, and every index within the programs that changed
-    /// since [`mark_clean`](Self::mark_clean). Takes time by the number of controls, and none where
-    /// no control changed.
+    /// Checks every range of every control, and every index within programs that changed since
+    /// [`mark_clean`](Self::mark_clean). Takes time proportional to the number of controls, and
+    /// none if no control changed.
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`]: the library left a range that outlives its table. No device may follow it.
+    /// [`Error::OutOfRange`] if a range exceeds its table, which is a bug in the library. Devices
+    /// must not follow it.
     pub fn check_ranges(&self) -> Result<(), Error> {
         let all = &self.all;
         let clean = all.controls.is_clean() && all.steps.is_clean() && all.overrides.is_clean();
@@ -79,7 +80,7 @@ impl Tables {
                     row.link_count as usize,
                     all.links.len(),
                 )?;
-                // Of feet the count is that of the member's feet.
+                // For feet, `target_count` is the number of the member's feet.
                 if matches!(step.kind, STEP_PELVIS | STEP_FOOT) {
                     return Ok(());
                 }
@@ -110,7 +111,7 @@ mod tests {
     use crate::layout::Control;
     use crate::{Error, JointIndex, JointOverride, JointSource, Skeleton, Space, Tables, Trs};
 
-    /// A member whose joint 0 is overridden in both spaces.
+    /// A member with joint 0 overridden in both spaces.
     fn overridden() -> Tables {
         let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
         let skeleton = Skeleton::new(&[joint]).unwrap();
@@ -134,12 +135,12 @@ mod tests {
     fn assert_found(tables: &Tables, wanted: &str) {
         match tables.check_ranges() {
             Err(Error::OutOfRange { table, .. }) => assert_eq!(table, wanted),
-            other => panic!("{other:?}, and a range of {wanted} is past its end"),
+            other => panic!("{other:?}, but a range of {wanted} is past its end"),
         }
     }
 
     #[test]
-    fn ranges_past_the_end_of_a_table_are_found() {
+    fn ranges_past_the_end_of_a_table_are_detected() {
         let good = overridden();
         assert_eq!(good.check_ranges(), Ok(()));
         let mut tables = good.clone();

@@ -1,4 +1,4 @@
-//! Users' stages: their parameters, and the steps of the members that use them.
+//! User stages: their parameters, and the steps of the members that use them.
 
 use super::compile::Program;
 use super::write;
@@ -10,10 +10,10 @@ use crate::{After, Error, Skeleton, StageUse};
 
 /// Elements of one stage's parameters.
 const ELEMENTS: usize = STAGE_PARAMETERS as usize / 4;
-/// Those of all stages, before the values of members.
+/// Elements of all stages' parameters; the values of members follow them.
 pub(in crate::tables) const PARAMETER_ELEMENTS: usize = STAGES_MOST as usize * ELEMENTS;
 
-/// Places for the values of members.
+/// Creates the allocation of member values, with the parameters reserved.
 pub(super) fn space() -> Space {
     let mut space = Space::new(usize::MAX);
     space.take(PARAMETER_ELEMENTS);
@@ -21,11 +21,11 @@ pub(super) fn space() -> Space {
 }
 
 impl Tables {
-    /// Sets the parameters of a user's stage.
+    /// Sets the parameters of a user stage.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] for a stage past the last.
+    /// [`Error::BadPlayback`] if `stage` is [`STAGES_MOST`] or above.
     pub fn set_stage_parameters(
         &mut self,
         stage: u32,
@@ -41,7 +41,8 @@ impl Tables {
 }
 
 impl Program {
-    /// Adds the steps of stages: those after Transform, and those after Pose, which are returned.
+    /// Adds the steps of user stages that run after Transform, and returns those that run after
+    /// Pose.
     pub(super) fn stages(
         &mut self,
         skeleton: &Skeleton,
@@ -62,7 +63,7 @@ impl Program {
                     .push(step);
             }
         }
-        // Stable: stages of one joint stay in the order in which they were taken.
+        // Stable sort: stages of one joint keep their order.
         pose_steps.sort_by_key(|step| step.joint);
         Ok(pose_steps)
     }
