@@ -39,8 +39,8 @@ pub(crate) struct ModelPart {
 }
 
 impl ModelPart {
-    /// Returns the culling mode of the part. `instance_mirrored` tells if the instance's transform
-    /// mirrors.
+    /// Returns the culling mode of the part. `instance_mirrored` is true if the instance's
+    /// transform mirrors.
     pub(crate) fn cull(&self, instance_mirrored: bool) -> Cull {
         match (self.double_sided, self.mirrored != instance_mirrored) {
             (true, false) => Cull::Nothing,

@@ -8,7 +8,7 @@ use populace_core::Image;
 use super::Gl;
 use crate::Error;
 
-/// Samples per pixel, if the driver offers as many.
+/// Samples per pixel, if the driver supports them.
 const SAMPLES: u32 = 4;
 
 /// A framebuffer and its attachments.
