@@ -1,10 +1,10 @@
-//! Where the joints of a body stand, from its [`Look`].
+//! Segments of a body, and the joint positions that follow from its [`Look`].
 
 use glam::{DQuat, DVec3};
 
 use crate::Look;
 
-/// The left or the right half of a body; the left is at +X.
+/// The left or the right half of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     /// At +X.
@@ -20,43 +20,45 @@ impl Side {
         self as usize
     }
 
-    /// +1 on the left, -1 on the right.
+    /// Returns 1 on the left and -1 on the right.
     pub(crate) fn sign(self) -> f64 {
         if self == Self::Left { 1.0 } else { -1.0 }
     }
 
-    /// A point of the left half, or its mirror image.
-    pub(crate) fn place(self, p: DVec3) -> DVec3 {
+    /// Returns a point of the left half, mirrored if this is the right half.
+    pub(crate) fn mirror_point(self, p: DVec3) -> DVec3 {
         DVec3::new(p.x * self.sign(), p.y, p.z)
     }
 
-    /// A turn of the left half, or its mirror image.
-    pub(crate) fn turn(self, q: DQuat) -> DQuat {
+    /// Returns a rotation of the left half, mirrored if this is the right half.
+    pub(crate) fn mirror_rotation(self, q: DQuat) -> DQuat {
         if self == Self::Left { q } else { DQuat::from_xyzw(q.x, -q.y, -q.z, q.w) }
     }
 }
 
-/// A rigid piece of the body that surfaces and motions are made for; rigs have joints for all or
-/// some of them.
+/// Index of a rigid piece of the body. Surfaces and motions are defined for segments. Rigs have
+/// joints for all or some of them.
 pub(crate) type Segment = usize;
 
-/// How many segments there are.
+/// Number of segments.
 pub(crate) const SEGMENTS: usize = 54;
 pub(crate) const PELVIS: Segment = 0;
 pub(crate) const SPINE: [Segment; 4] = [1, 2, 3, 4];
 pub(crate) const NECK: [Segment; 2] = [5, 6];
 pub(crate) const HEAD: Segment = 7;
+/// First segment of the left limbs.
 const SIDES: usize = 8;
+/// Number of limb segments on each side.
 const PER_SIDE: usize = 23;
 
-/// Pieces of the limbs, left and right.
+/// Segments of the limbs on one side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Limb {
     Clavicle,
     UpperArm,
     Forearm,
     Hand,
-    /// Finger 0 (the thumb) to 4, joint 0 to 2.
+    /// Finger, 0 (thumb) to 4, and joint, 0 (root) to 2.
     Finger(usize, usize),
     Thigh,
     Shin,
@@ -65,7 +67,7 @@ pub(crate) enum Limb {
 }
 
 impl Limb {
-    /// The segment of one side.
+    /// Returns the index of the segment on one side.
     pub(crate) const fn of(self, side: Side) -> Segment {
         let at = match self {
             Self::Clavicle => 0,
@@ -82,7 +84,7 @@ impl Limb {
     }
 }
 
-/// The segment that a segment hangs on; always of a lower index.
+/// Returns the parent of a segment, which has a lower index, or `None` for the pelvis.
 pub(crate) fn parent(segment: Segment) -> Option<Segment> {
     match segment {
         PELVIS => None,
@@ -100,49 +102,55 @@ pub(crate) fn parent(segment: Segment) -> Option<Segment> {
     }
 }
 
-/// How far arms are spread at rest, from hanging straight down.
+/// Angle in radians of the arms at rest, measured from hanging straight down.
 pub(crate) const REST_SPREAD_RAD: f64 = 0.66;
 
-/// Heights in units of the foot's scale: where the sole bends, and how far before the ankle.
+/// Height of the toe joint, where the sole bends, and its distance before the ankle. In metres for
+/// a foot of scale 1, as the following three lengths.
 pub(crate) const TOE_JOINT: [f64; 2] = [0.018, 0.132];
-/// Where the heel strikes the ground, behind the ankle.
+/// Distance behind the ankle at which the heel strikes the ground.
 pub(crate) const HEEL_BACK: f64 = 0.04;
-/// The tip of the shoe before the ankle.
+/// Distance of the tip of the shoe before the ankle.
 pub(crate) const TOE_TIP: f64 = 0.205;
-/// The ankle's height over the sole.
+/// Height of the ankle above the sole.
 const ANKLE_UP: f64 = 0.08;
 
-/// A body at rest: feet together on y = 0, arms spread a little, facing +Z.
+/// A body at rest: feet together on y = 0, arms slightly spread, facing +Z. Lengths are in metres,
+/// vectors in model space.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub(crate) look: Look,
-    /// Metres from sole to crown.
+    /// Height from sole to crown, with hair.
     pub(crate) height: f64,
-    /// Chin to crown without hair, metres.
+    /// Height from chin to crown, without hair.
     pub(crate) head: f64,
     pub(crate) chin_y: f64,
     pub(crate) hip_y: f64,
     pub(crate) neck_y: f64,
-    /// Scale of a foot that is 0.26 m long at 1.
+    /// Scale of the feet; a foot of scale 1 is 0.26 m long.
     pub(crate) foot: f64,
-    /// Along the left arm, towards the hand.
+    /// Unit vector along the left arm, towards the hand.
     pub(crate) along: DVec3,
-    /// Out of the back of the left hand.
+    /// Unit vector out of the back of the left hand.
     pub(crate) outward: DVec3,
-    /// Along the left thumb.
+    /// Unit vector along the left thumb.
     pub(crate) thumb: DVec3,
+    /// Position of each segment's joint.
     pub(crate) joints: [DVec3; SEGMENTS],
 }
 
-/// Lengths of index to little finger, as a part of the body's height.
+/// Lengths of the index to little fingers, as fractions of the body's height.
 pub(crate) const FINGERS: [f64; 4] = [0.041, 0.046, 0.042, 0.033];
-/// Where knuckles stand across the hand, as a part of its half width; the index finger is in front.
+/// Offsets of the knuckles across the hand, index finger first, as fractions of the half width;
+/// positive to the front.
 pub(crate) const KNUCKLES: [f64; 4] = [0.66, 0.22, -0.22, -0.66];
-/// Half width of the hand at the knuckles.
+/// Half width of the hand at the knuckles, as a fraction of the body's height.
 pub(crate) const PALM: f64 = 0.0255;
-/// Where along the arm the elbow, wrist and knuckles are.
+/// Distance of the elbow from the shoulder, as a fraction of the body's height.
 pub(crate) const ELBOW: f64 = 0.172;
+/// Distance of the wrist from the shoulder, as a fraction of the body's height.
 pub(crate) const WRIST: f64 = 0.316;
+/// Distance of the knuckles from the shoulder, as a fraction of the body's height.
 pub(crate) const KNUCKLE: f64 = 0.378;
 
 impl Body {
@@ -172,7 +180,7 @@ impl Body {
         body
     }
 
-    /// The height of a place between the hip joints (0) and the foot of the neck (1).
+    /// Returns the height at `u` between the hip joints (0) and the base of the neck (1).
     pub(crate) fn trunk_y(&self, u: f64) -> f64 {
         self.hip_y + u * (self.neck_y - self.hip_y)
     }
@@ -217,19 +225,19 @@ impl Body {
         let [toe_y, toe_z] = TOE_JOINT.map(|v| v * self.foot);
         left.push((Limb::Toes, DVec3::new(ankle.x, toe_y, ankle.z + toe_z)));
         for side in Side::BOTH {
-            for &(limb, place) in &left {
-                self.joints[limb.of(side)] = side.place(place);
+            for &(limb, position) in &left {
+                self.joints[limb.of(side)] = side.mirror_point(position);
             }
         }
     }
 
-    /// Where a joint of a limb stands.
+    /// Returns the position of a limb's joint.
     pub(crate) fn joint(&self, limb: Limb, side: Side) -> DVec3 {
         self.joints[limb.of(side)]
     }
 }
 
-/// Where the spine's joints stand between hips (0) and the foot of the neck (1).
+/// Positions of the spine's joints between the hip joints (0) and the base of the neck (1).
 pub(crate) const SPINE_AT: [f64; 4] = [0.2, 0.38, 0.56, 0.74];
-/// Where along a finger its joints are.
+/// Positions of a finger's joints between knuckle (0) and tip (1).
 pub(crate) const FINGER_AT: [f64; 3] = [0.0, 0.45, 0.72];

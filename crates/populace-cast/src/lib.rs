@@ -1,9 +1,9 @@
-//! People made by code: bodies of one closed surface on two kinds of skeleton, with clips that
-//! stand, walk and run, so that a crowd needs no download.
+//! Procedural people: bodies of one closed surface on two kinds of skeleton, with clips for
+//! standing, walking and running. A crowd of them needs no asset files.
 //!
 //! Spaces and units are those of [`populace_core`]: metres, Y up, facing +Z, soles on y = 0. Each
-//! character brings the clips `Idle`, `Idle_Shift`, `Walk` and `Run`; the last two walk in place,
-//! at the ground speed that [`ClipStats`](populace_core::ClipStats) tells.
+//! character has the clips `Idle`, `Idle_Shift`, `Walk` and `Run`. `Walk` and `Run` are in place;
+//! [`ClipStats`](populace_core::ClipStats) gives their ground speed.
 //!
 //! ```
 //! use populace_cast::{Look, person};
@@ -16,9 +16,9 @@
 //! # Ok::<(), populace_core::Error>(())
 //! ```
 //!
-//! The main decision: surface and motion are made for one set of 54 body segments, and a rig says
-//! which joint carries which segment. So both skeletons share every body and every motion, and a
-//! rig's names and rest rotations are its own.
+//! Surfaces and motions are defined for one set of 54 body segments, and a rig maps segments to
+//! joints. Both skeletons therefore share all bodies and motions, while each has its own joint
+//! names and rest rotations.
 
 mod anatomy;
 mod look;
@@ -34,20 +34,20 @@ use populace_core::{
 
 pub use look::{Colors, Hair, Look, Reach, Rig};
 
-/// Makes all presets, in the order of [`Look::presets`].
+/// Returns one character for each preset, in the order of [`Look::presets`].
 ///
 /// # Errors
 ///
-/// Those of [`person`]; the presets themselves have none.
+/// The errors of [`person`]. The presets cause none.
 pub fn cast() -> Result<Vec<Character>, Error> {
     Look::presets().iter().map(person).collect()
 }
 
-/// Makes all presets in so many outfits each: people for a crowd that must not look like clones.
+/// Returns all presets in `outfits` outfits each, for a crowd without clones.
 ///
 /// # Errors
 ///
-/// Those of [`person`]; the presets themselves have none.
+/// The errors of [`person`]. The presets cause none.
 pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
     let presets = Look::presets();
     (0..outfits)
@@ -55,11 +55,12 @@ pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
         .collect()
 }
 
-/// Makes one person with clips; the same look gives the same data.
+/// Returns one person with clips. The result is deterministic: equal looks give equal data.
 ///
 /// # Errors
 ///
-/// An [`Error`] of [`populace_core`] where a number of the look is not finite or makes no body.
+/// An [`Error`] of [`populace_core`] if a number of the look is not finite, or if it gives an
+/// invalid body.
 pub fn person(look: &Look) -> Result<Character, Error> {
     let body = anatomy::Body::new(look);
     let joints = rig::Joints::new(&body);

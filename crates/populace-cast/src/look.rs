@@ -1,29 +1,29 @@
-//! What a person looks like.
+//! Appearance and build of a person.
 
-/// Which skeleton a body has.
+/// Skeleton of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rig {
-    /// 25 joints, rest rotations identity, fingers as one.
+    /// 25 joints with identity rest rotations, and one joint for four fingers.
     Lean,
-    /// 54 joints, local Y along each joint's segment, three joints to a finger.
+    /// 54 joints with local Y along each joint's segment, and three joints for each finger.
     Full,
 }
 
-/// How hair is worn.
+/// Hair style.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hair {
-    /// Off the ears and the nape.
+    /// Short hair that leaves the ears and the nape free.
     Short,
-    /// Over the ears, down to the neck.
+    /// Long hair over the ears, down to the neck.
     Long,
-    /// Gathered behind the head.
+    /// Hair gathered at the back of the head.
     Bun,
-    /// Gone from the brow up.
+    /// Receding hairline.
     Receding,
 }
 
 impl Hair {
-    /// How far hair stands off the crown, as a part of the head's height.
+    /// Returns the thickness of the hair at the crown, as a fraction of the head's height.
     pub(crate) fn height(self) -> f64 {
         match self {
             Self::Short => 0.035,
@@ -34,68 +34,68 @@ impl Hair {
     }
 }
 
-/// How far a garment reaches.
+/// Length of sleeves or trouser legs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
-    /// To the middle of the upper arm or to the knee.
+    /// To the middle of the upper arm, or to the knee.
     Short,
-    /// To the wrist or the ankle.
+    /// To the wrist, or to the ankle.
     Long,
 }
 
-/// Linear colours.
+/// Colours of skin, hair and clothes, as linear RGB from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colors {
-    /// Face, hands and what else shows.
+    /// Skin.
     pub skin: [f32; 3],
     /// Hair and eyebrows.
     pub hair: [f32; 3],
-    /// Above the hips.
+    /// Clothes above the hips.
     pub shirt: [f32; 3],
-    /// Below the hips.
+    /// Clothes below the hips.
     pub trousers: [f32; 3],
-    /// On the feet.
+    /// Shoes.
     pub shoes: [f32; 3],
 }
 
-/// What a person looks like. Factors are 1 for a grown man of middling build.
+/// Parameters of a person. Factors are relative to an adult man of average build.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// A name for people.
+    /// Name of the character, for display.
     pub name: String,
-    /// Which skeleton.
+    /// Skeleton.
     pub rig: Rig,
-    /// From sole to crown, hair included, in metres.
+    /// Height in metres from sole to crown, including hair.
     pub height_m: f64,
-    /// The head's part of the height.
+    /// Factor of the head's fraction of the height.
     pub head: f64,
-    /// The legs' part of the height.
+    /// Factor of the legs' fraction of the height.
     pub legs: f64,
-    /// Length of the feet.
+    /// Factor of the length of the feet.
     pub foot: f64,
-    /// Breadth of the shoulders.
+    /// Factor of the breadth of the shoulders.
     pub shoulders: f64,
-    /// Breadth of the hips.
+    /// Factor of the breadth of the hips.
     pub hips: f64,
-    /// Breadth of the waist.
+    /// Factor of the breadth of the waist.
     pub waist: f64,
-    /// Girth of arms and legs.
+    /// Factor of the girth of arms and legs.
     pub limbs: f64,
-    /// How far the belly stands out, 0 for flat, 1 for heavy.
+    /// Size of the belly, 0 (flat) to 1 (heavy).
     pub belly: f64,
-    /// How far the chest stands out in front, 0 for flat.
+    /// Size of the bust, 0 (flat) to 1.
     pub bust: f64,
-    /// How far the back is bent, in radians.
+    /// Angle in radians by which the back is bent forward.
     pub stoop_rad: f64,
-    /// Speed of walking and running.
+    /// Factor of the walking and running speed.
     pub pace: f64,
-    /// How hair is worn.
+    /// Hair style.
     pub hair: Hair,
-    /// How far sleeves reach.
+    /// Length of the sleeves.
     pub sleeves: Reach,
-    /// How far trouser legs reach.
+    /// Length of the trouser legs.
     pub trouser_legs: Reach,
-    /// Colours.
+    /// Colours of skin, hair and clothes.
     pub colors: Colors,
 }
 
@@ -113,7 +113,7 @@ const HAIRS: [[f32; 3]; 5] = [
     [0.33, 0.19, 0.07],
     [0.2, 0.05, 0.02],
 ];
-/// Cloth as people wear it in the street: mostly dark or dull, a few bright.
+/// Typical street wear: mostly dark or dull colours, a few bright ones.
 const SHIRTS: [[f32; 3]; 9] = [
     [0.55, 0.53, 0.48],
     [0.05, 0.06, 0.10],
@@ -134,8 +134,9 @@ const TROUSERS: [[f32; 3]; 5] = [
 ];
 
 impl Look {
-    /// The same build in other clothes, with other skin and hair, a little taller or shorter;
-    /// number 0 is as it was. Outfits of different builds differ too.
+    /// Returns the same build with other colours of clothes, skin and hair, and a slightly
+    /// different height. Number 0 is `self` unchanged. The same number gives builds with names of
+    /// different lengths different outfits.
     #[must_use]
     pub fn in_outfit(&self, number: usize) -> Self {
         let mut look = self.clone();
@@ -153,7 +154,7 @@ impl Look {
         look
     }
 
-    /// A man of middling build, on the full rig.
+    /// Returns a man of average build, on the full rig.
     #[must_use]
     pub fn man() -> Self {
         Self {
@@ -184,7 +185,7 @@ impl Look {
         }
     }
 
-    /// A woman of middling build, on the lean rig.
+    /// Returns a woman of average build, on the lean rig.
     #[must_use]
     pub fn woman() -> Self {
         Self {
@@ -210,7 +211,7 @@ impl Look {
         }
     }
 
-    /// A child of about eight, on the lean rig.
+    /// Returns a child of about eight years, on the lean rig.
     #[must_use]
     pub fn child() -> Self {
         Self {
@@ -237,7 +238,7 @@ impl Look {
         }
     }
 
-    /// An old man, bent, balding and slow, on the full rig.
+    /// Returns an old man with a bent back, a receding hairline and a slow gait, on the full rig.
     #[must_use]
     pub fn old_man() -> Self {
         Self {
@@ -262,7 +263,7 @@ impl Look {
         }
     }
 
-    /// A tall woman, on the full rig.
+    /// Returns a tall woman, on the full rig.
     #[must_use]
     pub fn tall_woman() -> Self {
         Self {
@@ -288,7 +289,7 @@ impl Look {
         }
     }
 
-    /// A heavy man, on the lean rig.
+    /// Returns a heavy man, on the lean rig.
     #[must_use]
     pub fn heavy_man() -> Self {
         Self {
@@ -313,7 +314,7 @@ impl Look {
         }
     }
 
-    /// All presets.
+    /// Returns all presets.
     #[must_use]
     pub fn presets() -> Vec<Self> {
         vec![

@@ -1,4 +1,4 @@
-//! Motions of a body's segments: from stances, keyed in time, to turns.
+//! Motions of a body: stances sampled over a cycle and solved to segment rotations.
 
 mod curve;
 mod gait;
@@ -10,14 +10,15 @@ use glam::{DQuat, DVec3};
 
 use crate::anatomy::{Body, SEGMENTS};
 
-/// One instant: how each segment is turned from rest, in model space, and where the pelvis went.
+/// Pose of all segments, relative to rest, in model space.
 #[derive(Clone, Debug)]
 pub(crate) struct Pose {
-    pub(crate) turns: [DQuat; SEGMENTS],
+    pub(crate) rotations: [DQuat; SEGMENTS],
+    /// Translation of the pelvis in metres.
     pub(crate) pelvis_offset: DVec3,
 }
 
-/// Poses evenly spaced in time; the last is the first again.
+/// A looping motion: poses at equal time steps, of which the last equals the first.
 pub(crate) struct Motion {
     pub(crate) name: &'static str,
     pub(crate) duration_secs: f64,
@@ -25,7 +26,7 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// Samples a stance over one cycle, from phase 0 to 1.
+    /// Samples `stance` at `keys` equal steps of the phase, from 0 to below 1.
     fn sampled(
         name: &'static str,
         duration_secs: f64,
@@ -40,7 +41,7 @@ impl Motion {
     }
 }
 
-/// The clips of a body.
+/// Returns all motions of a body.
 pub(crate) fn all(body: &Body) -> [Motion; 4] {
     [idle::breathe(body), idle::shift(body), gait::walk(body), gait::run(body)]
 }

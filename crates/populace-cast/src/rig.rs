@@ -1,4 +1,4 @@
-//! The two skeletons, and how poses of the body's segments become tracks of their joints.
+//! The two skeletons, and conversion of segment poses to joint tracks.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_core::{
@@ -11,24 +11,26 @@ use crate::anatomy::{Body, HEAD, Limb, NECK, PELVIS, SEGMENTS, SPINE, Segment, S
 use crate::motion::{Motion, Pose};
 use crate::surface::{narrow, narrow_one};
 
-/// A joint of a rig: its name, the segment at whose place it stands, the segment whose turns it
-/// makes, its parent.
+/// Definition of a rig's joint.
 struct Entry {
     name: String,
-    place: Segment,
+    /// Segment that gives the joint's position.
+    origin: Segment,
+    /// Segment that gives the joint's rotation.
     driver: Segment,
+    /// Index of the parent joint.
     parent: Option<usize>,
 }
 
 /// The joints of a body's rig, in source order.
 pub(crate) struct Joints {
     entries: Vec<Entry>,
-    /// Which joint moves what each segment moves.
+    /// Index of the joint that moves each segment's vertices.
     pub(crate) of_segment: [u16; SEGMENTS],
-    /// Model space.
-    places: Vec<DVec3>,
-    /// Model space.
-    turns: Vec<DQuat>,
+    /// Rest positions in model space.
+    positions: Vec<DVec3>,
+    /// Rest rotations in model space.
+    rotations: Vec<DQuat>,
 }
 
 impl Joints {
@@ -37,30 +39,34 @@ impl Joints {
             Rig::Lean => lean(),
             Rig::Full => full(),
         };
-        let places: Vec<DVec3> = entries.iter().map(|e| body.joints[e.place]).collect();
-        let turns = match body.look.rig {
+        let positions: Vec<DVec3> = entries.iter().map(|e| body.joints[e.origin]).collect();
+        let rotations = match body.look.rig {
             Rig::Lean => vec![DQuat::IDENTITY; entries.len()],
             Rig::Full => (0..SEGMENTS).map(|segment| along_segment(body, segment)).collect(),
         };
-        Self { entries, of_segment, places, turns }
+        Self { entries, of_segment, positions, rotations }
     }
 
     pub(crate) fn skeleton(&self) -> Result<Skeleton, Error> {
         let sources: Vec<JointSource> = (0..self.entries.len())
             .map(|at| {
-                let (offset, turn) = match self.entries[at].parent {
+                let (position, rotation) = (self.positions[at], self.rotations[at]);
+                let (offset, rotation) = match self.entries[at].parent {
                     Some(p) => {
-                        let back = self.turns[p].inverse();
-                        (back * (self.places[at] - self.places[p]), back * self.turns[at])
+                        let parent_from_model = self.rotations[p].inverse();
+                        (
+                            parent_from_model * (position - self.positions[p]),
+                            parent_from_model * rotation,
+                        )
                     }
-                    None => (self.places[at], self.turns[at]),
+                    None => (position, rotation),
                 };
                 JointSource {
                     name: self.entries[at].name.clone(),
                     parent: self.entries[at].parent,
                     rest: Trs {
                         translation: narrow(offset),
-                        rotation: quat(turn),
+                        rotation: quat(rotation),
                         scale: [1.0; 3],
                     },
                 }
@@ -69,11 +75,12 @@ impl Joints {
         Skeleton::new(&sources)
     }
 
-    /// One entry for each joint, in source order.
+    /// Returns one palette entry for each joint, in source order.
     pub(crate) fn palette(&self, skeleton: &Skeleton) -> Vec<PaletteEntry> {
         (0..self.entries.len())
             .map(|at| {
-                let model = DAffine3::from_rotation_translation(self.turns[at], self.places[at]);
+                let model =
+                    DAffine3::from_rotation_translation(self.rotations[at], self.positions[at]);
                 let m = model.inverse();
                 let columns = [m.x_axis, m.y_axis, m.z_axis, m.translation].map(narrow);
                 let rows = [0, 1, 2].map(|row| columns.map(|column| column[row]));
@@ -85,7 +92,7 @@ impl Joints {
             .collect()
     }
 
-    /// Rotations of all joints and the root's translation.
+    /// Returns the clip of a motion: rotation tracks of all joints, and the root's translation.
     pub(crate) fn tracks(&self, body: &Body, motion: &Motion) -> ClipSource {
         let last = motion.poses.len() - 1;
         let times: Vec<f32> = (0..=last)
@@ -104,14 +111,15 @@ impl Joints {
                 .collect(),
         });
         for (at, entry) in self.entries.iter().enumerate() {
-            let mut before: Option<DQuat> = None;
+            let mut previous: Option<DQuat> = None;
             let mut values = Vec::with_capacity(4 * times.len());
             for pose in &motion.poses {
                 let mut local = self.local(pose, at);
-                if before.is_some_and(|b| b.dot(local) < 0.0) {
+                // Keep neighbouring keys in one hemisphere.
+                if previous.is_some_and(|p| p.dot(local) < 0.0) {
                     local = -local;
                 }
-                before = Some(local);
+                previous = Some(local);
                 values.extend(quat(local));
             }
             tracks.push(Track {
@@ -125,8 +133,9 @@ impl Joints {
         ClipSource { name: motion.name.into(), tracks }
     }
 
+    /// Returns the rotation of joint `at` relative to its parent.
     fn local(&self, pose: &Pose, at: usize) -> DQuat {
-        let model = |j: usize| pose.turns[self.entries[j].driver] * self.turns[j];
+        let model = |j: usize| pose.rotations[self.entries[j].driver] * self.rotations[j];
         match self.entries[at].parent {
             Some(p) => (model(p).inverse() * model(at)).normalize(),
             None => model(at),
@@ -134,14 +143,14 @@ impl Joints {
     }
 }
 
-/// `x y z w`, rounded to single precision.
+/// Returns `[x, y, z, w]` in single precision.
 fn quat(q: DQuat) -> [f32; 4] {
     q.to_array().map(narrow_one)
 }
 
 const FINGER_NAMES: [&str; 5] = ["Thumb", "Index", "Middle", "Ring", "Little"];
 
-/// Every segment is a joint.
+/// Returns the joints of the full rig, one for each segment, and each segment's joint.
 fn full() -> (Vec<Entry>, [u16; SEGMENTS]) {
     let mut names = vec![String::new(); SEGMENTS];
     let trunk = [
@@ -180,15 +189,16 @@ fn full() -> (Vec<Entry>, [u16; SEGMENTS]) {
     let entries = names
         .into_iter()
         .enumerate()
-        .map(|(at, name)| Entry { name, place: at, driver: at, parent: parent(at) })
+        .map(|(at, name)| Entry { name, origin: at, driver: at, parent: parent(at) })
         .collect();
     (entries, std::array::from_fn(|at| u16::try_from(at).unwrap_or(0)))
 }
 
-/// Two joints for the spine, one for the neck, one for four fingers, one for the thumb.
+/// Returns the joints of the lean rig, and each segment's joint. Spine, neck, the four fingers and
+/// the thumb have two, one, one and one joints.
 fn lean() -> (Vec<Entry>, [u16; SEGMENTS]) {
     let entry =
-        |name: &str, place, driver, parent| Entry { name: name.into(), place, driver, parent };
+        |name: &str, origin, driver, parent| Entry { name: name.into(), origin, driver, parent };
     let mut entries = vec![
         entry("hips", PELVIS, PELVIS, None),
         entry("spine", SPINE[0], SPINE[1], Some(0)),
@@ -197,15 +207,15 @@ fn lean() -> (Vec<Entry>, [u16; SEGMENTS]) {
         entry("head", HEAD, HEAD, Some(3)),
     ];
     let mut of_segment = [0; SEGMENTS];
-    let mut carry = |segments: &[Segment], joint: usize| {
+    let mut assign = |segments: &[Segment], joint: usize| {
         for &segment in segments {
             of_segment[segment] = u16::try_from(joint).unwrap_or(0);
         }
     };
-    carry(&SPINE[..2], 1);
-    carry(&SPINE[2..], 2);
-    carry(&NECK, 3);
-    carry(&[HEAD], 4);
+    assign(&SPINE[..2], 1);
+    assign(&SPINE[2..], 2);
+    assign(&NECK, 3);
+    assign(&[HEAD], 4);
     for (side, word) in Side::BOTH.into_iter().zip(["l", "r"]) {
         let first = entries.len();
         let limbs = [
@@ -222,19 +232,19 @@ fn lean() -> (Vec<Entry>, [u16; SEGMENTS]) {
         ];
         for (name, limb, parent) in limbs {
             let segment = limb.of(side);
-            carry(&[segment], entries.len());
+            assign(&[segment], entries.len());
             entries.push(entry(&format!("{word}_{name}"), segment, segment, Some(parent)));
         }
         for joint in 0..3 {
-            carry(&[Limb::Finger(0, joint).of(side)], first + 5);
-            carry(&[1, 2, 3, 4].map(|finger| Limb::Finger(finger, joint).of(side)), first + 4);
+            assign(&[Limb::Finger(0, joint).of(side)], first + 5);
+            assign(&[1, 2, 3, 4].map(|finger| Limb::Finger(finger, joint).of(side)), first + 4);
         }
     }
     (entries, of_segment)
 }
 
-/// The rest rotation of the full rig: Y to the next joint, Z as far to the front (of feet: up) as
-/// can be.
+/// Returns the full rig's rest rotation of a segment: Y points to the child joint, and Z as far as
+/// possible to the front, or up for the feet.
 fn along_segment(body: &Body, segment: Segment) -> DQuat {
     let next = (segment + 1..SEGMENTS).filter(|&s| parent(s) == Some(segment));
     let middle = Side::BOTH.map(|side| Limb::Finger(2, 0).of(side));
@@ -245,8 +255,8 @@ fn along_segment(body: &Body, segment: Segment) -> DQuat {
         None if segment == HEAD => DVec3::Y,
         None if Side::BOTH.iter().any(|s| Limb::Toes.of(*s) == segment) => DVec3::Z,
         None => {
-            let before = parent(segment).unwrap_or(PELVIS);
-            (body.joints[segment] - body.joints[before]).normalize()
+            let parent = parent(segment).unwrap_or(PELVIS);
+            (body.joints[segment] - body.joints[parent]).normalize()
         }
     };
     let front = if y.z.abs() > 0.85 { DVec3::Y } else { DVec3::Z };

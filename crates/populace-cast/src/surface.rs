@@ -1,4 +1,4 @@
-//! The closed surface of a body: vertices with weights, and triangles of regions.
+//! Closed surface of a body: weighted vertices, and triangles grouped in regions.
 
 mod arm;
 mod hand;
@@ -6,6 +6,7 @@ mod head;
 mod leg;
 mod parts;
 mod trunk;
+mod wrist;
 
 use glam::DVec3;
 
@@ -13,7 +14,7 @@ use crate::anatomy::{Body, Segment};
 
 pub(crate) use parts::{narrow, narrow_one, parts};
 
-/// What a triangle shows; each region is a material of its own.
+/// Region of the surface; each region has its own material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Region {
     Skin,
@@ -45,7 +46,7 @@ impl Region {
     }
 }
 
-/// What moves a vertex: segments and weights, not yet normalised.
+/// Skinning weights of a vertex by segment, not normalised.
 pub(crate) type Weights = Vec<(Segment, f64)>;
 
 /// A surface under construction.
@@ -53,14 +54,14 @@ pub(crate) type Weights = Vec<(Segment, f64)>;
 pub(crate) struct Surface {
     pub(crate) points: Vec<DVec3>,
     pub(crate) weights: Vec<Weights>,
-    /// Regions of which a vertex is part or border; a triangle whose corners share one is drawn as
-    /// that.
+    /// Bit set of each vertex: the regions that it belongs to or borders. A triangle is in the
+    /// region that its corners have in common.
     marks: Vec<u16>,
     pub(crate) triangles: Vec<([usize; 3], Region)>,
 }
 
 impl Surface {
-    /// The whole body.
+    /// Builds the surface of the whole body.
     pub(crate) fn of(body: &Body) -> Self {
         let mut surface = Self::default();
         let trunk = trunk::build(&mut surface, body);
@@ -74,8 +75,9 @@ impl Surface {
         surface
     }
 
-    pub(crate) fn point(&mut self, place: DVec3, weights: Weights) -> usize {
-        self.points.push(place);
+    /// Adds a vertex and returns its index.
+    pub(crate) fn point(&mut self, position: DVec3, weights: Weights) -> usize {
+        self.points.push(position);
         self.weights.push(weights);
         self.marks.push(0);
         self.points.len() - 1
@@ -85,20 +87,21 @@ impl Surface {
         self.marks[point] |= region.bit();
     }
 
-    /// A triangle; of a region that its corners are marked with, or else of `region`.
+    /// Adds a triangle in the region that all its corners are marked with, or else in `region`.
     fn triangle(&mut self, corners: [usize; 3], region: Region) {
         self.triangles.push((corners, self.region(corners).unwrap_or(region)));
     }
 
+    /// Returns the region that all corners are marked with, small regions first.
     fn region(&self, corners: [usize; 3]) -> Option<Region> {
         let shared = corners.iter().fold(u16::MAX, |bits, &c| bits & self.marks[c]);
         use Region::{Brow, EyeWhite, Hair, Iris, Lips};
         [Iris, EyeWhite, Lips, Brow, Hair].into_iter().find(|r| shared & r.bit() != 0)
     }
 
-    /// Two triangles between four corners, counter-clockwise, cut where regions meet, else from the
-    /// first corner, or from the second where `mirrored`, so that both halves of a body are cut
-    /// alike.
+    /// Adds two triangles between four corners in counter-clockwise order. The diagonal follows the
+    /// border of regions. Without a border it starts at the first corner, or at the second if
+    /// `mirrored`, so that both halves of a body are symmetric.
     fn quad(&mut self, [a, b, c, d]: [usize; 4], region: Region, mirrored: bool) {
         let cuts = [[[a, b, c], [a, c, d]], [[b, c, d], [b, d, a]]];
         let marked =
@@ -112,8 +115,8 @@ impl Surface {
         }
     }
 
-    /// A band of quads between two rings of equally many points. Seen from outside, with `to` above
-    /// `from`, the rings run to the right, or to the left where `mirrored`.
+    /// Adds a band of quads between two rings with the same number of points. Seen from outside,
+    /// with `to` above `from`, the rings run to the right, or to the left if `mirrored`.
     fn bridge(&mut self, from: &[usize], to: &[usize], region: Region, mirrored: bool) {
         let next = |k: usize| (k + 1) % from.len();
         for k in 0..from.len() {
@@ -122,7 +125,7 @@ impl Surface {
         }
     }
 
-    /// Closes a ring with a point; as [`Self::bridge`].
+    /// Closes a ring with triangles to the point `tip`. The order is that of [`Self::bridge`].
     fn cap(&mut self, from: &[usize], tip: usize, region: Region, mirrored: bool) {
         for k in 0..from.len() {
             let [a, b] = [from[k], from[(k + 1) % from.len()]];
@@ -131,14 +134,14 @@ impl Surface {
     }
 }
 
-/// Cubic step from 0 at `low` to 1 at `high`.
+/// Returns the cubic smooth step from 0 at `low` to 1 at `high`.
 pub(crate) fn smooth(low: f64, high: f64, x: f64) -> f64 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Weights along a chain: `bounds` are where one segment ends and the next begins, and over how
-/// much either side.
+/// Returns the weights at the position `at` along a chain of segments. Each of `bounds` is the
+/// border between two neighbouring segments and the half width of the blend.
 fn chain(at: f64, segments: &[Segment], bounds: &[(f64, f64)]) -> Weights {
     let mut rest = 1.0;
     let mut weights = Vec::new();
@@ -152,13 +155,13 @@ fn chain(at: f64, segments: &[Segment], bounds: &[(f64, f64)]) -> Weights {
     weights
 }
 
-/// Mixes weights: `part` of the second, the rest of the first.
-fn mixed(first: Weights, second: &[(Segment, f64)], part: f64) -> Weights {
-    let mut weights: Weights = first.into_iter().map(|(s, w)| (s, w * (1.0 - part))).collect();
+/// Interpolates weights: the result is `first` at a fraction of 0, and `second` at 1.
+fn mixed(first: Weights, second: &[(Segment, f64)], fraction: f64) -> Weights {
+    let mut weights: Weights = first.into_iter().map(|(s, w)| (s, w * (1.0 - fraction))).collect();
     for &(segment, weight) in second {
         match weights.iter_mut().find(|(s, _)| *s == segment) {
-            Some((_, w)) => *w += weight * part,
-            None => weights.push((segment, weight * part)),
+            Some((_, w)) => *w += weight * fraction,
+            None => weights.push((segment, weight * fraction)),
         }
     }
     weights.retain(|(_, w)| *w > 1e-9);

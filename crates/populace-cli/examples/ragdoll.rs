@@ -73,7 +73,7 @@ fn draw(
     known: &[CharacterHandle],
     front: f32,
 ) -> Result<Image> {
-    renderer.take_palettes(crowd)?;
+    renderer.acquire_palettes(crowd)?;
     let drawn = crowd.instances().map(|i| Instance {
         character: known[i.character.index()],
         world_from_model: i.world_from_model,

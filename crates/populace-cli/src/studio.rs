@@ -2,7 +2,7 @@
 
 use populace::core::{Image, PaletteTransport, Part};
 use populace::{Crowd, CrowdBuilder};
-use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene};
+use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};
 
 use crate::cast::Role;
 use crate::failure::Failure;
@@ -14,7 +14,7 @@ pub(crate) struct Studio {
     /// Of each character, as it is drawn.
     triangles: Vec<usize>,
     scene: Scene,
-    hand_over: HandOver,
+    hand_over: PaletteInterop,
     drawn: Drawn,
 }
 
@@ -34,7 +34,7 @@ impl Studio {
         hide: &[String],
         camera: Camera,
     ) -> Result<Self, Failure> {
-        let hand_over = renderer.link_palettes(crowd)?;
+        let hand_over = renderer.connect_palettes(crowd)?;
         let hidden = |part: &Part| hide.contains(&part.node_name);
         let handles = roles.iter().map(|role| renderer.add_character(&role.character, &hidden));
         let handles = handles.collect::<Result<_, _>>()?;
@@ -54,7 +54,7 @@ impl Studio {
 
     /// How palettes get there, for people.
     pub(crate) fn palettes(&self) -> PaletteTransport {
-        self.hand_over.way
+        self.hand_over.transport
     }
 
     /// What the last picture shows.
@@ -64,7 +64,7 @@ impl Studio {
 
     /// Draws the crowd as of its last update.
     pub(crate) fn picture(&mut self, crowd: &mut Crowd) -> Result<Image, Failure> {
-        self.renderer.take_palettes(crowd)?;
+        self.renderer.acquire_palettes(crowd)?;
         let instances: Vec<_> = crowd
             .instances()
             .map(|i| Instance {

@@ -1,4 +1,4 @@
-//! Sorts instances into draws: one for each run of the same character, page and handedness.
+//! Sorting of instances into draws: one per run of equal character, page and handedness.
 
 use glam::Vec3;
 use populace_core::Affine;
@@ -7,59 +7,66 @@ use populace_core::layout::PAGE_ENTRIES;
 use crate::layout::InstanceData;
 use crate::{Error, Instance};
 
-/// What batching must know of a character.
+/// Properties of a character that batching needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct CharacterFacts {
+pub(crate) struct CharacterInfo {
+    /// Number of palette entries.
     pub(crate) entry_count: usize,
+    /// True if any part is alpha-blended.
     pub(crate) blended: bool,
 }
 
-/// Neighbouring instances of one character whose palettes stand in one page.
+/// Consecutive instances of one character with palettes in one page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
     pub(crate) page: usize,
     pub(crate) character: usize,
-    /// Whether `world_from_model` mirrors, which turns the winding of triangles around.
+    /// True if `world_from_model` mirrors, which reverses the winding of triangles.
     pub(crate) mirrored: bool,
+    /// Index of the first instance in [`Batches::instances`].
     pub(crate) first: u32,
     pub(crate) count: u32,
 }
 
-/// All instances in the order in which they are drawn.
+/// All instances in drawing order, and the runs that draw them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Batches {
     pub(crate) instances: Vec<InstanceData>,
-    /// For opaque and masked parts: as few runs as there can be, near instances of each first.
+    /// Runs of opaque and masked parts: the fewest possible, each sorted front to back.
     pub(crate) opaque: Vec<Run>,
-    /// For blended parts: strictly from far to near.
+    /// Runs of blended parts: all instances sorted back to front.
     pub(crate) blended: Vec<Run>,
 }
 
-struct Place {
+/// Sort key of one instance.
+struct DrawKey {
     page: usize,
     character: usize,
     mirrored: bool,
+    /// Squared distance from the eye.
     distance: f32,
+    /// Index in the caller's list.
     index: usize,
 }
 
 impl Batches {
-    /// Checks the instances and sorts them, as seen from `eye`. Those whose transform or tint is
-    /// not finite are left out. `page_len` tells how many palette entries a page holds.
+    /// Checks the instances and sorts them by their distance from `eye`. Instances with a
+    /// non-finite transform or tint are skipped. `page_len` returns the number of palette entries
+    /// of a page.
     pub(crate) fn new(
         instances: &[Instance],
-        characters: &[CharacterFacts],
+        characters: &[CharacterInfo],
         page_len: &dyn Fn(usize) -> usize,
         eye: Vec3,
     ) -> Result<Self, Error> {
-        let mut places = Vec::with_capacity(instances.len());
+        let mut keys = Vec::with_capacity(instances.len());
         for (index, instance) in instances.iter().enumerate() {
-            let Some(facts) = characters.get(instance.character.0) else {
+            let Some(info) = characters.get(instance.character.0) else {
                 return Err(Error::UnknownCharacter { instance: index, count: characters.len() });
             };
             let page = (instance.palette_first / PAGE_ENTRIES) as usize;
             let first = (instance.palette_first % PAGE_ENTRIES) as usize;
-            let (count, available) = (facts.entry_count, page_len(page));
+            let (count, available) = (info.entry_count, page_len(page));
             if first + count > available {
                 return Err(Error::NoPalette { instance: index, page, first, count, available });
             }
@@ -67,7 +74,7 @@ impl Batches {
                 && instance.tint.iter().all(|t| t.is_finite());
             if finite {
                 let position = Vec3::from(instance.world_from_model.rows.map(|row| row[3]));
-                places.push(Place {
+                keys.push(DrawKey {
                     page,
                     character: instance.character.0,
                     mirrored: determinant(&instance.world_from_model) < 0.0,
@@ -77,29 +84,29 @@ impl Batches {
             }
         }
         let mut batches = Self::default();
-        places.sort_unstable_by(|a, b| {
-            let group = |p: &Place| (p.page, p.character, p.mirrored);
+        keys.sort_unstable_by(|a, b| {
+            let group = |k: &DrawKey| (k.page, k.character, k.mirrored);
             let order = group(a).cmp(&group(b)).then(a.distance.total_cmp(&b.distance));
             order.then(a.index.cmp(&b.index))
         });
-        batches.opaque = batches.append(instances, &places);
-        places.retain(|place| characters[place.character].blended);
-        places
-            .sort_unstable_by(|a, b| b.distance.total_cmp(&a.distance).then(a.index.cmp(&b.index)));
-        batches.blended = batches.append(instances, &places);
+        batches.opaque = batches.append(instances, &keys);
+        keys.retain(|key| characters[key.character].blended);
+        keys.sort_unstable_by(|a, b| b.distance.total_cmp(&a.distance).then(a.index.cmp(&b.index)));
+        batches.blended = batches.append(instances, &keys);
         Ok(batches)
     }
 
-    fn append(&mut self, instances: &[Instance], places: &[Place]) -> Vec<Run> {
+    /// Appends the instances in the order of `keys` and returns their runs.
+    fn append(&mut self, instances: &[Instance], keys: &[DrawKey]) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
-        for place in places {
-            let Place { page, character, mirrored, index, .. } = *place;
+        for key in keys {
+            let DrawKey { page, character, mirrored, index, .. } = *key;
             let last = runs.last_mut();
             match last.filter(|r| (r.page, r.character, r.mirrored) == (page, character, mirrored))
             {
                 Some(run) => run.count += 1,
                 None => {
-                    // A crowd of 2^32 would take 256 GiB of instances.
+                    // Saturation is out of reach: 2^32 instances would take 256 GiB.
                     let first = u32::try_from(self.instances.len()).unwrap_or(u32::MAX);
                     runs.push(Run { page, character, mirrored, first, count: 1 });
                 }
@@ -118,7 +125,7 @@ impl Batches {
     }
 }
 
-/// The determinant of the linear part; negative where it mirrors.
+/// Returns the determinant of the linear part. It is negative if the transform mirrors.
 pub(crate) fn determinant(m: &Affine) -> f32 {
     let [a, b, c] = m.rows.map(|row| Vec3::new(row[0], row[1], row[2]));
     a.dot(b.cross(c))
@@ -129,8 +136,8 @@ mod tests {
     use super::*;
     use crate::CharacterHandle;
 
-    const PLAIN: CharacterFacts = CharacterFacts { entry_count: 3, blended: false };
-    const GLASSY: CharacterFacts = CharacterFacts { entry_count: 3, blended: true };
+    const OPAQUE: CharacterInfo = CharacterInfo { entry_count: 3, blended: false };
+    const BLENDED: CharacterInfo = CharacterInfo { entry_count: 3, blended: true };
 
     fn instance(character: usize, palette_first: u32, z: f32) -> Instance {
         let mut world_from_model = Affine::IDENTITY;
@@ -145,7 +152,7 @@ mod tests {
         }
     }
 
-    fn batches(instances: &[Instance], characters: &[CharacterFacts]) -> Result<Batches, Error> {
+    fn batches(instances: &[Instance], characters: &[CharacterInfo]) -> Result<Batches, Error> {
         Batches::new(
             instances,
             characters,
@@ -155,27 +162,27 @@ mod tests {
     }
 
     #[test]
-    fn a_run_for_each_character_and_page() {
+    fn each_character_and_page_is_one_run() {
         let list = [
             instance(0, 0, 0.0),
             instance(1, 8, 0.0),
             instance(0, PAGE_ENTRIES + 4, 0.0),
             instance(0, 16, 5.0),
         ];
-        let sorted = batches(&list, &[PLAIN, PLAIN]).unwrap();
+        let sorted = batches(&list, &[OPAQUE, OPAQUE]).unwrap();
         let run =
             |page, character, first, count| Run { page, character, mirrored: false, first, count };
         assert_eq!(sorted.opaque, [run(0, 0, 0, 2), run(0, 1, 2, 1), run(1, 0, 3, 1)]);
         let firsts: Vec<_> = sorted.instances.iter().map(|i| i.palette_first).collect();
-        assert_eq!(firsts, [16, 0, 8, 4], "near ones first; places within the page");
+        assert_eq!(firsts, [16, 0, 8, 4], "near instances first; entries relative to the page");
         assert!(sorted.blended.is_empty());
     }
 
     #[test]
-    fn blended_runs_go_from_far_to_near() {
+    fn blended_runs_are_sorted_back_to_front() {
         let list =
             [instance(0, 0, 0.0), instance(1, 0, -5.0), instance(0, 0, -9.0), instance(2, 0, -7.0)];
-        let sorted = batches(&list, &[GLASSY, GLASSY, PLAIN]).unwrap();
+        let sorted = batches(&list, &[BLENDED, BLENDED, OPAQUE]).unwrap();
         let order: Vec<_> = sorted
             .blended
             .iter()
@@ -185,17 +192,17 @@ mod tests {
     }
 
     #[test]
-    fn mirrored_instances_are_drawn_apart() {
+    fn mirrored_instances_get_their_own_run() {
         let mut mirrored = instance(0, 0, 0.0);
         mirrored.world_from_model.rows[0][0] = -1.0;
-        let sorted = batches(&[mirrored, instance(0, 0, 0.0)], &[PLAIN]).unwrap();
+        let sorted = batches(&[mirrored, instance(0, 0, 0.0)], &[OPAQUE]).unwrap();
         assert_eq!(sorted.opaque.iter().map(|r| r.mirrored).collect::<Vec<_>>(), [false, true]);
     }
 
     #[test]
-    fn a_palette_must_lie_within_what_was_uploaded() {
-        assert!(batches(&[instance(0, 97, 0.0)], &[PLAIN]).is_ok());
-        let error = batches(&[instance(0, 0, 0.0), instance(0, 98, 0.0)], &[PLAIN]).unwrap_err();
+    fn palette_past_the_end_of_its_page_is_rejected() {
+        assert!(batches(&[instance(0, 97, 0.0)], &[OPAQUE]).is_ok());
+        let error = batches(&[instance(0, 0, 0.0), instance(0, 98, 0.0)], &[OPAQUE]).unwrap_err();
         assert!(
             matches!(
                 error,
@@ -203,14 +210,18 @@ mod tests {
             ),
             "{error}"
         );
-        assert!(batches(&[instance(0, 2 * PAGE_ENTRIES, 0.0)], &[PLAIN]).is_err());
+        assert!(batches(&[instance(0, 2 * PAGE_ENTRIES, 0.0)], &[OPAQUE]).is_err());
     }
 
     #[test]
-    fn strangers_are_refused_and_nonsense_is_left_out() {
-        let error = batches(&[instance(1, 0, 0.0)], &[PLAIN]).unwrap_err();
+    fn unknown_characters_are_rejected() {
+        let error = batches(&[instance(1, 0, 0.0)], &[OPAQUE]).unwrap_err();
         assert!(matches!(error, Error::UnknownCharacter { instance: 0, count: 1 }), "{error}");
-        let sorted = batches(&[instance(0, 0, f32::NAN), instance(0, 4, 0.0)], &[PLAIN]).unwrap();
+    }
+
+    #[test]
+    fn non_finite_instances_are_skipped() {
+        let sorted = batches(&[instance(0, 0, f32::NAN), instance(0, 4, 0.0)], &[OPAQUE]).unwrap();
         assert_eq!(sorted.instances.iter().map(|i| i.palette_first).collect::<Vec<_>>(), [4]);
     }
 }

@@ -1,4 +1,4 @@
-//! Where a picture is taken from.
+//! The camera, and its automatic framing of a crowd.
 
 use glam::camera::rh;
 use glam::{Mat4, Vec3};
@@ -8,38 +8,40 @@ use crate::Error;
 /// A perspective camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Its place in world space.
+    /// Position in world space, in metres.
     pub eye: [f32; 3],
-    /// What is in the middle of the picture.
+    /// Point in world space at the centre of the picture; must differ from `eye`.
     pub target: [f32; 3],
-    /// What is up in the picture, roughly.
+    /// Approximate up direction of the picture in world space, of any length but zero; must not be
+    /// parallel to the view direction.
     pub up: [f32; 3],
-    /// From the picture's lower edge to its upper one.
+    /// Vertical field of view in radians, between 0 and pi.
     pub fov_y_rad: f32,
-    /// Metres; nearer things are cut off.
+    /// Distance of the near plane in metres, above 0. Nearer geometry is clipped.
     pub near: f32,
-    /// Metres; farther things are cut off, after haze from a tenth of it onwards has hidden them.
+    /// Distance of the far plane in metres, above `near`. Farther geometry is clipped. Haze starts
+    /// at a tenth of this distance and hides everything before the far plane.
     pub far: f32,
 }
 
 impl Default for Camera {
-    /// A person of 1.8 m at the origin, from the front.
+    /// Frames a person of 1.8 m at the origin, seen from the front.
     fn default() -> Self {
         Self::framing([[-0.5, 0.0, 0.0], [0.5, 1.8, 0.0]], 16.0 / 9.0)
     }
 }
 
-/// What the framed points may take of the picture's width and height.
+/// Largest fraction of the picture's width and height that the framed points cover.
 const FILL: f32 = 0.94;
 
 impl Camera {
-    /// Frames points (feet and heads of a crowd, corners of a box), seen from the front (+Z) and a
-    /// little above, with the horizon in the picture. `aspect` is the picture's width over its
-    /// height.
+    /// Returns a camera that shows all `points` (feet and heads of a crowd, corners of a box) from
+    /// the front (+Z) and slightly above, with the horizon in the picture. `aspect` is the width of
+    /// the picture divided by its height.
     ///
-    /// A single character is seen almost level; the deeper the crowd, the more from above, so that
-    /// the rows behind show. Points that are not finite are passed over; without any, a box of one
-    /// metre is framed. An aspect that is not finite is taken as 1.
+    /// A single character is seen almost level. The elevation grows with the depth of the crowd, so
+    /// that the rows at the back stay visible. Non-finite points are ignored. Without any finite
+    /// point, a box of one metre is framed. An aspect that is not finite and positive counts as 1.
     #[must_use]
     pub fn framing(points: impl IntoIterator<Item = [f32; 3]>, aspect: f32) -> Self {
         let mut points: Vec<Vec3> =
@@ -51,12 +53,12 @@ impl Camera {
         let low = points.iter().copied().reduce(Vec3::min).unwrap_or_default();
         let high = points.iter().copied().reduce(Vec3::max).unwrap_or_default();
         let size = (high - low).max(Vec3::splat(0.01));
-        // From 0 for one character to 1 for many rows.
-        let crowd = (size.z / (12.0 * size.y)).min(1.0);
-        let fov_y_rad = 0.6 + 0.2 * crowd;
-        let back = Vec3::new(0.0, 0.06 + 0.24 * crowd, 1.0).normalize();
+        // 0 for one character, 1 for many rows.
+        let depth = (size.z / (12.0 * size.y)).min(1.0);
+        let fov_y_rad = 0.6 + 0.2 * depth;
+        let back = Vec3::new(0.0, 0.06 + 0.24 * depth, 1.0).normalize();
         let up = back.cross(Vec3::X);
-        let eye = eye(
+        let eye = fit_eye(
             &points,
             [Vec3::X, up, back],
             (0.5 * fov_y_rad).tan() * FILL,
@@ -74,44 +76,57 @@ impl Camera {
         }
     }
 
-    /// The projection after the view, for a picture of this width over height.
+    /// Returns the view-projection matrix for a picture of width over height `aspect`.
     pub(crate) fn clip_from_world(&self, aspect: f32) -> Result<Mat4, Error> {
         let [eye, target, up] = [self.eye, self.target, self.up].map(Vec3::from);
         let bad = |what| Err(Error::BadCamera { what });
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
-            return bad("has a place or direction that is not finite");
+            return bad("must have a finite eye, target and up vector");
         }
         if !(self.fov_y_rad > 0.0 && self.fov_y_rad < std::f32::consts::PI) {
-            return bad("needs a field of view between 0 and pi");
+            return bad("must have a field of view between 0 and pi radians");
         }
         if !(self.near > 0.0 && self.far > self.near && self.far.is_finite()) {
-            return bad("needs a near plane above 0 and a far plane beyond it");
+            return bad("must have a near plane above 0 and a finite far plane beyond it");
         }
         let forward = (target - eye).try_normalize();
         if forward.is_none_or(|f| f.cross(up).try_normalize().is_none()) {
             return bad(
-                "needs a target apart from its eye, and an up that does not point along its view",
+                "must have a target that differs from its eye, and an up vector that is not \
+                 parallel to its view direction",
             );
         }
         let view = rh::view::look_at_mat4(eye, target, up);
         let matrix =
             rh::proj::opengl::perspective(self.fov_y_rad, aspect, self.near, self.far) * view;
         if !matrix.is_finite() || matrix.determinant() == 0.0 {
-            return bad("is too far off for single precision");
+            return bad(
+                "has no finite, invertible view-projection matrix in single precision; move it \
+                 closer to the origin or reduce its far plane",
+            );
         }
         Ok(matrix)
     }
 }
 
-/// The nearest place along `back` from which all points lie within the edges, with as much room
-/// left of them as right, and most of the room there is above them: sky says more than bare ground
-/// before the first row. `slope` is how far the part of the picture that may be filled reaches up
-/// per metre of distance.
+/// Returns the position nearest to `points` from which all of them are in view.
 ///
-/// For a point at `(x, z)` across and along the axes, the right edge asks that
-/// `x + slope z <= eye.x + slope eye.z`, the left one that `-x + slope z <= -eye.x + slope eye.z`;
-/// the largest left-hand sides give both coordinates.
-fn eye(points: &[Vec3], [right, up, back]: [Vec3; 3], slope: f32, aspect: f32, room: f32) -> Vec3 {
+/// `[right, up, back]` are the camera's axes. `slope` is the half height of the usable part of the
+/// picture per metre of distance. `diagonal` is the size of the points' bounding box in metres; the
+/// eye stays a twentieth of it before the nearest point. Points are centred horizontally. Of the
+/// vertical margin, 85 % goes above them, since sky looks better than bare ground before the first
+/// row.
+///
+/// For a point at `(x, z)` along the right and back axes, the right edge of the picture requires
+/// `x + slope z <= eye.x + slope eye.z`, and the left edge `-x + slope z <= -eye.x + slope eye.z`.
+/// The largest left-hand sides determine both coordinates of the eye.
+fn fit_eye(
+    points: &[Vec3],
+    [right, up, back]: [Vec3; 3],
+    slope: f32,
+    aspect: f32,
+    diagonal: f32,
+) -> Vec3 {
     let edges = |axis: Vec3, slope: f32| {
         let most = |sign: f32| {
             points.iter().map(|p| sign * p.dot(axis) + slope * p.dot(back)).fold(f32::MIN, f32::max)
@@ -123,7 +138,7 @@ fn eye(points: &[Vec3], [right, up, back]: [Vec3; 3], slope: f32, aspect: f32, r
     let nearest = points.iter().map(|p| p.dot(back)).fold(f32::MIN, f32::max);
     let distance = ((to_right + to_left) / (2.0 * slope * aspect))
         .max((to_top + to_bottom) / (2.0 * slope))
-        .max(nearest + 0.05 * room);
+        .max(nearest + 0.05 * diagonal);
     let spare = slope * distance - 0.5 * (to_top + to_bottom);
     let height = 0.5 * (to_top - to_bottom) + 0.7 * spare;
     right * (0.5 * (to_right - to_left)) + up * height + back * distance
@@ -174,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn framing_takes_nonsense() {
+    fn framing_accepts_non_finite_points_and_aspects() {
         for aspect in [f32::NAN, 0.0, -1.0, f32::INFINITY] {
             assert!(
                 Camera::framing([[f32::NAN; 3], [1.0; 3]], aspect).clip_from_world(1.0).is_ok()

@@ -1,132 +1,138 @@
-//! What can go wrong when drawing.
+//! The error type of this crate.
 
 use std::path::PathBuf;
 
-/// Why something was not drawn. After any of these the renderer can still be used.
+/// Errors of rendering. The renderer stays usable after any of them.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// No OpenGL that this crate can draw with.
+    /// The machine has no OpenGL that this crate can draw with.
     #[error("no usable OpenGL on this machine ({tried}); {remedy}")]
     NoGl {
-        /// What was tried, and how each attempt ended.
+        /// The attempts, each with its failure.
         tried: String,
-        /// What to do about it.
+        /// Action that mends it.
         remedy: &'static str,
     },
-    /// The context is no longer there, for example after the device was lost.
+    /// The context cannot be made current, for example after the device was lost.
     #[error("the OpenGL context cannot be made current: {cause}")]
     ContextLost {
-        /// The driver's own words.
+        /// Message of the driver.
         cause: String,
     },
-    /// A shader that the driver refuses.
-    #[error("the driver refuses shader {name}: {log}")]
+    /// The driver rejected a shader.
+    #[error("the driver rejected shader {name}: {log}")]
     Shader {
-        /// Which shader.
+        /// Name of the shader variant.
         name: String,
-        /// The compiler's or linker's log.
+        /// Log of the compiler or linker.
         log: String,
     },
-    /// Memory that could not be had.
-    #[error("the OpenGL driver has no room for {operation}")]
+    /// The driver ran out of memory.
+    #[error(
+        "the OpenGL driver ran out of memory trying to {operation}; draw fewer characters, or \
+         smaller meshes, textures or pictures"
+    )]
     OutOfMemory {
-        /// What the memory was for.
+        /// The operation that needed the memory.
         operation: String,
     },
-    /// A call that the driver failed.
+    /// A call to the driver failed.
     #[error("OpenGL failed to {operation}: {code}")]
     GlError {
-        /// What was being done.
+        /// The operation that failed.
         operation: String,
-        /// The error's name in OpenGL, or its number.
+        /// Name of the error in OpenGL, or its number.
         code: String,
     },
-    /// More than the driver can hold.
-    #[error("{what} of {size} is past this driver's limit of {limit}")]
+    /// A size exceeds the limit of the driver or of the palette layout.
+    #[error("{what} is {size}; it must be at most {limit}")]
     TooLarge {
-        /// What is too large.
+        /// The quantity that is too large.
         what: &'static str,
-        /// Its size.
+        /// Its value.
         size: u64,
-        /// The greatest size that can be had.
+        /// The largest value that is allowed.
         limit: u64,
     },
-    /// A picture without pixels.
-    #[error("a picture of {width} x {height} pixels has nothing to draw; both must be at least 1")]
+    /// The picture has no pixels.
+    #[error("a picture of {width} x {height} pixels is empty; both sides must be at least 1")]
     EmptyPicture {
-        /// Pixels across.
+        /// Width in pixels.
         width: u32,
-        /// Pixels down.
+        /// Height in pixels.
         height: u32,
     },
-    /// A camera that sees nothing.
+    /// The camera has no valid projection.
     #[error("the camera {what}")]
     BadCamera {
-        /// What is wrong, and the rule.
+        /// The fault and the rule it breaks.
         what: &'static str,
     },
-    /// A scene's setting that is no number.
-    #[error("the scene's {what} must be finite, and a direction must have a length")]
+    /// A setting of the scene is not finite, or a direction has no length.
+    #[error("the scene's {what} must be finite, and a direction must have a length above zero")]
     BadScene {
-        /// Which setting.
+        /// Name of the setting.
         what: &'static str,
     },
-    /// An instance of a character that this renderer does not hold.
-    #[error("instance {instance} names a character of another renderer; this one holds {count}")]
+    /// An instance uses a character that this renderer does not have.
+    #[error(
+        "instance {instance} has a character handle of another renderer; this one has {count} \
+         characters: use the handles that its add_character() returned"
+    )]
     UnknownCharacter {
         /// Index of the instance.
         instance: usize,
-        /// Characters held.
+        /// Number of characters of this renderer.
         count: usize,
     },
-    /// An instance whose palette was not uploaded.
+    /// The palette of an instance lies past the end of its page.
     #[error(
-        "instance {instance} needs {count} palette entries from {first} of page {page}, which \
-         holds {available}"
+        "instance {instance} needs {count} palette entries from entry {first} of page {page}, \
+         which holds {available}; upload or acquire the palettes before drawing"
     )]
     NoPalette {
         /// Index of the instance.
         instance: usize,
-        /// The page.
+        /// Number of the page.
         page: usize,
         /// First entry within the page.
         first: usize,
-        /// Entries that the character needs.
+        /// Number of entries that the character needs.
         count: usize,
-        /// Entries that were uploaded to the page.
+        /// Number of entries that the page holds.
         available: usize,
     },
-    /// A palette that is cut off in the middle of a matrix.
-    #[error("a page of {len} elements is not whole matrices; each palette entry is three elements")]
+    /// A page of palettes ends in the middle of a matrix.
+    #[error("a page of {len} elements ends inside a matrix; each palette entry has 3 elements")]
     PartialMatrix {
-        /// Elements given.
+        /// Number of elements of 16 bytes that were passed.
         len: usize,
     },
-    /// A device that failed, or refuses what it is lent.
+    /// The device failed, or rejected the buffers that it was given.
     #[error(transparent)]
     Device(#[from] populace_core::BackendError),
-    /// A driver whose buffers cannot be drawn from while they are mapped.
+    /// The driver cannot draw from mapped buffers.
     #[error("this driver offers neither OpenGL 4.4 nor GL_ARB_buffer_storage")]
     NoBufferStorage,
-    /// Palettes that reach OpenGL in no way at all.
+    /// No transport brings the palettes to OpenGL.
     #[error("palettes do not reach OpenGL: {reasons}")]
-    NoWay {
-        /// Why not, for each way.
+    NoTransport {
+        /// The reason for each transport.
         reasons: String,
     },
-    /// A picture that PNG cannot hold.
+    /// The picture cannot be encoded as PNG.
     #[error("the picture cannot be encoded as PNG: {cause}")]
     Encoding {
-        /// The encoder's own words.
+        /// Message of the encoder.
         cause: String,
     },
-    /// A picture that could not be written.
+    /// The picture cannot be written to disk.
     #[error("cannot write {}", path.display())]
     Output {
-        /// Where to.
+        /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// Error of the file system.
         source: std::io::Error,
     },
 }

@@ -1,10 +1,10 @@
-//! The structs that Rust and GLSL share, each declared once.
+//! Structs shared by Rust and GLSL, each declared once.
 //!
-//! [`glsl_block!`] emits a `#[repr(C)]` [`bytemuck::Pod`] type and the text of a `std140` uniform
-//! block; [`vertex_struct!`] emits such a type and the table of its vertex attributes, from which
-//! the `in` declarations of vertex shaders are written. Only types that both languages lay out
-//! alike have a name here: there is no three-component vector for blocks, which takes 16 bytes
-//! there.
+//! [`glsl_block!`] emits a `#[repr(C)]` [`bytemuck::Pod`] type and the GLSL text of a `std140`
+//! uniform block. [`vertex_struct!`] emits such a type and the table of its vertex attributes, from
+//! which [`glsl_inputs`] writes the `in` declarations of vertex shaders. Only types with the same
+//! layout in both languages have a name here. Blocks have no three-component vector, because
+//! `std140` aligns it to 16 bytes.
 
 use populace_core::layout::Float4;
 
@@ -19,25 +19,27 @@ impl From<glam::Mat4> for Mat4 {
     }
 }
 
-/// Vertex attributes need no padding, so a three-component vector is fine there.
+/// Two-component vertex attribute.
 pub(crate) type Float2 = [f32; 2];
+/// Three-component vertex attribute. Vertex attributes, unlike block fields, need no padding.
 pub(crate) type Float3 = [f32; 3];
+/// Four-component vertex attribute, aligned to 4 bytes.
 pub(crate) type Vector4 = [f32; 4];
-/// Four 16-bit indices.
+/// Four 16-bit indices as one vertex attribute.
 pub(crate) type Index4 = [u16; 4];
 
-/// A uniform block that Rust fills.
+/// A uniform block, filled from Rust.
 pub(crate) trait UniformBlock: bytemuck::Pod {
-    /// Which binding point it has; no other block has the same.
+    /// Binding point, unique to the block.
     const BINDING: u32;
-    /// The declaration in GLSL.
+    /// Declaration of the block in GLSL.
     const GLSL: &'static str;
-    /// Each field's name and offset in bytes.
+    /// Name and offset in bytes of each field.
     #[cfg(test)]
     const FIELDS: &'static [(&'static str, usize)];
 }
 
-/// How an attribute's components are stored.
+/// Storage type of an attribute's components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Component {
     F32,
@@ -76,7 +78,12 @@ macro_rules! block_type {
 }
 
 macro_rules! glsl_block {
-    ($(#[$doc:meta])* $name:ident, binding $binding:literal { $( $(#[$fd:meta])* $field:ident : $ty:ident ),* $(,)? }) => {
+    (
+        $(#[$doc:meta])*
+        $name:ident, binding $binding:literal {
+            $( $(#[$fd:meta])* $field:ident : $ty:ident ),* $(,)?
+        }
+    ) => {
         $(#[$doc])*
         #[repr(C, align(16))]
         #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -84,7 +91,8 @@ macro_rules! glsl_block {
         impl UniformBlock for $name {
             const BINDING: u32 = $binding;
             const GLSL: &'static str = concat!(
-                "layout(std140, binding = ", stringify!($binding), ") uniform ", stringify!($name), " {\n",
+                "layout(std140, binding = ", stringify!($binding), ") uniform ",
+                stringify!($name), " {\n",
                 $( "    ", block_type!($ty), " ", stringify!($field), ";\n", )* "};\n");
             #[cfg(test)]
             const FIELDS: &'static [(&'static str, usize)] =
@@ -130,31 +138,39 @@ macro_rules! vertex_struct {
 }
 
 glsl_block! {
-    /// What is the same for everything drawn in a pass.
+    /// Per-frame constants of all shaders. Colours are linear; unused w components are 1.
     Frame, binding 0 {
         clip_from_world: Mat4,
-        /// To directions as seen from the eye; only its sight lines are used.
+        /// Inverse of `clip_from_world`, used for view directions only.
         world_from_clip: Mat4,
         shadow_from_world: Mat4,
-        /// xyz in world space; w the far plane's distance.
+        /// xyz: camera position in world space, in metres. w: distance of the far plane in metres.
         eye: Float4,
-        /// xyz unit vector; w the world-space size of a shadow texel, 0 where there are no shadows.
+        /// xyz: unit vector to the sun. w: size of a shadow texel in metres, 0 without shadows.
         to_sun: Float4,
-        /// rgb; w where tone mapping begins to bend, 1 for nowhere.
+        /// rgb: colour of the sun. w: knee of the tone mapping curve, 1 to clip at white.
         sun_color: Float4,
+        /// rgb: ambient light on surfaces that face up.
         sky_light: Float4,
+        /// rgb: ambient light on surfaces that face down.
         ground_light: Float4,
+        /// rgb: colour of the sky overhead.
         zenith_color: Float4,
+        /// rgb: colour of the sky at the horizon, and of the haze.
         horizon_color: Float4,
+        /// rgb: colour of the paving.
         ground_color: Float4,
+        /// rgb: colour of the lines on the paving.
         line_color: Float4,
     }
 }
 
 glsl_block! {
-    /// A part's surface.
+    /// Material constants of one part.
     Surface, binding 1 {
+        /// Linear rgb and alpha.
         base_color: Float4,
+        /// Fragments of masked parts with a lower alpha are discarded.
         alpha_cutoff: f32,
         unused0: f32,
         unused1: f32,
@@ -163,17 +179,18 @@ glsl_block! {
 }
 
 vertex_struct! {
-    /// A vertex as its mesh has it.
+    /// A vertex in bind space, without its influences.
     Vertex {
         position: Float3,
         normal: Float3,
         uv: Float2,
+        /// Linear rgb and alpha, white for meshes without vertex colours.
         color: Vector4,
     }
 }
 
 vertex_struct! {
-    /// Palette entries, relative to the instance's first, and weights.
+    /// Four skinning influences: weights, and palette entries relative to the instance's first.
     Influences4 {
         weights0: Vector4,
         entries0: Index4,
@@ -181,7 +198,7 @@ vertex_struct! {
 }
 
 vertex_struct! {
-    /// The same, for meshes with up to eight influences.
+    /// Eight skinning influences, as in [`Influences4`].
     Influences8 {
         weights0: Vector4,
         weights1: Vector4,
@@ -191,19 +208,20 @@ vertex_struct! {
 }
 
 vertex_struct! {
-    /// One drawn character.
+    /// Per-instance vertex attributes.
     InstanceData {
-        /// `world_from_model`, three rows.
+        /// First of the three rows of `world_from_model`.
         world_row0: Vector4,
         world_row1: Vector4,
         world_row2: Vector4,
+        /// Linear rgb factor.
         tint: Float3,
-        /// Within the page that is bound.
+        /// First palette entry, relative to the bound page.
         palette_first: u32,
     }
 }
 
-/// Writes the `in` declarations of the attributes of several structs, one location after the other.
+/// Returns the `in` declarations of all attributes, at consecutive locations from 0.
 pub(crate) fn glsl_inputs(structs: &[&[Attribute]]) -> String {
     let attributes = structs.iter().copied().flatten().enumerate();
     attributes
@@ -218,7 +236,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_glsl_text_declares_what_rust_declares() {
+    fn glsl_declarations_match_rust_structs() {
         assert_eq!(
             Surface::GLSL,
             "layout(std140, binding = 1) uniform Surface {\n    vec4 base_color;\n    float \
@@ -231,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn attributes_cover_their_struct() {
+    fn attributes_cover_their_whole_struct() {
         let end = |a: &Attribute| {
             let width = if a.component == Component::U16 { 2 } else { 4 };
             a.offset_bytes + width * usize::from(a.component_count)

@@ -1,8 +1,8 @@
-//! Draws crowds with OpenGL: instanced meshes, skinned in the vertex shader straight from the
-//! matrix palettes that a device wrote, without a window.
+//! Windowless rendering of crowds with OpenGL. Meshes are instanced, and skinned in the vertex
+//! shader from the matrix palettes that a compute device wrote.
 //!
-//! Spaces and units are those of [`populace_core`]; pictures are sRGB with rows from the top;
-//! colours in [`Scene`] and [`Instance`] are linear.
+//! Spaces and units are those of [`populace_core`]. Pictures are sRGB, top row first. Colours in
+//! [`Scene`] and [`Instance`] are linear.
 //!
 //! ```no_run
 //! use populace_core::layout::Float4;
@@ -26,11 +26,11 @@
 //! # }
 //! ```
 //!
-//! A crowd's palettes need no copy: [`Renderer::take_palettes`] lends its device memory of OpenGL's
-//! where it can.
+//! The palettes of a crowd are not copied where the driver allows it:
+//! [`Renderer::acquire_palettes`] has the crowd's device write into OpenGL buffers.
 //!
-//! The main decision: nothing is computed per vertex on the host. A page of palettes is one storage
-//! buffer, and all members of one page that share a character are one draw for each of its parts.
+//! The host computes nothing per vertex. A page of palettes is one storage buffer. All instances of
+//! a character in one page are drawn with one call for each of its parts.
 
 mod batch;
 mod camera;
@@ -47,7 +47,7 @@ mod sun;
 
 pub use camera::Camera;
 pub use error::Error;
-pub use palettes::HandOver;
+pub use palettes::PaletteInterop;
 pub use picture::{encode_png, write_png};
 pub use renderer::Renderer;
 pub use scene::{Ambient, CharacterHandle, Ground, Highlights, Instance, Scene, Sky, Sun};

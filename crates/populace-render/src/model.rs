@@ -1,4 +1,4 @@
-//! A character on the device: its meshes, surfaces and textures.
+//! A character on the graphics device: its meshes, materials and textures.
 
 use std::rc::Rc;
 
@@ -6,12 +6,12 @@ use glam::Vec3;
 use populace_core::{Affine, AlphaMode, Character, Image, Influences, Material, Mesh, Part};
 
 use crate::Error;
-use crate::batch::{CharacterFacts, determinant};
+use crate::batch::{CharacterInfo, determinant};
 use crate::gl::{Buffer, BufferUse, Cull, Gl, Sampling, Texture};
 use crate::layout::{Influences4, Influences8, Surface, Vertex};
 use populace_core::layout::Float4;
 
-/// What alpha means, without its numbers.
+/// Alpha mode of a material, without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Alpha {
     Opaque,
@@ -19,13 +19,13 @@ pub(crate) enum Alpha {
     Blended,
 }
 
-/// The influences of a mesh, in one of two widths.
+/// Skinning influences of a mesh, four or eight per vertex.
 pub(crate) enum Skin {
     Four(Buffer<Influences4>),
     Eight(Buffer<Influences8>),
 }
 
-/// A part of a character.
+/// One part of a character: a mesh with one material.
 pub(crate) struct ModelPart {
     pub(crate) vertices: Buffer<Vertex>,
     pub(crate) skin: Skin,
@@ -34,12 +34,13 @@ pub(crate) struct ModelPart {
     pub(crate) texture: Rc<Texture>,
     pub(crate) alpha: Alpha,
     double_sided: bool,
-    /// Whether the rest pose mirrors it, as a node with a negative scale does.
+    /// True if the rest pose mirrors the mesh, as a node with a negative scale does.
     mirrored: bool,
 }
 
 impl ModelPart {
-    /// What to leave out for an instance that is mirrored or not.
+    /// Returns the culling mode of the part. `instance_mirrored` is true if the instance's
+    /// transform mirrors.
     pub(crate) fn cull(&self, instance_mirrored: bool) -> Cull {
         match (self.double_sided, self.mirrored != instance_mirrored) {
             (true, false) => Cull::Nothing,
@@ -50,16 +51,16 @@ impl ModelPart {
     }
 }
 
-/// A character.
+/// A character on the graphics device.
 pub(crate) struct Model {
     pub(crate) parts: Vec<ModelPart>,
-    pub(crate) facts: CharacterFacts,
-    /// Middle and radius of a ball around it at rest, in model space.
-    pub(crate) ball: (Vec3, f32),
+    pub(crate) info: CharacterInfo,
+    /// Centre and radius in metres of the rest pose's bounding sphere, in model space.
+    pub(crate) sphere: (Vec3, f32),
 }
 
 impl Model {
-    /// Uploads the parts that are not hidden.
+    /// Uploads all parts with triangles for which `hide` returns false.
     pub(crate) fn new(
         gl: &Rc<Gl>,
         character: &Character,
@@ -84,14 +85,14 @@ impl Model {
             )?);
         }
         let blended = parts.iter().any(|part| part.alpha == Alpha::Blended);
-        let ball = character.rest_bounds().map_or((Vec3::ZERO, 0.0), |bounds| {
+        let sphere = character.rest_bounds().map_or((Vec3::ZERO, 0.0), |bounds| {
             let (low, high) = (Vec3::from(bounds.low), Vec3::from(bounds.high));
             (0.5 * (low + high), 0.5 * low.distance(high))
         });
         Ok(Self {
             parts,
-            facts: CharacterFacts { entry_count: character.palette.len(), blended },
-            ball,
+            info: CharacterInfo { entry_count: character.palette.len(), blended },
+            sphere,
         })
     }
 }
@@ -107,7 +108,7 @@ fn upload_part(
     if mesh.indices.len() as u64 > u64::from(limit) {
         let size = mesh.indices.len() as u64;
         return Err(Error::TooLarge {
-            what: "a mesh's number of indices",
+            what: "the number of indices of a mesh",
             size,
             limit: u64::from(limit),
         });
@@ -140,9 +141,9 @@ fn upload_part(
 }
 
 fn upload_skin(gl: &Rc<Gl>, influences: &Influences) -> Result<Skin, Error> {
-    let what = "upload a mesh's influences";
+    let operation = "upload a mesh's influences";
     let (entries, _) = influences.entries.as_chunks::<4>();
-    let weights = normalised(influences);
+    let weights = normalized_weights(influences);
     let (weights, _) = weights.as_chunks::<4>();
     let fours = entries
         .iter()
@@ -150,7 +151,7 @@ fn upload_skin(gl: &Rc<Gl>, influences: &Influences) -> Result<Skin, Error> {
         .map(|(&entries0, &weights0)| Influences4 { weights0, entries0 });
     if influences.per_vertex == 4 {
         let data: Vec<_> = fours.collect();
-        return Ok(Skin::Four(Buffer::with(gl, BufferUse::Static, &data, what)?));
+        return Ok(Skin::Four(Buffer::with(gl, BufferUse::Static, &data, operation)?));
     }
     let data: Vec<_> = entries
         .chunks_exact(2)
@@ -162,12 +163,12 @@ fn upload_skin(gl: &Rc<Gl>, influences: &Influences) -> Result<Skin, Error> {
             entries1: entries[1],
         })
         .collect();
-    Ok(Skin::Eight(Buffer::with(gl, BufferUse::Static, &data, what)?))
+    Ok(Skin::Eight(Buffer::with(gl, BufferUse::Static, &data, operation)?))
 }
 
-/// The weights, those of each vertex divided by their sum: some files' do not sum to 1, and a
-/// vertex would be drawn towards the member's feet.
-fn normalised(influences: &Influences) -> Vec<f32> {
+/// Returns the weights, divided by their sum per vertex. In some files the sum is not 1, which
+/// would scale the vertex towards the model's origin.
+fn normalized_weights(influences: &Influences) -> Vec<f32> {
     let mut weights = influences.weights.clone();
     for vertex in weights.chunks_mut(influences.per_vertex) {
         let sum: f32 = vertex.iter().sum();
@@ -178,9 +179,10 @@ fn normalised(influences: &Influences) -> Vec<f32> {
     weights
 }
 
-/// The textures of one character, each uploaded once.
+/// Cache of one character's textures: each is uploaded once.
 struct Textures<'a> {
     gl: &'a Rc<Gl>,
+    /// Texture of materials without one.
     white: Rc<Texture>,
     uploaded: Vec<(populace_core::Texture, Rc<Texture>)>,
 }
@@ -206,7 +208,7 @@ impl<'a> Textures<'a> {
     }
 }
 
-/// Which palette entries mirror at rest.
+/// Returns for each palette entry if `model_from_bind` mirrors in the rest pose.
 fn mirrored_entries(character: &Character) -> Vec<bool> {
     let skeleton = &character.skeleton;
     let mut models: Vec<Affine> = Vec::with_capacity(skeleton.joint_count());
@@ -224,13 +226,13 @@ fn mirrored_entries(character: &Character) -> Vec<bool> {
         .collect()
 }
 
-/// Whether most of a mesh hangs on entries that mirror.
+/// Returns true if mirroring palette entries have most of the mesh's skinning weight.
 fn is_mirrored(mesh: &Mesh, mirrored_entries: &[bool]) -> bool {
     let influences = mesh.influences.entries.iter().zip(&mesh.influences.weights);
-    let balance: f32 = influences
+    let excess: f32 = influences
         .map(
             |(&entry, &weight)| if mirrored_entries[usize::from(entry)] { weight } else { -weight },
         )
         .sum();
-    balance > 0.0
+    excess > 0.0
 }

@@ -1,5 +1,4 @@
-//! The pages of palettes that are drawn from: uploaded, or taken from devices that write OpenGL's
-//! own memory.
+//! Pages of palettes to draw from: uploaded, or written by a device into OpenGL buffers.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -16,88 +15,90 @@ use crate::gl::{Buffer, BufferUse, Fence, Gl, Page};
 
 /// Elements of 16 bytes in each palette entry.
 const ENTRY_ELEMENTS: usize = 3;
-/// Pages that a 32-bit `palette_first` can name.
+/// Number of pages that a 32-bit `palette_first` can address.
 const PAGE_LIMIT: usize = (u32::MAX / PAGE_ENTRIES) as usize + 1;
-/// Palette entries that a lent page has room for at least.
-const LEAST_ENTRIES: usize = 1024;
+/// Smallest capacity of an interop page in palette entries.
+const MIN_PAGE_ENTRIES: usize = 1024;
 
-/// The way that palettes take to OpenGL, and why it is no better one.
+/// The transport that brings palettes to OpenGL, and why no better one is in use.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct HandOver {
-    /// The way.
-    pub way: PaletteTransport,
-    /// The better ways, each with the reason why not, best first.
+pub struct PaletteInterop {
+    /// The transport in use.
+    pub transport: PaletteTransport,
+    /// The better transports, best first, each with the reason why it is unavailable.
     pub refused: Vec<(PaletteTransport, String)>,
 }
 
-impl fmt::Display for HandOver {
+impl fmt::Display for PaletteInterop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.way)?;
-        for (place, (way, reason)) in self.refused.iter().enumerate() {
-            write!(f, "{}not {way}: {reason}", if place == 0 { " (" } else { "; " })?;
+        write!(f, "{}", self.transport)?;
+        for (index, (transport, reason)) in self.refused.iter().enumerate() {
+            write!(f, "{}not {transport}: {reason}", if index == 0 { " (" } else { "; " })?;
         }
         f.write_str(if self.refused.is_empty() { "" } else { ")" })
     }
 }
 
-/// All pages, and who was lent which.
+/// The pages to draw from, and the interop pages of all connected sources.
 #[derive(Default)]
 pub(crate) struct Palettes {
-    pages: Vec<Source>,
-    links: Vec<Link>,
-    /// The set that `pages` were taken from last.
-    taken: Option<Rc<Set>>,
+    pages: Vec<PageSource>,
+    connections: Vec<Connection>,
+    /// The set that `pages` refer to, if they were acquired without a copy.
+    acquired: Option<Rc<PageSet>>,
 }
 
-/// Where a page's palettes stand.
-enum Source {
-    Nowhere,
+/// Origin of one page.
+enum PageSource {
+    Missing,
     Uploaded(Buffer<Float4>),
-    Taken { set: Rc<Set>, page: usize, entries: usize },
+    Acquired { set: Rc<PageSet>, page: usize, entries: usize },
 }
 
-/// Pages that some crowd's device writes.
-struct Link {
+/// Interop pages that one source writes.
+struct Connection {
     mark: TargetMark,
-    /// Without pages where the palettes are copied.
-    sets: [Rc<Set>; PAGE_SETS],
+    /// Without pages if the palettes are copied.
+    sets: [Rc<PageSet>; PAGE_SETS],
 }
 
-/// Pages that are written and drawn from together.
+/// Interop pages that are written in one frame and drawn from together.
 #[derive(Default)]
-struct Set {
+struct PageSet {
     pages: Vec<Page>,
-    /// Set after the last draw from it.
-    drawn: RefCell<Option<Fence>>,
+    /// Fence after the last draw from the set, until it was waited for.
+    last_draw: RefCell<Option<Fence>>,
 }
 
 impl Palettes {
-    /// Palette entries of a page; 0 for one that is not there.
+    /// Returns the number of palette entries of a page, 0 for a missing page.
     pub(crate) fn entries(&self, page: usize) -> usize {
         match self.pages.get(page) {
-            Some(Source::Uploaded(buffer)) => buffer.len() / ENTRY_ELEMENTS,
-            Some(Source::Taken { entries, .. }) => *entries,
-            Some(Source::Nowhere) | None => 0,
+            Some(PageSource::Uploaded(buffer)) => buffer.len() / ENTRY_ELEMENTS,
+            Some(PageSource::Acquired { entries, .. }) => *entries,
+            Some(PageSource::Missing) | None => 0,
         }
     }
 
-    /// Binds a page as the storage block of a binding point.
+    /// Binds a page to a storage buffer binding point.
     pub(crate) fn bind(&self, page: usize, binding: u32) {
         match self.pages.get(page) {
-            Some(Source::Uploaded(buffer)) => buffer.bind_storage(binding),
-            Some(Source::Taken { set, page, .. }) => set.pages[*page].bind_storage(binding),
-            Some(Source::Nowhere) | None => {}
+            Some(PageSource::Uploaded(buffer)) => buffer.bind_storage(binding),
+            Some(PageSource::Acquired { set, page, .. }) => set.pages[*page].bind_storage(binding),
+            Some(PageSource::Missing) | None => {}
         }
     }
 
-    /// To be called after a draw.
-    pub(crate) fn drawn(&self, gl: &Rc<Gl>) -> Result<(), Error> {
-        if let Some(set) = &self.taken {
-            set.drawn.replace(Some(Fence::new(gl)?));
+    /// Places a fence after the draws so far. [`Self::acquire`] waits for it before the source
+    /// writes the same set again.
+    pub(crate) fn fence_draws(&self, gl: &Rc<Gl>) -> Result<(), Error> {
+        if let Some(set) = &self.acquired {
+            set.last_draw.replace(Some(Fence::new(gl)?));
         }
         Ok(())
     }
 
+    /// Replaces the contents of a page: three elements for each palette entry.
     pub(crate) fn upload(
         &mut self,
         gl: &Rc<Gl>,
@@ -106,105 +107,111 @@ impl Palettes {
     ) -> Result<(), Error> {
         if page >= PAGE_LIMIT {
             let (size, limit) = (page as u64, PAGE_LIMIT as u64 - 1);
-            return Err(Error::TooLarge { what: "a page number", size, limit });
+            return Err(Error::TooLarge { what: "the number of a page", size, limit });
         }
         let page_bytes = u64::from(PAGE_ENTRIES) * (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
         let (size, limit) =
             (size_of_val(palette) as u64, page_bytes.min(gl.limits().storage_bytes));
         if size > limit {
-            return Err(Error::TooLarge { what: "the size in bytes of a page", size, limit });
+            return Err(Error::TooLarge { what: "the size of a page in bytes", size, limit });
         }
         if !palette.len().is_multiple_of(ENTRY_ELEMENTS) {
             return Err(Error::PartialMatrix { len: palette.len() });
         }
         if self.pages.len() <= page {
-            self.pages.resize_with(page + 1, || Source::Nowhere);
+            self.pages.resize_with(page + 1, || PageSource::Missing);
         }
-        if !matches!(self.pages[page], Source::Uploaded(_)) {
-            self.pages[page] = Source::Uploaded(Buffer::new(gl, BufferUse::Stream)?);
+        if !matches!(self.pages[page], PageSource::Uploaded(_)) {
+            self.pages[page] = PageSource::Uploaded(Buffer::new(gl, BufferUse::Stream)?);
         }
         match &mut self.pages[page] {
-            Source::Uploaded(buffer) => buffer.fill(palette, "upload a page of palettes"),
-            Source::Nowhere | Source::Taken { .. } => Ok(()),
+            PageSource::Uploaded(buffer) => buffer.fill(palette, "upload a page of palettes"),
+            PageSource::Missing | PageSource::Acquired { .. } => Ok(()),
         }
     }
 
-    /// Lends pages in the best way that works.
-    pub(crate) fn link(
+    /// Connects `source` by the best transport that works.
+    pub(crate) fn connect(
         &mut self,
         gl: &Rc<Gl>,
         source: &mut dyn PaletteSource,
-    ) -> Result<HandOver, Error> {
+    ) -> Result<PaletteInterop, Error> {
         let mut refused = Vec::new();
-        for way in PaletteTransport::ALL {
-            let reason = match source.refuses(way, &*gl.context()) {
+        for transport in PaletteTransport::ALL {
+            let reason = match source.refuses(transport, &*gl.context()) {
                 Some(reason) => reason,
-                None => match self.link_by(gl, source, way) {
-                    Ok(()) => return Ok(HandOver { way, refused }),
-                    Err(error) if way == PaletteTransport::Copied => return Err(error),
+                None => match self.connect_by(gl, source, transport) {
+                    Ok(()) => return Ok(PaletteInterop { transport, refused }),
+                    Err(error) if transport == PaletteTransport::Copied => return Err(error),
                     Err(error) => error.to_string(),
                 },
             };
-            refused.push((way, reason));
+            refused.push((transport, reason));
         }
-        let reasons: Vec<_> =
-            refused.iter().map(|(way, reason)| format!("not {way}: {reason}")).collect();
-        Err(Error::NoWay { reasons: reasons.join("; ") })
+        let reasons: Vec<_> = refused
+            .iter()
+            .map(|(transport, reason)| format!("not {transport}: {reason}"))
+            .collect();
+        Err(Error::NoTransport { reasons: reasons.join("; ") })
     }
 
-    fn link_by(
+    /// Allocates the pages that `transport` needs and makes them the target of `source`.
+    fn connect_by(
         &mut self,
         gl: &Rc<Gl>,
         source: &mut dyn PaletteSource,
-        way: PaletteTransport,
+        transport: PaletteTransport,
     ) -> Result<(), Error> {
-        let mut needed = source.page_room();
-        needed.resize(needed.len().max(1), 0);
-        let (sets, target) = match way {
+        let mut page_entries = source.page_room();
+        page_entries.resize(page_entries.len().max(1), 0);
+        let (sets, target) = match transport {
             PaletteTransport::Copied => Default::default(),
             PaletteTransport::Mapped if !gl.limits().maps_buffers => {
                 return Err(Error::NoBufferStorage);
             }
-            PaletteTransport::Mapped => mapped(gl, &needed)?,
-            PaletteTransport::Shared => shared(gl, &needed)?,
+            PaletteTransport::Mapped => mapped_sets(gl, &page_entries)?,
+            PaletteTransport::Shared => shared_sets(gl, &page_entries)?,
         };
         let mark = TargetMark::default();
         source.set_target(target, &mark)?;
-        self.links.push(Link { mark, sets: sets.map(Rc::new) });
+        self.connections.push(Connection { mark, sets: sets.map(Rc::new) });
         Ok(())
     }
 
-    /// Takes a source's palettes for the draws to come; returns once the source can write the next
-    /// frame.
-    pub(crate) fn take(
+    /// Replaces all pages by the palettes of the source's last frame. Waits until the source has
+    /// written them and may write its next frame.
+    pub(crate) fn acquire(
         &mut self,
         gl: &Rc<Gl>,
         source: &mut dyn PaletteSource,
     ) -> Result<(), Error> {
-        self.links.retain(|link| link.mark.is_held_elsewhere());
-        let (link, set) = match self.handed_over(source)? {
+        self.connections.retain(|connection| connection.mark.is_held_elsewhere());
+        let (connection, set) = match self.written_set(source)? {
             Some(found) => found,
             None => {
-                self.link(gl, source)?;
-                self.handed_over(source)?
-                    .ok_or(Error::NoWay { reasons: "they are not handed over".into() })?
+                self.connect(gl, source)?;
+                self.written_set(source)?.ok_or_else(|| Error::NoTransport {
+                    reasons: "the source does not write to the target that it was given".into(),
+                })?
             }
         };
         let lengths = source.page_lengths();
         match set {
             Some(set) => {
-                let sets = &self.links[link].sets;
-                if let Some(fence) = sets[(set + 1) % PAGE_SETS].drawn.take() {
+                let sets = &self.connections[connection].sets;
+                if let Some(fence) = sets[(set + 1) % PAGE_SETS].last_draw.take() {
                     fence.wait()?;
                 }
                 let set = &sets[set];
-                let taken = |(page, entries)| Source::Taken { set: Rc::clone(set), page, entries };
+                let acquired =
+                    |(page, entries)| PageSource::Acquired { set: Rc::clone(set), page, entries };
                 self.pages.clear();
-                self.pages.extend(lengths.into_iter().enumerate().take(set.pages.len()).map(taken));
-                self.taken = Some(Rc::clone(set));
+                self.pages
+                    .extend(lengths.into_iter().enumerate().take(set.pages.len()).map(acquired));
+                self.acquired = Some(Rc::clone(set));
             }
             None => {
-                self.taken = None;
+                self.acquired = None;
                 self.pages.truncate(lengths.len());
                 for page in 0..lengths.len() {
                     let mut result = Ok(());
@@ -218,43 +225,48 @@ impl Palettes {
         Ok(())
     }
 
-    /// Which link the source's palettes came by, and the set they stand in; `None` if not by ours.
-    fn handed_over(
+    /// Waits for the source's last frame. Returns the connection that it was written through and
+    /// the set in it, which is `None` if the source keeps palettes in its own memory. Returns
+    /// `None` if the source has no target, or the target of another renderer.
+    fn written_set(
         &self,
         source: &mut dyn PaletteSource,
     ) -> Result<Option<(usize, Option<usize>)>, BackendError> {
-        let Some(handed) = source.hand_over()? else { return Ok(None) };
-        let link = self.links.iter().position(|link| link.mark == handed.mark);
-        Ok(link.map(|link| (link, handed.set)))
+        let Some(frame) = source.hand_over()? else { return Ok(None) };
+        let connection = self.connections.iter().position(|c| c.mark == frame.mark);
+        Ok(connection.map(|connection| (connection, frame.set)))
     }
 }
 
-/// Elements of a page that is to hold so many entries, with room to grow where the driver allows.
-fn elements(gl: &Gl, entries: usize) -> usize {
+/// Returns the capacity in elements of a page for `entries` palette entries: a quarter more, to
+/// leave room for growth, and at least [`MIN_PAGE_ENTRIES`], as far as the driver's limit allows.
+fn page_elements(gl: &Gl, entries: usize) -> usize {
     let limit = gl.limits().storage_bytes / (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
     let most = usize::try_from(limit).unwrap_or(usize::MAX).min(PAGE_ENTRIES as usize);
-    entries.max((entries + entries / 4).max(LEAST_ENTRIES).min(most)) * ENTRY_ELEMENTS
+    entries.max((entries + entries / 4).max(MIN_PAGE_ENTRIES).min(most)) * ENTRY_ELEMENTS
 }
 
-type Lent = ([Set; PAGE_SETS], PaletteTarget);
+/// The renderer's and the device's side of the same pages.
+type Sides = ([PageSet; PAGE_SETS], PaletteTarget);
 
-fn mapped(gl: &Rc<Gl>, needed: &[usize]) -> Result<Lent, Error> {
-    let lend = || lend(needed, |entries| Page::mapped(gl, elements(gl, entries)));
-    let ((a, lent_a), (b, lent_b)): ((_, Vec<Box<dyn MappedPage>>), _) = (lend()?, lend()?);
-    Ok(([a, b], PaletteTarget::Mapped([lent_a, lent_b])))
+fn mapped_sets(gl: &Rc<Gl>, page_entries: &[usize]) -> Result<Sides, Error> {
+    let set = || page_set(page_entries, |entries| Page::mapped(gl, page_elements(gl, entries)));
+    let ((a, pages_a), (b, pages_b)): ((_, Vec<Box<dyn MappedPage>>), _) = (set()?, set()?);
+    Ok(([a, b], PaletteTarget::Mapped([pages_a, pages_b])))
 }
 
-fn shared(gl: &Rc<Gl>, needed: &[usize]) -> Result<Lent, Error> {
-    let lend = || lend(needed, |entries| Page::shared(gl, elements(gl, entries)));
-    let ((a, lent_a), (b, lent_b)): ((_, Vec<Box<dyn SharedPage>>), _) = (lend()?, lend()?);
-    Ok(([a, b], PaletteTarget::Shared([lent_a, lent_b])))
+fn shared_sets(gl: &Rc<Gl>, page_entries: &[usize]) -> Result<Sides, Error> {
+    let set = || page_set(page_entries, |entries| Page::shared(gl, page_elements(gl, entries)));
+    let ((a, pages_a), (b, pages_b)): ((_, Vec<Box<dyn SharedPage>>), _) = (set()?, set()?);
+    Ok(([a, b], PaletteTarget::Shared([pages_a, pages_b])))
 }
 
-fn lend<L>(
-    needed: &[usize],
-    page: impl Fn(usize) -> Result<(Page, L), Error>,
-) -> Result<(Set, Vec<L>), Error> {
-    let pages = needed.iter().map(|entries| page(*entries));
-    let (pages, loans) = pages.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-    Ok((Set { pages, drawn: RefCell::default() }, loans))
+/// Allocates one set of pages with `page` and returns it with the device's side of each page.
+fn page_set<P>(
+    page_entries: &[usize],
+    page: impl Fn(usize) -> Result<(Page, P), Error>,
+) -> Result<(PageSet, Vec<P>), Error> {
+    let pages = page_entries.iter().map(|entries| page(*entries));
+    let (pages, device_pages) = pages.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+    Ok((PageSet { pages, last_draw: RefCell::default() }, device_pages))
 }

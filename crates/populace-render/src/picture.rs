@@ -1,4 +1,4 @@
-//! Pictures on disk.
+//! PNG encoding of pictures.
 
 use std::path::Path;
 
@@ -8,24 +8,24 @@ use populace_core::Image;
 
 use crate::Error;
 
-/// Writes a picture as PNG, without its alpha.
+/// Writes a picture to `path` as an RGB PNG file. The alpha channel is dropped.
 ///
 /// # Errors
 ///
-/// [`Error::EmptyPicture`] if there are no pixels, or their number is not that of its size;
-/// [`Error::Output`] with the path if the file cannot be written; those of [`encode_png`].
+/// [`Error::Output`] with the path if the file cannot be written, and all errors of
+/// [`encode_png`].
 pub fn write_png(path: impl AsRef<Path>, picture: &Image) -> Result<(), Error> {
     let path = path.as_ref();
     let output = |source| Error::Output { path: path.to_owned(), source };
     std::fs::write(path, encode_png(picture)?).map_err(output)
 }
 
-/// A picture as the bytes of a PNG file, without its alpha.
+/// Encodes a picture as the bytes of an RGB PNG file. The alpha channel is dropped.
 ///
 /// # Errors
 ///
-/// [`Error::EmptyPicture`] if there are no pixels, or their number is not that of its size;
-/// [`Error::Encoding`] if it has more than a PNG can hold.
+/// [`Error::EmptyPicture`] if there are no pixels, or if their number does not match the picture's
+/// size; [`Error::Encoding`] if the picture is too large for PNG.
 pub fn encode_png(picture: &Image) -> Result<Vec<u8>, Error> {
     let Image { width, height, ref rgba } = *picture;
     if rgba.is_empty() || rgba.len() as u64 != 4 * u64::from(width) * u64::from(height) {
@@ -49,13 +49,13 @@ mod tests {
     }
 
     #[test]
-    fn an_error_names_the_path() {
+    fn write_error_names_the_path() {
         let error = write_png("no-such-folder/picture.png", &gray()).unwrap_err();
         assert!(error.to_string().contains("no-such-folder/picture.png"), "{error}");
     }
 
     #[test]
-    fn missing_pixels_are_refused() {
+    fn picture_with_missing_pixels_is_rejected() {
         let error = write_png("never-written.png", &Image { width: 2, ..gray() }).unwrap_err();
         assert!(matches!(error, Error::EmptyPicture { width: 2, height: 1 }), "{error}");
     }

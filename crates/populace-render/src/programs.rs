@@ -1,4 +1,4 @@
-//! Shaders, put together from their pieces and compiled when first needed.
+//! Shader variants, assembled from their sources and compiled on first use.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -11,14 +11,14 @@ use crate::layout::{
 };
 use crate::model::Alpha;
 
-/// Which shader.
+/// A shader variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Kind {
-    /// A member in the picture.
+    /// Members in the picture.
     Member { eight_influences: bool, alpha: Alpha },
-    /// A member in the sun's depth map.
+    /// Members in the shadow map.
     Shadow { eight_influences: bool, alpha: Alpha },
-    /// The plane members stand on.
+    /// The ground plane.
     Ground,
     /// The background.
     Sky,
@@ -28,28 +28,29 @@ const VERSION: &str = "#version 430 core\n";
 const SKIN: &str = include_str!("shaders/skin.glsl");
 const LIGHT: &str = include_str!("shaders/light.glsl");
 
-/// The vertex and the fragment shader's text.
+/// Returns the GLSL texts of the vertex and the fragment shader.
 fn sources(kind: Kind) -> [String; 2] {
     match kind {
         Kind::Member { eight_influences, alpha } => [
             skinned(eight_influences, include_str!("shaders/member.vert")),
-            surfaced(alpha, &[LIGHT, include_str!("shaders/member.frag")]),
+            with_blocks(alpha, &[LIGHT, include_str!("shaders/member.frag")]),
         ],
         Kind::Shadow { eight_influences, alpha } => [
             skinned(eight_influences, include_str!("shaders/shadow.vert")),
-            surfaced(alpha, &[include_str!("shaders/shadow.frag")]),
+            with_blocks(alpha, &[include_str!("shaders/shadow.frag")]),
         ],
         Kind::Ground => [
-            surfaced(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),
-            surfaced(Alpha::Opaque, &[LIGHT, include_str!("shaders/ground.frag")]),
+            with_blocks(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),
+            with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/ground.frag")]),
         ],
         Kind::Sky => [
-            surfaced(Alpha::Opaque, &[include_str!("shaders/sky.vert")]),
-            surfaced(Alpha::Opaque, &[LIGHT, include_str!("shaders/sky.frag")]),
+            with_blocks(Alpha::Opaque, &[include_str!("shaders/sky.vert")]),
+            with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/sky.frag")]),
         ],
     }
 }
 
+/// Returns the text of a vertex shader that skins, with its inputs and uniform blocks.
 fn skinned(eight_influences: bool, body: &str) -> String {
     let (define, influences) = if eight_influences {
         ("#define EIGHT_INFLUENCES\n", Influences8::ATTRIBUTES)
@@ -60,7 +61,8 @@ fn skinned(eight_influences: bool, body: &str) -> String {
     [VERSION, define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, body].concat()
 }
 
-fn surfaced(alpha: Alpha, bodies: &[&str]) -> String {
+/// Returns the text of a shader with the uniform blocks and the define of its alpha mode.
+fn with_blocks(alpha: Alpha, bodies: &[&str]) -> String {
     let define = match alpha {
         Alpha::Opaque => "",
         Alpha::Masked => "#define MASKED\n",
@@ -69,7 +71,7 @@ fn surfaced(alpha: Alpha, bodies: &[&str]) -> String {
     [VERSION, define, Frame::GLSL, Surface::GLSL, &bodies.concat()].concat()
 }
 
-/// All programs that were needed so far.
+/// Cache of compiled programs.
 pub(crate) struct Programs {
     gl: Rc<Gl>,
     compiled: HashMap<Kind, Program>,
@@ -80,7 +82,7 @@ impl Programs {
         Self { gl: Rc::clone(gl), compiled: HashMap::new() }
     }
 
-    /// The program of a kind.
+    /// Returns the program of a variant, compiling it on first use.
     pub(crate) fn get(&mut self, kind: Kind) -> Result<&Program, Error> {
         use std::collections::hash_map::Entry;
         match self.compiled.entry(kind) {
@@ -100,7 +102,7 @@ mod tests {
 
     #[test]
     #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-    fn the_driver_lays_uniform_blocks_out_as_rust_does() {
+    fn driver_block_layout_matches_rust_structs() {
         let gl = Gl::headless().unwrap();
         let mut programs = Programs::new(&gl);
         let kind = Kind::Member { eight_influences: false, alpha: Alpha::Masked };

@@ -1,4 +1,4 @@
-//! Draws a crowd: the sun's depth map, then members, ground and sky.
+//! The renderer: shadow map, members, ground and sky of one frame.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -7,26 +7,26 @@ use glam::{Mat4, Vec3};
 use populace_core::layout::Float4;
 use populace_core::{Character, GlContext, Image, PaletteSource, Part};
 
-use crate::batch::{Batches, CharacterFacts, Run};
+use crate::batch::{Batches, CharacterInfo, Run};
 use crate::gl::{
     Buffer, BufferUse, Cull, DrawRange, DrawState, Gl, PictureTarget, ShadowTarget, VertexArray,
 };
 use crate::layout::{Frame, Influences4, Influences8, InstanceData};
 use crate::model::{Alpha, Model, ModelPart, Skin};
-use crate::palettes::{HandOver, Palettes};
+use crate::palettes::{PaletteInterop, Palettes};
 use crate::programs::{Kind, Programs};
-use crate::sun::{Ball, SunView};
+use crate::sun::{Sphere, SunView};
 use crate::{CharacterHandle, Error, Ground, Instance, Scene};
 
-/// Texels along each side of the sun's depth map, at least and at most.
+/// Smallest and largest side of the shadow map in texels.
 const SHADOW_SIZES: [u32; 2] = [1024, 4096];
 const PALETTE_BINDING: u32 = 0;
 const TEXTURE_UNIT: u32 = 0;
 const SHADOW_UNIT: u32 = 1;
 
-/// Draws crowds into a picture in memory.
+/// An OpenGL renderer that draws crowds into a picture in memory.
 ///
-/// A renderer belongs to the thread that made it. Several can be used in turn on one thread.
+/// A renderer is bound to the thread that created it. One thread can use several renderers in turn.
 pub struct Renderer {
     size: [u32; 2],
     picture: PictureTarget,
@@ -42,7 +42,7 @@ pub struct Renderer {
     gl: Rc<Gl>,
 }
 
-/// Where members are drawn into.
+/// A pass over the members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pass {
     Shadow,
@@ -51,12 +51,13 @@ enum Pass {
 }
 
 impl Renderer {
-    /// Opens OpenGL without a window, for pictures of `size` pixels, width before height.
+    /// Creates a renderer without a window, for pictures of `size` pixels (width, height).
     ///
     /// # Errors
     ///
-    /// [`Error::NoGl`] says what was tried and what to install; [`Error::EmptyPicture`] and
-    /// [`Error::TooLarge`] name a size that cannot be had.
+    /// [`Error::NoGl`] with the attempts and the remedy if the machine has no usable OpenGL;
+    /// [`Error::EmptyPicture`] or [`Error::TooLarge`] for a size out of range; other errors if the
+    /// driver fails.
     pub fn headless(size: [u32; 2]) -> Result<Self, Error> {
         let gl = Gl::headless()?;
         Ok(Self {
@@ -75,23 +76,24 @@ impl Renderer {
         })
     }
 
-    /// The driver's name and version, for people.
+    /// Returns the driver's name and version, for display.
     #[must_use]
     pub fn driver(&self) -> &str {
         self.gl.driver()
     }
 
-    /// Width and height of the picture in pixels.
+    /// Returns the width and height of the picture in pixels.
     #[must_use]
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Uploads a character's meshes and textures, but for the parts for which `hide` is true.
+    /// Uploads a character's meshes and textures, without the parts for which `hide` returns true.
     ///
     /// # Errors
     ///
-    /// A texture or mesh past the driver's limits, or no room for it.
+    /// [`Error::TooLarge`] for a texture or mesh above the driver's limits;
+    /// [`Error::OutOfMemory`] or [`Error::GlError`] if the driver fails.
     pub fn add_character(
         &mut self,
         character: &Character,
@@ -102,72 +104,82 @@ impl Renderer {
         Ok(CharacterHandle(self.models.len() - 1))
     }
 
-    /// The context of OpenGL's, for a device that is to write its memory: see
+    /// Returns the OpenGL context. A device created for it can write OpenGL buffers: see
     /// [`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared).
     #[must_use]
     pub fn gl_context(&self) -> Arc<dyn GlContext> {
         self.gl.context()
     }
 
-    /// Lends a crowd memory of OpenGL's for its palettes, in the best way that works, and says
-    /// which and why not a better one. [`take_palettes`](Self::take_palettes) does this by itself
-    /// where it was not done before; a crowd that is lent memory before its first frame saves one
-    /// copy.
+    /// Connects a crowd to this renderer by the best transport that works: the crowd's device
+    /// writes its palettes into OpenGL buffers, or they are copied each frame. Returns the
+    /// transport, and the reasons against better ones.
     ///
-    /// The crowd can outlive the renderer, and the other way round. A crowd writes for one renderer
-    /// at a time: the one that lent last.
+    /// [`acquire_palettes`](Self::acquire_palettes) connects a crowd that is not connected. Calling
+    /// this function before the crowd's first frame saves one copy.
+    ///
+    /// Crowd and renderer can be dropped in any order. A crowd is connected to one renderer at a
+    /// time, the last one that called this function.
     ///
     /// # Errors
     ///
-    /// A failing device or driver. That a way is not to be had is no error while there is another.
-    pub fn link_palettes(&mut self, source: &mut dyn PaletteSource) -> Result<HandOver, Error> {
+    /// [`Error::NoTransport`] if no transport works, and errors of the device or driver in the last
+    /// resort, the copy. The failure of a better transport is not an error.
+    pub fn connect_palettes(
+        &mut self,
+        source: &mut dyn PaletteSource,
+    ) -> Result<PaletteInterop, Error> {
         self.gl.make_current()?;
-        self.palettes.link(&self.gl, source)
+        self.palettes.connect(&self.gl, source)
     }
 
-    /// Takes the palettes of a crowd's last frame for the draws to come, in place of all others.
-    /// Waits until the device has written them, and until the draws before the last call are done,
-    /// since the crowd's next frame goes where those read. Without memory of OpenGL's, palettes are
-    /// copied.
+    /// Acquires the palettes of a crowd's last frame for the following draws. They replace all
+    /// other pages.
+    ///
+    /// Waits until the device has written the palettes. Also waits for the draws from the previous
+    /// frame's palettes, since the crowd writes its next frame into the same buffers. Copies the
+    /// palettes if the crowd's device cannot write OpenGL buffers.
     ///
     /// # Errors
     ///
-    /// A failing device or driver, or pages past the driver's limits.
-    pub fn take_palettes(&mut self, source: &mut dyn PaletteSource) -> Result<(), Error> {
+    /// [`Error::TooLarge`] for pages above the driver's limits, and errors of the device or driver.
+    pub fn acquire_palettes(&mut self, source: &mut dyn PaletteSource) -> Result<(), Error> {
         self.gl.make_current()?;
-        self.palettes.take(&self.gl, source)
+        self.palettes.acquire(&self.gl, source)
     }
 
-    /// Replaces a page of palettes: three elements for each palette entry, from the page's first,
-    /// as [`PaletteSource::with_page`] hands them out.
+    /// Replaces the contents of a page of palettes. `palette` has three elements for each palette
+    /// entry, starting at the first entry of the page, as in [`PaletteSource::with_page`].
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past the limits of [`layout`](populace_core::layout) or of the driver,
-    /// [`Error::PartialMatrix`] where the last entry is cut off, or no room for it.
+    /// [`Error::TooLarge`] above the limits of [`layout`](populace_core::layout) or of the driver,
+    /// [`Error::PartialMatrix`] if the last entry is incomplete, [`Error::OutOfMemory`] or
+    /// [`Error::GlError`] if the driver fails.
     pub fn upload_page(&mut self, page: usize, palette: &[Float4]) -> Result<(), Error> {
         self.gl.make_current()?;
         self.palettes.upload(&self.gl, page, palette)
     }
 
-    /// Draws the scene with these members into the picture.
+    /// Draws the scene with `instances` into the picture. Does not wait for the result.
     ///
-    /// Members whose transform or tint is not finite are left out.
+    /// Instances with a non-finite transform or tint are skipped.
     ///
     /// # Errors
     ///
-    /// A camera or scene that is no such thing, an instance of an unknown character or of a palette
-    /// that was not uploaded, a shader that the driver refuses, or a failing driver.
+    /// [`Error::BadCamera`] or [`Error::BadScene`] for invalid settings,
+    /// [`Error::UnknownCharacter`] or [`Error::NoPalette`] for an invalid instance,
+    /// [`Error::Shader`] if the driver rejects a shader, and other errors if the driver fails.
     pub fn draw(&mut self, scene: &Scene, instances: &[Instance]) -> Result<(), Error> {
         scene.check()?;
         #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
         let aspect = self.size[0] as f32 / self.size[1] as f32;
         let clip_from_world = scene.camera.clip_from_world(aspect)?;
-        let facts: Vec<CharacterFacts> = self.models.iter().map(|model| model.facts).collect();
+        let infos: Vec<CharacterInfo> = self.models.iter().map(|model| model.info).collect();
         let page_len = |page: usize| self.palettes.entries(page);
-        let batches = Batches::new(instances, &facts, &page_len, Vec3::from(scene.camera.eye))?;
+        let batches = Batches::new(instances, &infos, &page_len, Vec3::from(scene.camera.eye))?;
         self.gl.make_current()?;
-        self.instances.fill(&batches.instances, "upload the crowd's places")?;
+        self.instances.fill(&batches.instances, "upload the instances")?;
         let sun = self.sun_view(scene, instances, clip_from_world)?;
         self.frame.fill(&[frame(scene, clip_from_world, sun)], "upload the scene")?;
         self.frame.bind_uniform();
@@ -182,21 +194,22 @@ impl Renderer {
         self.draw_runs(&batches.opaque, Pass::Opaque)?;
         self.draw_surroundings(scene.ground)?;
         self.draw_runs(&batches.blended, Pass::Blended)?;
-        self.palettes.drawn(&self.gl)?;
+        self.palettes.fence_draws(&self.gl)?;
         self.gl.check("draw the crowd")
     }
 
-    /// Reads the picture that was drawn last, sRGB, rows from the top; waits until it is done.
+    /// Reads back the last picture: sRGB, top row first. Waits until it is drawn.
     ///
     /// # Errors
     ///
-    /// A failing driver.
+    /// Errors of the driver.
     pub fn read_image(&mut self) -> Result<Image, Error> {
         self.gl.make_current()?;
         self.picture.read()
     }
 
-    /// Makes the depth map if shadows are wanted, and finds what it covers.
+    /// Creates the shadow map on first use and returns its projection. Returns `None` if the sun
+    /// casts no shadows, or none that could reach the picture.
     fn sun_view(
         &mut self,
         scene: &Scene,
@@ -210,10 +223,11 @@ impl Renderer {
             Some(shadow) => shadow,
             empty => empty.insert(ShadowTarget::new(&self.gl, shadow_size(self.size))?),
         };
-        let balls: Vec<Ball> = instances.iter().filter_map(|i| ball(&self.models, i)).collect();
+        let spheres: Vec<Sphere> =
+            instances.iter().filter_map(|i| bounding_sphere(&self.models, i)).collect();
         let to_sun = Vec3::from(scene.sun.to_sun).normalize();
         let eye = Vec3::from(scene.camera.eye);
-        Ok(SunView::over(&balls, eye, clip_from_world, to_sun, shadow.size()))
+        Ok(SunView::over(&spheres, eye, clip_from_world, to_sun, shadow.size()))
     }
 
     fn draw_runs(&mut self, runs: &[Run], pass: Pass) -> Result<(), Error> {
@@ -246,8 +260,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// The ground goes behind members by a hair, so that soles at y = 0 show; both come after them,
-    /// which saves shading what they hide.
+    /// Draws ground and sky, after the opaque members, so that hidden fragments are not shaded. A
+    /// depth offset moves the ground slightly back, so that soles at y = 0 stay visible.
     fn draw_surroundings(&mut self, ground: Option<Ground>) -> Result<(), Error> {
         let surroundings = DrawState { cull: Cull::Nothing, ..DrawState::OPAQUE };
         if ground.is_some() {
@@ -260,7 +274,8 @@ impl Renderer {
     }
 }
 
-/// As fine as the picture, and half as fine again since the map's texels lie askew to its pixels.
+/// Returns the side of the shadow map in texels: 1.5 times the larger side of the picture, since
+/// texels and pixels are not aligned, rounded up to a power of two.
 fn shadow_size([width, height]: [u32; 2]) -> u32 {
     let [low, high] = SHADOW_SIZES;
     (width.max(height).min(high) * 3 / 2).next_power_of_two().clamp(low, high)
@@ -292,14 +307,14 @@ fn state(pass: Pass, cull: Cull) -> DrawState {
     }
 }
 
-/// The ball around an instance; `None` where its transform is not finite.
-fn ball(models: &[Model], instance: &Instance) -> Option<Ball> {
-    let (middle, radius) = models.get(instance.character.0)?.ball;
+/// Returns the bounding sphere of an instance in world space, or `None` if it is not finite.
+fn bounding_sphere(models: &[Model], instance: &Instance) -> Option<Sphere> {
+    let (center, radius) = models.get(instance.character.0)?.sphere;
     let world = &instance.world_from_model;
     let column = |c: usize| Vec3::from(world.rows.map(|row| row[c])).length();
     let radius = radius * column(0).max(column(1)).max(column(2));
-    let middle = Vec3::from(world.transform_point(middle.to_array())) + Vec3::from(instance.moved);
-    (middle.is_finite() && radius.is_finite()).then_some(Ball { middle, radius })
+    let center = Vec3::from(world.transform_point(center.to_array())) + Vec3::from(instance.moved);
+    (center.is_finite() && radius.is_finite()).then_some(Sphere { center, radius })
 }
 
 fn frame(scene: &Scene, clip_from_world: Mat4, sun: Option<SunView>) -> Frame {

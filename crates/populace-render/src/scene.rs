@@ -1,50 +1,51 @@
-//! What is drawn, besides the characters themselves.
+//! Instances, lights and surroundings of a picture.
 
 use populace_core::Affine;
 
 use crate::{Camera, Error};
 
-/// A character held by one [`Renderer`](crate::Renderer).
+/// Handle of a character that was uploaded to one [`Renderer`](crate::Renderer).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CharacterHandle(pub(crate) usize);
 
-/// One drawn character.
+/// One instance of a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instance {
-    /// What to draw.
+    /// Character to draw.
     pub character: CharacterHandle,
-    /// Where.
+    /// Transform of the instance.
     pub world_from_model: Affine,
-    /// How far from there its palette has it, in metres of the world: shadows reach as far.
+    /// Root-motion offset that the palette contains, in metres in world space. It moves the
+    /// bounding sphere from which the extent of the shadow map is computed.
     pub moved: [f32; 3],
-    /// Its first palette entry: page times [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES)
-    /// plus the place within the page, as in [`Member`](populace_core::layout::Member).
+    /// First palette entry: page times [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES) plus
+    /// the index within the page, as in [`Member`](populace_core::layout::Member).
     pub palette_first: u32,
-    /// Linear colour that multiplies its surfaces.
+    /// Linear colour by which all materials are multiplied.
     pub tint: [f32; 3],
 }
 
-/// The light of the sun, from one direction everywhere.
+/// Directional light of the sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {
-    /// From anywhere to the sun; any length but zero.
+    /// Direction to the sun in world space, of any length but zero.
     pub to_sun: [f32; 3],
-    /// Linear; what a white surface that faces the sun sends back.
+    /// Linear colour of a white surface that faces the sun, without other light.
     pub color: [f32; 3],
-    /// Whether members stand in its way.
+    /// True if members cast shadows.
     pub casts_shadows: bool,
 }
 
-/// Light without direction, so that what the sun does not reach is not black.
+/// Ambient light, interpolated by the height component of the surface normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
-    /// Linear, on what faces up.
+    /// Linear colour on surfaces that face up.
     pub sky: [f32; 3],
-    /// Linear, on what faces down.
+    /// Linear colour on surfaces that face down.
     pub ground: [f32; 3],
 }
 
-/// The plane y = 0, paved: lines every metre, wider ones every five.
+/// The plane y = 0, paved: a line every metre, a wider one every five metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// Linear colour of the paving.
@@ -53,28 +54,27 @@ pub struct Ground {
     pub line_color: [f32; 3],
 }
 
-/// What is behind everything.
+/// Background of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     /// Linear colour overhead.
     pub zenith: [f32; 3],
-    /// Linear colour at the horizon, into which the distance fades.
+    /// Linear colour at the horizon, and of the haze in the distance.
     pub horizon: [f32; 3],
 }
 
-/// What becomes of light that is brighter than a picture can show.
+/// Treatment of colours brighter than white.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Highlights {
-    /// Tone mapping: linear up to three quarters of white, then a shoulder that nears white without
-    /// reaching it.
+    /// Tone mapping that is linear up to 75 % of white and approaches white above.
     #[default]
     Shoulder,
-    /// Cut off at white, linear below: for pictures that are measured.
+    /// Linear up to white, then clipped. For pictures whose colours are measured.
     Clipped,
 }
 
 impl Highlights {
-    /// Where the curve begins to bend.
+    /// Returns the value from which the tone mapping curve is no longer linear.
     pub(crate) const fn knee(self) -> f32 {
         match self {
             Self::Shoulder => 0.75,
@@ -83,25 +83,25 @@ impl Highlights {
     }
 }
 
-/// Camera, light and surroundings.
+/// Camera, lights and surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
-    /// From where.
+    /// The camera.
     pub camera: Camera,
-    /// The sun.
+    /// Directional light.
     pub sun: Sun,
-    /// The light of everything else.
+    /// Ambient light.
     pub ambient: Ambient,
-    /// What members stand on; `None` draws only sky.
+    /// The ground plane, or `None` to draw only the sky.
     pub ground: Option<Ground>,
-    /// The background.
+    /// Background and haze.
     pub sky: Sky,
     /// Tone mapping.
     pub highlights: Highlights,
 }
 
 impl Default for Scene {
-    /// A clear afternoon on paved ground.
+    /// Returns a clear afternoon on paved ground.
     fn default() -> Self {
         Self {
             camera: Camera::default(),
@@ -115,7 +115,7 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Refuses what would turn the whole picture into nothing.
+    /// Rejects non-finite colours, and a direction to the sun that cannot be normalised.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let ground = self.ground.unwrap_or(Ground { color: [0.0; 3], line_color: [0.0; 3] });
         let finite = [

@@ -1,85 +1,85 @@
-//! What the sun's depth map covers.
+//! Projection of the shadow map.
 
 use glam::{Mat3, Mat4, Vec3};
 
-/// A ball around a member, in world space.
+/// Bounding sphere of an instance at rest, in world space, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ball {
-    pub(crate) middle: Vec3,
+pub(crate) struct Sphere {
+    pub(crate) center: Vec3,
     pub(crate) radius: f32,
 }
 
-/// The depth map's projection, and the size of its texels on the ground.
+/// Projection of the shadow map, and the size of its texels in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SunView {
     pub(crate) shadow_from_world: Mat4,
     pub(crate) texel_m: f32,
 }
 
-/// Members reach out of the ball they fill at rest.
+/// Growth of the bounding sphere that covers a moving member, relative to its rest pose.
 const MOTION: f32 = 1.3;
-/// A member may stand out of the picture by this many radii and still throw its shadow into it.
+/// Distance outside of the picture, in radii, up to which a member can cast a shadow into it.
 const SHADOW_REACH: f32 = 4.0;
-/// Shadows end this many times as far away as the nearest member, where one is too small to be
-/// missed.
+/// Distance at which shadows end, relative to that of the nearest member. Farther shadows are too
+/// small to be missed.
 const DISTANCE_RATIO: f32 = 8.0;
-/// And never nearer than this many radii.
+/// Lower bound of the distance at which shadows end, in radii of the largest member.
 const DISTANCE_RADII: f32 = 60.0;
 
 impl SunView {
-    /// Covers the members in or near the picture that `clip_from_world` shows; `None` where there
-    /// are none.
+    /// Returns the projection that covers the members in or near the picture, or `None` if there
+    /// are none. `to_sun` is a unit vector, `map_size` the side of the map in texels.
     ///
-    /// The size is rounded up and the place to whole texels, so that edges do not crawl while a
-    /// crowd moves.
+    /// The covered size is rounded up to steps, and the centre to whole texels, so that shadow
+    /// edges do not crawl while the crowd moves.
     pub(crate) fn over(
-        balls: &[Ball],
+        spheres: &[Sphere],
         eye: Vec3,
         clip_from_world: Mat4,
         to_sun: Vec3,
         map_size: u16,
     ) -> Option<Self> {
         let planes = side_planes(clip_from_world);
-        let near_picture = |ball: &&Ball| {
+        let near_picture = |sphere: &&Sphere| {
             planes.iter().all(|&(normal, offset)| {
-                normal.dot(ball.middle) + offset > -(1.0 + SHADOW_REACH) * ball.radius
+                normal.dot(sphere.center) + offset > -(1.0 + SHADOW_REACH) * sphere.radius
             })
         };
-        let shown: Vec<&Ball> = balls.iter().filter(near_picture).collect();
-        let distance = |ball: &Ball| (ball.middle.distance(eye) - ball.radius).max(0.0);
-        let nearest = shown.iter().map(|ball| distance(ball)).fold(f32::INFINITY, f32::min);
-        let largest = shown.iter().map(|ball| ball.radius).fold(0.0, f32::max);
+        let shown: Vec<&Sphere> = spheres.iter().filter(near_picture).collect();
+        let distance = |sphere: &Sphere| (sphere.center.distance(eye) - sphere.radius).max(0.0);
+        let nearest = shown.iter().map(|sphere| distance(sphere)).fold(f32::INFINITY, f32::min);
+        let largest = shown.iter().map(|sphere| sphere.radius).fold(0.0, f32::max);
         let limit = (DISTANCE_RATIO * nearest).max(DISTANCE_RADII * largest);
         let side = if to_sun.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
         let right = side.cross(to_sun).normalize();
         let sun_from_world = Mat3::from_cols(right, to_sun.cross(right), to_sun).transpose();
         let (low, high) = shown
             .into_iter()
-            .filter(|ball| distance(ball) <= limit)
-            .map(|ball| (sun_from_world * ball.middle, Vec3::splat(MOTION * ball.radius)))
-            .map(|(middle, half)| (middle - half, middle + half))
+            .filter(|sphere| distance(sphere) <= limit)
+            .map(|sphere| (sun_from_world * sphere.center, Vec3::splat(MOTION * sphere.radius)))
+            .map(|(center, half)| (center - half, center + half))
             .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
         let half = (0.5 * (high - low)).max(Vec3::splat(1e-3));
-        // Steps of a quarter of a power of two.
+        // Steps by a factor of 2^(1/4).
         let stepped = |x: f32| ((4.0 * x.log2()).ceil() / 4.0).exp2();
         let half = Vec3::new(stepped(half.x), stepped(half.y), half.z);
         let texel = 2.0 * half / f32::from(map_size);
-        let middle = 0.5 * (low + high);
-        let middle = Vec3::new(
-            (middle.x / texel.x).round() * texel.x,
-            (middle.y / texel.y).round() * texel.y,
-            middle.z,
+        let center = 0.5 * (low + high);
+        let center = Vec3::new(
+            (center.x / texel.x).round() * texel.x,
+            (center.y / texel.y).round() * texel.y,
+            center.z,
         );
         // Depth grows away from the sun.
         let scale = Mat4::from_scale(Vec3::new(1.0 / half.x, 1.0 / half.y, -1.0 / half.z));
         let shadow_from_world =
-            scale * Mat4::from_translation(-middle) * Mat4::from_mat3(sun_from_world);
+            scale * Mat4::from_translation(-center) * Mat4::from_mat3(sun_from_world);
         Some(Self { shadow_from_world, texel_m: texel.x.max(texel.y) })
             .filter(|view| view.shadow_from_world.is_finite())
     }
 }
 
-/// The planes of the picture's four edges, as inward unit normal and offset.
+/// Returns the planes of the picture's four edges, as inward unit normal and offset.
 fn side_planes(clip_from_world: Mat4) -> [(Vec3, f32); 4] {
     let w = clip_from_world.row(3);
     [0, 1]
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use crate::Camera;
 
-    fn view(balls: &[Ball]) -> Option<SunView> {
+    fn view(spheres: &[Sphere]) -> Option<SunView> {
         let camera = Camera {
             eye: [0.0, 2.0, 10.0],
             target: [0.0, 1.0, 0.0],
@@ -110,36 +110,36 @@ mod tests {
             far: 1000.0,
         };
         let clip = camera.clip_from_world(1.0).unwrap();
-        SunView::over(balls, Vec3::from(camera.eye), clip, Vec3::new(0.6, 0.8, 0.0), 1000)
+        SunView::over(spheres, Vec3::from(camera.eye), clip, Vec3::new(0.6, 0.8, 0.0), 1000)
     }
 
-    fn ball(x: f32, z: f32) -> Ball {
-        Ball { middle: Vec3::new(x, 1.0, z), radius: 1.0 }
+    fn sphere(x: f32, z: f32) -> Sphere {
+        Sphere { center: Vec3::new(x, 1.0, z), radius: 1.0 }
     }
 
     #[test]
-    fn what_is_shown_lies_in_the_map() {
-        let seen = view(&[ball(0.0, 0.0), ball(2.0, -3.0)]).unwrap();
-        for middle in
+    fn visible_members_lie_in_the_map() {
+        let seen = view(&[sphere(0.0, 0.0), sphere(2.0, -3.0)]).unwrap();
+        for point in
             [Vec3::new(0.0, 1.0, 0.0), Vec3::new(2.0, 2.0, -3.0), Vec3::new(2.0, 1.0, -4.0)]
         {
-            let at = seen.shadow_from_world.project_point3(middle);
-            assert!(at.abs().max_element() <= 1.0, "{middle} is at {at}");
+            let mapped = seen.shadow_from_world.project_point3(point);
+            assert!(mapped.abs().max_element() <= 1.0, "{point} is mapped to {mapped}");
         }
         let towards_sun = seen.shadow_from_world.transform_vector3(Vec3::new(0.6, 0.8, 0.0));
-        assert!(towards_sun.z < 0.0, "nearer to the sun is less deep");
+        assert!(towards_sun.z < 0.0, "depth must decrease towards the sun");
     }
 
     #[test]
-    fn what_is_far_to_the_side_takes_no_texels() {
-        let alone = view(&[ball(0.0, 0.0)]).unwrap();
-        assert_eq!(view(&[ball(0.0, 0.0), ball(300.0, 0.0)]), Some(alone));
-        assert!(view(&[ball(0.0, 0.0), ball(3.0, 0.0)]).unwrap().texel_m > alone.texel_m);
+    fn members_far_outside_the_picture_take_no_texels() {
+        let alone = view(&[sphere(0.0, 0.0)]).unwrap();
+        assert_eq!(view(&[sphere(0.0, 0.0), sphere(300.0, 0.0)]), Some(alone));
+        assert!(view(&[sphere(0.0, 0.0), sphere(3.0, 0.0)]).unwrap().texel_m > alone.texel_m);
     }
 
     #[test]
-    fn nobody_needs_no_map() {
+    fn there_is_no_map_without_visible_members() {
         assert_eq!(view(&[]), None);
-        assert_eq!(view(&[ball(300.0, 0.0)]), None);
+        assert_eq!(view(&[sphere(300.0, 0.0)]), None);
     }
 }

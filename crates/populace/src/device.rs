@@ -75,7 +75,7 @@ impl Device {
         opencl::best()
     }
 
-    /// The palettes of no member on this device, for `Renderer::link_palettes`, which tells how
+    /// The palettes of no member on this device, for `Renderer::connect_palettes`, which tells how
     /// palettes reach a context of OpenGL's from here. No kernel is built for it.
     ///
     /// # Errors

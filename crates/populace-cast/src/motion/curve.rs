@@ -1,34 +1,37 @@
-//! Periodic curves through given values.
+//! Periodic monotone interpolation.
 
-/// Values over a cycle: (phase from 0 to below 1, value), phases increasing.
+/// Knots of one cycle: (phase, value). Phases increase and are in [0, 1).
 pub(super) type Knots = [(f64, f64)];
 
-/// The cubics through the knots, with period 1. The slope at a knot is the harmonic mean of the
-/// rises on its two sides, at most twice either, so no cubic overshoots its knots (Fritsch &
-/// Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 17, 1980: slopes within
-/// a circle of three times the rise suffice).
+/// Evaluates the piecewise cubic of period 1 through `knots`. The slope at a knot is the harmonic
+/// mean of the secant slopes on both sides, and 0 at an extremum. It is at most twice either secant
+/// slope, so that no cubic overshoots its knots (Fritsch & Carlson, "Monotone piecewise cubic
+/// interpolation", SIAM J. Numer. Anal. 17, 1980: slopes within a circle of three times the secant
+/// slope suffice).
 pub(super) fn at(knots: &Knots, phase: f64) -> f64 {
     let phase = phase.rem_euclid(1.0);
     let count = knots.len();
     let knot = |i: isize| {
-        let turns = i.div_euclid(count as isize);
+        let cycles = i.div_euclid(count as isize);
         let (x, y) = knots[i.rem_euclid(count as isize) as usize];
-        (x + turns as f64, y)
+        (x + cycles as f64, y)
     };
     let after = knots.iter().position(|(x, _)| *x > phase).unwrap_or(count) as isize;
     let around = [after - 2, after - 1, after, after + 1].map(knot);
-    let rise = |a: (f64, f64), b: (f64, f64)| (b.1 - a.1) / (b.0 - a.0);
+    let secant = |a: (f64, f64), b: (f64, f64)| (b.1 - a.1) / (b.0 - a.0);
     let slope = |before: f64, next: f64| {
         if before * next <= 0.0 { 0.0 } else { 2.0 * before * next / (before + next) }
     };
-    let rises = [0, 1, 2].map(|i| rise(around[i], around[i + 1]));
+    let secants = [0, 1, 2].map(|i| secant(around[i], around[i + 1]));
     let (from, to) = (around[1], around[2]);
     let width = to.0 - from.0;
-    let (start, end) = (slope(rises[0], rises[1]) * width, slope(rises[1], rises[2]) * width);
+    let (start, end) =
+        (slope(secants[0], secants[1]) * width, slope(secants[1], secants[2]) * width);
     hermite((phase - from.0) / width, [from.1, to.1], [start, end])
 }
 
-/// A cubic from one value to another over t from 0 to 1, with these slopes at its ends.
+/// Evaluates the cubic Hermite curve from `from` (t = 0) to `to` (t = 1) with the slopes `start`
+/// and `end`.
 pub(super) fn hermite(t: f64, [from, to]: [f64; 2], [start, end]: [f64; 2]) -> f64 {
     let (t2, t3) = (t * t, t * t * t);
     from * (2.0 * t3 - 3.0 * t2 + 1.0)

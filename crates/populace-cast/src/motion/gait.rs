@@ -1,10 +1,11 @@
 //! Walking and running in place.
 //!
-//! Joint angles over the cycle go through a few points each, set by hand to the shape of normal
-//! curves. Such curves are in M. P. Kadaba, H. K. Ramakrishnan and M. E. Wootten, "Measurement of
-//! lower extremity kinematics during level walking", J. Orthopaedic Research 8 (1990), 383-392; D.
-//! A. Winter, "The Biomechanics and Motor Control of Human Gait", 2nd edition (1991); and for
-//! running in T. F. Novacheck, "The biomechanics of running", Gait and Posture 7 (1998), 77-95.
+//! The curves of joint angles interpolate a few knots that were set by hand to the shape of
+//! published normal curves. Sources for walking: M. P. Kadaba, H. K. Ramakrishnan and M. E.
+//! Wootten, "Measurement of lower extremity kinematics during level walking", J. Orthopaedic
+//! Research 8 (1990), 383-392; D. A. Winter, "The Biomechanics and Motor Control of Human Gait",
+//! 2nd edition (1991). Source for running: T. F. Novacheck, "The biomechanics of running", Gait and
+//! Posture 7 (1998), 77-95.
 
 use std::f64::consts::TAU;
 
@@ -19,9 +20,9 @@ use crate::anatomy::{Body, Limb, PELVIS, Side};
 const KEYS: usize = 48;
 
 const WALK_LEGS: Legs = Legs {
-    off: 0.60,
-    strike: 8.0,
-    under: 0.238,
+    toe_off: 0.60,
+    strike_weight: 8.0,
+    mid_stance: 0.238,
     foot_pitch: &[
         (0.0, 19.0),
         (0.04, 9.0),
@@ -72,14 +73,14 @@ const WALK_LEGS: Legs = Legs {
         (0.96, 4.5),
     ],
     clearance: 0.014,
-    settle: 0.5,
+    speed_match: 0.5,
     lift: 0.07,
 };
 
 const RUN_LEGS: Legs = Legs {
-    off: 0.36,
-    strike: 0.0,
-    under: 0.150,
+    toe_off: 0.36,
+    strike_weight: 0.0,
+    mid_stance: 0.150,
     foot_pitch: &[
         (0.0, 9.0),
         (0.03, 4.0),
@@ -127,35 +128,47 @@ const RUN_LEGS: Legs = Legs {
         (0.96, 12.0),
     ],
     clearance: 0.05,
-    settle: 1.0,
+    speed_match: 1.0,
     lift: 0.0,
 };
 
-/// All of a gait but the legs; degrees, and metres for an adult.
+/// Parameters of a gait. Angles are in degrees.
 struct Style {
     name: &'static str,
     legs: Legs,
-    /// At 1.75 m and pace 1.
+    /// Speed of a body of 1.75 m at pace 1.
     speed_m_per_sec: f64,
+    /// Duration of the cycle of a body of 1.75 m at pace 1.
     cycle_secs: f64,
-    /// How far apart the feet are planted, as a part of what they are at rest.
+    /// Distance between the planted feet, relative to rest.
     width: f64,
+    /// Amplitude of the pelvis' sideways motion, as a fraction of the body's height.
     sway: f64,
+    /// Amplitude of the pelvis' rotation about Y.
     pelvis_yaw: f64,
+    /// Amplitude of the pelvis' rotation about Z.
     pelvis_drop: f64,
+    /// Amplitude of the chest's rotation about Y.
     chest_yaw: f64,
+    /// Mean forward lean of the chest.
     lean: f64,
+    /// Amplitude of the arms' swing.
     arm_swing: f64,
+    /// Mean angle of the arms, positive forward.
     arm_forward: f64,
+    /// Angle of the arms away from the body.
     arm_spread: f64,
-    /// Forearms towards the middle.
+    /// Rotation of the upper arms that moves the forearms inwards.
     arm_twist: f64,
+    /// Mean flexion of the elbow.
     elbow: f64,
+    /// Amplitude of the elbow's flexion.
     elbow_swing: f64,
+    /// Mean flexion of the fingers.
     curl: f64,
 }
 
-/// Walks at 1.3 m/s if 1.75 m tall.
+/// Returns the walk: 1.3 m/s for a body of 1.75 m.
 pub(super) fn walk(body: &Body) -> Motion {
     let style = Style {
         name: "Walk",
@@ -179,7 +192,7 @@ pub(super) fn walk(body: &Body) -> Motion {
     motion(body, &style)
 }
 
-/// Runs at 2.9 m/s if 1.75 m tall.
+/// Returns the run: 2.9 m/s for a body of 1.75 m.
 pub(super) fn run(body: &Body) -> Motion {
     let style = Style {
         name: "Run",
@@ -204,8 +217,8 @@ pub(super) fn run(body: &Body) -> Motion {
 }
 
 fn motion(body: &Body, style: &Style) -> Motion {
-    // Gaits are alike at equal Froude numbers: speeds and cycles grow with the root of the leg's
-    // length.
+    // Gaits are similar at equal Froude numbers: speed and cycle duration are proportional to the
+    // square root of the leg's length.
     let root = (body.hip_y / (0.525 * 1.75)).sqrt();
     let pace = body.look.pace;
     let cycle_secs = style.cycle_secs * root / pace.sqrt();
@@ -216,7 +229,7 @@ fn motion(body: &Body, style: &Style) -> Motion {
     Motion::sampled(style.name, cycle_secs, KEYS, body, |phase| gait.stance(phase))
 }
 
-/// The hips' height: a wave twice per cycle.
+/// Height of the hips in metres: a mean and a sinusoid with two periods per cycle.
 struct Bob {
     mean: f64,
     cos: f64,
@@ -229,49 +242,50 @@ impl Bob {
         self.mean + self.cos * cos + self.sin * sin
     }
 
-    /// Follows what the planted leg's published knee angle asks for as well as such a wave can
-    /// (least squares), and stays low enough for the leg to reach the ground.
+    /// Returns the weighted least squares fit to the hip height at the published knee angle of the
+    /// planted leg, lowered until the leg reaches the ground at every phase.
     fn fit(stride: &Stride) -> Self {
-        let off = stride.legs.off;
+        let off = stride.legs.toe_off;
         let phases = || (0..=60).map(|i| off * f64::from(i) / 60.0);
         let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
         for phase in phases() {
-            // Legs that leave carry less; from a walker's heel strike on, the other leg yields to
-            // the new one.
-            let strike = stride.legs.strike * (-(phase / 0.03).powi(2)).exp();
+            // The weight is largest in mid-stance and falls to toe-off. A walker's heel strike has
+            // a weight of its own, since the leg then takes over the body's weight.
+            let strike = stride.legs.strike_weight * (-(phase / 0.03).powi(2)).exp();
             let weight = (std::f64::consts::PI * phase / off).sin() + 0.02 + strike;
             let (sin, cos) = (2.0 * TAU * phase).sin_cos();
             let row = DVec3::new(1.0, cos, sin);
             normal += DMat3::from_cols(row * row.x, row * row.y, row * row.z) * weight;
-            right += row * stride.hip_over(phase) * weight;
+            right += row * stride.hip_target(phase) * weight;
         }
         let wave = normal.inverse() * right;
         let mut bob = Self { mean: wave.x, cos: wave.y, sin: wave.z };
-        let over =
+        let excess =
             phases().map(|phase| bob.at(phase) - stride.hip_limit(phase)).fold(0.0, f64::max);
-        bob.mean -= over;
+        bob.mean -= excess;
         bob
     }
 }
 
+/// A gait of one body.
 struct Gait<'a> {
     body: &'a Body,
     style: &'a Style,
     stride: Stride<'a>,
     bob: Bob,
-    /// How much of the arms' and trunk's motion a slow walker makes.
+    /// Factor of the amplitudes of arms and trunk: the square root of the pace.
     effort: f64,
 }
 
 impl Gait<'_> {
-    /// At a phase of the cycle that begins as the left heel strikes.
+    /// Returns the stance at a phase of the cycle, which begins at the strike of the left heel.
     fn stance(&self, phase: f64) -> Stance {
         let (style, body) = (self.style, self.body);
         let wave = |shift: f64| (TAU * (phase - shift)).cos();
         let deg = |degrees: f64| (degrees * self.effort).to_radians();
         let yaw = |degrees: f64| DQuat::from_rotation_y(deg(degrees));
-        let sway = style.sway * body.height * wave(style.legs.off * 0.5);
-        let drop = deg(style.pelvis_drop) * wave(style.legs.off * 0.22);
+        let sway = style.sway * body.height * wave(style.legs.toe_off * 0.5);
+        let drop = deg(style.pelvis_drop) * wave(style.legs.toe_off * 0.22);
         let lean = style.lean.to_radians() * self.effort;
         let pelvis = yaw(-style.pelvis_yaw * wave(0.0))
             * DQuat::from_rotation_z(drop)
@@ -301,7 +315,7 @@ impl Gait<'_> {
     fn arm(&self, phase: f64, side: Side) -> Arm {
         let style = self.style;
         let own = phase + 0.5 * side.index() as f64;
-        // Each arm goes with the other side's leg.
+        // Each arm swings with the leg of the other side.
         let forward = -(TAU * (own - 0.02)).cos();
         let late = -(TAU * (own - 0.07)).cos();
         let swing = (style.arm_forward + style.arm_swing * self.effort * forward).to_radians();
@@ -321,10 +335,10 @@ impl Gait<'_> {
         let step = self.stride.step(own, &|p| self.bob.at(p));
         let rest = self.body.joint(Limb::Foot, side);
         let yaw: f64 = 0.10;
-        let swing = curve::at(&[(0.0, 0.0), (self.style.legs.off, 0.0), (0.85, 1.0)], own);
+        let swing = curve::at(&[(0.0, 0.0), (self.style.legs.toe_off, 0.0), (0.85, 1.0)], own);
         let wide = self.style.width + 0.12 * swing;
         Leg {
-            // A foot that points outwards rolls that way too.
+            // A foot that points outwards also rolls outwards.
             ankle: DVec3::new(rest.x * wide + side.sign() * yaw.sin() * step.roll, step.y, step.z),
             pitch_rad: step.pitch,
             toe_pitch_rad: step.toe_pitch,

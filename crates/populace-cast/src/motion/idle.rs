@@ -1,4 +1,4 @@
-//! Standing: breathing, and shifting weight from one leg to the other.
+//! Idle motions: breathing, and shifting the weight between the legs.
 
 use std::f64::consts::TAU;
 
@@ -11,12 +11,12 @@ use crate::anatomy::{Body, Limb, Side};
 /// Keys per second.
 const KEYS_PER_SEC: f64 = 12.0;
 
-/// Stands and breathes, two breaths long.
+/// Returns the motion of standing still for two breaths.
 pub(super) fn breathe(body: &Body) -> Motion {
     let secs = 7.0;
     sampled("Idle", secs, body, |phase| {
-        let wave = |turns: f64, shift: f64| (TAU * (turns * phase - shift)).sin();
-        Weight {
+        let wave = |cycles: f64, shift: f64| (TAU * (cycles * phase - shift)).sin();
+        IdleState {
             left: 0.12 * wave(1.0, 0.0),
             breath: wave(2.0, 0.0),
             look: 0.10 * wave(1.0, 0.3),
@@ -25,14 +25,14 @@ pub(super) fn breathe(body: &Body) -> Motion {
     })
 }
 
-/// Stands on one leg more than on the other, and changes.
+/// Returns the motion of standing with the weight alternating between the legs.
 pub(super) fn shift(body: &Body) -> Motion {
     let secs = 9.0;
     sampled("Idle_Shift", secs, body, |phase| {
-        let wave = |turns: f64, shift: f64| (TAU * (turns * phase - shift)).sin();
-        // Rests at either side, passing quickly.
+        let wave = |cycles: f64, shift: f64| (TAU * (cycles * phase - shift)).sin();
+        // The tanh lengthens the rests at both sides and shortens the transitions.
         let left = (1.8 * wave(1.0, 0.0)).tanh() / 1.8_f64.tanh();
-        Weight {
+        IdleState {
             left,
             breath: wave(3.0, 0.1),
             look: -0.28 * wave(1.0, 0.08) + 0.1 * wave(2.0, 0.0),
@@ -41,27 +41,27 @@ pub(super) fn shift(body: &Body) -> Motion {
     })
 }
 
-/// What a standing person does at one instant.
-struct Weight {
-    /// On the left leg (1), on the right (-1), on both (0).
+/// State of a standing person at one instant.
+struct IdleState {
+    /// Weight on the left leg (1), on the right leg (-1), or on both (0).
     left: f64,
-    /// In (1) to out (-1).
+    /// Breath, fully in (1) to fully out (-1).
     breath: f64,
-    /// Radians to the left.
+    /// Rotation of the head to the left in radians.
     look: f64,
-    /// Radians down.
+    /// Rotation of the head downwards in radians.
     nod: f64,
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few dozen keys")]
-fn sampled(name: &'static str, secs: f64, body: &Body, weight: impl Fn(f64) -> Weight) -> Motion {
+fn sampled(name: &'static str, secs: f64, body: &Body, state: impl Fn(f64) -> IdleState) -> Motion {
     let keys = (secs * KEYS_PER_SEC).round() as usize;
-    Motion::sampled(name, secs, keys, body, |phase| stance(body, &weight(phase)))
+    Motion::sampled(name, secs, keys, body, |phase| stance(body, &state(phase)))
 }
 
-fn stance(body: &Body, weight: &Weight) -> Stance {
+fn stance(body: &Body, state: &IdleState) -> Stance {
     let h = body.height;
-    let Weight { left, breath, look, nod } = *weight;
+    let IdleState { left, breath, look, nod } = *state;
     let tilt = 0.055 * left;
     let pelvis = DQuat::from_rotation_y(0.04 * left) * DQuat::from_rotation_z(tilt);
     let chest = DQuat::from_rotation_y(-0.03 * left + 0.2 * look)
@@ -78,7 +78,7 @@ fn stance(body: &Body, weight: &Weight) -> Stance {
         chest,
         head,
         shrug_rad: 0.012 * breath,
-        arms: Side::BOTH.map(|side| arm(body, side, weight)),
+        arms: Side::BOTH.map(|side| arm(body, side, state)),
         legs: Side::BOTH.map(|side| {
             let yaw: f64 = 0.16;
             let rest = body.joint(Limb::Foot, side);
@@ -93,14 +93,15 @@ fn stance(body: &Body, weight: &Weight) -> Stance {
     }
 }
 
-fn arm(body: &Body, side: Side, weight: &Weight) -> Arm {
-    let own = weight.left * side.sign();
-    let room = 0.3 * (body.look.waist - 1.0).max(0.0);
+fn arm(body: &Body, side: Side, state: &IdleState) -> Arm {
+    let own = state.left * side.sign();
+    // A wide waist spreads the arms.
+    let clearance = 0.3 * (body.look.waist - 1.0).max(0.0);
     Arm {
-        swing_rad: 0.03 + 0.02 * weight.breath + 0.03 * own,
-        spread_rad: 0.12 + room + 0.015 * weight.breath - 0.03 * own,
-        elbow_rad: 0.26 + 0.03 * weight.breath + 0.05 * own,
+        swing_rad: 0.03 + 0.02 * state.breath + 0.03 * own,
+        spread_rad: 0.12 + clearance + 0.015 * state.breath - 0.03 * own,
+        elbow_rad: 0.26 + 0.03 * state.breath + 0.05 * own,
         twist_rad: 0.1,
-        curl_rad: 0.38 + 0.08 * weight.breath + 0.07 * own,
+        curl_rad: 0.38 + 0.08 * state.breath + 0.07 * own,
     }
 }

@@ -1,54 +1,59 @@
-//! A foot's way through one cycle in place: rolling from heel to toe over ground that passes at an
-//! even speed, then swinging as published thigh and knee angles would have it.
+//! Path of a foot through one cycle in place. In stance it rolls from heel to toe on ground that
+//! moves at constant speed. In swing it follows published thigh and knee angles.
 
 use super::curve::{self, Knots};
 use crate::anatomy::{Body, HEEL_BACK, Limb, Side, TOE_JOINT, TOE_TIP};
 use crate::surface::smooth;
 
-/// What a gait's legs do; phases are parts of the cycle since the foot's own strike, angles are
-/// degrees.
+/// Parameters of a gait's legs. Phases are fractions of the cycle since the foot's own strike.
+/// Angles are in degrees. Lengths are in metres for an adult's foot (scale 1).
 pub(super) struct Legs {
-    /// When the toes leave the ground.
-    pub(super) off: f64,
-    /// How much the hips' height is set by the heel's strike rather than by the whole stance.
-    pub(super) strike: f64,
-    /// When the ankle passes under the hip.
-    pub(super) under: f64,
-    /// Toes up, over the ground.
+    /// Phase at which the toes leave the ground.
+    pub(super) toe_off: f64,
+    /// Weight of the heel strike when the hip height is fitted, relative to the rest of the stance.
+    pub(super) strike_weight: f64,
+    /// Phase at which the ankle passes under the hip.
+    pub(super) mid_stance: f64,
+    /// Pitch of the foot, positive if the toes point up.
     pub(super) foot_pitch: &'static Knots,
-    /// Forward from the vertical.
+    /// Angle of the thigh from the vertical, positive forward.
     pub(super) thigh: &'static Knots,
-    /// Flexion.
+    /// Flexion of the knee.
     pub(super) knee: &'static Knots,
-    /// Metres that the sole clears the ground by in mid-swing, for an adult.
+    /// Clearance of the sole above the ground in mid-swing.
     pub(super) clearance: f64,
-    /// How much of the ground's speed the foot has taken on before it strikes.
-    pub(super) settle: f64,
-    /// Metres that early swing lifts an adult's ankle by, which the pull to the ground at both ends
-    /// took away.
+    /// Fraction of the ground's speed that the foot has reached when it strikes.
+    pub(super) speed_match: f64,
+    /// Additional height of the ankle in early swing, which the correction at both ends of the
+    /// swing removes.
     pub(super) lift: f64,
 }
 
-/// Where an ankle is: height and place before the hip joint at rest, with the pitch of foot and
-/// toes.
+/// Position of an ankle, and pitch of foot and toes in radians.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
+    /// Height in metres.
     pub(super) y: f64,
+    /// Distance before the hip joint at rest in metres.
     pub(super) z: f64,
     pub(super) pitch: f64,
     pub(super) toe_pitch: f64,
-    /// How far rolling has carried the ankle along the foot, of what is in `z`.
+    /// Part of `z` in metres that comes from the foot's rolling.
     pub(super) roll: f64,
 }
 
-/// The legs of one body at one gait.
+/// The legs of one body in one gait.
 pub(super) struct Stride<'a> {
     pub(super) legs: &'a Legs,
-    /// Metres of ground per cycle.
+    /// Distance travelled per cycle in metres.
     pub(super) length: f64,
+    /// Scale of the feet.
     foot: f64,
+    /// Height of the ankle at rest in metres.
     ankle_y: f64,
+    /// Length of the thigh in metres.
     upper: f64,
+    /// Length of the shin in metres.
     lower: f64,
 }
 
@@ -66,16 +71,16 @@ impl<'a> Stride<'a> {
         }
     }
 
-    /// The foot's pitch in radians.
+    /// Returns the pitch of the foot in radians.
     fn pitch(&self, phase: f64) -> f64 {
         curve::at(self.legs.foot_pitch, phase).to_radians()
     }
 
-    /// On the ground: height and place of the ankle. The foot turns about its heel while its toes
-    /// are up, about the joint of its toes while its heel is.
+    /// Returns height and z of the ankle of a foot on the ground. The foot rotates about its heel
+    /// while the toes are up, and about the toe joint while the heel is up.
     pub(super) fn planted(&self, phase: f64) -> [f64; 2] {
         let (sin, cos) = self.pitch(phase).sin_cos();
-        let flat = self.length * (self.legs.under - phase);
+        let flat = self.length * (self.legs.mid_stance - phase);
         let [toe_y, toe_z] = TOE_JOINT.map(|v| v * self.foot);
         let heel = HEEL_BACK * self.foot;
         let (pivot_y, pivot_z) = if sin > 0.0 { (0.0, -heel) } else { (toe_y, toe_z) };
@@ -83,20 +88,21 @@ impl<'a> Stride<'a> {
         [pivot_y + z * sin + y * cos, flat + pivot_z + z * cos - y * sin]
     }
 
+    /// Returns the offset in z of a planted foot's ankle that comes from rolling.
     fn roll(&self, phase: f64) -> f64 {
-        self.planted(phase)[1] - self.length * (self.legs.under - phase)
+        self.planted(phase)[1] - self.length * (self.legs.mid_stance - phase)
     }
 
-    /// From the roll at the end of a stance to that at its beginning.
+    /// Returns the roll in swing, from its value at toe-off (t = 0) to that at the strike (t = 1).
     fn roll_back(&self, t: f64) -> f64 {
-        let (off, step) = (self.legs.off, 1e-4);
+        let (off, step) = (self.legs.toe_off, 1e-4);
         let scale = (1.0 - off) / step;
         let (last, first) = (self.roll(off), self.roll(0.0));
         let slopes = [(last - self.roll(off - step)) * scale, (self.roll(step) - first) * scale];
         curve::hermite(t, [last, first], slopes)
     }
 
-    /// Where published angles put the ankle under a hip at this height.
+    /// Returns height and z of the ankle at the published angles, for a hip at height `hip_y`.
     fn free(&self, phase: f64, hip_y: f64) -> [f64; 2] {
         let thigh = curve::at(self.legs.thigh, phase).to_radians();
         let shin = thigh - curve::at(self.legs.knee, phase).to_radians();
@@ -106,31 +112,33 @@ impl<'a> Stride<'a> {
         ]
     }
 
-    /// The hip's height over a planted foot if the knee is bent as published.
-    pub(super) fn hip_over(&self, phase: f64) -> f64 {
+    /// Returns the height of the hip above a planted foot at the published flexion of the knee.
+    pub(super) fn hip_target(&self, phase: f64) -> f64 {
         let knee = curve::at(self.legs.knee, phase).to_radians();
-        self.over(phase, self.reach(knee))
+        self.hip_height(phase, self.leg_length(knee))
     }
 
-    /// The hip's height over a planted foot with the leg nearly straight.
+    /// Returns the height of the hip above a planted foot with the leg nearly straight.
     pub(super) fn hip_limit(&self, phase: f64) -> f64 {
-        self.over(phase, self.reach(0.07))
+        self.hip_height(phase, self.leg_length(0.07))
     }
 
-    fn reach(&self, knee: f64) -> f64 {
+    /// Returns the distance from hip to ankle at a flexion of the knee in radians.
+    fn leg_length(&self, knee: f64) -> f64 {
         let (a, b) = (self.upper, self.lower);
         (a * a + b * b + 2.0 * a * b * knee.cos()).sqrt()
     }
 
-    fn over(&self, phase: f64, reach: f64) -> f64 {
+    /// Returns the height of the hip above a planted foot at a distance `length` from the ankle.
+    fn hip_height(&self, phase: f64, length: f64) -> f64 {
         let [y, z] = self.planted(phase);
-        y + (reach * reach - z * z).max(0.0).sqrt()
+        y + (length * length - z * z).max(0.0).sqrt()
     }
 
-    /// The foot at a phase of its own cycle, from 0 to 1; `hip_y` tells the hip's height at any
-    /// phase of it.
+    /// Returns the foot's state at a phase of its own cycle, from 0 to 1. `hip_y` returns the
+    /// height of the hip at a phase of the same cycle.
     pub(super) fn step(&self, phase: f64, hip_y: &dyn Fn(f64) -> f64) -> Step {
-        let off = self.legs.off;
+        let off = self.legs.toe_off;
         let pitch = self.pitch(phase);
         if phase <= off {
             let [y, z] = self.planted(phase);
@@ -138,21 +146,22 @@ impl<'a> Stride<'a> {
         }
         let t = (phase - off) / (1.0 - off);
         let [mut y, z] = self.swing(phase, t, hip_y);
-        // Highest, at 1, after a third of the swing.
+        // The polynomial t^2 (1 - t)^4 has its maximum, 1 / 45.56, at t = 1/3.
         y += self.legs.lift * self.foot * 45.56 * t * t * (1.0 - t).powi(4);
         let toe_pitch = if pitch > 0.0 { pitch } else { pitch * smooth(0.0, 0.55, t) };
         let lift = (std::f64::consts::PI * t).sin().powi(2);
-        let need = self.legs.clearance * self.foot * lift - self.lowest(pitch, toe_pitch);
+        let min_y = self.legs.clearance * self.foot * lift - self.lowest(pitch, toe_pitch);
+        // Smooth maximum of `y` and `min_y`.
         let eps = 1e-6 + 0.01 * lift;
-        let short = need - y;
+        let short = min_y - y;
         y += 0.5 * (short + (short * short + eps * eps).sqrt());
         Step { y, z, pitch, toe_pitch, roll: self.roll_back(t) }
     }
 
-    /// The swing of published angles, pulled at both ends to where the planted foot is, in place
-    /// and in speed.
+    /// Returns height and z of the ankle in swing: the path of published angles, plus a Hermite
+    /// correction that matches position and velocity of the planted foot at both ends.
     fn swing(&self, phase: f64, t: f64, hip_y: &dyn Fn(f64) -> f64) -> [f64; 2] {
-        let off = self.legs.off;
+        let off = self.legs.toe_off;
         let step = 1e-4;
         let gap = |from: f64, phase: f64| {
             let (planted, free) = (self.planted(from), self.free(phase, hip_y(phase)));
@@ -165,13 +174,13 @@ impl<'a> Stride<'a> {
         [0, 1].map(|axis| {
             let slopes = [
                 (leave[axis] - before[axis]) * scale,
-                self.legs.settle * (after[axis] - strike[axis]) * scale,
+                self.legs.speed_match * (after[axis] - strike[axis]) * scale,
             ];
             free[axis] + curve::hermite(t, [leave[axis], strike[axis]], slopes)
         })
     }
 
-    /// How far the sole's lowest corner is above the ankle (so: below 0).
+    /// Returns the height of the sole's lowest corner relative to the ankle, a negative number.
     fn lowest(&self, pitch: f64, toe_pitch: f64) -> f64 {
         let below = |y: f64, z: f64, pitch: f64| z * pitch.sin() + y * pitch.cos();
         let [toe_y, toe_z] = TOE_JOINT.map(|v| v * self.foot);

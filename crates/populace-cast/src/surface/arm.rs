@@ -1,18 +1,16 @@
-//! Arms: rings from the shoulder to the wrist.
+//! Surface of the arms: rings from the shoulder to the wrist.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::wrist::{self, AROUND, on_arm};
 use super::{Region, Surface, Weights, chain, hand, mixed};
 use crate::Reach;
 use crate::anatomy::{Body, ELBOW, Limb, Side, WRIST};
 
-/// Points around an arm; point 2 is on the outside, 5 behind, 8 inside, 11 in front.
-pub(super) const AROUND: usize = 12;
-
-/// Where along the arm a ring is, its half breadth from front to back and its half depth, as parts
-/// of the body's height.
+/// Distance from the shoulder, half breadth from front to back, and half depth of each ring, as
+/// fractions of the body's height.
 const RINGS: [[f64; 3]; 11] = [
     [0.052, 0.0300, 0.0295],
     [0.078, 0.0283, 0.0278],
@@ -26,7 +24,8 @@ const RINGS: [[f64; 3]; 11] = [
     [0.300, 0.0166, 0.0138],
     [0.316, 0.0166, 0.0124],
 ];
-/// The ring where a sleeve ends.
+
+/// Returns the ring at which the sleeves end.
 const fn hem(sleeves: Reach) -> usize {
     match sleeves {
         Reach::Short => 2,
@@ -50,13 +49,8 @@ pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, opening: &[u
     hand::build(surface, body, side, &last);
 }
 
-/// A point of a ring around the left arm; `turn` from the outside over behind.
-pub(super) fn on_arm(body: &Body, at: f64, breadth: f64, depth: f64) -> DVec3 {
-    let shoulder = body.joint(Limb::UpperArm, Side::Left);
-    shoulder + (body.along * at - DVec3::Z * breadth + body.outward * depth) * body.height
-}
-
-fn turn(k: usize) -> f64 {
+/// Returns the angle of point `k` of a ring in radians: 0 on the outside, a quarter turn behind.
+fn angle(k: usize) -> f64 {
     PI / 6.0 * k as f64 - PI / 3.0
 }
 
@@ -66,15 +60,15 @@ fn ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<usize
     let girth = body.look.limbs + (1.0 - body.look.limbs) * (at / WRIST).powi(2);
     (0..AROUND)
         .map(|k| {
-            let (sin, cos) = turn(k).sin_cos();
-            let place =
+            let (sin, cos) = angle(k).sin_cos();
+            let position =
                 on_arm(body, at, (breadth * girth + ease) * sin, (depth * girth + ease) * cos);
-            surface.point(side.place(place), weights(side, at))
+            surface.point(side.mirror_point(position), weights(side, at))
         })
         .collect()
 }
 
-/// How far cloth stands off the arm.
+/// Returns the distance of cloth from the skin at ring `row`, as a fraction of the body's height.
 fn cloth(sleeves: Reach, row: usize) -> f64 {
     let last = hem(sleeves);
     if row > last || row == 0 {
@@ -86,13 +80,15 @@ fn cloth(sleeves: Reach, row: usize) -> f64 {
     }
 }
 
+/// Returns the weights of a ring at the distance `at` from the shoulder.
 fn weights(side: Side, at: f64) -> Weights {
     let segments =
         [Limb::Clavicle, Limb::UpperArm, Limb::Forearm, Limb::Hand].map(|limb| limb.of(side));
-    chain(at, &segments, &[(0.0, 0.075), (ELBOW, 0.032), (WRIST, 0.018)])
+    chain(at, &segments, &[(0.0, 0.075), (ELBOW, 0.032), (WRIST, wrist::BLEND)])
 }
 
-/// Between the trunk's opening and the first ring, bulging where the deltoid is.
+/// Adds the ring between the trunk's opening and the arm's first ring, with the bulge of the
+/// deltoid.
 fn shoulder_ring(
     surface: &mut Surface,
     body: &Body,
@@ -100,20 +96,20 @@ fn shoulder_ring(
     opening: &[usize],
     first: &[usize],
 ) -> Vec<usize> {
-    let up = side.place(DVec3::new(0.55, 0.83, 0.0));
+    let up = side.mirror_point(DVec3::new(0.55, 0.83, 0.0));
     (0..AROUND)
         .map(|k| {
-            let outside = turn(k).cos();
-            let bulge = (0.007 * outside.max(0.0) + 0.004 * turn(k).sin().powi(2))
+            let outside = angle(k).cos();
+            let bulge = (0.007 * outside.max(0.0) + 0.004 * angle(k).sin().powi(2))
                 * body.height
                 * body.look.limbs;
-            let round = side.place(body.outward * outside - DVec3::Z * turn(k).sin());
+            let round = side.mirror_point(body.outward * outside - DVec3::Z * angle(k).sin());
             let dir = if outside > 0.0 { up.lerp(round, 0.4).normalize() } else { round };
-            let place =
+            let position =
                 surface.points[opening[k]].lerp(surface.points[first[k]], 0.5) + dir * bulge;
             let inner = surface.weights[opening[k]].clone();
             let outer = surface.weights[first[k]].clone();
-            surface.point(place, mixed(inner, &outer, 0.55))
+            surface.point(position, mixed(inner, &outer, 0.55))
         })
         .collect()
 }

@@ -1,20 +1,22 @@
-//! Hands: a palm that ends in four fingers, with a thumb out of its front.
+//! Surface of the hands: a palm with four fingers, and a thumb at its front.
 
 use glam::DVec3;
 
-use super::arm::{AROUND, on_arm};
+use super::wrist::{self, AROUND, on_arm};
 use super::{Region, Surface, Weights, chain};
-use crate::anatomy::{Body, FINGER_AT, FINGERS, KNUCKLE, KNUCKLES, Limb, PALM, Side};
+use crate::anatomy::{Body, FINGER_AT, FINGERS, KNUCKLE, KNUCKLES, Limb, PALM, Side, WRIST};
 
-/// Where along the arm a ring is, its half breadth and half depth, as parts of the body's height.
+/// Distance from the shoulder, half breadth and half depth of each ring of the palm, as fractions
+/// of the body's height.
 const RINGS: [[f64; 3]; 3] =
     [[0.332, 0.0205, 0.0118], [0.356, 0.0245, 0.0112], [0.380, PALM, 0.0085]];
-/// The points of a ring between which the thumb begins: below, in front, above.
+/// Points of a palm ring from which the thumb grows: on the palm, in front, on the back.
 const THUMB: [usize; 3] = [10, 11, 0];
-/// Around a finger: two points on the back of the hand, one between fingers, two inside, one
-/// between fingers. Across from the finger's middle and outwards, in units of its radius.
+/// Cross-section of a finger: two points on the back of the hand, one between fingers, two on the
+/// palm, one between fingers. Offsets across and outwards from the axis, in units of the radius.
 const HEXAGON: [[f64; 2]; 6] =
     [[0.55, 0.85], [-0.55, 0.85], [-1.0, 0.0], [-0.55, -0.85], [0.55, -0.85], [1.0, 0.0]];
+/// Radius of a finger at its root, as a fraction of the body's height.
 const FINGER_RADIUS: f64 = 0.0051;
 
 pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, wrist: &[usize]) {
@@ -24,8 +26,8 @@ pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, wrist: &[usi
         let next: Vec<usize> = (0..AROUND)
             .map(|k| {
                 let [across, out] = flat(k);
-                let place = on_arm(body, at, breadth * across, depth * out);
-                surface.point(side.place(place), weights(side, at))
+                let position = on_arm(body, at, breadth * across, depth * out);
+                surface.point(side.mirror_point(position), weights(side, at))
             })
             .collect();
         if row == 1 {
@@ -38,7 +40,8 @@ pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, wrist: &[usi
     fingers(surface, body, side, &last);
 }
 
-/// A point of a flattened ring: across from front (-1) to back and outwards.
+/// Returns point `k` of a flattened ring: its offsets across the palm, from -1 in front to 1
+/// behind, and outwards, from -1 on the palm to 1 on the back of the hand.
 fn flat(k: usize) -> [f64; 2] {
     let across = [-0.86, -0.44, 0.0, 0.44, 0.86];
     match k {
@@ -51,10 +54,10 @@ fn flat(k: usize) -> [f64; 2] {
 
 fn weights(side: Side, at: f64) -> Weights {
     let segments = [Limb::Forearm, Limb::Hand].map(|limb| limb.of(side));
-    chain(at, &segments, &[(0.316, 0.018)])
+    chain(at, &segments, &[(WRIST, wrist::BLEND)])
 }
 
-/// The band of the palm out of which the thumb grows.
+/// Adds the band of the palm between two rings, and the thumb that grows out of it.
 fn with_thumb(surface: &mut Surface, body: &Body, side: Side, [low, high]: [&[usize]; 2]) {
     let mirrored = side == Side::Left;
     for k in 0..AROUND {
@@ -70,12 +73,13 @@ fn with_thumb(surface: &mut Surface, body: &Body, side: Side, [low, high]: [&[us
     }
     let [inner, front, outer] = THUMB;
     let mut last = vec![low[inner], low[front], low[outer], high[outer], high[front], high[inner]];
-    let center = last.iter().map(|&p| side.place(surface.points[p])).sum::<DVec3>() / 6.0;
+    // The thumb is built on the left; `mirror_point` is its own inverse.
+    let center = last.iter().map(|&p| side.mirror_point(surface.points[p])).sum::<DVec3>() / 6.0;
     let dir = body.thumb;
     let spokes: Vec<DVec3> = last
         .iter()
         .map(|&p| {
-            let spoke = side.place(surface.points[p]) - center;
+            let spoke = side.mirror_point(surface.points[p]) - center;
             (spoke - dir * spoke.dot(dir)).normalize()
         })
         .collect();
@@ -86,14 +90,15 @@ fn with_thumb(surface: &mut Surface, body: &Body, side: Side, [low, high]: [&[us
         let next: Vec<usize> = spokes
             .iter()
             .map(|spoke| {
-                let place = middle + *spoke * radius * body.height;
-                surface.point(side.place(place), thumb_weights(side, at))
+                let position = middle + *spoke * radius * body.height;
+                surface.point(side.mirror_point(position), thumb_weights(side, at))
             })
             .collect();
         surface.bridge(&last, &next, Region::Skin, mirrored);
         last = next;
     }
-    let end = surface.point(side.place(root + dir * tip * body.height), thumb_weights(side, tip));
+    let end =
+        surface.point(side.mirror_point(root + dir * tip * body.height), thumb_weights(side, tip));
     surface.cap(&last, end, Region::Skin, mirrored);
 }
 
@@ -108,8 +113,8 @@ fn fingers(surface: &mut Surface, body: &Body, side: Side, palm: &[usize]) {
     let mut webs = vec![palm[11]];
     for web in 1..4 {
         let middle = 0.5 * (surface.points[palm[web]] + surface.points[palm[10 - web]]);
-        let place = middle + side.place(body.along) * 0.004 * body.height;
-        webs.push(surface.point(place, weights(side, 0.4)));
+        let position = middle + side.mirror_point(body.along) * 0.004 * body.height;
+        webs.push(surface.point(position, weights(side, 0.4)));
     }
     webs.push(palm[5]);
     for finger in 0..4 {
@@ -122,20 +127,20 @@ fn fingers(surface: &mut Surface, body: &Body, side: Side, palm: &[usize]) {
                 .iter()
                 .map(|&[across, out]| {
                     let radius = FINGER_RADIUS * radius * if finger == 3 { 0.88 } else { 1.0 };
-                    let place = on_arm(
+                    let position = on_arm(
                         body,
                         KNUCKLE + at * length,
                         -(KNUCKLES[finger] * PALM + radius * across),
                         radius * 1.05 * out,
                     );
-                    surface.point(side.place(place), finger_weights(side, finger, at))
+                    surface.point(side.mirror_point(position), finger_weights(side, finger, at))
                 })
                 .collect();
             surface.bridge(&last, &next, Region::Skin, mirrored);
             last = next;
         }
         let tip = on_arm(body, KNUCKLE + 1.02 * length, -KNUCKLES[finger] * PALM, -0.001);
-        let end = surface.point(side.place(tip), finger_weights(side, finger, 1.0));
+        let end = surface.point(side.mirror_point(tip), finger_weights(side, finger, 1.0));
         surface.cap(&last, end, Region::Skin, mirrored);
     }
 }

@@ -1,4 +1,4 @@
-//! Neck and head: rings from the trunk to the crown, with a face on the front of them.
+//! Surface of neck and head: rings from the trunk to the crown, with the face at the front.
 
 use std::f64::consts::PI;
 
@@ -9,12 +9,12 @@ use super::{Region, Surface, Weights, chain, smooth};
 use crate::Hair;
 use crate::anatomy::{Body, HEAD, NECK, SPINE};
 
-/// Degrees from the front of the points of one half of a ring, dense where the face is.
-const TURNS: [f64; 13] =
+/// Angles in degrees, from the front, of the points of one half of a ring; dense at the face.
+const ANGLES_DEG: [f64; 13] =
     [0.0, 7.0, 13.5, 20.5, 28.5, 38.0, 58.0, 80.0, 91.0, 103.0, 131.0, 157.0, 180.0];
 
-/// Height before and behind, half breadth, depth before and behind, and how much narrower the front
-/// is. Units are the head's height, from the chin.
+/// Height in front and behind, half breadth, depth in front and behind, and narrowing of the front,
+/// as a fraction of the breadth. Lengths are in units of the head's height, from the chin.
 const ROWS: [[f64; 6]; 20] = [
     [-0.100, 0.020, 0.225, 0.175, 0.270, 0.00],
     [0.015, 0.120, 0.240, 0.205, 0.285, 0.05],
@@ -38,8 +38,8 @@ const ROWS: [[f64; 6]; 20] = [
     [0.983, 0.983, 0.098, 0.110, 0.140, 0.00],
 ];
 
-/// What stands out of the plain head or back into it: row, point from the middle, and how far
-/// before the face.
+/// Relief of the face: row, point of the half ring, and offset to the front in units of the head's
+/// height.
 const FACE: [(usize, usize, f64); 41] = [
     (2, 0, 0.01),
     (3, 0, 0.022),
@@ -84,11 +84,12 @@ const FACE: [(usize, usize, f64); 41] = [
     (13, 5, 0.010),
 ];
 
-/// The ear: row and how far it stands out.
+/// Relief of the ear: row and outward offset in units of the head's height.
 const EAR: [(usize, f64); 5] = [(8, 0.02), (9, 0.055), (10, 0.075), (11, 0.085), (12, 0.08)];
+/// Point of the half ring at the ear.
 const EAR_POINT: usize = 8;
 
-/// What parts of the face are marked with, by row and points from the middle.
+/// Regions of the face: region, row, first and last point of the half ring.
 const MARKS: [(Region, usize, usize, usize); 11] = [
     (Region::Iris, 10, 3, 4),
     (Region::Iris, 11, 3, 4),
@@ -103,7 +104,7 @@ const MARKS: [(Region, usize, usize, usize); 11] = [
     (Region::Lips, 7, 0, 2),
 ];
 
-/// The lowest row of hair over each point of one half.
+/// Returns the lowest row of hair at each point of the half ring.
 fn hairline(hair: Hair) -> [usize; 13] {
     match hair {
         Hair::Short => [16, 16, 16, 16, 16, 15, 14, 11, 14, 8, 4, 3, 3],
@@ -117,8 +118,9 @@ pub(super) fn build(surface: &mut Surface, body: &Body, neck: &[usize]) {
     let line = hairline(body.look.hair);
     let mut below = neck.to_vec();
     for row in 0..ROWS.len() {
-        let ring: Vec<usize> =
-            (0..AROUND).map(|j| surface.point(place(body, row, j, &line), weights(row))).collect();
+        let ring: Vec<usize> = (0..AROUND)
+            .map(|j| surface.point(position(body, row, j, &line), weights(row)))
+            .collect();
         for (j, &point) in ring.iter().enumerate() {
             let column = j.min(AROUND - j);
             if row >= line[column] {
@@ -147,23 +149,24 @@ pub(super) fn build(surface: &mut Surface, body: &Body, neck: &[usize]) {
     surface.cap(&below, crown, Region::Skin, false);
 }
 
-/// The head stands a little before the neck.
+/// Returns z of the head's axis, which is slightly in front of the neck's.
 fn middle_z(body: &Body) -> f64 {
     0.008 * body.height
 }
 
-fn place(body: &Body, row: usize, j: usize, line: &[usize; 13]) -> DVec3 {
+/// Returns the position of point `j` of a ring. `line` is the hairline.
+fn position(body: &Body, row: usize, j: usize, line: &[usize; 13]) -> DVec3 {
     let column = j.min(AROUND - j);
     let side = if j <= AROUND / 2 { 1.0 } else { -1.0 };
     let [before, behind, mut breadth, front, mut back, narrow] = ROWS[row];
     let even = 15.0 * column as f64;
-    let turn = if row == 0 { 0.5 * (even + TURNS[column]) } else { TURNS[column] };
-    let (sin, cos) = (turn * PI / 180.0).sin_cos();
+    let angle_deg = if row == 0 { 0.5 * (even + ANGLES_DEG[column]) } else { ANGLES_DEG[column] };
+    let (sin, cos) = (angle_deg * PI / 180.0).sin_cos();
     let mut y = behind + (before - behind) * (0.5 + 0.5 * cos);
     let in_hair = row >= line[column];
     let border = row == line[column] || column > 0 && line[column - 1] > row;
     if body.look.hair == Hair::Long && in_hair && !border && row < 11 {
-        // Long hair hangs straight down from where the head is broadest.
+        // Long hair hangs straight down from the broadest part of the head.
         (breadth, back) = (0.335, 0.44);
         y -= 0.08 * smooth(6.0, 1.0, row as f64);
     }
@@ -186,6 +189,7 @@ fn place(body: &Body, row: usize, j: usize, line: &[usize; 13]) -> DVec3 {
     DVec3::new(side * x * body.head, body.chin_y + y * body.head, z * body.head + middle_z(body))
 }
 
+/// Returns the thickness of the hair in units of the head's height.
 fn thickness(hair: Hair, row: usize, column: usize) -> f64 {
     let plain = hair.height();
     match hair {
@@ -196,6 +200,7 @@ fn thickness(hair: Hair, row: usize, column: usize) -> f64 {
     }
 }
 
+/// Returns the weights of a ring.
 fn weights(row: usize) -> Weights {
     let at = row as f64;
     chain(at, &[SPINE[3], NECK[0], NECK[1], HEAD], &[(-0.8, 0.9), (0.4, 0.9), (1.8, 1.2)])

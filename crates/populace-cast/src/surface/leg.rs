@@ -1,4 +1,5 @@
-//! Legs: rings from the crotch to the ankle, and on over heel and sole to the tip of the shoe.
+//! Surface of the legs: rings from the crotch to the ankle, and over heel and sole to the tip of
+//! the shoe.
 
 use std::f64::consts::PI;
 
@@ -8,15 +9,15 @@ use super::{Region, Surface, Weights, chain, mixed};
 use crate::Reach;
 use crate::anatomy::{Body, Limb, PELVIS, Side, TOE_JOINT, TOE_TIP};
 
-/// Points around a leg: thirteen over the outside from front to back, three inside.
+/// Points around a leg: thirteen on the outside, from front to back, and three on the inside.
 const AROUND: usize = 16;
-/// The ring at which short trousers end.
+/// Ring at which short trousers end.
 const KNEE_HEM: usize = 3;
-/// The ring at which long trousers end.
+/// Ring at which long trousers end.
 const ANKLE_HEM: usize = 10;
 
-/// Where between crotch (0) and ankle (1) a ring is; half breadth, half depth and how far forward
-/// its middle is, as parts of the body's height; how far cloth stands off.
+/// Position of a ring between crotch (0) and ankle (1); half breadth, half depth, forward offset of
+/// its centre and distance of cloth from the skin, as fractions of the body's height.
 const RINGS: [[f64; 5]; 12] = [
     [0.050, 0.0470, 0.0560, -0.004, 0.002],
     [0.210, 0.0430, 0.0500, 0.003, 0.002],
@@ -32,8 +33,9 @@ const RINGS: [[f64; 5]; 12] = [
     [0.990, 0.0195, 0.0235, -0.012, 0.000],
 ];
 
-/// Height and place before the ankle of the upper and of the lower edge of a ring, and its half
-/// breadth, in units of the foot's scale. From the third ring on the lower edge is the sole.
+/// Height and distance before the ankle of a ring's upper edge, the same of its lower edge, and its
+/// half breadth, in metres for a foot of scale 1. From the third ring on, the lower edge is the
+/// sole.
 const FOOT: [[f64; 5]; 8] = [
     [0.086, 0.052, 0.064, -0.052, 0.0345],
     [0.078, 0.066, 0.020, -0.056, 0.0355],
@@ -66,8 +68,8 @@ pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, opening: &[u
     surface.cap(&last, end, Region::Shoes, mirrored);
 }
 
-/// The direction of a point of a ring: 0 in front, a quarter outside.
-fn turn(k: usize) -> f64 {
+/// Returns the angle of point `k` of a ring in radians: 0 in front, a quarter turn on the outside.
+fn angle(k: usize) -> f64 {
     let degrees = match k {
         0..=12 => -20.0 + 220.0 / 12.0 * k as f64,
         _ => [236.0, 270.0, 304.0][(k - 13) % 3],
@@ -89,21 +91,23 @@ fn ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<usize
         (false, _) => ease,
     };
     let girth = body.look.limbs + (1.0 - body.look.limbs) * 0.6 * q;
-    // Thighs fill what hips leave them, but do not pass through each other.
+    // The breadth of thighs is limited, so that they do not pass through each other.
     let breadth = (breadth * girth).min(0.98 * x / h - ease + 0.012 * q);
     (0..AROUND)
         .map(|k| {
-            let (sin, cos) = turn(k).sin_cos();
-            let place = DVec3::new(
+            let (sin, cos) = angle(k).sin_cos();
+            let position = DVec3::new(
                 x + (breadth + ease) * sin * h,
                 y,
                 ((depth * girth + ease) * cos + forward) * h,
             );
-            surface.point(side.place(place), weights(body, side, place.y, q, sin))
+            surface.point(side.mirror_point(position), weights(body, side, position.y, q, sin))
         })
         .collect()
 }
 
+/// Returns the weights at height `y` of the ring at `q`. `outside` is 1 on the outside of the leg
+/// and -1 on the inside.
 fn weights(body: &Body, side: Side, y: f64, q: f64, outside: f64) -> Weights {
     let h = body.height;
     let knee = body.joint(Limb::Shin, side).y;
@@ -119,17 +123,19 @@ fn foot_ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<
     let ankle = body.joint(Limb::Foot, Side::Left);
     (0..AROUND)
         .map(|k| {
-            let (sin, cos) = turn(k).sin_cos();
-            // Flat below, so that a sole stands on the ground, and steep at the sides.
+            let (sin, cos) = angle(k).sin_cos();
+            // The section is flat below, so that the sole is level, and has steep sides.
             let up = 0.5 + 0.5 * (1.3 * cos).clamp(-1.0, if row < 2 { 1.0 } else { 0.97 });
             let x = breadth * sin.signum() * sin.abs().powf(0.75);
             let (y, z) = (sole_y + up * (top_y - sole_y), sole_z + up * (top_z - sole_z));
-            let place = DVec3::new(ankle.x, 0.0, ankle.z) + DVec3::new(x, y, z) * body.foot;
-            surface.point(side.place(place), foot_weights(side, z, y))
+            let position = DVec3::new(ankle.x, 0.0, ankle.z) + DVec3::new(x, y, z) * body.foot;
+            surface.point(side.mirror_point(position), foot_weights(side, z, y))
         })
         .collect()
 }
 
+/// Returns the weights of a point of the foot at `z` before the ankle and height `y`, in metres for
+/// a foot of scale 1.
 fn foot_weights(side: Side, z: f64, y: f64) -> Weights {
     let [_, toe] = TOE_JOINT;
     let segments = [Limb::Foot, Limb::Toes].map(|limb| limb.of(side));

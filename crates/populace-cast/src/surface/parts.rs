@@ -1,4 +1,4 @@
-//! From a surface to drawable parts: one for each region, sharing borders exactly.
+//! Conversion of a surface to drawable parts, one for each region, with identical borders.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::{Colors, rig::Joints};
 /// Influences per vertex.
 const WIDTH: usize = 4;
 
-/// The parts of a surface, and their materials; palette entries are the joints' places in the
+/// Returns the parts of a surface and their materials. Palette entries are the indices of joints in
 /// source order.
 pub(crate) fn parts(
     surface: &Surface,
@@ -30,10 +30,10 @@ pub(crate) fn parts(
             influences: Influences { per_vertex: WIDTH, entries: Vec::new(), weights: Vec::new() },
             indices: Vec::new(),
         };
-        let mut places = BTreeMap::new();
+        let mut vertices = BTreeMap::new();
         for (corners, _) in surface.triangles.iter().filter(|(_, r)| *r == region) {
             for &corner in corners {
-                let index = *places.entry(corner).or_insert_with(|| {
+                let index = *vertices.entry(corner).or_insert_with(|| {
                     mesh.positions.push(narrow(surface.points[corner]));
                     mesh.normals.push(narrow(normals[corner]));
                     for (entry, weight) in influences(surface, joints, corner) {
@@ -62,6 +62,7 @@ pub(crate) fn parts(
     (parts, materials)
 }
 
+/// Returns the name and the linear base colour of a region's material.
 fn look(region: Region, colors: &Colors) -> (&'static str, [f32; 4]) {
     let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
     let [r, g, b] = colors.skin;
@@ -78,8 +79,7 @@ fn look(region: Region, colors: &Colors) -> (&'static str, [f32; 4]) {
     }
 }
 
-/// Unit normals: the sum of the triangles' normals times their areas, over the whole surface,
-/// whatever the region.
+/// Returns unit vertex normals: area-weighted sums of the triangles' normals, across regions.
 fn normals(surface: &Surface) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; surface.points.len()];
     for (corners, _) in &surface.triangles {
@@ -92,7 +92,7 @@ fn normals(surface: &Surface) -> Vec<DVec3> {
     normals.into_iter().map(|n| n.normalize_or(DVec3::Y)).collect()
 }
 
-/// The four strongest joints of a vertex; their weights sum to 1.
+/// Returns the four joints with the largest weights at a vertex, and weights that sum to 1.
 fn influences(surface: &Surface, joints: &Joints, corner: usize) -> [(u16, f32); WIDTH] {
     let mut by_joint: BTreeMap<u16, f64> = BTreeMap::new();
     for &(segment, weight) in &surface.weights[corner] {
@@ -109,16 +109,13 @@ fn influences(surface: &Surface, joints: &Joints, corner: usize) -> [(u16, f32);
     four
 }
 
-/// Rounded to single precision.
+/// Rounds a vector to single precision.
 pub(crate) fn narrow(v: DVec3) -> [f32; 3] {
     v.to_array().map(narrow_one)
 }
 
-/// Rounded to single precision.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
+/// Rounds to single precision.
+#[expect(clippy::cast_possible_truncation, reason = "the function rounds to the nearest f32")]
 pub(crate) fn narrow_one(v: f64) -> f32 {
     v as f32
 }

@@ -1,4 +1,4 @@
-//! The trunk: rings from the crotch to the neck, open where arms and legs begin.
+//! Surface of the trunk: rings from the crotch to the neck, with openings for arms and legs.
 
 use std::f64::consts::PI;
 
@@ -7,27 +7,29 @@ use glam::DVec3;
 use super::{Region, Surface, Weights, chain, mixed, smooth};
 use crate::anatomy::{Body, Limb, NECK, PELVIS, SPINE, SPINE_AT, Side};
 
-/// Points around the trunk and the head; point 0 is in front, 6 on the left, 12 behind, 18 on the
+/// Points around the trunk and the head: point 0 is in front, 6 on the left, 12 behind, 18 on the
 /// right.
 pub(super) const AROUND: usize = 24;
-/// Rows between which the arms begin, and the points of a ring between which they do.
+/// Lowest, middle and highest row of the arms' openings.
 const ARM_ROWS: [usize; 3] = [8, 9, 10];
+/// First point of the arms' openings in a half ring.
 const ARM_FROM: usize = 4;
+/// Last point of the arms' openings in a half ring.
 const ARM_TO: usize = 8;
-/// The ring where trousers end and the shirt begins.
+/// Row of the border between trousers and shirt.
 const HEM: usize = 2;
 
-/// The rings from which limbs and neck go on.
+/// Border rings of the trunk's openings.
 pub(super) struct Ends {
     pub(super) neck: Vec<usize>,
-    /// Twelve points: five above, from front to back, one behind, five below, one in front.
+    /// Twelve points: five above from front to back, one behind, five below, one in front.
     pub(super) arms: [Vec<usize>; 2],
-    /// Sixteen points: thirteen outside, from front to back, three inside.
+    /// Sixteen points: thirteen on the outside from front to back, three on the inside.
     pub(super) legs: [Vec<usize>; 2],
 }
 
-/// Height between hips and neck; half breadth, depth before and behind as parts of the body's
-/// height; how far the front is lower than the back.
+/// Height between the hip joints (0) and the base of the neck (1); half breadth, depth in front and
+/// behind, and half of the front's drop below the back, as fractions of the body's height.
 const ROWS: [[f64; 5]; 13] = [
     [-0.150, 0.094, 0.054, 0.064, 0.0],
     [-0.060, 0.098, 0.059, 0.073, 0.0],
@@ -47,7 +49,7 @@ const ROWS: [[f64; 5]; 13] = [
 pub(super) fn build(surface: &mut Surface, body: &Body) -> Ends {
     let rings: Vec<Vec<usize>> = (0..ROWS.len())
         .map(|row| {
-            (0..AROUND).map(|j| surface.point(place(body, row, j), weights(row, j))).collect()
+            (0..AROUND).map(|j| surface.point(position(body, row, j), weights(row, j))).collect()
         })
         .collect();
     for (row, pair) in rings.windows(2).enumerate() {
@@ -68,6 +70,7 @@ pub(super) fn build(surface: &mut Surface, body: &Body) -> Ends {
     Ends { neck: rings[ROWS.len() - 1].clone(), arms, legs }
 }
 
+/// Returns the border of an arm's opening.
 fn arm_ring(rings: &[Vec<usize>], side: Side) -> Vec<usize> {
     let column = |j: usize| if side == Side::Left { j } else { AROUND - j };
     let [low, middle, high] = ARM_ROWS;
@@ -78,7 +81,7 @@ fn arm_ring(rings: &[Vec<usize>], side: Side) -> Vec<usize> {
     ring
 }
 
-/// Splits the lowest ring into two by a strip of three points between the legs.
+/// Splits the lowest ring into the two rings of the legs, by a strip of three points between them.
 fn leg_rings(surface: &mut Surface, body: &Body, ring: &[usize]) -> [Vec<usize>; 2] {
     let half = AROUND / 2;
     let (front, back) = (surface.points[ring[0]], surface.points[ring[half]]);
@@ -95,14 +98,15 @@ fn leg_rings(surface: &mut Surface, body: &Body, ring: &[usize]) -> [Vec<usize>;
     })
 }
 
-/// Between both legs, pulled by them alike.
+/// Returns the weights between the legs: `pull` is the sum of both thighs' equal weights.
 fn between_legs(pull: f64) -> Weights {
     let mut weights = vec![(PELVIS, 1.0 - pull)];
     weights.extend(Side::BOTH.map(|side| (Limb::Thigh.of(side), 0.5 * pull)));
     weights
 }
 
-fn place(body: &Body, row: usize, j: usize) -> DVec3 {
+/// Returns the position of point `j` of a ring.
+fn position(body: &Body, row: usize, j: usize) -> DVec3 {
     let [u, breadth, front, back, tilt] = ROWS[row];
     let look = &body.look;
     let angle = 2.0 * PI * j as f64 / AROUND as f64;
@@ -124,7 +128,7 @@ fn place(body: &Body, row: usize, j: usize) -> DVec3 {
     let across = smooth(0.1, 0.5, sin.abs()) * (1.0 - smooth(0.65, 0.95, sin.abs()));
     front += 0.020 * look.bust * bump(0.62, 0.11) * (0.55 + 0.45 * across);
     back += 0.010 * (look.hips - 1.0 + look.bust * 0.4) * bump(-0.05, 0.12);
-    // Boxy sections look more like a trunk than ellipses do.
+    // Superellipses resemble a trunk more closely than ellipses.
     let depth = if cos > 0.0 { front } else { back };
     let x = breadth * sin.signum() * sin.abs().powf(0.88);
     let z = depth * cos.signum() * cos.abs().powf(0.80);
@@ -135,6 +139,7 @@ fn place(body: &Body, row: usize, j: usize) -> DVec3 {
     )
 }
 
+/// Returns the weights of point `j` of a ring.
 fn weights(row: usize, j: usize) -> Weights {
     let u = ROWS[row][0];
     let column = j.min(AROUND - j);

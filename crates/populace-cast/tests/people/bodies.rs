@@ -1,4 +1,4 @@
-//! Bodies at rest.
+//! Properties of bodies at rest.
 
 use std::collections::HashMap;
 
@@ -31,7 +31,8 @@ fn every_surface_is_closed_and_faces_outwards() {
                 surface.rest[a]
             );
         }
-        // A body weighs about what water does: 22 kg/m2 is a body mass index of a middling adult.
+        // Bodies have about the density of water. The body mass index of an average adult is about
+        // 22 kg/m2.
         let mass_index = 1000.0 * volume / f64::from(character.height_m()).powi(2);
         assert!(
             (14.0..45.0).contains(&mass_index),
@@ -70,7 +71,7 @@ fn sizes_weights_and_materials_are_in_bounds() {
 }
 
 #[test]
-fn soles_are_on_the_ground_and_toes_and_noses_in_front() {
+fn soles_are_on_the_ground_and_toes_and_nose_point_forward() {
     for character in people() {
         let surface = Surface::welded(character);
         let skinned = surface.skinned(&models(character, None));
@@ -98,7 +99,7 @@ fn soles_are_on_the_ground_and_toes_and_noses_in_front() {
 }
 
 #[test]
-fn two_rigs_differ_in_spine_names_rest_turns_and_fingers() {
+fn rigs_differ_in_spine_names_rest_rotations_and_fingers() {
     let rig = |wanted: Rig| {
         let looks = Look::presets();
         people().iter().zip(looks).filter(move |(_, l)| l.rig == wanted).map(|(c, _)| &c.skeleton)
@@ -106,12 +107,12 @@ fn two_rigs_differ_in_spine_names_rest_turns_and_fingers() {
     assert!(rig(Rig::Lean).count() >= 3 && rig(Rig::Full).count() >= 3);
     let (lean, full) = (rig(Rig::Lean).next().unwrap(), rig(Rig::Full).next().unwrap());
     assert_eq!((lean.joint_count(), full.joint_count()), (25, 54));
-    assert!(lean.joints().all(|j| full.find(lean.name(j)).is_none()), "names are shared");
-    let turned = |s: &populace_core::Skeleton| {
+    assert!(lean.joints().all(|j| full.find(lean.name(j)).is_none()), "rigs share joint names");
+    let rotated = |s: &populace_core::Skeleton| {
         s.joints().filter(|&j| s.rest(j).rotation[3].abs() < 0.999).count()
     };
-    assert_eq!(turned(lean), 0);
-    assert!(turned(full) > 12, "{} joints are turned at rest", turned(full));
+    assert_eq!(rotated(lean), 0);
+    assert!(rotated(full) > 12, "{} joints are rotated at rest", rotated(full));
     let named = |s: &populace_core::Skeleton, word: &str| {
         s.joints().filter(|&j| s.name(j).to_lowercase().contains(word)).count()
     };
@@ -120,7 +121,7 @@ fn two_rigs_differ_in_spine_names_rest_turns_and_fingers() {
 }
 
 #[test]
-fn the_same_look_gives_the_same_data() {
+fn equal_looks_give_equal_data() {
     for (a, b) in people().iter().zip(&cast().unwrap()) {
         assert_eq!(a.skeleton, b.skeleton);
         assert_eq!(a.palette, b.palette);

@@ -1,4 +1,4 @@
-//! Feet on the ground, and joint angles against published ones.
+//! Properties of gaits: contact of the feet with the ground, and published joint angles.
 
 use glam::{DAffine3, DVec3};
 use populace_core::{Character, Clip};
@@ -6,7 +6,7 @@ use populace_core::{Character, Clip};
 use crate::people;
 use crate::skinning::{Surface, models, times};
 
-/// Names of hip, knee and ankle joints and of the toes, left and right.
+/// Returns the names of the hip, knee, ankle and toe joints, left and right.
 fn legs(character: &Character) -> [[&'static str; 4]; 2] {
     if character.skeleton.joint_count() == 54 {
         [
@@ -25,7 +25,7 @@ fn clip<'a>(character: &'a Character, name: &str) -> &'a Clip {
     character.clips.iter().find(|c| c.name() == name).unwrap()
 }
 
-/// Every frame's skinned vertices.
+/// Returns time in seconds and skinned vertices at all [`times`] of a clip.
 fn frames(character: &Character, surface: &Surface<'_>, clip: &Clip) -> Vec<(f64, Vec<DVec3>)> {
     times(clip)
         .into_iter()
@@ -50,14 +50,14 @@ fn planted_feet_do_not_slide() {
                 for pair in frames.windows(2) {
                     let secs = pair[1].0 - pair[0].0;
                     let on_ground = |v: &&usize| pair.iter().all(|(_, p)| p[**v].y < 0.002);
-                    let moved: Vec<DVec3> = own
+                    let offsets: Vec<DVec3> = own
                         .iter()
                         .filter(on_ground)
                         .map(|&v| pair[1].1[v] - pair[0].1[v] + DVec3::Z * speed * secs)
                         .collect();
-                    if !moved.is_empty() {
+                    if !offsets.is_empty() {
                         steps += 1;
-                        slide += moved.iter().sum::<DVec3>() / moved.len() as f64;
+                        slide += offsets.iter().sum::<DVec3>() / offsets.len() as f64;
                     }
                 }
                 assert!(
@@ -76,7 +76,7 @@ fn planted_feet_do_not_slide() {
 }
 
 #[test]
-fn walkers_touch_the_ground_and_runners_fly() {
+fn walk_keeps_ground_contact_and_run_has_a_flight_phase() {
     for character in people() {
         let surface = Surface::welded(character);
         for name in ["Walk", "Run", "Idle", "Idle_Shift"] {
@@ -94,7 +94,8 @@ fn walkers_touch_the_ground_and_runners_fly() {
     }
 }
 
-/// Thigh from the vertical, forward, and knee flexion, of the left leg, in degrees.
+/// Returns the angles of the left leg in degrees: thigh from the vertical, positive forward, and
+/// flexion of the knee.
 fn leg_angles(character: &Character, clip: &Clip, secs: f64) -> [f64; 2] {
     let pose = models(character, Some((clip, secs)));
     let [hip, knee, ankle, _] = legs(character)[0]
@@ -104,7 +105,7 @@ fn leg_angles(character: &Character, clip: &Clip, secs: f64) -> [f64; 2] {
 }
 
 #[test]
-fn legs_follow_published_angles() {
+fn leg_angles_match_published_ranges() {
     for character in people() {
         let walk = clip(character, "Walk");
         let secs = f64::from(walk.duration_secs());
@@ -114,9 +115,9 @@ fn legs_follow_published_angles() {
             |of: usize| (0..100).max_by(|&a, &b| angles[a][of].total_cmp(&angles[b][of])).unwrap();
         let least =
             |of: usize| (0..100).min_by(|&a, &b| angles[a][of].total_cmp(&angles[b][of])).unwrap();
-        // In normal walking the knee bends most, by about 60 degrees, early in the swing; the thigh
-        // is farthest back as the foot pushes off, and swings over about 40 degrees. Sources:
-        // src/motion/gait.rs.
+        // In normal walking the flexion of the knee has its maximum of about 60 degrees in early
+        // swing. The thigh is farthest back at push-off and has a range of about 40 degrees.
+        // Sources: see src/motion/gait.rs.
         let name = &character.name;
         assert!(
             (67..80).contains(&most(1)) && (50.0..72.0).contains(&angles[most(1)][1]),
@@ -145,7 +146,7 @@ fn arms_swing_against_legs_and_chest_against_pelvis() {
         for name in ["Walk", "Run"] {
             let clip = clip(character, name);
             let rest = models(character, None);
-            // As the left heel strikes.
+            // The strike of the left heel.
             let pose = models(character, Some((clip, 0.0)));
             let at = |models: &[DAffine3], name: &str| {
                 models[character.skeleton.find(name).unwrap().index()]
@@ -157,8 +158,8 @@ fn arms_swing_against_legs_and_chest_against_pelvis() {
                 character.name
             );
             let yaw = |joint: &str| {
-                let turn = at(&pose, joint).matrix3 * at(&rest, joint).matrix3.transpose();
-                (turn * DVec3::Z).x
+                let rotation = at(&pose, joint).matrix3 * at(&rest, joint).matrix3.transpose();
+                (rotation * DVec3::Z).x
             };
             assert!(
                 yaw(pelvis) < -0.04 && yaw(chest) > 0.04,

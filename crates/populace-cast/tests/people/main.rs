@@ -1,4 +1,4 @@
-//! Whether the cast stands, walks and runs like people, seen from outside: skinned here, in double
+//! Tests of bodies and motions by the public data of characters, which are skinned here in double
 //! precision.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 use populace_core::Character;
 
-/// The cast, made once.
+/// Returns all presets, which are generated once.
 fn people() -> &'static [Character] {
     static PEOPLE: OnceLock<Vec<Character>> = OnceLock::new();
     PEOPLE.get_or_init(|| populace_cast::cast().unwrap())

@@ -1,4 +1,4 @@
-//! What is true of every clip.
+//! Properties of all clips.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use crate::people;
 use crate::skinning::{Surface, models, times};
 
 #[test]
-fn clips_are_complete_close_and_keep_their_bound() {
+fn clips_are_complete_loop_and_meet_their_error_bound() {
     for character in people() {
         let names: Vec<_> = character.clips.iter().map(|c| c.name()).collect();
         assert_eq!(names, ["Idle", "Idle_Shift", "Walk", "Run"]);
@@ -21,7 +21,7 @@ fn clips_are_complete_close_and_keep_their_bound() {
 }
 
 #[test]
-fn no_triangle_tears_spikes_or_collapses() {
+fn no_triangle_stretches_or_collapses() {
     for character in people() {
         let surface = Surface::welded(character);
         for clip in &character.clips {
@@ -55,9 +55,9 @@ fn no_triangle_tears_spikes_or_collapses() {
     }
 }
 
-/// Edges grow to no more than this many times their length at rest and 4 mm, and shrink to no less
-/// than this and 2 mm.
+/// Largest length of an edge, relative to rest, after 4 mm are subtracted.
 const STRETCH: f64 = 2.6;
+/// Smallest length of an edge, relative to rest, after 2 mm are added.
 const SHRINK: f64 = 0.25;
 
 #[test]
@@ -74,7 +74,7 @@ fn elbows_and_knees_keep_their_girth() {
             let ring: Vec<usize> = (0..surface.rest.len())
                 .filter(|&v| surface.weight(v, upper) > 0.2 && surface.weight(v, lower) > 0.2)
                 .collect();
-            assert!(ring.len() >= 12, "{} vertices move with {upper} and {lower}", ring.len());
+            assert!(ring.len() >= 12, "{upper} and {lower} share {} vertices", ring.len());
             let joint = character.skeleton.find(lower).unwrap().index();
             let rest = models(character, None)[joint].translation;
             for clip in &character.clips {
@@ -125,7 +125,7 @@ fn fingers_move_in_every_clip() {
                         track.value(k).iter().zip(first).map(|(a, b)| a * b).sum::<f32>().abs()
                     })
                     .fold(1.0, f32::min);
-                assert!(least < 0.9999, "{} {} {name} is stiff", character.name, clip.name());
+                assert!(least < 0.9999, "{} {} {name} does not move", character.name, clip.name());
             }
         }
     }

@@ -1,24 +1,25 @@
-//! Poses from source keys, and the whole surface skinned by them.
+//! Poses from the keys of source clips, and skinning of the whole surface.
 
 use std::collections::HashMap;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_core::{Affine, Character, Clip, Property, Track};
 
-/// A character's surface with the vertices of all parts welded by place.
+/// Surface of a character, with vertices of equal position welded across parts.
 pub(crate) struct Surface<'a> {
     character: &'a Character,
     pub(crate) rest: Vec<DVec3>,
-    /// Joint in level order and weight, four for each vertex.
+    /// Four influences of each vertex: joint in level order, and weight.
     pub(crate) influences: Vec<[(usize, f64); 4]>,
     pub(crate) triangles: Vec<[usize; 3]>,
 }
 
 impl<'a> Surface<'a> {
-    /// Panics where vertices of one place differ in normal or influences: that would open a gap.
+    /// Welds the vertices of a character. Panics if vertices of equal position differ in normal or
+    /// influences, since a seam or a gap would be visible.
     pub(crate) fn welded(character: &'a Character) -> Self {
         let mut surface = Self { character, rest: vec![], influences: vec![], triangles: vec![] };
-        let mut places: HashMap<[u32; 3], (usize, [f32; 3])> = HashMap::new();
+        let mut welded: HashMap<[u32; 3], (usize, [f32; 3])> = HashMap::new();
         for mesh in character.parts.iter().map(|part| &part.mesh) {
             let own: Vec<usize> = (0..mesh.positions.len())
                 .map(|v| {
@@ -28,7 +29,7 @@ impl<'a> Surface<'a> {
                         (joint, f64::from(mesh.influences.weights[4 * v + i]))
                     });
                     let next = surface.rest.len();
-                    let (at, normal) = *places
+                    let (at, normal) = *welded
                         .entry(mesh.positions[v].map(f32::to_bits))
                         .or_insert((next, mesh.normals[v]));
                     if at == next {
@@ -37,10 +38,14 @@ impl<'a> Surface<'a> {
                     }
                     assert_eq!(
                         surface.influences[at], influences,
-                        "a gap opens in {}",
+                        "{} has a gap: influences differ at a border",
                         character.name
                     );
-                    assert_eq!(normal, mesh.normals[v], "a seam shows on {}", character.name);
+                    assert_eq!(
+                        normal, mesh.normals[v],
+                        "{} has a seam: normals differ",
+                        character.name
+                    );
                     at
                 })
                 .collect();
@@ -51,27 +56,28 @@ impl<'a> Surface<'a> {
         surface
     }
 
-    /// All vertices under these joints.
+    /// Returns the positions of all vertices for the joint transforms `model_from_joint`.
     pub(crate) fn skinned(&self, models: &[DAffine3]) -> Vec<DVec3> {
         let mut palette = vec![DAffine3::IDENTITY; models.len()];
         for entry in &self.character.palette {
             let joint = entry.joint.index();
             palette[joint] = models[joint] * wide(&entry.joint_from_bind);
         }
-        let moved = |(rest, influences): (&DVec3, &[(usize, f64); 4])| {
+        let image = |(rest, influences): (&DVec3, &[(usize, f64); 4])| {
             influences.iter().map(|&(j, w)| palette[j].transform_point3(*rest) * w).sum()
         };
-        self.rest.iter().zip(&self.influences).map(moved).collect()
+        self.rest.iter().zip(&self.influences).map(image).collect()
     }
 
-    /// The weight by which a joint of this name moves a vertex.
+    /// Returns the weight of the joint named `joint` at a vertex.
     pub(crate) fn weight(&self, vertex: usize, joint: &str) -> f64 {
         let joint = self.character.skeleton.find(joint).unwrap().index();
         self.influences[vertex].iter().filter(|(j, _)| *j == joint).map(|(_, w)| w).sum()
     }
 }
 
-/// `model_from_joint` in level order; `clip` is held at a time, or the rest pose is taken.
+/// Returns `model_from_joint` of all joints in level order, at a time of `clip` in seconds, or at
+/// rest.
 pub(crate) fn models(character: &Character, clip: Option<(&Clip, f64)>) -> Vec<DAffine3> {
     let skeleton = &character.skeleton;
     let mut models: Vec<DAffine3> = vec![];
@@ -89,7 +95,7 @@ pub(crate) fn models(character: &Character, clip: Option<(&Clip, f64)>) -> Vec<D
             match track.property {
                 Property::Rotation => rotation = rotation_at(track, secs),
                 Property::Translation => translation = translation_at(track, secs),
-                Property::Scale => panic!("nobody grows"),
+                Property::Scale => panic!("clips of people have no scale tracks"),
             }
         }
         let local = DAffine3::from_rotation_translation(rotation, translation);
@@ -98,12 +104,13 @@ pub(crate) fn models(character: &Character, clip: Option<(&Clip, f64)>) -> Vec<D
     models
 }
 
-/// The times of all keys of a clip and as many between them.
+/// Returns the times in seconds of a clip's keys, except the last, and the midpoints between keys.
 pub(crate) fn times(clip: &Clip) -> Vec<f64> {
     let keys: Vec<f64> = clip.source().tracks[0].times.iter().map(|t| f64::from(*t)).collect();
     keys.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]).collect()
 }
 
+/// Returns the index of the last key at or before `secs`, and the fraction of the way to the next.
 fn around(track: &Track, secs: f64) -> (usize, f64) {
     let last = track.times.len() - 2;
     let key = track.times.iter().rposition(|t| f64::from(*t) <= secs).unwrap_or(0).min(last);

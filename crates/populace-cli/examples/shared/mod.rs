@@ -25,7 +25,7 @@ pub(crate) fn draw(
     for character in characters {
         handles.push(renderer.add_character(character, &|_| false)?);
     }
-    renderer.take_palettes(crowd)?;
+    renderer.acquire_palettes(crowd)?;
     let instance = |i: populace::Instance| Instance {
         character: handles[i.character.index()],
         world_from_model: i.world_from_model,

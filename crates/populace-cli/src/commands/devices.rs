@@ -1,7 +1,7 @@
 //! `populace devices`
 
 use populace::{Device, DeviceReport};
-use populace_render::{HandOver, Renderer};
+use populace_render::{PaletteInterop, Renderer};
 use serde_json::json;
 
 use crate::cli::DevicesArgs;
@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::report;
 
 /// How a device's palettes reach OpenGL, or why they do not.
-type Palettes = Result<HandOver, String>;
+type Palettes = Result<PaletteInterop, String>;
 
 pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
     let best = Device::best();
@@ -53,12 +53,12 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
 /// Tries it without a crowd, since drivers tell the truth only when asked to do it.
 fn tried(device: Device, renderer: &mut Renderer) -> Palettes {
     let palettes = device.empty_palettes(&renderer.gl_context());
-    renderer.link_palettes(&mut *palettes.map_err(|e| e.to_string())?).map_err(|e| e.to_string())
+    renderer.connect_palettes(&mut *palettes.map_err(|e| e.to_string())?).map_err(|e| e.to_string())
 }
 
 fn as_json(report: &DeviceReport, palettes: &Option<Palettes>, best: Device) -> serde_json::Value {
     let palettes = palettes.as_ref().map(|palettes| match palettes {
-        Ok(HandOver { way, refused }) => {
+        Ok(PaletteInterop { transport: way, refused }) => {
             let refused: Vec<_> = refused
                 .iter()
                 .map(|(way, reason)| json!({"way": way.name(), "reason": reason}))

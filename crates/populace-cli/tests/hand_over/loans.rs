@@ -165,9 +165,9 @@ pub(crate) fn palettes_on_the_second_page_are_drawn(device: &Devices) {
             crowd.play(member, rise, Play::looping()).unwrap();
             crowd.update(0.2).unwrap();
             if by_copy {
-                stage.renderer.take_palettes(&mut ByCopy(&mut crowd)).unwrap();
+                stage.renderer.acquire_palettes(&mut ByCopy(&mut crowd)).unwrap();
             } else {
-                stage.renderer.take_palettes(&mut crowd).unwrap();
+                stage.renderer.acquire_palettes(&mut crowd).unwrap();
             }
             let instances = stage.instances(&crowd);
             frames.push(stage.picture(&instances));

@@ -38,7 +38,7 @@ fn frames_are_drawn_while_the_next_ones_are_computed(device: &Devices) {
     let instances = stage.instances(&troupe.crowd);
     troupe.update();
     for (frame, wanted) in film.iter().enumerate() {
-        stage.renderer.take_palettes(&mut troupe.crowd).unwrap();
+        stage.renderer.acquire_palettes(&mut troupe.crowd).unwrap();
         let before = frame % 2 == 0;
         if before {
             troupe.update();
@@ -88,7 +88,7 @@ fn a_frame_outlives_the_pages_it_was_written_into(device: &Devices) {
     let mut troupe = Troupe::new(device, 20, &stage);
     stage.link(&mut troupe.crowd);
     troupe.update();
-    stage.renderer.take_palettes(&mut troupe.crowd).unwrap();
+    stage.renderer.acquire_palettes(&mut troupe.crowd).unwrap();
     let instances = stage.instances(&troupe.crowd);
     troupe.spawn(500);
     troupe.update();
@@ -125,9 +125,9 @@ fn palettes_read_back_wherever_they_stand(device: &Devices) {
         stage.shoot(&mut troupe.crowd);
         same(&mut troupe, &mut twin, "once it is taken");
     }
-    stage.renderer.take_palettes(&mut troupe.by_copy()).unwrap();
+    stage.renderer.acquire_palettes(&mut troupe.by_copy()).unwrap();
     same(&mut troupe, &mut twin, "still linked");
-    stage.renderer.link_palettes(&mut troupe.by_copy()).unwrap();
+    stage.renderer.connect_palettes(&mut troupe.by_copy()).unwrap();
     same(&mut troupe, &mut twin, "back in the device's own memory");
 }
 
@@ -135,7 +135,7 @@ fn the_way_and_the_reason_are_told(device: &Devices) {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 1, &stage);
     let hand_over = stage.link(&mut troupe.crowd);
-    if hand_over.way == PaletteTransport::Mapped {
+    if hand_over.transport == PaletteTransport::Mapped {
         let native = device.as_slice()[0] == Device::native();
         let reason = if native {
             "it takes an OpenCL device"
@@ -147,8 +147,8 @@ fn the_way_and_the_reason_are_told(device: &Devices) {
     } else {
         assert_eq!(hand_over.refused, [], "nothing is better than sharing");
     }
-    let copied = stage.renderer.link_palettes(&mut troupe.by_copy()).unwrap();
-    assert_eq!((copied.way, copied.refused.len()), (PaletteTransport::Copied, 2));
+    let copied = stage.renderer.connect_palettes(&mut troupe.by_copy()).unwrap();
+    assert_eq!((copied.transport, copied.refused.len()), (PaletteTransport::Copied, 2));
 }
 
 /// Whoever has the members, and whoever OpenGL is linked to.
@@ -189,7 +189,7 @@ fn what_is_drawn_stays_as_it_is_while_others_palettes_come() {
     let instances = stage.instances(&troupe.crowd);
     troupe.update();
     for (frame, wanted) in film.iter().enumerate() {
-        stage.renderer.take_palettes(&mut troupe.crowd).unwrap();
+        stage.renderer.acquire_palettes(&mut troupe.crowd).unwrap();
         troupe.update();
         troupe.crowd.with_page(0, &mut |_| ()).unwrap();
         assert_same(&stage.picture(&instances), wanted, &format!("frame {frame}"));

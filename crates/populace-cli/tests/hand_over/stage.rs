@@ -8,7 +8,7 @@ use populace::core::{
     PaletteTransport, TargetMark,
 };
 use populace::{CharacterId, Crowd, Devices, Placement, Play};
-use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Scene};
+use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};
 
 pub(crate) const FRAME_SECS: f32 = 0.11;
 
@@ -111,9 +111,9 @@ impl Stage {
     }
 
     /// Links a crowd, which must go without copies.
-    pub(crate) fn link(&mut self, crowd: &mut Crowd) -> HandOver {
-        let hand_over = self.renderer.link_palettes(crowd).unwrap();
-        assert_ne!(hand_over.way, PaletteTransport::Copied, "{hand_over}");
+    pub(crate) fn link(&mut self, crowd: &mut Crowd) -> PaletteInterop {
+        let hand_over = self.renderer.connect_palettes(crowd).unwrap();
+        assert_ne!(hand_over.transport, PaletteTransport::Copied, "{hand_over}");
         hand_over
     }
 
@@ -140,13 +140,13 @@ impl Stage {
 
     /// Takes a crowd's palettes and draws it.
     pub(crate) fn shoot(&mut self, crowd: &mut Crowd) -> Image {
-        self.renderer.take_palettes(crowd).unwrap();
+        self.renderer.acquire_palettes(crowd).unwrap();
         let instances = self.instances(crowd);
         self.picture(&instances)
     }
 
     pub(crate) fn shoot_by_copy(&mut self, troupe: &mut Troupe) -> Image {
-        self.renderer.take_palettes(&mut troupe.by_copy()).unwrap();
+        self.renderer.acquire_palettes(&mut troupe.by_copy()).unwrap();
         let instances = self.instances(&troupe.crowd);
         self.picture(&instances)
     }

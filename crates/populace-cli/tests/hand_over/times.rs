@@ -21,9 +21,9 @@ fn frame_ms(device: &Devices, by_copy: bool) -> [f64; 2] {
         troupe.crowd.finish().unwrap();
         let updated = Instant::now();
         if by_copy {
-            stage.renderer.take_palettes(&mut troupe.by_copy()).unwrap();
+            stage.renderer.acquire_palettes(&mut troupe.by_copy()).unwrap();
         } else {
-            stage.renderer.take_palettes(&mut troupe.crowd).unwrap();
+            stage.renderer.acquire_palettes(&mut troupe.crowd).unwrap();
         }
         if frame >= 3 {
             times[0].push((updated - start).as_secs_f64() * 1e3);

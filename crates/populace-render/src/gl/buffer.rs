@@ -1,4 +1,4 @@
-//! Buffers of plain data.
+//! Typed OpenGL buffers.
 
 use std::marker::PhantomData;
 use std::rc::Rc;
@@ -9,16 +9,16 @@ use super::Gl;
 use crate::Error;
 use crate::layout::UniformBlock;
 
-/// What a buffer is filled for.
+/// Usage hint of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BufferUse {
-    /// Once.
+    /// Filled once.
     Static,
-    /// Every frame.
+    /// Filled every frame.
     Stream,
 }
 
-/// Elements of one type on the device.
+/// An OpenGL buffer of elements of type `T`.
 pub(crate) struct Buffer<T> {
     gl: Rc<Gl>,
     raw: glow::Buffer,
@@ -29,7 +29,7 @@ pub(crate) struct Buffer<T> {
 }
 
 impl<T: bytemuck::Pod> Buffer<T> {
-    /// An empty buffer.
+    /// Creates an empty buffer.
     pub(crate) fn new(gl: &Rc<Gl>, usage: BufferUse) -> Result<Self, Error> {
         // SAFETY: the context is current.
         let raw = unsafe { gl.functions.create_buffer() }
@@ -41,25 +41,26 @@ impl<T: bytemuck::Pod> Buffer<T> {
         Ok(Self { gl: Rc::clone(gl), raw, usage, len: 0, capacity: 0, element: PhantomData })
     }
 
-    /// A buffer that holds `data`.
+    /// Creates a buffer with the contents `data`. `operation` is for error messages.
     pub(crate) fn with(
         gl: &Rc<Gl>,
         usage: BufferUse,
         data: &[T],
-        what: &str,
+        operation: &str,
     ) -> Result<Self, Error> {
         let mut buffer = Self::new(gl, usage)?;
-        buffer.fill(data, what)?;
+        buffer.fill(data, operation)?;
         Ok(buffer)
     }
 
-    /// Replaces the contents; memory is kept where it is large enough.
-    pub(crate) fn fill(&mut self, data: &[T], what: &str) -> Result<(), Error> {
+    /// Replaces the contents. Reallocates only if the capacity is too small. `operation` is for
+    /// error messages.
+    pub(crate) fn fill(&mut self, data: &[T], operation: &str) -> Result<(), Error> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let functions = &self.gl.functions;
         let fits = data.len() <= self.capacity && !data.is_empty();
-        // SAFETY: the context is current; the slice says how much is read, and `capacity`, which
-        // the driver confirmed, that there is room for it.
+        // SAFETY: the context is current. The slice gives the number of bytes read; `capacity`,
+        // which the driver confirmed, is large enough for them.
         unsafe {
             functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(self.raw));
             if fits {
@@ -71,13 +72,13 @@ impl<T: bytemuck::Pod> Buffer<T> {
         if !fits {
             (self.len, self.capacity) = (0, 0);
         }
-        self.gl.check(what)?;
+        self.gl.check(operation)?;
         self.len = data.len();
         self.capacity = self.capacity.max(data.len());
         Ok(())
     }
 
-    /// Elements that were filled in last.
+    /// Returns the number of elements.
     pub(crate) fn len(&self) -> usize {
         self.len
     }
@@ -86,10 +87,10 @@ impl<T: bytemuck::Pod> Buffer<T> {
         self.raw
     }
 
-    /// Binds the whole buffer as the storage block of a binding point.
+    /// Binds the whole buffer to a storage buffer binding point.
     pub(crate) fn bind_storage(&self, binding: u32) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and ours are
-        // below.
+        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and this crate
+        // uses lower numbers only.
         unsafe {
             self.gl.functions.bind_buffer_base(
                 glow::SHADER_STORAGE_BUFFER,
@@ -101,10 +102,10 @@ impl<T: bytemuck::Pod> Buffer<T> {
 }
 
 impl<T: UniformBlock> Buffer<T> {
-    /// Binds the buffer as the uniform block that `T` is.
+    /// Binds the buffer to the binding point of the uniform block `T`.
     pub(crate) fn bind_uniform(&self) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 36 binding points, and ours are
-        // below.
+        // SAFETY: the context is current; OpenGL 4.3 has at least 36 binding points, and this crate
+        // uses lower numbers only.
         unsafe {
             self.gl.functions.bind_buffer_base(glow::UNIFORM_BUFFER, T::BINDING, Some(self.raw));
         }
@@ -114,7 +115,7 @@ impl<T: UniformBlock> Buffer<T> {
 impl<T> Drop for Buffer<T> {
     fn drop(&mut self) {
         if self.gl.make_current().is_ok() {
-            // SAFETY: the context is current, and the name is ours alone.
+            // SAFETY: the context is current, and `self` owns the buffer.
             unsafe { self.gl.functions.delete_buffer(self.raw) }
         }
     }

@@ -1,4 +1,4 @@
-//! Contexts without a window, by EGL.
+//! Windowless OpenGL contexts, created with EGL.
 
 use std::ffi::{CStr, c_void};
 use std::fmt;
@@ -17,7 +17,7 @@ const MAX_DEVICES: u8 = 16;
 const REMEDY: &str = "install a graphics driver with EGL and OpenGL 4.3 or newer; Mesa's software \
                       driver will do (Debian, Ubuntu: apt install libegl1 libgl1-mesa-dri)";
 
-/// A context of OpenGL 4.3 core or newer, current on the thread that made it.
+/// A context of OpenGL 4.3 core or newer, current on the thread that created it.
 pub(crate) struct Context {
     egl: &'static Egl,
     display: egl::Display,
@@ -26,8 +26,8 @@ pub(crate) struct Context {
 }
 
 impl Context {
-    /// Tries, in this order: graphics devices that are no software, those that are, Mesa without a
-    /// surface, and the default display. The first that gives a context is taken.
+    /// Returns the first context that can be created on, in this order: hardware devices, software
+    /// devices, Mesa's surfaceless platform, the default display.
     pub(super) fn headless() -> Result<Self, Error> {
         let egl = library().map_err(|cause| no_gl(format!("libEGL: {cause}")))?;
         let mut tried = Vec::new();
@@ -41,14 +41,14 @@ impl Context {
     }
 
     fn on(egl: &'static Egl, display: egl::Display) -> Result<Self, String> {
-        let say = |what: &'static str| move |cause: egl::Error| format!("{what} failed, {cause}");
-        egl.initialize(display).map_err(say("eglInitialize"))?;
-        egl.bind_api(egl::OPENGL_API).map_err(say("eglBindAPI"))?;
+        let failed = |call: &'static str| move |e: egl::Error| format!("{call} failed, {e}");
+        egl.initialize(display).map_err(failed("eglInitialize"))?;
+        egl.bind_api(egl::OPENGL_API).map_err(failed("eglBindAPI"))?;
         let wanted =
             [egl::SURFACE_TYPE, egl::PBUFFER_BIT, egl::RENDERABLE_TYPE, egl::OPENGL_BIT, egl::NONE];
         let config = egl
             .choose_first_config(display, &wanted)
-            .map_err(say("eglChooseConfig"))?
+            .map_err(failed("eglChooseConfig"))?
             .ok_or("it offers no OpenGL")?;
         let version = [
             egl::CONTEXT_MAJOR_VERSION,
@@ -61,15 +61,15 @@ impl Context {
         ];
         let context = egl
             .create_context(display, config, None, &version)
-            .map_err(say("eglCreateContext for OpenGL 4.3"))?;
-        let mut made = Self { egl, display, context, surface: None };
+            .map_err(failed("eglCreateContext for OpenGL 4.3"))?;
+        let mut created = Self { egl, display, context, surface: None };
         if !has_extension(egl, Some(display), "EGL_KHR_surfaceless_context") {
             let size = [egl::WIDTH, 1, egl::HEIGHT, 1, egl::NONE];
             let surface = egl.create_pbuffer_surface(display, config, &size);
-            made.surface = Some(surface.map_err(say("eglCreatePbufferSurface"))?);
+            created.surface = Some(surface.map_err(failed("eglCreatePbufferSurface"))?);
         }
-        made.make_current().map_err(|error| error.to_string())?;
-        Ok(made)
+        created.make_current().map_err(|error| error.to_string())?;
+        Ok(created)
     }
 
     pub(super) fn make_current(&self) -> Result<(), Error> {
@@ -81,10 +81,10 @@ impl Context {
             .map_err(|cause| Error::ContextLost { cause: cause.to_string() })
     }
 
-    /// Makes no context current on this thread, if it is this one now.
+    /// Releases this context if it is current on this thread.
     pub(super) fn release_current(&self) {
         if self.egl.get_current_context() == Some(self.context) {
-            // A context that cannot be let go of now is let go of when another becomes current.
+            // If this fails, the context is released once another one becomes current.
             let _ = self.egl.make_current(self.display, None, None, None);
         }
     }
@@ -94,11 +94,11 @@ impl Context {
     }
 }
 
-// SAFETY: EGL's functions can be called on every thread (EGL 1.5, section 2.6), with every handle:
-// a context that is current elsewhere is refused by eglMakeCurrent (section 3.7.3), and destroyed
-// by eglDestroyContext once it is no longer current (sections 3.2 and 3.7.2).
+// SAFETY: EGL functions can be called on every thread (EGL 1.5, section 2.6), with every handle.
+// eglMakeCurrent rejects a context that is current on another thread (section 3.7.3), and
+// eglDestroyContext defers until the context is no longer current (sections 3.2 and 3.7.2).
 unsafe impl Send for Context {}
-// SAFETY: as above; `Context` holds nothing but handles, which never change.
+// SAFETY: as above; `Context` holds only handles, which never change.
 unsafe impl Sync for Context {}
 
 impl fmt::Debug for Context {
@@ -107,8 +107,8 @@ impl fmt::Debug for Context {
     }
 }
 
-// SAFETY: the handles are those of the display and the context that `on` made; the context is
-// destroyed when `self` is dropped, and the display never.
+// SAFETY: the handles are those of the display and of the context that `on` created. The context is
+// destroyed when `self` is dropped; the display is never terminated.
 unsafe impl GlContext for Context {
     fn handles(&self) -> EglHandles {
         EglHandles {
@@ -120,8 +120,8 @@ unsafe impl GlContext for Context {
 
 impl Drop for Context {
     fn drop(&mut self) {
-        // Failures are of no use to anybody now. The display stays initialised: EGL hands the same
-        // one to every context of the process, and terminating it would end them all.
+        // Errors are ignored, since `drop` cannot return them. The display stays initialised: all
+        // contexts of the process share it, and terminating it would destroy them.
         self.release_current();
         let _ = self.egl.destroy_context(self.display, self.context);
         if let Some(surface) = self.surface {
@@ -134,14 +134,14 @@ fn no_gl(tried: String) -> Error {
     Error::NoGl { tried, remedy: REMEDY }
 }
 
-/// Loads libEGL once per process, and never unloads it: drivers leave threads and thread-local
-/// destructors behind.
+/// Loads libEGL once per process. It is never unloaded, since drivers may have running threads and
+/// registered thread-local destructors.
 fn library() -> Result<&'static Egl, String> {
     static LIBRARY: OnceLock<Result<Egl, String>> = OnceLock::new();
     LIBRARY
         .get_or_init(|| {
-            // SAFETY: loading runs the library's initialisers; libEGL is the system's, and keeps to
-            // the EGL specification, which the function types of khronos-egl follow.
+            // SAFETY: loading runs the library's initialisers. libEGL is a system library and
+            // follows the EGL specification, as do the function types of khronos-egl.
             unsafe { Egl::load_required() }.map_err(|error| match error {
                 egl::LoadError::Library(cause) => cause.to_string(),
                 egl::LoadError::InvalidVersion { provided, .. } => {
@@ -155,6 +155,7 @@ fn library() -> Result<&'static Egl, String> {
 
 type Open = Box<dyn FnOnce() -> Result<egl::Display, String>>;
 
+/// Returns the displays to try, each with a name for error messages.
 fn candidates(egl: &'static Egl) -> Vec<(String, Open)> {
     let mut list: Vec<(String, Open)> = Vec::new();
     if has_extension(egl, None, "EGL_EXT_platform_device") {
@@ -172,7 +173,7 @@ fn candidates(egl: &'static Egl) -> Vec<(String, Open)> {
         list.push(("Mesa without a surface".into(), open));
     }
     let open = Box::new(move || {
-        // SAFETY: EGL_DEFAULT_DISPLAY is null, which every implementation takes.
+        // SAFETY: EGL_DEFAULT_DISPLAY is null, which every implementation accepts.
         unsafe { egl.get_display(std::ptr::null_mut()) }.ok_or_else(|| "there is none".to_owned())
     });
     list.push(("default display".into(), open));
@@ -189,7 +190,7 @@ struct Device {
     software: bool,
 }
 
-/// What EGL_EXT_device_enumeration finds.
+/// Returns the devices that EGL_EXT_device_enumeration lists.
 fn devices(egl: &Egl) -> Vec<Device> {
     type QueryDevices = extern "system" fn(i32, *mut *mut c_void, *mut i32) -> u32;
     type QueryDeviceString = extern "system" fn(*mut c_void, i32) -> *const std::ffi::c_char;
@@ -215,8 +216,8 @@ fn devices(egl: &Egl) -> Vec<Device> {
     let count = usize::try_from(count).unwrap_or(0).min(handles.len());
     let is_software = |handle| {
         let extensions = query_string(handle, egl::EXTENSIONS);
-        // SAFETY: for a handle that eglQueryDevicesEXT gave, the string is null or ends in a zero
-        // and is never freed.
+        // SAFETY: for a handle from eglQueryDevicesEXT, the string is null or zero-terminated, and
+        // it is never freed.
         !extensions.is_null()
             && unsafe { CStr::from_ptr(extensions) }
                 .to_string_lossy()
@@ -228,8 +229,8 @@ fn devices(egl: &Egl) -> Vec<Device> {
         .collect()
 }
 
-/// `eglGetPlatformDisplay`, by hand: khronos-egl's panics where a driver gives neither display nor
-/// error.
+/// Calls `eglGetPlatformDisplay`. The function of khronos-egl panics if a driver returns neither a
+/// display nor an error.
 fn platform_display(
     egl: &Egl,
     platform: egl::Enum,
@@ -239,12 +240,12 @@ fn platform_display(
         extern "system" fn(egl::Enum, *mut c_void, *const egl::Attrib) -> egl::EGLDisplay;
     let get =
         egl.get_proc_address("eglGetPlatformDisplay").ok_or("eglGetPlatformDisplay is missing")?;
-    // SAFETY: EGL 1.5, which `library` asked for, gives this name this type.
+    // SAFETY: EGL 1.5, which `library` requires, gives this name this type.
     let get = unsafe { std::mem::transmute::<extern "system" fn(), GetPlatformDisplay>(get) };
     let display = get(platform, native, std::ptr::null());
     if display == egl::NO_DISPLAY {
         return Err("it has no display".to_owned());
     }
-    // SAFETY: EGL just returned it.
+    // SAFETY: `display` is a valid handle that EGL just returned.
     Ok(unsafe { egl::Display::from_ptr(display) })
 }

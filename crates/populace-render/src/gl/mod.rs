@@ -1,9 +1,8 @@
-//! The boundary to EGL and OpenGL: the only module with `unsafe` code.
+//! Safe wrappers of EGL and OpenGL: the only module with `unsafe` code.
 //!
-//! Everything here is a safe wrapper for the rest of the crate. Objects hold the context they
-//! belong to, make it current before they are touched, and delete themselves. What the compiler
-//! cannot know, that ranges drawn lie within buffers, is checked here or named as a duty of the
-//! caller in the `SAFETY` lines.
+//! Objects own a reference to their context and delete themselves when dropped. Preconditions that
+//! the compiler cannot check, for example that drawn ranges lie within their buffers, are checked
+//! here, or named in the `SAFETY` comments with the code that guarantees them.
 #![expect(
     unsafe_code,
     reason = "EGL and OpenGL are C; this module is the crate's only boundary to them"
@@ -33,15 +32,20 @@ pub(crate) use target::{PictureTarget, ShadowTarget};
 pub(crate) use texture::{Sampling, Texture};
 pub(crate) use vertex_array::{DrawRange, VertexArray};
 
-/// What this driver can do.
+/// Limits and features of the driver.
 #[derive(Clone, Debug)]
 pub(crate) struct Limits {
+    /// Largest side of a texture in texels.
     pub(crate) texture_size: u32,
+    /// Largest side of a picture in pixels.
     pub(crate) picture_size: u32,
+    /// Largest size of a storage block in bytes.
     pub(crate) storage_bytes: u64,
-    /// Whether buffers can stay mapped while they are drawn from.
+    /// True if buffers can stay mapped while they are drawn from.
     pub(crate) maps_buffers: bool,
+    /// Largest number of samples per pixel.
     pub(crate) samples: u32,
+    /// Largest anisotropy of texture filters, 1 if unsupported or too slow.
     pub(crate) anisotropy: f32,
 }
 
@@ -50,19 +54,20 @@ pub(crate) struct Gl {
     functions: glow::Context,
     limits: Limits,
     driver: String,
-    // Declared last: it must outlive the functions that were loaded from it.
+    // Declared last, since it must outlive the functions that were loaded from it.
     context: Arc<egl::Context>,
 }
 
-/// Which triangles are left out.
+/// Face culling, and the winding of front faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cull {
+    /// No culling; front faces are counter-clockwise.
     Nothing,
-    /// The same, for a mirrored mesh: shaders are told which faces are its front.
+    /// No culling; front faces are clockwise, as in mirrored meshes. Shaders need the winding.
     NothingMirrored,
-    /// Back faces, where front faces are counter-clockwise.
+    /// Back faces are culled; front faces are counter-clockwise.
     Back,
-    /// Back faces of a mirrored mesh, whose front faces are clockwise.
+    /// Back faces are culled; front faces are clockwise, as in mirrored meshes.
     BackMirrored,
 }
 
@@ -72,9 +77,10 @@ pub(crate) struct DrawState {
     pub(crate) cull: Cull,
     pub(crate) blend: bool,
     pub(crate) depth_write: bool,
-    /// Pushes depth away from the eye: times the slope, and in units of depth precision.
+    /// Depth offset away from the eye: factor of the slope, and constant in units of the depth
+    /// buffer's precision.
     pub(crate) depth_offset: [f32; 2],
-    /// Nothing is clipped at the near and far planes; depth is clamped.
+    /// True to clamp depth to the near and far planes instead of clipping.
     pub(crate) depth_clamp: bool,
 }
 
@@ -89,11 +95,11 @@ impl DrawState {
 }
 
 impl Gl {
-    /// Opens a context without a window.
+    /// Creates a windowless context and loads its functions.
     pub(crate) fn headless() -> Result<Rc<Self>, Error> {
         let context = Arc::new(egl::Context::headless()?);
-        // SAFETY: `egl::Context::headless` made the context current on this thread, and the loader
-        // returns addresses of that context's functions or null, which glow checks before each
+        // SAFETY: `egl::Context::headless` made the context current on this thread. The loader
+        // returns addresses of that context's functions, or null, which glow checks before each
         // call.
         let functions =
             unsafe { glow::Context::from_loader_function(|name| context.proc_address(name)) };
@@ -103,7 +109,7 @@ impl Gl {
             .map(|name| unsafe { functions.get_parameter_string(name) });
         let gl =
             Self { functions, limits, driver: format!("{renderer}, OpenGL {version}"), context };
-        gl.check("start")?;
+        gl.check("query the driver's limits")?;
         Ok(Rc::new(gl))
     }
 
@@ -111,7 +117,7 @@ impl Gl {
         &self.limits
     }
 
-    /// The context, for devices that write its memory.
+    /// Returns the context, for devices that write its buffers.
     pub(crate) fn context(&self) -> Arc<dyn GlContext> {
         Arc::<egl::Context>::clone(&self.context)
     }
@@ -120,16 +126,18 @@ impl Gl {
         &self.driver
     }
 
-    /// Makes the context current on this thread. Each public entry point of the crate calls this
-    /// first; that is what the `SAFETY` lines of this module mean by "the context is current".
+    /// Makes the context current on this thread. Each public function of the crate that calls
+    /// OpenGL calls this first. The `SAFETY` comments of this module rely on it where they say "the
+    /// context is current".
     pub(crate) fn make_current(&self) -> Result<(), Error> {
         self.context.make_current()
     }
 
-    /// Turns what OpenGL remembers of failed calls into an error.
+    /// Returns the first error that OpenGL recorded since the last check, and clears the rest.
+    /// `operation` is a verb phrase for the message.
     pub(crate) fn check(&self, operation: &str) -> Result<(), Error> {
         let mut first = glow::NO_ERROR;
-        // A lost context may report errors without end.
+        // The number of reads is bounded, since a lost context may return errors forever.
         for _ in 0..16 {
             // SAFETY: the context is current; the call has no other precondition.
             let code = unsafe { self.functions.get_error() };
@@ -152,8 +160,7 @@ impl Gl {
     pub(crate) fn set_state(&self, state: DrawState) {
         let gl = &self.functions;
         let switch = |capability, on| {
-            // SAFETY: the context is current; each capability named below is one of core OpenGL
-            // 4.3.
+            // SAFETY: the context is current; the capabilities below are in core OpenGL 4.3.
             unsafe { if on { gl.enable(capability) } else { gl.disable(capability) } }
         };
         switch(glow::CULL_FACE, matches!(state.cull, Cull::Back | Cull::BackMirrored));
@@ -164,7 +171,7 @@ impl Gl {
         let mirrored = matches!(state.cull, Cull::BackMirrored | Cull::NothingMirrored);
         let front = if mirrored { glow::CW } else { glow::CCW };
         let [slope, units] = state.depth_offset;
-        // SAFETY: the context is current; all enumerants are those that the functions take.
+        // SAFETY: the context is current; all enumerants are valid for their functions.
         unsafe {
             gl.front_face(front);
             gl.depth_func(glow::LEQUAL);
@@ -179,7 +186,7 @@ impl Gl {
         }
     }
 
-    /// Draws vertices that a shader makes up from their numbers: a strip of triangles.
+    /// Draws a triangle strip whose vertices the shader computes from `gl_VertexID`.
     pub(crate) fn draw_strip(
         &self,
         program: &Program,
@@ -188,8 +195,8 @@ impl Gl {
     ) {
         program.bind();
         vertex_array.bind();
-        // SAFETY: the context is current; `vertex_array` has no attribute that could be read past
-        // its end, see `VertexArray::empty`.
+        // SAFETY: the context is current. `vertex_array` has no attributes, see
+        // `VertexArray::empty`, so that no buffer is read past its end.
         unsafe {
             self.functions.draw_arrays(glow::TRIANGLE_STRIP, 0, i32::from(vertex_count));
         }
@@ -197,26 +204,27 @@ impl Gl {
 }
 
 impl Drop for Gl {
-    /// A context that lent its memory lives on, but not on this thread: it may have to go on
-    /// another one.
+    /// Releases the context from this thread. If a device still uses its buffers, the context
+    /// outlives `self`, and another thread may have to make it current.
     fn drop(&mut self) {
         self.context.release_current();
     }
 }
 
 impl Limits {
+    /// Queries the limits of the current context.
     fn of(functions: &glow::Context) -> Result<Self, Error> {
-        // SAFETY: the context is current; each parameter asked for below is one integer of OpenGL
-        // 4.3, which `egl::Context::headless` asked for.
+        // SAFETY: the context is current. Each parameter below is one integer of OpenGL 4.3, which
+        // `egl::Context::headless` requires.
         let get = |name| u32::try_from(unsafe { functions.get_parameter_i32(name) }).unwrap_or(0);
         if get(glow::MAX_VERTEX_SHADER_STORAGE_BLOCKS) == 0 {
             return Err(Error::NoGl {
-                tried: "its vertex shaders read no storage buffers".into(),
-                remedy: "use a driver that offers GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS of 1 or more",
+                tried: "vertex shaders cannot read storage buffers".into(),
+                remedy: "use a driver with GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS of 1 or more",
             });
         }
         let mut viewport = [0; 2];
-        // SAFETY: the context is current; this parameter is two integers, for which there is room.
+        // SAFETY: the context is current; this parameter is two integers, the length of `viewport`.
         unsafe { functions.get_parameter_i32_slice(glow::MAX_VIEWPORT_DIMS, &mut viewport) }
         let viewport = viewport.map(|side| u32::try_from(side).unwrap_or(0));
         let anisotropic =
@@ -227,7 +235,7 @@ impl Limits {
         let renderer = unsafe { functions.get_parameter_string(glow::RENDERER) };
         let software =
             ["llvmpipe", "softpipe", "swrast"].iter().any(|name| renderer.contains(name));
-        // A processor takes three times as long for a whole picture with it.
+        // Software rasterizers take three times as long for a picture with anisotropic filtering.
         let anisotropy = if anisotropic && !software {
             // SAFETY: the context is current and has the extension that defines the parameter.
             unsafe { functions.get_parameter_f32(glow::MAX_TEXTURE_MAX_ANISOTROPY_EXT) }

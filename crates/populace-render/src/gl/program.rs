@@ -1,4 +1,4 @@
-//! Shader programs.
+//! OpenGL shader programs.
 
 use std::rc::Rc;
 
@@ -7,14 +7,14 @@ use glow::HasContext as _;
 use super::Gl;
 use crate::Error;
 
-/// A linked vertex and fragment shader.
+/// A linked program of a vertex and a fragment shader.
 pub(crate) struct Program {
     gl: Rc<Gl>,
     raw: glow::Program,
 }
 
 impl Program {
-    /// Compiles and links; `name` is for error messages.
+    /// Compiles and links a program. `name` is for error messages.
     pub(crate) fn new(
         gl: &Rc<Gl>,
         name: &str,
@@ -29,8 +29,8 @@ impl Program {
         for (stage, extension, text) in
             [(glow::VERTEX_SHADER, "vert", vertex), (glow::FRAGMENT_SHADER, "frag", fragment)]
         {
-            // SAFETY: the context is current; the shader is deleted once the program lets go of it,
-            // at link's end.
+            // SAFETY: the context is current. The shader is attached, so that it is deleted with
+            // the program.
             let log = unsafe {
                 let shader = functions.create_shader(stage).map_err(fail)?;
                 functions.shader_source(shader, text);
@@ -53,25 +53,25 @@ impl Program {
             // SAFETY: the context is current, the program exists.
             return Err(fail(unsafe { functions.get_program_info_log(raw) }));
         }
-        gl.check("link a shader")?;
+        gl.check("link a shader program")?;
         Ok(program)
     }
 
-    /// Makes this the program of the draws that follow.
+    /// Makes this the current program.
     pub(crate) fn bind(&self) {
         // SAFETY: the context is current; `new` linked the program.
         unsafe { self.gl.functions.use_program(Some(self.raw)) }
     }
 
-    /// Byte offsets that the driver gives to fields of uniform blocks; -1 for a field that the
-    /// shader never reads.
+    /// Returns the driver's byte offsets of uniform block fields, -1 for a field that the shader
+    /// does not use.
     #[cfg(test)]
     pub(crate) fn field_offsets(&self, names: &[&str]) -> Vec<i32> {
         let functions = &self.gl.functions;
         // SAFETY: the context is current and the program linked.
         let indices = unsafe { functions.get_uniform_indices(self.raw, names) };
         let offset = |index: Option<u32>| {
-            // SAFETY: as above, and the index is one that the driver gave.
+            // SAFETY: as above, and the driver returned the index.
             index.map_or(-1, |i| unsafe {
                 functions.get_active_uniforms_parameter(self.raw, &[i], glow::UNIFORM_OFFSET)[0]
             })
@@ -83,7 +83,7 @@ impl Program {
 impl Drop for Program {
     fn drop(&mut self) {
         if self.gl.make_current().is_ok() {
-            // SAFETY: the context is current, and the name is ours alone.
+            // SAFETY: the context is current, and `self` owns the program.
             unsafe { self.gl.functions.delete_program(self.raw) }
         }
     }

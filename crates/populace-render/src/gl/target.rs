@@ -1,4 +1,4 @@
-//! What is drawn into: the picture, and the sun's depth map.
+//! Framebuffers: the picture and the shadow map.
 
 use std::rc::Rc;
 
@@ -8,10 +8,10 @@ use populace_core::Image;
 use super::Gl;
 use crate::Error;
 
-/// Samples per pixel, where the driver offers them.
+/// Samples per pixel, if the driver supports them.
 const SAMPLES: u32 = 4;
 
-/// A framebuffer with what is attached to it.
+/// A framebuffer and its attachments.
 struct Target {
     gl: Rc<Gl>,
     framebuffer: glow::Framebuffer,
@@ -28,7 +28,7 @@ impl Target {
     }
 
     fn bind(&self, target: u32) {
-        // SAFETY: the context is current; the name is ours.
+        // SAFETY: the context is current, and the object exists.
         unsafe { self.gl.functions.bind_framebuffer(target, Some(self.framebuffer)) }
     }
 
@@ -45,8 +45,8 @@ impl Target {
         let renderbuffer = unsafe { functions.create_renderbuffer() }
             .map_err(|code| Error::GlError { operation: "create a renderbuffer".into(), code })?;
         self.renderbuffers.push(renderbuffer);
-        // SAFETY: the context is current, the framebuffer bound; a size or count that is refused
-        // shows in `check`.
+        // SAFETY: the context is current and the framebuffer bound. `check` reports a size or
+        // sample count that the driver rejects.
         unsafe {
             functions.bind_renderbuffer(glow::RENDERBUFFER, Some(renderbuffer));
             functions.renderbuffer_storage_multisample(
@@ -63,18 +63,19 @@ impl Target {
                 Some(renderbuffer),
             );
         }
-        self.gl.check("a picture of that size")
+        self.gl.check("allocate a renderbuffer")
     }
 
-    fn complete(&self, what: &str) -> Result<(), Error> {
+    /// Checks that the framebuffer can be drawn to.
+    fn complete(&self, operation: &str) -> Result<(), Error> {
         self.bind(glow::FRAMEBUFFER);
         // SAFETY: the context is current.
         let status = unsafe { self.gl.functions.check_framebuffer_status(glow::FRAMEBUFFER) };
         if status == glow::FRAMEBUFFER_COMPLETE {
-            return self.gl.check(what);
+            return self.gl.check(operation);
         }
         let code = format!("framebuffer status 0x{status:04x}");
-        Err(Error::GlError { operation: what.to_owned(), code })
+        Err(Error::GlError { operation: operation.to_owned(), code })
     }
 }
 
@@ -83,7 +84,7 @@ impl Drop for Target {
         if self.gl.make_current().is_err() {
             return;
         }
-        // SAFETY: the context is current, and the names are ours alone.
+        // SAFETY: the context is current, and `self` owns the objects.
         unsafe {
             self.gl.functions.delete_framebuffer(self.framebuffer);
             for renderbuffer in &self.renderbuffers {
@@ -96,8 +97,7 @@ impl Drop for Target {
     }
 }
 
-/// The picture: sRGB colour and depth, with several samples per pixel where there are, and a
-/// resolved copy to read.
+/// The picture: multisampled sRGB colour and depth, and a resolved copy to read back.
 pub(crate) struct PictureTarget {
     drawn: Target,
     resolved: Target,
@@ -105,7 +105,7 @@ pub(crate) struct PictureTarget {
 }
 
 impl PictureTarget {
-    /// A target of `size` pixels.
+    /// Allocates a target of `size` pixels (width, height).
     pub(crate) fn new(gl: &Rc<Gl>, size: [u32; 2]) -> Result<Self, Error> {
         let [width, height] = size;
         if width == 0 || height == 0 {
@@ -116,18 +116,18 @@ impl PictureTarget {
             (i32::try_from(width), i32::try_from(height), width.max(height) <= limit)
         else {
             let (size, limit) = (u64::from(width.max(height)), u64::from(limit));
-            return Err(Error::TooLarge { what: "a picture's side", size, limit });
+            return Err(Error::TooLarge { what: "the side of a picture", size, limit });
         };
         let size = [w, h];
         let samples = if gl.limits().samples >= SAMPLES { SAMPLES.cast_signed() } else { 0 };
-        // Drivers may refuse many samples at large sizes; one is then better than none.
+        // Drivers may reject multisampling at large sizes. Fall back to one sample.
         let drawn = match Self::target(gl, samples, size) {
             Err(_) if samples > 0 => Self::target(gl, 0, size)?,
             other => other?,
         };
         let mut resolved = Target::new(gl)?;
         resolved.attach(glow::COLOR_ATTACHMENT0, glow::SRGB8_ALPHA8, 0, size)?;
-        resolved.complete("a picture of that size")?;
+        resolved.complete("create a framebuffer of the picture's size")?;
         Ok(Self { drawn, resolved, size })
     }
 
@@ -135,11 +135,11 @@ impl PictureTarget {
         let mut target = Target::new(gl)?;
         target.attach(glow::COLOR_ATTACHMENT0, glow::SRGB8_ALPHA8, samples, size)?;
         target.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, samples, size)?;
-        target.complete("a picture of that size")?;
+        target.complete("create a framebuffer of the picture's size")?;
         Ok(target)
     }
 
-    /// Makes this what is drawn into, and clears it to opaque black.
+    /// Makes this the current framebuffer and clears it to opaque black.
     pub(crate) fn begin(&self) {
         self.drawn.bind(glow::FRAMEBUFFER);
         let functions = &self.drawn.gl.functions;
@@ -155,7 +155,7 @@ impl PictureTarget {
         }
     }
 
-    /// Resolves the samples and reads the picture, rows from the top.
+    /// Resolves the samples and reads the picture back, top row first.
     pub(crate) fn read(&self) -> Result<Image, Error> {
         let gl = &self.drawn.gl;
         let [width, height] = self.size;
@@ -163,8 +163,9 @@ impl PictureTarget {
         let mut rgba = vec![0; row_bytes * self.size[1].unsigned_abs() as usize];
         self.drawn.bind(glow::READ_FRAMEBUFFER);
         self.resolved.bind(glow::DRAW_FRAMEBUFFER);
-        // SAFETY: the context is current and both framebuffers of `size`; the driver writes width x
-        // height x 4 bytes, which `rgba` has: rows of 4-byte pixels need no padding.
+        // SAFETY: the context is current, and both framebuffers have the size `size`. The driver
+        // writes width x height x 4 bytes, the length of `rgba`: rows of 4-byte pixels have no
+        // padding.
         unsafe {
             let functions = &gl.functions;
             functions.enable(glow::FRAMEBUFFER_SRGB);
@@ -190,7 +191,7 @@ impl PictureTarget {
     }
 }
 
-/// OpenGL's first row is the lowest.
+/// Reverses the order of rows, since the first row of OpenGL is the lowest.
 fn flip_rows(rgba: &mut [u8], row_bytes: usize) {
     let (upper, lower) = rgba.split_at_mut(rgba.len() / row_bytes / 2 * row_bytes);
     for (a, b) in upper.chunks_exact_mut(row_bytes).zip(lower.chunks_exact_mut(row_bytes).rev()) {
@@ -198,14 +199,14 @@ fn flip_rows(rgba: &mut [u8], row_bytes: usize) {
     }
 }
 
-/// The depth map as the sun sees it, read with comparison.
+/// The shadow map: depth as seen from the sun, sampled with comparison.
 pub(crate) struct ShadowTarget {
     target: Target,
     size: i32,
 }
 
 impl ShadowTarget {
-    /// A square map of `size` texels a side, or of the driver's largest texture.
+    /// Allocates a square map with a side of `size` texels, or of the largest texture size.
     pub(crate) fn new(gl: &Rc<Gl>, size: u32) -> Result<Self, Error> {
         let size = size.min(gl.limits().texture_size).cast_signed();
         let mut target = Target::new(gl)?;
@@ -223,8 +224,8 @@ impl ShadowTarget {
             (glow::TEXTURE_COMPARE_FUNC, glow::LEQUAL),
         ];
         target.bind(glow::FRAMEBUFFER);
-        // SAFETY: the context is current, the framebuffer bound; a size that is refused shows in
-        // `complete`. Without colour attachments the framebuffer may draw to none.
+        // SAFETY: the context is current and the framebuffer bound. `complete` reports a size that
+        // the driver rejects. Without colour attachments, drawing to no buffer is valid.
         unsafe {
             functions.active_texture(glow::TEXTURE0);
             functions.bind_texture(glow::TEXTURE_2D, Some(texture));
@@ -247,16 +248,16 @@ impl ShadowTarget {
             functions.draw_buffer(glow::NONE);
             functions.read_buffer(glow::NONE);
         }
-        target.complete("a shadow map")?;
+        target.complete("create a shadow map")?;
         Ok(Self { target, size })
     }
 
-    /// Texels a side.
+    /// Returns the side of the map in texels.
     pub(crate) fn size(&self) -> u16 {
         u16::try_from(self.size).unwrap_or(u16::MAX)
     }
 
-    /// Makes this what is drawn into, and clears it to "nothing in the way".
+    /// Makes this the current framebuffer and clears it to the largest depth.
     pub(crate) fn begin(&self) {
         self.target.bind(glow::FRAMEBUFFER);
         let functions = &self.target.gl.functions;
@@ -271,7 +272,8 @@ impl ShadowTarget {
 
     /// Binds the map to a texture unit.
     pub(crate) fn bind_texture(&self, unit: u32) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 48 units, and ours are below.
+        // SAFETY: the context is current; OpenGL 4.3 has at least 48 units, and this crate uses
+        // lower numbers only.
         unsafe {
             self.target.gl.functions.active_texture(glow::TEXTURE0 + unit);
             self.target.gl.functions.bind_texture(glow::TEXTURE_2D, self.target.texture);

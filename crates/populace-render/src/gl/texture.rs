@@ -1,4 +1,4 @@
-//! Textures of characters.
+//! Base colour textures.
 
 use std::rc::Rc;
 
@@ -8,31 +8,32 @@ use populace_core::{Image, TextureFilter, Wrap};
 use super::Gl;
 use crate::Error;
 
-/// More than this is hardly seen on a character.
+/// Upper bound of the anisotropy. Higher values make no visible difference on characters.
 const ANISOTROPY: f32 = 8.0;
 
-/// An sRGB picture with all its mip levels, and how it is read.
+/// An sRGB texture with all mip levels and its sampling parameters.
 pub(crate) struct Texture {
     gl: Rc<Gl>,
     raw: glow::Texture,
 }
 
-/// How a texture is read.
+/// Sampling parameters of a texture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Sampling {
+    /// Wrap mode along u and v.
     pub(crate) wrap: [Wrap; 2],
     pub(crate) filter: TextureFilter,
 }
 
 impl Texture {
-    /// Uploads `image`, whose row 0, the top, comes to stand at v = 0.
+    /// Uploads `image`. Its first row, the top one, is at v = 0.
     pub(crate) fn new(gl: &Rc<Gl>, image: &Image, sampling: Sampling) -> Result<Self, Error> {
         let limit = gl.limits().texture_size;
         let largest = image.width.max(image.height);
         let sizes = (i32::try_from(image.width), i32::try_from(image.height));
         let (Ok(width), Ok(height), true) = (sizes.0, sizes.1, largest <= limit) else {
             let (size, limit) = (u64::from(largest), u64::from(limit));
-            return Err(Error::TooLarge { what: "a texture's side", size, limit });
+            return Err(Error::TooLarge { what: "the side of a texture", size, limit });
         };
         let levels = i32::try_from(u32::BITS - largest.leading_zeros()).unwrap_or(1);
         // SAFETY: the context is current.
@@ -40,9 +41,9 @@ impl Texture {
             .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
         let texture = Self { gl: Rc::clone(gl), raw };
         texture.bind(0);
-        // SAFETY: the context is current and the texture bound; the driver reads width x height x 4
-        // bytes, which is what `populace_core::Character::new` makes sure `rgba` holds. Rows of
-        // 4-byte pixels need no padding.
+        // SAFETY: the context is current and the texture bound. The driver reads width x height x 4
+        // bytes. `rgba` has that length, which `populace_core::Character::new` checks. Rows of
+        // 4-byte pixels have no padding.
         unsafe {
             let pixels = glow::PixelUnpackData::Slice(Some(&image.rgba));
             let functions = &gl.functions;
@@ -61,7 +62,7 @@ impl Texture {
             functions.generate_mipmap(glow::TEXTURE_2D);
         }
         texture.set_sampling(sampling);
-        gl.check("a texture")?;
+        gl.check("upload a texture")?;
         Ok(texture)
     }
 
@@ -90,7 +91,7 @@ impl Texture {
         }
         let anisotropy = self.gl.limits().anisotropy.min(ANISOTROPY);
         if anisotropy > 1.0 && sampling.filter == TextureFilter::Linear {
-            // SAFETY: as above; a limit above 1 means that the extension is there.
+            // SAFETY: as above; a limit above 1 implies that the extension is present.
             unsafe {
                 self.gl.functions.tex_parameter_f32(
                     glow::TEXTURE_2D,
@@ -101,9 +102,10 @@ impl Texture {
         }
     }
 
-    /// Binds to a texture unit.
+    /// Binds the texture to a texture unit.
     pub(crate) fn bind(&self, unit: u32) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 48 units, and ours are below.
+        // SAFETY: the context is current; OpenGL 4.3 has at least 48 units, and this crate uses
+        // lower numbers only.
         unsafe {
             self.gl.functions.active_texture(glow::TEXTURE0 + unit);
             self.gl.functions.bind_texture(glow::TEXTURE_2D, Some(self.raw));
@@ -114,7 +116,7 @@ impl Texture {
 impl Drop for Texture {
     fn drop(&mut self) {
         if self.gl.make_current().is_ok() {
-            // SAFETY: the context is current, and the name is ours alone.
+            // SAFETY: the context is current, and `self` owns the texture.
             unsafe { self.gl.functions.delete_texture(self.raw) }
         }
     }

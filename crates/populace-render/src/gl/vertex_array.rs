@@ -1,4 +1,4 @@
-//! Where vertex shaders find their attributes, and the draws that read them.
+//! Vertex array objects and instanced draws.
 
 use std::rc::Rc;
 
@@ -8,11 +8,12 @@ use super::{Buffer, Gl};
 use crate::Error;
 use crate::layout::{Attribute, Component, InstanceData, Vertex, VertexStruct};
 
+/// Vertex buffer binding points.
 const VERTICES: u32 = 0;
 const INFLUENCES: u32 = 1;
 const INSTANCES: u32 = 2;
 
-/// The formats of a kind of mesh: [`Vertex`], some struct of influences, and [`InstanceData`].
+/// Attribute formats of a mesh: [`Vertex`], a struct of influences, and [`InstanceData`].
 pub(crate) struct VertexArray {
     gl: Rc<Gl>,
     raw: glow::VertexArray,
@@ -29,7 +30,7 @@ pub(crate) struct DrawRange<'a, I> {
 }
 
 impl VertexArray {
-    /// No attributes, for shaders that make up their vertices.
+    /// Creates a vertex array without attributes, for shaders that compute their vertices.
     pub(crate) fn empty(gl: &Rc<Gl>) -> Result<Self, Error> {
         // SAFETY: the context is current.
         let raw = unsafe { gl.functions.create_vertex_array() }
@@ -37,7 +38,7 @@ impl VertexArray {
         Ok(Self { gl: Rc::clone(gl), raw })
     }
 
-    /// The attributes of skinned meshes whose influences are `I`.
+    /// Creates the vertex array of skinned meshes with influences of type `I`.
     pub(crate) fn skinned<I: VertexStruct>(gl: &Rc<Gl>) -> Result<Self, Error> {
         let array = Self::empty(gl)?;
         array.bind();
@@ -53,7 +54,7 @@ impl VertexArray {
         }
         // SAFETY: the context is current and the vertex array bound.
         unsafe { gl.functions.vertex_binding_divisor(INSTANCES, 1) }
-        gl.check("describe vertices")?;
+        gl.check("set the vertex format")?;
         Ok(array)
     }
 
@@ -61,8 +62,8 @@ impl VertexArray {
         let functions = &self.gl.functions;
         let count = i32::from(attribute.component_count);
         let offset = u32::try_from(attribute.offset_bytes).unwrap_or(u32::MAX);
-        // SAFETY: the context is current and the vertex array bound; there are at most 13
-        // attributes, OpenGL 4.3 has at least 16.
+        // SAFETY: the context is current and the vertex array bound. There are at most 13
+        // attributes; OpenGL 4.3 has at least 16.
         unsafe {
             functions.enable_vertex_attrib_array(location);
             functions.vertex_attrib_binding(location, binding);
@@ -86,12 +87,12 @@ impl VertexArray {
     }
 
     pub(super) fn bind(&self) {
-        // SAFETY: the context is current; the name is ours.
+        // SAFETY: the context is current, and the vertex array exists.
         unsafe { self.gl.functions.bind_vertex_array(Some(self.raw)) }
     }
 
-    /// Draws with the program, the blocks and the textures that are bound. A run past the end of
-    /// the instances is not drawn; nor is one whose buffers differ in length.
+    /// Draws with the bound program, blocks and textures. Draws nothing if the range ends past the
+    /// instances, or if vertices and influences differ in length.
     pub(crate) fn draw<I: VertexStruct>(&self, range: &DrawRange<'_, I>) {
         let end = range.first_instance as usize + range.instance_count as usize;
         let counts = (i32::try_from(range.indices.len()), i32::try_from(range.instance_count));
@@ -104,10 +105,10 @@ impl VertexArray {
         self.bind();
         let stride = |bytes: usize| i32::try_from(bytes).unwrap_or(0);
         let functions = &self.gl.functions;
-        // SAFETY: the context is current. Indices lie below the number of vertices because
-        // `populace_core::Character::new` checked them and `model.rs` uploads them unchanged;
-        // instances were checked above. Palette reads lie within the bound page because `batch.rs`
-        // checks each instance against it.
+        // SAFETY: the context is current. Indices are less than the number of vertices:
+        // `populace_core::Character::new` checks them, and `model.rs` uploads them unchanged. The
+        // instance range was checked above. Palette reads lie within the bound page, since
+        // `batch.rs` checks each instance against it.
         unsafe {
             functions.bind_vertex_buffer(
                 VERTICES,
@@ -145,7 +146,7 @@ impl VertexArray {
 impl Drop for VertexArray {
     fn drop(&mut self) {
         if self.gl.make_current().is_ok() {
-            // SAFETY: the context is current, and the name is ours alone.
+            // SAFETY: the context is current, and `self` owns the vertex array.
             unsafe { self.gl.functions.delete_vertex_array(self.raw) }
         }
     }

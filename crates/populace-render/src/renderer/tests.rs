@@ -10,7 +10,7 @@ use super::*;
 use crate::Camera;
 use crate::gl::Fence;
 
-/// A device whose only member never moves: each frame is the same, in the other set.
+/// A device with one member that never moves. Frames alternate between the two sets.
 #[derive(Default)]
 struct Still {
     mark: TargetMark,
@@ -23,8 +23,8 @@ impl PaletteSource for Still {
         vec![1]
     }
 
-    fn refuses(&self, way: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
-        (way != PaletteTransport::Mapped).then(|| "this test is about mapped memory".into())
+    fn refuses(&self, transport: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
+        (transport != PaletteTransport::Mapped).then(|| "this test uses mapped buffers".into())
     }
 
     fn set_target(
@@ -51,7 +51,7 @@ impl PaletteSource for Still {
     }
 }
 
-/// A pane that fills the picture.
+/// A blended quad that fills the picture.
 fn glass() -> Character {
     let joint = JointSource { name: "pane".into(), parent: None, rest: Trs::IDENTITY };
     let mesh = Mesh {
@@ -85,14 +85,14 @@ fn glass() -> Character {
     .unwrap()
 }
 
-/// Many panes behind each other take OpenGL far longer than the call that draws them.
+/// Drawing many panes on top of each other takes OpenGL far longer than the draw call.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn a_frame_waits_for_the_draw_that_reads_where_it_goes() {
+fn acquire_waits_for_draws_from_the_set_written_next() {
     let mut renderer = Renderer::headless([1024, 1024]).unwrap();
     let character = renderer.add_character(&glass(), &|_| false).unwrap();
     let mut device = Still::default();
-    renderer.link_palettes(&mut device).unwrap();
+    renderer.connect_palettes(&mut device).unwrap();
     let instance = Instance {
         character,
         world_from_model: Affine::IDENTITY,
@@ -102,12 +102,12 @@ fn a_frame_waits_for_the_draw_that_reads_where_it_goes() {
     };
     let camera = Camera::framing([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 1.0);
     let scene = Scene { camera, ..Scene::default() };
-    renderer.take_palettes(&mut device).unwrap();
+    renderer.acquire_palettes(&mut device).unwrap();
     renderer.draw(&scene, &[instance; 30]).unwrap();
     let drawn = Fence::new(&renderer.gl).unwrap();
     device.set = 1;
-    renderer.take_palettes(&mut device).unwrap();
-    // What comes after the draw by a hair may take a moment longer.
+    renderer.acquire_palettes(&mut device).unwrap();
+    // This test's fence comes just after the renderer's and may be signalled a little later.
     std::thread::sleep(Duration::from_millis(2));
-    assert!(drawn.is_reached(), "the next frame goes to set 0, which is still being drawn from");
+    assert!(drawn.is_reached(), "set 0 is written next but is still being drawn from");
 }

@@ -1,26 +1,29 @@
-// ground.frag - paving that gives scale: lines every metre, wider ones every five.
-// Lines are averaged over a pixel's footprint, so that they fade with distance instead of flickering.
+// ground.frag - paving that gives scale: a line every metre, a wider one every five metres.
+// Reads   world position
+// Writes  linear colour, which the framebuffer stores as sRGB
 
 in vec3 world_position;
 
 out vec4 color;
 
-// The integral from 0 of a row of pulses `width` wide, one after each whole number.
+// Integral from 0 to `at` of a row of pulses of width `width`, one after each integer.
 vec2 pulses_until(vec2 at, float width) { return floor(at) * width + min(fract(at), width); }
 
-// The share of the footprint that lines around whole numbers cover.
+// Fraction of the pixel's footprint that lines around integers cover. The average over the
+// footprint makes lines fade with distance instead of flickering.
 float lines(vec2 at, float width) {
     vec2 footprint = max(fwidth(at), 1e-4);
     vec2 middle = at + 0.5 * width;
-    vec2 share = pulses_until(middle + 0.5 * footprint, width) - pulses_until(middle - 0.5 * footprint, width);
+    vec2 share = pulses_until(middle + 0.5 * footprint, width)
+               - pulses_until(middle - 0.5 * footprint, width);
     share = clamp(share / footprint, 0.0, 1.0);
     return 1.0 - (1.0 - share.x) * (1.0 - share.y);
 }
 
 void main() {
     vec2 at = world_position.xz;
-    float drawn = max(0.6 * lines(at, 0.03), lines(at / 5.0, 0.016));
-    vec3 base = mix(ground_color.rgb, line_color.rgb, drawn);
+    float coverage = max(0.6 * lines(at, 0.03), lines(at / 5.0, 0.016));
+    vec3 base = mix(ground_color.rgb, line_color.rgb, coverage);
     vec3 shadow_position = (shadow_from_world * vec4(world_position, 1.0)).xyz * 0.5 + 0.5;
     vec3 lit = base * light_on(vec3(0.0, 1.0, 0.0), shadow_position);
     color = vec4(tone_mapped(hazed(lit, world_position)), 1.0);

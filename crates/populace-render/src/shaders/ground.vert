@@ -1,5 +1,6 @@
-// ground.vert - the ground, y = 0: a square around the eye that reaches past the far plane.
-// Writes  world position; nothing is read per vertex, corners come from the vertex number
+// ground.vert - the ground plane, y = 0: a square around the eye that extends past the far plane.
+// Reads   gl_VertexID, from which it computes the corner; no attributes
+// Writes  world position
 
 out vec3 world_position;
 

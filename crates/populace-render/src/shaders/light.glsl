@@ -1,9 +1,9 @@
-// light.glsl - sun, sky, shadow and haze, the same for members and the ground. Colours are linear.
+// light.glsl - sun, ambient light, shadow and haze of members and ground. Colours are linear.
 
 layout(binding = 1) uniform sampler2DShadow shadow_map;
 
-// How much of the sun reaches a place, from 0 to 1; `at` is its place in the shadow map. Four taps, each blended from
-// four texels by the sampler. Outside the map nothing is in the way.
+// Fraction of the sun's light that arrives at a position in the shadow map, from 0 to 1. Averages
+// four taps, each of which the sampler filters from four texels. 1 outside of the map.
 float sunlit(vec3 at) {
     if (to_sun.w == 0.0) return 1.0;
     vec2 texel = 0.8 / vec2(textureSize(shadow_map, 0));
@@ -14,24 +14,26 @@ float sunlit(vec3 at) {
     return 0.25 * sum;
 }
 
-// Lambert for the sun; for the rest, the sky above and the ground's reflection below.
-vec3 light_on(vec3 normal, vec3 shadow_at) {
+// Light on a surface with unit normal `normal`: Lambert's law for the sun, and ambient light
+// interpolated between sky and ground.
+vec3 light_on(vec3 normal, vec3 shadow_position) {
     float facing = dot(normal, to_sun.xyz);
-    float sun = facing > 0.0 ? facing * sunlit(shadow_at) : 0.0;
+    float sun = facing > 0.0 ? facing * sunlit(shadow_position) : 0.0;
     return mix(ground_light.rgb, sky_light.rgb, 0.5 + 0.5 * normal.y) + sun * sun_color.rgb;
 }
 
-// Hides where the world ends: nothing up to a tenth of the far plane's distance, all before it is reached.
+// Adds haze, which hides the edge of the world: none up to a tenth of the far plane's distance,
+// full before the far plane.
 vec3 hazed(vec3 color, vec3 world_position) {
-    float share = smoothstep(0.1, 0.95, distance(world_position, eye.xyz) / eye.w);
-    return mix(color, horizon_color.rgb, share);
+    float haze = smoothstep(0.1, 0.95, distance(world_position, eye.xyz) / eye.w);
+    return mix(color, horizon_color.rgb, haze);
 }
 
-// Tone mapping: linear up to a knee, then a shoulder that nears white without reaching it, so that sunlit white cloth
-// keeps its folds. Value and slope are continuous at the knee; a knee of 1 cuts off at white.
+// Tone mapping: linear up to a knee, then a shoulder that approaches white, so that sunlit white
+// cloth keeps its folds. Value and slope are continuous at the knee. A knee of 1 clips at white.
 vec3 tone_mapped(vec3 color) {
     float knee = sun_color.w;
-    float room = 1.0 - knee;
-    vec3 over = max(color - knee, 0.0) / max(room, 1e-3);
-    return min(color, knee) + room * (1.0 - exp(-over));
+    float headroom = 1.0 - knee;
+    vec3 over = max(color - knee, 0.0) / max(headroom, 1e-3);
+    return min(color, knee) + headroom * (1.0 - exp(-over));
 }

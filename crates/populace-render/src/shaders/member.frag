@@ -1,5 +1,6 @@
-// member.frag - lights a member. Variants: MASKED leaves pixels out, BLENDED writes alpha, neither is opaque.
-// Reads   the base colour texture (sRGB, read as linear), what member.vert wrote
+// member.frag - lights a member. Variants: MASKED discards fragments, BLENDED writes alpha, and
+//               without either the surface is opaque.
+// Reads   outputs of member.vert; base colour texture (sRGB, sampled as linear)
 // Writes  linear colour, which the framebuffer stores as sRGB
 
 layout(binding = 0) uniform sampler2D base_color_texture;
@@ -7,19 +8,19 @@ layout(binding = 0) uniform sampler2D base_color_texture;
 in vec3 world_position;
 in vec3 world_normal;
 in vec3 shadow_position;
-in vec2 texture_at;
+in vec2 texture_uv;
 in vec4 surface_color;
 
 out vec4 color;
 
 void main() {
-    vec4 base = surface_color * texture(base_color_texture, texture_at);
+    vec4 base = surface_color * texture(base_color_texture, texture_uv);
 #ifdef MASKED
     if (base.a < alpha_cutoff) discard;
 #endif
     float squared = dot(world_normal, world_normal);
     vec3 normal = squared > 0.0 ? world_normal * inversesqrt(squared) : vec3(0.0, 1.0, 0.0);
-    // Back faces get here only where a surface is double-sided.
+    // Only double-sided surfaces have back faces that are not culled.
     if (!gl_FrontFacing) normal = -normal;
     vec3 lit = tone_mapped(hazed(base.rgb * light_on(normal, shadow_position), world_position));
 #ifdef BLENDED

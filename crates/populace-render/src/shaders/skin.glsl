@@ -1,8 +1,10 @@
-// skin.glsl - the skinning equation, from palettes as the device wrote them.
-// Reads   palette: three vec4 (rows of model_from_bind) for each entry of the bound page
-// Gives   model_from_bind(): the blended matrix of this vertex; world_from_model(): the instance's;
-//         turn_normal()
-// A mat3x4 here holds the three rows of an affine transform as its columns: `vec4(p, 1) * m` is the image of p.
+// skin.glsl - linear blend skinning from the matrix palette that a device wrote.
+// Reads    palette: three vec4 (rows of model_from_bind) for each entry of the bound page
+// Defines  model_from_bind(): blended matrix of this vertex
+//          world_from_model(): matrix of this instance
+//          transform_normal(): image of a normal under a matrix
+// The columns of a mat3x4 are the three rows of an affine transform: `vec4(p, 1) * m` transforms
+// the point p.
 
 layout(std430, binding = 0) readonly buffer Palette { vec4 palette[]; };
 
@@ -26,13 +28,14 @@ mat3x4 model_from_bind() {
 
 mat3x4 world_from_model() { return mat3x4(world_row0, world_row1, world_row2); }
 
-// Turns a normal by the inverse transpose, as the matrix of cofactors with the sign of the determinant: right under
-// any scale, mirroring too, and without a division that could fail. Zero where the matrix flattens the surface away.
-vec3 turn_normal(mat3x4 m, vec3 normal) {
+// Transforms a normal by the inverse transpose of `m`, computed as the cofactor matrix times the
+// sign of the determinant. This is correct for any scale, including mirroring, and does not divide
+// by the determinant. Returns a unit vector, or zero if `m` collapses the surface.
+vec3 transform_normal(mat3x4 m, vec3 normal) {
     vec3 a = m[0].xyz, b = m[1].xyz, c = m[2].xyz;
     vec3 bc = cross(b, c);
-    vec3 turned = vec3(dot(bc, normal), dot(cross(c, a), normal), dot(cross(a, b), normal));
-    turned *= dot(a, bc) < 0.0 ? -1.0 : 1.0;
-    float squared = dot(turned, turned);
-    return squared > 0.0 ? turned * inversesqrt(squared) : vec3(0.0);
+    vec3 image = vec3(dot(bc, normal), dot(cross(c, a), normal), dot(cross(a, b), normal));
+    image *= dot(a, bc) < 0.0 ? -1.0 : 1.0;
+    float squared = dot(image, image);
+    return squared > 0.0 ? image * inversesqrt(squared) : vec3(0.0);
 }

@@ -1,11 +1,12 @@
-// sky.vert - the whole picture, behind everything.
-// Writes  the sight line from the eye, not normalised; corners come from the vertex number
+// sky.vert - the whole picture, at the far plane.
+// Reads   gl_VertexID, from which it computes the corner; no attributes
+// Writes  view direction in world space, not normalised
 
-out vec3 sight;
+out vec3 view_direction;
 
 void main() {
     vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
     vec4 far = world_from_clip * vec4(corner, 1.0, 1.0);
-    sight = far.xyz / far.w - eye.xyz;
+    view_direction = far.xyz / far.w - eye.xyz;
     gl_Position = vec4(corner, 1.0, 1.0);
 }

@@ -1,4 +1,4 @@
-//! Small characters made in code, and their palettes by plain matrices.
+//! Small procedural characters, and palettes of plain matrices.
 
 use populace_core::layout::Float4;
 use populace_core::{
@@ -6,23 +6,23 @@ use populace_core::{
     PaletteEntry, Part, Skeleton, Trs,
 };
 
-/// A rotation about an axis along z, then a translation, at a scale.
-pub(crate) fn place(translation: [f32; 3], roll_rad: f32, scale: [f32; 3]) -> Affine {
+/// Returns the transform that scales, rotates about z by `roll_rad`, and translates.
+pub(crate) fn transform(translation: [f32; 3], roll_rad: f32, scale: [f32; 3]) -> Affine {
     let rotation = glam::Quat::from_rotation_z(roll_rad).to_array();
     Affine::from_trs(&Trs { translation, rotation, scale })
 }
 
-/// Only a translation.
+/// Returns a translation.
 pub(crate) fn at(x: f32, y: f32, z: f32) -> Affine {
-    place([x, y, z], 0.0, [1.0; 3])
+    transform([x, y, z], 0.0, [1.0; 3])
 }
 
-/// As the crowd library writes it: three elements for each entry.
+/// Returns a palette in the layout of the crowd library: three elements for each entry.
 pub(crate) fn palette(entries: &[Affine]) -> Vec<Float4> {
     entries.iter().flat_map(|entry| entry.rows.map(Float4)).collect()
 }
 
-/// A box from `low` to `high`, all of it moved by one palette entry.
+/// Returns a box from `low` to `high`, skinned to one palette entry.
 pub(crate) fn box_mesh(low: [f32; 3], high: [f32; 3], entry: u16) -> Mesh {
     let mut mesh = quad_mesh(entry);
     (mesh.positions, mesh.normals, mesh.indices) = (Vec::new(), Vec::new(), Vec::new());
@@ -52,7 +52,7 @@ pub(crate) fn box_mesh(low: [f32; 3], high: [f32; 3], entry: u16) -> Mesh {
     mesh
 }
 
-/// A square from -1 to 1 that faces +Z; its upper left corner is at u = v = 0.
+/// Returns a square from -1 to 1 that faces +Z. Its upper left corner is at u = v = 0.
 pub(crate) fn quad_mesh(entry: u16) -> Mesh {
     Mesh {
         positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
@@ -72,7 +72,7 @@ pub(crate) fn one_influence(vertices: usize, entry: u16) -> Influences {
     }
 }
 
-/// A part named `name`, of the material of that index.
+/// Returns a part named `name` with the material of index `material`.
 pub(crate) fn part(name: &str, material: usize, mesh: Mesh) -> Part {
     Part { node: 0, node_name: name.into(), primitive: 0, material: Some(material), mesh }
 }
@@ -81,7 +81,7 @@ pub(crate) fn plain(base_color: [f32; 4]) -> Material {
     Material { base_color, ..Material::default() }
 }
 
-/// A character of these parts on `entry_count` joints of their own, all at the origin.
+/// Returns a character with `entry_count` root joints at the origin, one for each palette entry.
 pub(crate) fn source(
     parts: Vec<Part>,
     materials: Vec<Material>,
@@ -104,7 +104,7 @@ pub(crate) fn source(
     }
 }
 
-/// A person of boxes: entry 0 moves the body, entry 1 the head.
+/// Returns a person of boxes: palette entry 0 moves the body, entry 1 the head.
 pub(crate) fn person(body: [f32; 3], head: [f32; 3]) -> Character {
     let color = |[r, g, b]: [f32; 3]| plain([r, g, b, 1.0]);
     let parts = vec![

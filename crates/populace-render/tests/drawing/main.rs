@@ -1,5 +1,6 @@
-//! Draws small things and looks at the pixels. Needs OpenGL: see `POPULACE_SKIP` in `build.rs`.
-#![expect(clippy::unwrap_used, reason = "what fails while a test prepares fails the test")]
+//! Tests that draw small scenes and compare pixels. They need OpenGL: see `POPULACE_SKIP` in
+//! `build.rs`.
+#![expect(clippy::unwrap_used, reason = "a failing set-up fails the test")]
 
 mod fixture;
 mod palettes;

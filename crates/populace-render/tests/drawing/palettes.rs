@@ -1,9 +1,9 @@
-//! Vertices go where palettes say.
+//! Skinning: vertices follow their palette entries.
 
 use populace_core::layout::PAGE_ENTRIES;
 use populace_core::{Affine, Character, Influences};
 
-use crate::fixture::{at, palette, part, person, place, plain, quad_mesh, source};
+use crate::fixture::{at, palette, part, person, plain, quad_mesh, source, transform};
 use crate::rig::{NOTHING, Picture, Rig, instance};
 
 const RED: [u8; 3] = [255, 0, 0];
@@ -36,12 +36,12 @@ fn each_part_follows_its_palette_entry() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn a_palette_rotates_and_scales_about_the_models_origin() {
+fn palette_rotates_and_scales_about_the_model_origin() {
     let mut rig = Rig::new();
     let person = rig.add(&red_and_green());
     rig.upload(&[
-        place([0.0; 3], std::f32::consts::FRAC_PI_2, [1.0; 3]),
-        place([0.0; 3], 0.0, [0.5; 3]),
+        transform([0.0; 3], std::f32::consts::FRAC_PI_2, [1.0; 3]),
+        transform([0.0; 3], 0.0, [0.5; 3]),
     ]);
     let drawn = rig.draw(&[instance(person, Affine::IDENTITY, 0)]);
     drawn.expect(-1.1, 0.0, RED);
@@ -51,7 +51,7 @@ fn a_palette_rotates_and_scales_about_the_models_origin() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn instances_have_their_own_palette_place_and_tint() {
+fn instances_have_their_own_palette_transform_and_tint() {
     let mut rig = Rig::new();
     let white = rig.add(&person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY, Affine::IDENTITY, at(0.0, -1.0, 0.0), at(0.0, -3.0, 0.0)]);
@@ -67,7 +67,7 @@ fn instances_have_their_own_palette_place_and_tint() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn palettes_are_found_in_their_page() {
+fn palettes_are_read_from_their_page() {
     let mut rig = Rig::new();
     let person = rig.add(&red_and_green());
     rig.upload(&[at(50.0, 0.0, 0.0); 4]);
@@ -84,7 +84,7 @@ fn palettes_are_found_in_their_page() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn a_page_can_grow_and_shrink() {
+fn page_can_grow_and_shrink() {
     let mut rig = Rig::new();
     let person = rig.add(&red_and_green());
     for count in [2, 400, 4] {
@@ -99,7 +99,7 @@ fn a_page_can_grow_and_shrink() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn all_influences_of_a_vertex_count() {
+fn all_influences_of_a_vertex_contribute() {
     for width in [4_u16, 8] {
         let mut mesh = quad_mesh(0);
         let share = 1.0 / f32::from(width);
@@ -116,8 +116,8 @@ fn all_influences_of_a_vertex_count() {
         .unwrap();
         let mut rig = Rig::new();
         let quad = rig.add(&character);
-        // Shrunk to a tenth. Each entry moves it by 0.8 m, in pairs along different ways: +x, +y,
-        // -x twice, -y twice.
+        // Each entry scales to a tenth and translates, so that the mean would change if any one
+        // entry were ignored.
         let steps = [
             [8.0, 0.0],
             [0.0, 4.0],
@@ -130,13 +130,13 @@ fn all_influences_of_a_vertex_count() {
         ];
         let steps = &steps[..usize::from(width)];
         let entries: Vec<_> =
-            steps.iter().map(|[x, y]| place([*x, *y, 0.0], 0.0, [0.1; 3])).collect();
+            steps.iter().map(|[x, y]| transform([*x, *y, 0.0], 0.0, [0.1; 3])).collect();
         rig.upload(&entries);
         let mean = |axis: usize| steps.iter().map(|step| step[axis]).sum::<f32>() * share;
         let drawn = rig.draw(&[instance(quad, at(0.0, 0.0, 0.0), 0)]);
         let (x, y) = (mean(0), mean(1));
         assert_ne!((x, y), (0.0, 0.0));
-        // Off the picture for four influences, so it is brought back by the instance.
+        // With four influences the quad leaves the picture; the instance moves it back.
         let drawn =
             if width == 4 { rig.draw(&[instance(quad, at(-x, -y, 0.0), 0)]) } else { drawn };
         let (x, y) = if width == 4 { (0.0, 0.0) } else { (x, y) };
@@ -148,7 +148,7 @@ fn all_influences_of_a_vertex_count() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn hidden_parts_are_gone() {
+fn hidden_parts_are_not_drawn() {
     let mut rig = Rig::new();
     let headless =
         rig.renderer.add_character(&red_and_green(), &|part| part.node_name == "head").unwrap();
@@ -160,7 +160,7 @@ fn hidden_parts_are_gone() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn the_nearer_one_hides_the_farther_in_any_order() {
+fn nearer_instance_hides_farther_one_in_any_order() {
     let mut rig = Rig::new();
     let red = rig.add(&person([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
     let green = rig.add(&person([0.0, 1.0, 0.0], [0.0, 1.0, 0.0]));
@@ -177,25 +177,25 @@ fn the_nearer_one_hides_the_farther_in_any_order() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn one_members_nonsense_does_not_reach_another() {
+fn non_finite_member_does_not_affect_others() {
     let mut rig = Rig::new();
     let person = rig.add(&red_and_green());
-    let nonsense = place([f32::NAN; 3], 0.0, [1.0; 3]);
-    rig.upload(&[Affine::IDENTITY, Affine::IDENTITY, nonsense, nonsense]);
+    let non_finite = transform([f32::NAN; 3], 0.0, [1.0; 3]);
+    rig.upload(&[Affine::IDENTITY, Affine::IDENTITY, non_finite, non_finite]);
     rig.scene.sun.casts_shadows = true;
     let alone = rig.draw(&[instance(person, Affine::IDENTITY, 0)]);
-    let among = rig.draw(&[
-        instance(person, nonsense, 0),
+    let together = rig.draw(&[
+        instance(person, non_finite, 0),
         instance(person, at(0.0, 0.0, 1.0), 2),
         instance(person, Affine::IDENTITY, 0),
     ]);
     alone.expect(0.0, 1.1, RED);
-    assert!(alone.0 == among.0, "a member that is not finite changed the picture");
+    assert!(alone.0 == together.0, "a non-finite member changed the picture");
 }
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn renderers_on_one_thread_do_not_mix() {
+fn renderers_on_one_thread_are_independent() {
     let mut rigs = [Rig::new(), Rig::new()];
     let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let handles = [0, 1].map(|i| rigs[i].add(&person(colors[i], colors[i])));

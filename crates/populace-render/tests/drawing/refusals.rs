@@ -1,4 +1,4 @@
-//! What cannot be drawn is refused with an error, and the renderer goes on.
+//! Invalid input is rejected with an error, and the renderer stays usable.
 
 use populace_core::layout::{Float4, PAGE_ENTRIES};
 use populace_core::{Affine, Character, Image, Material, Texture, TextureFilter, Wrap};
@@ -9,7 +9,7 @@ use crate::rig::{Rig, instance};
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn pictures_have_at_least_one_pixel_and_no_more_than_the_driver_takes() {
+fn picture_size_is_between_one_pixel_and_the_drivers_limit() {
     for size in [[0, 5], [5, 0]] {
         let error = Renderer::headless(size).err().unwrap();
         assert!(matches!(error, Error::EmptyPicture { .. }), "{error}");
@@ -29,7 +29,7 @@ fn pictures_have_at_least_one_pixel_and_no_more_than_the_driver_takes() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn pages_are_whole_matrices_within_the_limits() {
+fn pages_are_complete_matrices_within_the_limits() {
     let mut rig = Rig::new();
     let page =
         |rig: &mut Rig, page, len| rig.renderer.upload_page(page, &vec![Float4::default(); len]);
@@ -45,7 +45,7 @@ fn pages_are_whole_matrices_within_the_limits() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn members_need_a_character_and_a_palette() {
+fn members_need_a_palette() {
     let mut rig = Rig::new();
     let character = person([1.0; 3], [1.0; 3]);
     let here = rig.add(&character);
@@ -63,7 +63,7 @@ fn members_need_a_character_and_a_palette() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn handles_of_another_renderer_are_refused() {
+fn handles_of_another_renderer_are_rejected() {
     let (mut rig, mut other) = (Rig::new(), Rig::new());
     let character = person([1.0; 3], [1.0; 3]);
     rig.add(&character);
@@ -76,7 +76,7 @@ fn handles_of_another_renderer_are_refused() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn textures_past_the_drivers_limit_are_refused() {
+fn textures_above_the_drivers_limit_are_rejected() {
     let texture = Texture {
         image: 0,
         wrap_u: Wrap::Repeat,
@@ -89,13 +89,13 @@ fn textures_past_the_drivers_limit_are_refused() {
     let mut rig = Rig::new();
     let long = Character::new(pieces).unwrap();
     let error = rig.renderer.add_character(&long, &|_| false).unwrap_err();
-    assert!(matches!(error, Error::TooLarge { what: "a texture's side", .. }), "{error}");
+    assert!(matches!(error, Error::TooLarge { what: "the side of a texture", .. }), "{error}");
     rig.renderer.add_character(&long, &|_| true).unwrap();
 }
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn cameras_and_scenes_must_make_sense() {
+fn invalid_cameras_and_scenes_are_rejected() {
     let mut rig = Rig::new();
     let good = rig.scene;
     let spoilers: [&dyn Fn(&mut Scene); 6] = [

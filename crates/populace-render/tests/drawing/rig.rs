@@ -1,5 +1,5 @@
-//! A renderer whose pictures can be reckoned by hand: light is 1 everywhere unless a test lights
-//! it, a metre at z = 0 is 32 pixels, and the world's origin is in the middle.
+//! A renderer whose pixels can be computed by hand. Ambient light is 1 unless a test changes it, a
+//! metre at z = 0 is 32 pixels, and the world's origin is at the centre.
 
 use populace_core::{Affine, Character, Image};
 use populace_render::{
@@ -8,10 +8,12 @@ use populace_render::{
 
 use crate::fixture::palette;
 
+/// Side of the picture in pixels.
 pub(crate) const SIZE: u32 = 128;
-/// The background.
+/// Colour of the background.
 pub(crate) const NOTHING: [u8; 3] = [0, 0, 0];
 
+/// A renderer and its scene.
 pub(crate) struct Rig {
     pub(crate) renderer: Renderer,
     pub(crate) scene: Scene,
@@ -41,7 +43,7 @@ impl Rig {
     }
 }
 
-/// Lit from nowhere, against black, seen from 10 m in front.
+/// Returns a scene with uniform ambient light and a black background, seen from 10 m in front.
 pub(crate) fn flat_scene() -> Scene {
     Scene {
         camera: Camera {
@@ -60,7 +62,7 @@ pub(crate) fn flat_scene() -> Scene {
     }
 }
 
-/// An instance that is not tinted.
+/// Returns an instance without tint.
 pub(crate) fn instance(
     character: CharacterHandle,
     world_from_model: Affine,
@@ -69,23 +71,24 @@ pub(crate) fn instance(
     Instance { character, world_from_model, moved: [0.0; 3], palette_first, tint: [1.0; 3] }
 }
 
+/// A picture that was read back.
 pub(crate) struct Picture(pub(crate) Image);
 
 impl Picture {
-    /// The colour at a place of the plane z = 0.
+    /// Returns the colour at position (x, y) in the plane z = 0.
     pub(crate) fn at(&self, x: f32, y: f32) -> [u8; 3] {
         let half = f64::from(SIZE) / 2.0;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "tests ask within the picture"
+            reason = "tests use positions within the picture"
         )]
         let pixel = |metres: f64| (half + 32.0 * metres).floor() as usize;
         let first = 4 * (pixel(-f64::from(y)) * SIZE as usize + pixel(f64::from(x)));
         [0, 1, 2].map(|channel| self.0.rgba[first + channel])
     }
 
-    /// Demands a colour, give or take the rounding of two conversions.
+    /// Asserts the colour at a position, up to the rounding of two conversions.
     #[track_caller]
     pub(crate) fn expect(&self, x: f32, y: f32, wanted: [u8; 3]) {
         let found = self.at(x, y);
@@ -94,7 +97,7 @@ impl Picture {
     }
 }
 
-/// How a linear value is stored (IEC 61966-2-1).
+/// Encodes a linear value as an sRGB byte (IEC 61966-2-1).
 pub(crate) fn srgb(linear: f64) -> u8 {
     let stored =
         if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };

@@ -1,11 +1,11 @@
-//! Colours, textures, alpha, winding and normals.
+//! Shading: colours, textures, alpha, winding and normals.
 
 use populace_core::{
     Affine, AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap,
 };
 use populace_render::{Ambient, Highlights};
 
-use crate::fixture::{at, part, place, plain, quad_mesh, source};
+use crate::fixture::{at, part, plain, quad_mesh, source, transform};
 use crate::rig::{NOTHING, Rig, instance, srgb};
 
 const WHITE: [u8; 3] = [255; 3];
@@ -28,7 +28,7 @@ fn textured(image: Image, filter: TextureFilter) -> Character {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn textures_stand_upright_and_are_srgb() {
+fn textures_are_upright_and_srgb() {
     let rgba =
         [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [128, 128, 128, 255]].concat();
     let mut rig = Rig::new();
@@ -43,22 +43,22 @@ fn textures_stand_upright_and_are_srgb() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn smaller_mip_levels_average_light_not_bytes() {
+fn mip_levels_average_linear_light() {
     let rgba = (0..64 * 64)
         .flat_map(|i| [if (i / 64 + i) % 2 == 0 { 255 } else { 0 }, 0, 0, 255])
         .collect();
     let mut rig = Rig::new();
     let quad = rig.add(&textured(Image { width: 64, height: 64, rgba }, TextureFilter::Linear));
     rig.upload(&[Affine::IDENTITY]);
-    // 64 texels on 32 pixels.
-    let drawn = rig.draw(&[instance(quad, place([0.0; 3], 0.0, [0.5; 3]), 0)]);
+    // The quad's 64 texels cover 32 pixels.
+    let drawn = rig.draw(&[instance(quad, transform([0.0; 3], 0.0, [0.5; 3]), 0)]);
     drawn.expect(0.0, 0.0, [srgb(0.5), 0, 0]);
     drawn.expect(0.3, -0.2, [srgb(0.5), 0, 0]);
 }
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn linear_colors_multiply() {
+fn material_vertex_and_tint_colors_multiply() {
     let mut mesh = quad_mesh(0);
     mesh.colors = vec![[0.5, 1.0, 1.0, 1.0]; 4];
     let mut rig = Rig::new();
@@ -71,13 +71,13 @@ fn linear_colors_multiply() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn back_faces_show_only_where_double_sided() {
+fn back_faces_show_only_if_double_sided() {
     let mut rig = Rig::new();
     let single = rig.add(&quad_of(plain([1.0; 4])));
     let double = rig.add(&quad_of(Material { double_sided: true, ..plain([1.0; 4]) }));
     rig.upload(&[Affine::IDENTITY]);
     // A half turn about y.
-    let behind = place([0.0; 3], 0.0, [-1.0, 1.0, -1.0]);
+    let behind = transform([0.0; 3], 0.0, [-1.0, 1.0, -1.0]);
     rig.draw(&[instance(single, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
     rig.draw(&[instance(single, behind, 0)]).expect(0.0, 0.0, NOTHING);
     rig.draw(&[instance(double, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
@@ -86,7 +86,7 @@ fn back_faces_show_only_where_double_sided() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn both_sides_are_lit_by_what_they_face() {
+fn both_sides_are_lit_by_the_light_they_face() {
     let mut rig = Rig::new();
     rig.scene.ambient.sky = [0.0; 3];
     rig.scene.ambient.ground = [0.0; 3];
@@ -96,9 +96,9 @@ fn both_sides_are_lit_by_what_they_face() {
     let lit = [srgb(0.5); 3];
     for world in [
         Affine::IDENTITY,
-        place([0.0; 3], 0.0, [-1.0, 1.0, -1.0]),
-        place([0.0; 3], 0.0, [-1.0, 1.0, 1.0]),
-        place([0.0; 3], 0.0, [1.0, 1.0, -1.0]),
+        transform([0.0; 3], 0.0, [-1.0, 1.0, -1.0]),
+        transform([0.0; 3], 0.0, [-1.0, 1.0, 1.0]),
+        transform([0.0; 3], 0.0, [1.0, 1.0, -1.0]),
     ] {
         rig.draw(&[instance(double, world, 0)]).expect(0.0, 0.0, lit);
     }
@@ -108,8 +108,8 @@ fn both_sides_are_lit_by_what_they_face() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn mirrored_bodies_keep_their_outside() {
-    let mirror = place([0.0; 3], 0.0, [-1.0, 1.0, 1.0]);
+fn mirrored_meshes_keep_their_front_faces() {
+    let mirror = transform([0.0; 3], 0.0, [-1.0, 1.0, 1.0]);
     let mut pieces = source(vec![part("quad", 0, quad_mesh(0))], vec![plain([1.0; 4])], 1);
     pieces.palette[0].joint_from_bind = mirror;
     let mut rig = Rig::new();
@@ -123,15 +123,15 @@ fn mirrored_bodies_keep_their_outside() {
     rig.draw(&[instance(plain_quad, mirror, 0)]).expect(0.0, 0.0, lit);
     rig.draw(&[instance(mirrored_at_rest, Affine::IDENTITY, 1)]).expect(0.0, 0.0, lit);
     rig.draw(&[instance(mirrored_at_rest, mirror, 1)]).expect(0.0, 0.0, lit);
-    let behind = place([0.0; 3], 0.0, [1.0, 1.0, -1.0]);
+    let behind = transform([0.0; 3], 0.0, [1.0, 1.0, -1.0]);
     rig.draw(&[instance(plain_quad, behind, 0)]).expect(0.0, 0.0, NOTHING);
 }
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn normals_stay_normal_under_uneven_scale() {
+fn normals_stay_perpendicular_under_nonuniform_scale() {
     let mut mesh = quad_mesh(0);
-    // Leaning back by 45 degrees about y: z = -x.
+    // Rotated by 45 degrees about y: z = -x.
     for position in &mut mesh.positions {
         position[2] = -position[0];
     }
@@ -142,7 +142,7 @@ fn normals_stay_normal_under_uneven_scale() {
     rig.scene.ambient.ground = [0.0; 3];
     rig.scene.sun.color = [0.5; 3];
     let quad = rig.add(&mesh_of(mesh, plain([1.0; 4])));
-    let wide = place([0.0; 3], 0.0, [4.0, 1.0, 1.0]);
+    let wide = transform([0.0; 3], 0.0, [4.0, 1.0, 1.0]);
     rig.upload(&[Affine::IDENTITY, wide]);
     // The plane z = -x / 4 has the normal (1, 0, 4).
     let lit = [srgb(0.5 * 4.0 / 17_f64.sqrt()); 3];
@@ -152,7 +152,7 @@ fn normals_stay_normal_under_uneven_scale() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn masks_leave_pixels_out_and_blends_mix() {
+fn masked_parts_are_discarded_and_blended_parts_mix() {
     let alpha = |mode, alpha| quad_of(Material { alpha: mode, ..plain([1.0, 1.0, 1.0, alpha]) });
     let mut rig = Rig::new();
     rig.upload(&[Affine::IDENTITY]);
@@ -176,7 +176,7 @@ fn masks_leave_pixels_out_and_blends_mix() {
     ] {
         rig.draw(&list).expect(0.0, 0.0, wanted);
     }
-    // Opaque ones behind show through although they are of a later character.
+    // An opaque instance behind shows through, although its character was added later.
     let blue = rig.add(&quad_of(plain([0.0, 0.0, 1.0, 1.0])));
     rig.draw(&[instance(red, near, 0), instance(blue, far, 0)]).expect(
         0.0,
@@ -187,7 +187,7 @@ fn masks_leave_pixels_out_and_blends_mix() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn highlights_near_white_without_reaching_it() {
+fn highlights_approach_white_without_reaching_it() {
     let mut rig = Rig::new();
     let quad = rig.add(&quad_of(Material::default()));
     rig.upload(&[Affine::IDENTITY]);

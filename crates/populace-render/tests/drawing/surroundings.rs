@@ -1,4 +1,4 @@
-//! Ground, sky, shadow and haze.
+//! Surroundings: ground, sky, shadows and haze.
 
 use populace_core::Affine;
 use populace_render::{Camera, Ground, Sky};
@@ -8,11 +8,11 @@ use crate::rig::{Rig, instance, srgb};
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn the_ground_is_at_the_feet_and_the_sky_above() {
+fn ground_is_at_the_feet_and_sky_above() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
     rig.scene.sky = Sky { zenith: [0.0, 0.0, 1.0], horizon: [0.0, 0.0, 1.0] };
-    // One metre up; the feet are one metre below the middle of the picture.
+    // One metre up, so that the feet are one metre below the centre of the picture.
     rig.scene.camera.eye = [0.0, 1.0, 10.0];
     rig.scene.camera.target = [0.0, 1.0, 0.0];
     let red = rig.add(&person([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
@@ -37,7 +37,7 @@ fn haze_hides_the_distance() {
     rig.scene.camera.target = [0.0, 1.0, 0.0];
     rig.scene.camera.far = 30.0;
     let drawn = rig.draw(&[]);
-    // The ground there is 6, 20 and 28 m away.
+    // The distances of the ground are 6, 20 and 28 m.
     let [near, middle, far] = [-1.7, -0.5, -0.36].map(|y| drawn.at(0.0, y));
     assert!(near[1] > 240 && near[2] < 80, "{near:?}");
     assert!((100..200).contains(&middle[1]) && (150..250).contains(&middle[2]), "{middle:?}");
@@ -46,10 +46,10 @@ fn haze_hides_the_distance() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn paving_shows_lines_every_metre() {
+fn paving_has_lines_every_metre() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [0.5; 3], line_color: [0.0; 3] });
-    // From right above; up in the picture is -Z.
+    // From vertically above; up in the picture is -Z.
     rig.scene.camera = Camera {
         eye: [0.5, 10.0, 0.5],
         target: [0.5, 0.0, 0.5],
@@ -67,7 +67,7 @@ fn paving_shows_lines_every_metre() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn members_throw_shadows_on_the_ground_and_on_each_other() {
+fn members_cast_shadows_on_the_ground_and_on_each_other() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [1.0; 3], line_color: [1.0; 3] });
     rig.scene.ambient.sky = [0.1; 3];
@@ -81,7 +81,7 @@ fn members_throw_shadows_on_the_ground_and_on_each_other() {
     };
     let white = rig.add(&person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY; 2]);
-    // From the left at 45 degrees: the shadow reaches 1.75 m to the right.
+    // The sun is at 45 degrees on the left, so that the shadow extends 1.75 m to the right.
     rig.scene.sun.to_sun = [-1.0, 1.0, 0.0];
     let list = [instance(white, Affine::IDENTITY, 0)];
     let sunny = [srgb(0.1 + 0.5 * f64::sqrt(0.5)); 3];
@@ -101,7 +101,7 @@ fn members_throw_shadows_on_the_ground_and_on_each_other() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn lit_surfaces_do_not_shade_themselves() {
+fn lit_surfaces_do_not_shadow_themselves() {
     let mut rig = Rig::new();
     rig.scene.ambient.sky = [0.0; 3];
     rig.scene.ambient.ground = [0.0; 3];
@@ -110,7 +110,7 @@ fn lit_surfaces_do_not_shade_themselves() {
     rig.scene.sun.casts_shadows = true;
     let white = rig.add(&person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY; 2]);
-    // A crowd wide enough for coarse texels, one of them in front of the camera.
+    // The crowd is wide, so that shadow texels are coarse. One member is in front of the camera.
     let list: Vec<_> =
         (0..41).map(|i| instance(white, at((i as f32 - 20.0) * 1.5, 0.0, 0.0), 0)).collect();
     let drawn = rig.draw(&list);
