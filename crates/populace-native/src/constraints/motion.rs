@@ -1,10 +1,13 @@
-//! Root motion: where its clips move a member, frame after frame; the twin of `kernels/motion.cl`.
+//! Root motion: moves members by their clips, frame after frame. Twin of `kernels/motion.cl`.
 //!
-//! Each clip says how far it moves the body between the last frame and this one, seen from where it
-//! had it; these moves are mixed as poses are, and the mix goes on from where the member was. A
-//! clip that played for a part of the frame moves the body for that part, by the mean of what it
-//! weighed then: so nothing is lost of what is left in the midst of a frame. Where something
-//! inertializes, the speed of the frame before goes over into that of what plays now, as poses do.
+//! Reads the member's slots and layers, clips, motions and masks, and the member's motion state as
+//! of the frame before. Writes the motion state, and the model transforms of roots.
+//!
+//! Each clip tells how far it moves the body from the last frame to this one, relative to the
+//! body's last position. These moves are mixed as poses are, and the mix is applied to the member's
+//! last position. A clip that plays for a part of the frame moves the body for that part, by its
+//! mean weight over it, so that no motion is lost when a clip ends between two frames. During an
+//! inertialized transition, the velocity of the frame before fades into that of the new clips.
 
 use populace_core::Affine;
 use populace_core::layout::{
@@ -13,15 +16,16 @@ use populace_core::layout::{
 };
 use populace_core::math::{Real, vec3};
 
-use super::{Models, Steering};
+use super::targets::Solver;
+use crate::hierarchy::Hierarchy;
 use crate::machines::machine_slot;
-use crate::pose::member_layers;
+use crate::members::{member_layers, member_slots};
 
-/// A turn about +Y, then a shift.
+/// A rotation about +Y, then a translation, in metres.
 #[derive(Clone, Copy)]
 struct Move {
     shift: [f32; 3],
-    /// Sine and cosine.
+    /// Sine and cosine of the rotation.
     heading: [f32; 2],
 }
 
@@ -43,18 +47,19 @@ impl Move {
         [cos * x + sin * z, y, cos * z - sin * x]
     }
 
-    /// `next` first, then this one.
+    /// Combines two moves: `next`, relative to where this one leads.
     fn then(&self, next: &Self) -> Self {
         let ([s, c], [t, d]) = (self.heading, next.heading);
         Self::new(vec3::add(self.shift, self.turned(next.shift)), [s * d + c * t, c * d - s * t])
     }
 
+    /// Returns the inverse.
     fn undone(&self) -> Self {
         let back = Self { shift: [0.0; 3], heading: [-self.heading[0], self.heading[1]] };
         Self { shift: vec3::scale(back.turned(self.shift), -1.0), ..back }
     }
 
-    /// So many times.
+    /// Repeats the move `count` times.
     fn times(mut self, mut count: u64) -> Self {
         let mut all = Self::NONE;
         while count > 0 {
@@ -67,6 +72,7 @@ impl Move {
         all
     }
 
+    /// Returns the mean velocity of a move that took `ticks`.
     fn speed(&self, ticks: u64) -> Speed {
         let ([x, y, z], [turn, _]) = (self.shift, self.heading);
         [x, y, z, turn].map(|far| far / ticks as f32)
@@ -78,41 +84,45 @@ impl Move {
     }
 }
 
-/// From one time of the clock to a later one.
-type Span = (u64, u64);
+/// Time from one tick to a later one.
+#[derive(Clone, Copy)]
+struct Span {
+    from: u64,
+    until: u64,
+}
 
-/// A weighted sum of moves.
+/// Weighted sum of moves.
 #[derive(Default)]
-struct Sum {
+struct Moves {
     shift: [f32; 3],
     heading: [f32; 2],
-    /// What each weighed while it played.
+    /// Sum of the weights, each averaged over the time in which its clip played.
     weight: f32,
-    /// The mean over the frame of what all weighed.
+    /// Sum of the weights, each averaged over the frame.
     total: f32,
-    /// When any played.
+    /// Time in which any clip played.
     span: Option<Span>,
 }
 
-impl Sum {
-    /// Where moves that weighed so much in all go. Those that each played in a part of the frame
-    /// come after each other, so that what all weighed while they played is more: each turns from
-    /// straight ahead.
+impl Moves {
+    /// Divides the sum by a total weight. Clips that play one after the other within the frame have
+    /// a `weight` above the total. The surplus is taken off the cosine, so that the rotation of
+    /// each counts from straight ahead.
     fn over(&self, total: f32) -> Move {
         let ([sin, cos], k) = (self.heading, 1.0 / total);
         Move::new(vec3::scale(self.shift, k), [sin * k, (cos + (total - self.weight)) * k])
     }
 }
 
-/// How far a member goes in a tick: a shift, and the sine of a turn.
+/// Velocity of a member: translation in metres, and sine of the rotation about +Y, per tick.
 type Speed = [f32; 4];
 
-/// Where the frame before left a member, and how fast that moved it.
+/// Motion state of a member as of a frame.
 #[derive(Clone, Copy)]
 struct Last {
     place: Move,
     speed: Speed,
-    /// How much faster than what it plays it was when something began to inertialize.
+    /// Velocity at the start of the newest inertialization, less that of the incoming clips.
     excess: Speed,
 }
 
@@ -120,37 +130,40 @@ impl Last {
     const NONE: Self = Self { place: Move::NONE, speed: [0.0; 4], excess: [0.0; 4] };
 }
 
-fn span_part((begin, end): Span, (from, until): Span) -> f32 {
-    (until - from) as f32 / (end - begin) as f32
+/// Returns the part of `all` that a span takes.
+fn span_part(all: Span, span: Span) -> f32 {
+    (span.until - span.from) as f32 / (all.until - all.from) as f32
 }
 
-/// When a slot plays within a span; not once it was cut.
-fn span_of(slot: &Slot, (from, until): Span) -> Option<Span> {
+/// Returns the part of a span in which a slot plays. A slot that was cut plays up to its cut.
+fn span_of(slot: &Slot, within: Span) -> Option<Span> {
     let is_cut = slot.end_weight <= 0.0 && slot.weight_rate == 0.0;
-    let until = if is_cut { until.min(slot.weight_tick) } else { until };
-    Some((from.max(slot.start_tick), until))
-        .filter(|(from, until)| slot.bound_clip != NONE && from < until)
+    let until = if is_cut { within.until.min(slot.weight_tick) } else { within.until };
+    let from = within.from.max(slot.start_tick);
+    (slot.bound_clip != NONE && from < until).then_some(Span { from, until })
 }
 
-/// The integral of what is left of a difference that inertializes: of the quintic by which poses
-/// do.
+/// Returns the integral, from 0 to a part of an inertialization's time, of the quintic by which
+/// differences in pose decay.
 fn still_until(inertialized: f32) -> f32 {
     let s = if inertialized < 1.0 { inertialized } else { 1.0 };
     s - s * s * s * s * (2.5 - 3.0 * s + s * s)
 }
 
-/// What is left of a difference in speed within a span, while it inertializes as a slot does.
-fn inertialized_within(slot: &Slot, excess: [f32; 4], (from, until): Span) -> Move {
-    let [from, until] = [from, until].map(|tick| still_until(slot.inertialized_at(tick)));
+/// Returns the move within a span that comes of a difference in velocity, while it decays as a slot
+/// inertializes.
+fn inertialized_within(slot: &Slot, excess: Speed, within: Span) -> Move {
+    let [from, until] =
+        [within.from, within.until].map(|tick| still_until(slot.inertialized_at(tick)));
     let ticks = (until - from) / slot.end_weight;
     let [x, y, z, turn] = excess.map(|per_tick| per_tick * ticks);
     Move::new([x, y, z], [turn, 1.0])
 }
 
-impl Steering<'_> {
+impl Solver<'_> {
     /// Moves a root to where clips have moved the member.
     #[inline(never)]
-    pub(super) fn moves(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
+    pub(super) fn moves(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
         let [place, heading, speed, excess] =
             [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
         let last = (place[3].to_bits() == step.turn).then(|| Last {
@@ -171,43 +184,43 @@ impl Steering<'_> {
         }
         let ([x, y, z], [s, c]) = (now.shift, now.heading);
         let carried = Affine { rows: [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]] };
-        models.set(joint, carried.mul(&models.model(joint)));
+        joints.set_model(joint, carried.mul(&joints.model(joint)));
     }
 
-    /// Where the member is after this frame, and how fast it went.
+    /// Returns the member's motion state after this frame.
     fn next(&self, last: Option<Last>) -> Last {
-        let elapsed = u64::from(self.clock.elapsed_ticks);
+        let (tick, elapsed_ticks) = (self.inputs.frame.tick, self.inputs.frame.elapsed_ticks);
+        let elapsed = u64::from(elapsed_ticks);
         let Last { place, speed, mut excess } = last.unwrap_or(Last::NONE);
         if elapsed == 0 {
             return Last { place, speed, excess };
         }
-        let before = self.tick.saturating_sub(elapsed);
-        let mut moved = self.move_within((before, self.tick));
-        let newest = self.newest_inertialization(self.tick);
+        let before = tick.saturating_sub(elapsed);
+        let mut moved = self.move_within(Span { from: before, until: tick });
+        let newest = self.newest_inertialization(tick);
         let begun = newest.filter(|slot| slot.start_tick >= before);
-        // What inertializes already goes on until something else begins to.
+        // An earlier inertialization goes on until the newest one begins.
         let (inertialization, until) = match begun {
             Some(slot) => (self.newest_inertialization(before), slot.start_tick),
-            None => (newest, self.tick),
+            None => (newest, tick),
         };
         if let Some(slot) = inertialization {
-            moved = moved.then(&inertialized_within(slot, excess, (before, until)));
+            let span = Span { from: before, until };
+            moved = moved.then(&inertialized_within(slot, excess, span));
         }
         if let (Some(slot), Some(_)) = (begun, last) {
-            let taking =
-                self.move_within((slot.start_tick, slot.start_tick + elapsed)).speed(elapsed);
-            excess = [0, 1, 2, 3].map(|i: usize| speed[i] - taking[i]);
-            moved = moved.then(&inertialized_within(slot, excess, (slot.start_tick, self.tick)));
+            let from = slot.start_tick;
+            let incoming = self.move_within(Span { from, until: from + elapsed }).speed(elapsed);
+            excess = [0, 1, 2, 3].map(|i: usize| speed[i] - incoming[i]);
+            moved = moved.then(&inertialized_within(slot, excess, Span { from, until: tick }));
         }
-        excess =
-            if newest.is_some_and(|slot| slot.inertializes(self.tick)) { excess } else { [0.0; 4] };
+        excess = if newest.is_some_and(|slot| slot.inertializes(tick)) { excess } else { [0.0; 4] };
         Last { place: place.then(&moved), speed: moved.speed(elapsed), excess }
     }
 
-    /// Of the member's slots that began to inertialize before a time of the clock, where they move
-    /// its root, the last.
+    /// Returns the member's newest inertialization of the root that began before a tick.
     fn newest_inertialization(&self, before: u64) -> Option<&Slot> {
-        let slots = &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)];
+        let slots = member_slots(self.tables, self.control.member);
         let inertialization = |slot: &&Slot| {
             slot.is_inertialization()
                 && slot.bound_clip != NONE
@@ -217,12 +230,12 @@ impl Steering<'_> {
         slots.iter().filter(inertialization).max_by_key(|slot| slot.start_tick)
     }
 
-    /// The mix of what all clips do within a span, each for as long as it plays. Layers that add to
-    /// what lies beneath move nobody.
+    /// Mixes the moves of all clips within a span, each for the time that it plays. Additive layers
+    /// do not move the member.
     fn move_within(&self, span: Span) -> Move {
         let mut moved = Move::NONE;
         for (layer, _) in (0..).zip(member_layers(self.tables, self.control.member)) {
-            let (sum, weight) = (self.sum_of_layer(layer, span), self.weight_at_root(layer));
+            let (sum, weight) = (self.moves_of_layer(layer, span), self.weight_at_root(layer));
             if layer == 0 {
                 let part = sum.span.map_or(1.0, |played| span_part(span, played));
                 moved = if sum.total > 1e-3 { sum.over(sum.total / part) } else { moved };
@@ -234,10 +247,10 @@ impl Steering<'_> {
         moved
     }
 
-    /// How much a layer weighs at the first joint, where it moves that: one that adds does not.
+    /// Returns a layer's weight at the first joint; 0 for additive layers.
     fn weight_at_root(&self, layer: u32) -> f32 {
-        let of_member = member_layers(self.tables, self.control.member);
-        match of_member.get(layer as usize) {
+        let layers = member_layers(self.tables, self.control.member);
+        match layers.get(layer as usize) {
             _ if layer == 0 => 1.0,
             Some(layer) if !layer.is_additive() => match layer.mask() {
                 Some(mask) => layer.weight * self.tables.masks().as_slice()[mask as usize],
@@ -247,11 +260,12 @@ impl Steering<'_> {
         }
     }
 
-    fn sum_of_layer(&self, layer: u32, within: Span) -> Sum {
-        let mut sum = Sum::default();
-        for slot in &self.tables.slots().as_slice()[self.tables.slot_range(self.control.member)] {
+    /// Sums the moves of a layer's slots within a span.
+    fn moves_of_layer(&self, layer: u32, within: Span) -> Moves {
+        let mut sum = Moves::default();
+        for slot in member_slots(self.tables, self.control.member) {
             let Some((slot, span)) = self.slot_within(slot, within) else { continue };
-            let weight = slot.mean_weight(span.0, span.1);
+            let weight = slot.mean_weight(span.from, span.until);
             if weight <= 0.0 || slot.layer() != layer {
                 continue;
             }
@@ -261,43 +275,45 @@ impl Steering<'_> {
             sum.heading = [0, 1].map(|i: usize| sum.heading[i] + moved.heading[i] * weight);
             sum.weight += weight;
             sum.total += weight * span_part(within, span);
-            sum.span =
-                sum.span.map_or(Some(span), |all| Some((all.0.min(span.0), all.1.max(span.1))));
+            sum.span = sum.span.map_or(Some(span), |all| {
+                let (from, until) = (all.from.min(span.from), all.until.max(span.until));
+                Some(Span { from, until })
+            });
         }
         sum
     }
 
-    /// A slot that plays within a span, or in place of a machine's the one that it stands for, and
-    /// when it does.
+    /// Returns a slot, or for a machine's slot the one that plays in its place, and the part of a
+    /// span in which it plays.
     fn slot_within(&self, slot: &Slot, within: Span) -> Option<(Slot, Span)> {
         let span = span_of(slot, within)?;
         if slot.mode() != SLOT_MACHINE {
             return Some((*slot, span));
         }
-        let weight = slot.mean_weight(span.0, span.1);
-        let slot = machine_slot(self.tables, &self.keeping.running, slot, weight);
+        let weight = slot.mean_weight(span.from, span.until);
+        let slot = machine_slot(self.tables, &self.inputs.history.running, slot, weight);
         Some((slot, span_of(&slot, span)?))
     }
 
-    /// How far a slot's clip moves its own body from one time of the clock to another, seen from
-    /// where it had it.
-    fn move_of_slot(&self, slot: &Slot, bound: &BoundClip, (from_tick, until): Span) -> Move {
+    /// Returns the move of a slot's clip within a span, relative to the clip's own position at its
+    /// start.
+    fn move_of_slot(&self, slot: &Slot, bound: &BoundClip, span: Span) -> Move {
         let clip = &self.tables.clips().as_slice()[bound.clip as usize];
         if clip.motion_count == 0 || !matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE) {
             return Move::NONE;
         }
         let at =
             |tick| self.motion_at(clip, slot.time_at(tick, clip.start_secs, clip.duration_secs));
-        let (from, to) = (at(from_tick), at(until));
+        let (from, to) = (at(span.from), at(span.until));
         let cycle = self.motion_at(clip, clip.start_secs + clip.duration_secs);
-        let whole = match (slot.cycles_between(from_tick, until), slot.phase_rate >> 63 != 0) {
+        let whole = match (slot.cycles_between(span.from, span.until), slot.phase_rate >> 63 != 0) {
             (count, true) => cycle.undone().times(count),
             (count, false) => cycle.times(count),
         };
         from.undone().then(&whole.then(&to))
     }
 
-    /// Where a clip has its body at a time.
+    /// Returns the position of a clip's body at a time on the clip's axis.
     fn motion_at(&self, clip: &ClipRows, secs: f32) -> Move {
         let last = (clip.motion_count - 1) as f32;
         let place = (secs - clip.start_secs) * clip.motion_rows_per_sec;
@@ -305,7 +321,7 @@ impl Steering<'_> {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "held to the rows"
+            reason = "clamped to the rows"
         )]
         let row = place as u32;
         let rows = self.tables.motions().as_slice();
@@ -321,5 +337,5 @@ impl Steering<'_> {
 
 const _: () = assert!(
     MOTION_STATE == FEET_MOST && MOTION_STATE + 4 <= STATES_PER_CONTROL,
-    "elements of feet come first, then those of motion"
+    "the states of feet come first, then that of root motion"
 );
