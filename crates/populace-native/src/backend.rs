@@ -11,13 +11,19 @@ use populace_core::{
 use crate::buffers::StageBuffers;
 use crate::dispatch::Dispatch;
 use crate::errors::failed;
+use crate::evaluate::evaluate;
+use crate::floor::write_floor;
 use crate::frame::FrameInputs;
+use crate::fused::fused;
 use crate::history::History;
+use crate::machines::advance;
 use crate::pages::Pages;
+use crate::pose::pose;
 use crate::reading::{self, Reading};
 use crate::scratch::ScratchPool;
+use crate::transform::transform;
 use crate::user_stages::UserStages;
-use crate::{evaluate, floor, fused, machines, pose, transform, write_back};
+use crate::write_back::write_back;
 
 /// Evaluates crowds on the CPU.
 pub struct NativeBackend {
@@ -114,9 +120,9 @@ impl NativeBackend {
             let inputs = FrameInputs { tables, frame, stages, history };
             pool.install(|| {
                 if staged {
-                    transform::run(&inputs, &buffers.joints, scratch, &mut buffers.models);
+                    transform(&inputs, &buffers.joints, scratch, &mut buffers.models);
                 } else {
-                    fused::run(&inputs, *dispatch, scratch, pages);
+                    fused(&inputs, *dispatch, scratch, pages);
                 }
             });
             for own in scratch.iter_mut() {
@@ -194,17 +200,17 @@ impl Backend for NativeBackend {
         let Self { pool, stages, buffers, pages, history, .. } = self;
         match stage {
             Stage::Evaluate => pool.install(|| {
-                machines::advance(tables, frame.tick, &mut history.running);
-                evaluate::run(tables, &history.running, frame.tick, &mut buffers.samples);
+                advance(tables, frame.tick, &mut history.running);
+                evaluate(tables, &history.running, frame.tick, &mut buffers.samples);
             }),
             Stage::Pose => {
                 let inputs = FrameInputs { tables, frame, stages, history };
-                pool.install(|| pose::run(&inputs, &buffers.samples, &mut buffers.joints));
+                pool.install(|| pose(&inputs, &buffers.samples, &mut buffers.joints));
             }
             Stage::Transform => self.run_phases(tables, frame),
             Stage::WriteBack => {
                 pages.begin_frame();
-                pool.install(|| write_back::run(tables, frame, &buffers.models, pages));
+                pool.install(|| write_back(tables, frame, &buffers.models, pages));
             }
         }
         let goes_on = stage == Stage::Transform && !frame.begins();
@@ -224,7 +230,7 @@ impl Backend for NativeBackend {
             if frame.begins() {
                 self.pages.begin_frame();
                 let Self { pool, history, .. } = self;
-                pool.install(|| machines::advance(tables, frame.tick, &mut history.running));
+                pool.install(|| advance(tables, frame.tick, &mut history.running));
             }
             self.run_phases(tables, frame);
         }
@@ -318,7 +324,7 @@ impl Backend for NativeBackend {
 
     fn write_floor(&mut self, _tables: &Tables) -> Result<f64, BackendError> {
         let Self { pool, pages, .. } = self;
-        Ok(pool.install(|| floor::write(pages)))
+        Ok(pool.install(|| write_floor(pages)))
     }
 
     fn memory_bytes(&self) -> usize {

@@ -17,8 +17,8 @@ mod motion;
 mod targets;
 
 use populace_core::layout::{
-    STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE,
-    STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step,
+    Float4, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE,
+    STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, WATCHED_ELEMENTS,
 };
 use populace_core::math::{quat, vec3};
 use populace_core::{Affine, Trs};
@@ -26,24 +26,6 @@ use populace_core::{Affine, Trs};
 pub(crate) use self::targets::Solver;
 use crate::hierarchy::{Hierarchy, descend_to};
 use crate::stages::stage_model;
-
-/// Returns an affine transform between two: the position on the straight line, the axes by the
-/// shortest rotation, and the axes' lengths in proportion.
-fn part_of_the_way(from: &Affine, to: &Affine, k: f32) -> Affine {
-    let turned = from.turned(vec3::part_of(turn_between(&axes(from), &axes(to)), k));
-    let mut rows = turned.rows;
-    for c in 0..3 {
-        let (old, new) = (vec3::length(column_of(from, c)), vec3::length(column_of(to, c)));
-        let factor = if old > 1e-10 { 1.0 + (new / old - 1.0) * k } else { 1.0 };
-        for row in &mut rows {
-            row[c] *= factor;
-        }
-    }
-    for (row, (start, end)) in rows.iter_mut().zip(from.origin().into_iter().zip(to.origin())) {
-        row[3] = start + (end - start) * k;
-    }
-    Affine { rows }
-}
 
 /// Returns a column of a transform: the direction of an axis.
 fn column_of(m: &Affine, c: usize) -> [f32; 3] {
@@ -65,6 +47,24 @@ fn turn_between(from: &[[f32; 3]; 3], to: &[[f32; 3]; 3]) -> [f32; 4] {
     quat::mul(second, first)
 }
 
+/// Returns an affine transform between two: the position on the straight line, the axes by the
+/// shortest rotation, and the axes' lengths in proportion.
+fn part_of_the_way(from: &Affine, to: &Affine, k: f32) -> Affine {
+    let turned = from.turned(vec3::part_of(turn_between(&axes(from), &axes(to)), k));
+    let mut rows = turned.rows;
+    for c in 0..3 {
+        let (old, new) = (vec3::length(column_of(from, c)), vec3::length(column_of(to, c)));
+        let factor = if old > 1e-10 { 1.0 + (new / old - 1.0) * k } else { 1.0 };
+        for row in &mut rows {
+            row[c] *= factor;
+        }
+    }
+    for (row, (start, end)) in rows.iter_mut().zip(from.origin().into_iter().zip(to.origin())) {
+        row[3] = start + (end - start) * k;
+    }
+    Affine { rows }
+}
+
 /// A transform given by the host, and its weight from 0 to 1.
 struct Given {
     transform: Affine,
@@ -83,9 +83,9 @@ impl Solver<'_> {
     #[inline(never)]
     fn override_model(&self, joints: &mut impl Hierarchy, joint: usize, index: u32) {
         let Given { transform: to, weight } = self.given_transform(index);
-        joints.set_model(
+        joints.keep_model(
             joint,
-            if weight >= 1.0 { to } else { part_of_the_way(&joints.model(joint), &to, weight) },
+            if weight >= 1.0 { to } else { part_of_the_way(&joints.model_of(joint), &to, weight) },
         );
     }
 
@@ -95,13 +95,20 @@ impl Solver<'_> {
         Affine { rows: [[c, 0.0, s, x], [0.0, scale, 0.0, y], [-s, 0.0, c, z]] }
     }
 
+    /// Writes the transform of a watched joint, for other members and for the next frame.
+    fn keep_watched(&mut self, watched: u32, joint: Affine) {
+        for (element, row) in (watched * WATCHED_ELEMENTS..).zip(joint.rows) {
+            self.writes.watched.push((element, Float4(row)));
+        }
+    }
+
     /// Moves a root to the joint that the member is attached to, as an earlier phase of this frame
     /// wrote it.
     #[inline(never)]
     fn attach(&self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
         if let Some(parent) = self.inputs.history.watched_now(step.index) {
             let offset = self.given_transform(step.turn).transform;
-            joints.set_model(joint, parent.mul(&offset).mul(&joints.model(joint)));
+            joints.keep_model(joint, parent.mul(&offset).mul(&joints.model_of(joint)));
         }
     }
 
@@ -112,7 +119,7 @@ impl Solver<'_> {
         match step.kind {
             STEP_TURN => {
                 let turn = self.turns[step.turn as usize];
-                joints.set_model(joint, joints.model(joint).turned(turn));
+                joints.keep_model(joint, joints.model_of(joint).turned(turn));
             }
             STEP_GAZE => self.gaze(joints, joint, parents[joint], step),
             STEP_REACH => self.reach(joints, joint, step),
@@ -121,16 +128,16 @@ impl Solver<'_> {
             STEP_FOOT => self.foot(joints, joint, step),
             STEP_OVERRIDE => self.override_model(joints, joint, step.index),
             STEP_STAGE => {
-                let own = joints.model(joint);
+                let own = joints.model_of(joint);
                 if let Some(model) = stage_model(self.inputs, step, self.control, own) {
-                    joints.set_model(joint, model);
+                    joints.keep_model(joint, model);
                 }
             }
             STEP_WATCH => {
-                let world = self.world_from_model().mul(&joints.model(joint));
+                let world = self.world_from_model().mul(&joints.model_of(joint));
                 self.keep_watched(step.index, world);
             }
-            STEP_CARRY => self.keep_watched(step.index, joints.model(joint)),
+            STEP_CARRY => self.keep_watched(step.index, joints.model_of(joint)),
             STEP_ATTACH => self.attach(joints, joint, step),
             STEP_MOTION => self.moves(joints, joint, step),
             _ => {}

@@ -11,7 +11,7 @@ use crate::machines::slot_now;
 use crate::slot::sample_of;
 
 /// Evaluates the slots of all members.
-pub(crate) fn run(tables: &Tables, running: &[Float4], tick: u64, samples: &mut [SlotSample]) {
+pub(crate) fn evaluate(tables: &Tables, running: &[Float4], tick: u64, samples: &mut [SlotSample]) {
     samples.par_iter_mut().zip(tables.slots().as_slice()).with_min_len(4096).for_each(
         |(sample, slot)| *sample = sample_of(tables, &slot_now(tables, running, slot, tick), tick),
     );

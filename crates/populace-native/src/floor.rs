@@ -10,7 +10,7 @@ use crate::pages::Pages;
 
 /// Writes a constant to every palette, on one thread and in chunks of two sizes on all threads.
 /// Returns the time of the fastest, in milliseconds.
-pub(crate) fn write(pages: &mut Pages) -> f64 {
+pub(crate) fn write_floor(pages: &mut Pages) -> f64 {
     let value = Float4([1.0, 2.0, 3.0, 4.0]);
     let mut best = f64::INFINITY;
     let mut time = |write_page: &dyn Fn(&mut [Float4])| {

@@ -44,17 +44,17 @@ struct InPlace<'a>(&'a mut [Affine]);
 
 impl Hierarchy for InPlace<'_> {
     #[inline(always)]
-    fn model(&self, joint: usize) -> Affine {
+    fn model_of(&self, joint: usize) -> Affine {
         self.0[joint]
     }
 
     #[inline(always)]
-    fn local(&self, joint: usize) -> Affine {
+    fn local_of(&self, joint: usize) -> Affine {
         self.0[joint]
     }
 
     #[inline(always)]
-    fn set_model(&mut self, joint: usize, model: Affine) {
+    fn keep_model(&mut self, joint: usize, model: Affine) {
         self.0[joint] = model;
     }
 }
@@ -139,7 +139,7 @@ impl Work for WritePalette<'_> {
 }
 
 /// Writes the palettes of the frame's members.
-pub(crate) fn run(
+pub(crate) fn fused(
     inputs: &FrameInputs,
     dispatch: Dispatch,
     scratch: &ScratchPool,

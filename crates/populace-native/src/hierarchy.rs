@@ -3,28 +3,28 @@
 use populace_core::Affine;
 use populace_core::layout::NONE;
 
-/// Storage of a member's transforms. A joint is local until its model transform is set.
+/// Storage of a member's transforms. A joint is local until its model transform is stored.
 pub(crate) trait Hierarchy {
-    /// Returns `model_from_joint` of a joint that has been set.
-    fn model(&self, joint: usize) -> Affine;
+    /// Returns `model_from_joint` of a joint that is stored.
+    fn model_of(&self, joint: usize) -> Affine;
 
-    /// Returns `parent_from_joint` of a joint that has not been set.
-    fn local(&self, joint: usize) -> Affine;
+    /// Returns `parent_from_joint` of a joint that is not stored yet.
+    fn local_of(&self, joint: usize) -> Affine;
 
-    /// Sets `model_from_joint`.
-    fn set_model(&mut self, joint: usize, model: Affine);
+    /// Stores `model_from_joint`.
+    fn keep_model(&mut self, joint: usize, model: Affine);
 }
 
-/// Computes a joint's model transform. Its parent must have been set.
+/// Computes a joint's model transform. Its parent must be stored.
 #[inline(always)]
 pub(crate) fn descend_to(joints: &mut impl Hierarchy, parents: &[u32], joint: usize) {
-    let local = joints.local(joint);
+    let local = joints.local_of(joint);
     let model = if parents[joint] == NONE {
         local
     } else {
-        joints.model(parents[joint] as usize).mul(&local)
+        joints.model_of(parents[joint] as usize).mul(&local)
     };
-    joints.set_model(joint, model);
+    joints.keep_model(joint, model);
 }
 
 /// Computes the model transforms of all joints, parents first.

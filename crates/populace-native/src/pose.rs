@@ -20,7 +20,7 @@ use crate::split;
 const BLOCK: usize = JOINT_BLOCK as usize;
 
 /// Poses the frame's members.
-pub(crate) fn run(inputs: &FrameInputs, samples: &[SlotSample], joints: &mut JointBuffer) {
+pub(crate) fn pose(inputs: &FrameInputs, samples: &[SlotSample], joints: &mut JointBuffer) {
     let FrameInputs { tables, frame, history, .. } = *inputs;
     let arrays = [&mut joints.translations[..], &mut joints.rotations[..], &mut joints.scales[..]];
     let job = |index: u32, _, [translations, rotations, scales]: [&mut [Float4]; 3]| {

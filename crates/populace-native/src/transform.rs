@@ -29,12 +29,12 @@ struct Rows<'a> {
 
 impl Hierarchy for Rows<'_> {
     #[inline(always)]
-    fn model(&self, joint: usize) -> Affine {
+    fn model_of(&self, joint: usize) -> Affine {
         Affine { rows: self.rows.each_ref().map(|rows| rows[joint].0) }
     }
 
     #[inline(always)]
-    fn local(&self, joint: usize) -> Affine {
+    fn local_of(&self, joint: usize) -> Affine {
         let at = self.first + joint;
         Affine::from_trs(&Trs {
             translation: self.joints.translations[at].xyz(),
@@ -44,7 +44,7 @@ impl Hierarchy for Rows<'_> {
     }
 
     #[inline(always)]
-    fn set_model(&mut self, joint: usize, model: Affine) {
+    fn keep_model(&mut self, joint: usize, model: Affine) {
         for (rows, row) in self.rows.iter_mut().zip(model.rows) {
             rows[joint] = Float4(row);
         }
@@ -52,7 +52,7 @@ impl Hierarchy for Rows<'_> {
 }
 
 /// Transforms the joints of the frame's members.
-pub(crate) fn run(
+pub(crate) fn transform(
     inputs: &FrameInputs,
     joints: &JointBuffer,
     scratch: &ScratchPool,

@@ -16,7 +16,7 @@ use crate::pages::Pages;
 const GRAIN: usize = 4096;
 
 /// Writes the palettes of the frame's members.
-pub(crate) fn run(tables: &Tables, frame: Frame, models: &ModelRows, pages: &mut Pages) {
+pub(crate) fn write_back(tables: &Tables, frame: Frame, models: &ModelRows, pages: &mut Pages) {
     for (page, palettes) in pages.iter_mut().enumerate() {
         palettes.par_chunks_mut(GRAIN * 3).enumerate().for_each(|(chunk, palettes)| {
             let first = page * PAGE_ENTRIES as usize + chunk * GRAIN;

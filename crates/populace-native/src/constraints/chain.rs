@@ -27,7 +27,7 @@ impl Solver<'_> {
     pub(super) fn chain(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
-        let own = joints.model(joint);
+        let own = joints.model_of(joint);
         let Chain { positions, .. } = Self::walk(joints, links, own);
         let last = links.len() - 1;
         let mut lengths = [0.0; LINKS_MOST as usize];
@@ -63,7 +63,7 @@ impl Solver<'_> {
             let is = vec3::unit_or(vec3::sub(points[at + 1], points[at]), was);
             let turn = vec3::part_of(vec3::between(was, is, vec3::any_across(is)), weight);
             if at == 0 {
-                joints.set_model(joint, own.turned(turn));
+                joints.keep_model(joint, own.turned(turn));
             } else {
                 self.turns[step.turn as usize + at - 1] = turn;
             }

@@ -226,7 +226,7 @@ impl Solver<'_> {
         let (mut leg, mut model) = (Leg::default(), from);
         for (at, link) in links.iter().enumerate().skip(start) {
             if at > start {
-                model = model.mul(&joints.local(link.joint as usize));
+                model = model.mul(&joints.local_of(link.joint as usize));
             }
             if at == foot.upper as usize {
                 leg.hip = model.origin();
@@ -265,7 +265,7 @@ impl Solver<'_> {
     /// legs too, unless something else moves them after the pelvis.
     #[inline(never)]
     pub(super) fn pelvis(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
-        let own = joints.model(joint);
+        let own = joints.model_of(joint);
         let first = self.constraint(step);
         let count = first.target_count as usize;
         let mut strides = [Stride::default(); FEET];
@@ -286,7 +286,7 @@ impl Solver<'_> {
         drop *= first.limits.0[1];
         let mut rows = own.rows;
         rows[1][3] -= drop;
-        joints.set_model(joint, Affine { rows });
+        joints.keep_model(joint, Affine { rows });
         if first.at_once != 0 {
             legs.limb.to[1] = legs.limb.to[1] + Feet::splat(drop);
             self.leg_turns(&legs, first, step.turn, count);
@@ -298,7 +298,7 @@ impl Solver<'_> {
     #[inline(never)]
     pub(super) fn foot(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
         let constraint = self.constraint(step);
-        let own = joints.model(joint);
+        let own = joints.model_of(joint);
         let links = self.links(constraint);
         let leg = Self::walk_leg(joints, links, constraint, constraint.upper as usize, own);
         let turn = step.turn as usize;
@@ -306,6 +306,6 @@ impl Solver<'_> {
         let mut strides = [Stride::default(); FEET];
         strides[0] = Stride::new(&leg, [x, y, z], self.turns[turn + 1]);
         self.leg_turns(&Legs::new(&strides), constraint, step.turn, 1);
-        joints.set_model(joint, own.turned(self.turns[turn]));
+        joints.keep_model(joint, own.turned(self.turns[turn]));
     }
 }

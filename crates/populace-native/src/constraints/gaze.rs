@@ -200,8 +200,9 @@ impl Solver<'_> {
     ) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
-        let own = joints.model(joint);
-        let frame = Frame::of(constraint, (parent != NONE).then(|| joints.model(parent as usize)));
+        let own = joints.model_of(joint);
+        let frame =
+            Frame::of(constraint, (parent != NONE).then(|| joints.model_of(parent as usize)));
         let Chain { positions, end } = Self::walk(joints, links, own);
         let start = frame.start(end.transform_vector(constraint.axis.xyz()));
         let last = links.len() - 1;
@@ -219,7 +220,7 @@ impl Solver<'_> {
             if at > 0 {
                 self.turns[step.turn as usize + at - 1] = turn;
             } else {
-                joints.set_model(joint, own.turned(turn));
+                joints.keep_model(joint, own.turned(turn));
             }
             let bone = vec3::sub(positions[at + 1], positions[at]);
             position = vec3::add(position, vec3::turned(so_far, bone));
@@ -230,7 +231,7 @@ impl Solver<'_> {
         let there = if weight < 1.0 { vec3::part_as_told(rotation, weight) } else { rotation };
         let left = quat::mul(there, quat::conjugate(so_far));
         if last == 0 {
-            joints.set_model(joint, own.turned(left));
+            joints.keep_model(joint, own.turned(left));
         } else {
             self.turns[step.turn as usize + last - 1] = left;
         }

@@ -139,7 +139,7 @@ impl Solver<'_> {
     pub(super) fn reach(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
-        let own = joints.model(joint);
+        let own = joints.model_of(joint);
         let Chain { positions, .. } = Self::walk(joints, links, own);
         let WeightedPoint { position: target, weight } = self.goal(constraint, positions[0]);
         let [x, y, z, has_pole] = constraint.front.0;
@@ -159,7 +159,7 @@ impl Solver<'_> {
         }
         let [first, second] = turns;
         let undone = quat::conjugate(quat::mul(second, first));
-        joints.set_model(joint, own.turned(first));
+        joints.keep_model(joint, own.turned(first));
         self.turns[step.turn as usize] = second;
         self.turns[step.turn as usize + 1] =
             if constraint.keeps_end != 0 { undone } else { quat::identity() };

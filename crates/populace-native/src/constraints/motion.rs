@@ -120,19 +120,15 @@ type Speed = [f32; 4];
 /// Motion state of a member as of a frame.
 #[derive(Clone, Copy)]
 struct Last {
-    place: Move,
+    /// Root-motion offset of the member, in model space.
+    offset: Move,
     speed: Speed,
     /// Velocity at the start of the newest inertialization, less that of the incoming clips.
     excess: Speed,
 }
 
 impl Last {
-    const NONE: Self = Self { place: Move::NONE, speed: [0.0; 4], excess: [0.0; 4] };
-}
-
-/// Returns the part of `all` that a span takes.
-fn span_part(all: Span, span: Span) -> f32 {
-    (span.until - span.from) as f32 / (all.until - all.from) as f32
+    const NONE: Self = Self { offset: Move::NONE, speed: [0.0; 4], excess: [0.0; 4] };
 }
 
 /// Returns the part of a span in which a slot plays. A slot that was cut plays up to its cut.
@@ -141,6 +137,11 @@ fn span_of(slot: &Slot, within: Span) -> Option<Span> {
     let until = if is_cut { within.until.min(slot.weight_tick) } else { within.until };
     let from = within.from.max(slot.start_tick);
     (slot.bound_clip != NONE && from < until).then_some(Span { from, until })
+}
+
+/// Returns the part of `all` that a span takes.
+fn span_part(all: Span, span: Span) -> f32 {
+    (span.until - span.from) as f32 / (all.until - all.from) as f32
 }
 
 /// Returns the integral, from 0 to a part of an inertialization's time, of the quintic by which
@@ -161,126 +162,25 @@ fn inertialized_within(slot: &Slot, excess: Speed, within: Span) -> Move {
 }
 
 impl Solver<'_> {
-    /// Moves a root to where clips have moved the member.
-    #[inline(never)]
-    pub(super) fn moves(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
-        let [place, heading, speed, excess] =
-            [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
-        let last = (place[3].to_bits() == step.turn).then(|| Last {
-            place: Move {
-                shift: [place[0], place[1], place[2]],
-                heading: [heading[0], heading[1]],
-            },
-            speed,
-            excess,
-        });
-        let Last { place: now, speed, excess } = self.next(last);
-        if joint == 0 {
-            let [x, y, z] = now.shift;
-            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(step.turn)]));
-            self.keep_state(MOTION_STATE + 1, Float4([now.heading[0], now.heading[1], 0.0, 0.0]));
-            self.keep_state(MOTION_STATE + 2, Float4(speed));
-            self.keep_state(MOTION_STATE + 3, Float4(excess));
-        }
-        let ([x, y, z], [s, c]) = (now.shift, now.heading);
-        let carried = Affine { rows: [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]] };
-        joints.set_model(joint, carried.mul(&joints.model(joint)));
-    }
-
-    /// Returns the member's motion state after this frame.
-    fn next(&self, last: Option<Last>) -> Last {
-        let (tick, elapsed_ticks) = (self.inputs.frame.tick, self.inputs.frame.elapsed_ticks);
-        let elapsed = u64::from(elapsed_ticks);
-        let Last { place, speed, mut excess } = last.unwrap_or(Last::NONE);
-        if elapsed == 0 {
-            return Last { place, speed, excess };
-        }
-        let before = tick.saturating_sub(elapsed);
-        let mut moved = self.move_within(Span { from: before, until: tick });
-        let newest = self.newest_inertialization(tick);
-        let begun = newest.filter(|slot| slot.start_tick >= before);
-        // An earlier inertialization goes on until the newest one begins.
-        let (inertialization, until) = match begun {
-            Some(slot) => (self.newest_inertialization(before), slot.start_tick),
-            None => (newest, tick),
+    /// Returns the position of a clip's body at a time on the clip's axis.
+    fn motion_at(&self, clip: &ClipRows, secs: f32) -> Move {
+        let last = (clip.motion_count - 1) as f32;
+        let at_row = (secs - clip.start_secs) * clip.motion_rows_per_sec;
+        let at_row = if at_row > 0.0 { if at_row < last { at_row } else { last } } else { 0.0 };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to the rows"
+        )]
+        let row = at_row as u32;
+        let rows = self.tables.motions().as_slice();
+        let at = |row: u32| {
+            let first = ((clip.motion_first + row) * MOTION_ELEMENTS) as usize;
+            let [sin, cos, ..] = rows[first + 1].0;
+            Move { shift: rows[first].xyz(), heading: [sin, cos] }
         };
-        if let Some(slot) = inertialization {
-            let span = Span { from: before, until };
-            moved = moved.then(&inertialized_within(slot, excess, span));
-        }
-        if let (Some(slot), Some(_)) = (begun, last) {
-            let from = slot.start_tick;
-            let incoming = self.move_within(Span { from, until: from + elapsed }).speed(elapsed);
-            excess = [0, 1, 2, 3].map(|i: usize| speed[i] - incoming[i]);
-            moved = moved.then(&inertialized_within(slot, excess, Span { from, until: tick }));
-        }
-        excess = if newest.is_some_and(|slot| slot.inertializes(tick)) { excess } else { [0.0; 4] };
-        Last { place: place.then(&moved), speed: moved.speed(elapsed), excess }
-    }
-
-    /// Returns the member's newest inertialization of the root that began before a tick.
-    fn newest_inertialization(&self, before: u64) -> Option<&Slot> {
-        let slots = member_slots(self.tables, self.control.member);
-        let inertialization = |slot: &&Slot| {
-            slot.is_inertialization()
-                && slot.bound_clip != NONE
-                && slot.start_tick < before
-                && self.weight_at_root(slot.layer()) > 0.0
-        };
-        slots.iter().filter(inertialization).max_by_key(|slot| slot.start_tick)
-    }
-
-    /// Mixes the moves of all clips within a span, each for the time that it plays. Additive layers
-    /// do not move the member.
-    fn move_within(&self, span: Span) -> Move {
-        let mut moved = Move::NONE;
-        for (layer, _) in (0..).zip(member_layers(self.tables, self.control.member)) {
-            let (sum, weight) = (self.moves_of_layer(layer, span), self.weight_at_root(layer));
-            if layer == 0 {
-                let part = sum.span.map_or(1.0, |played| span_part(span, played));
-                moved = if sum.total > 1e-3 { sum.over(sum.total / part) } else { moved };
-            } else if sum.total > LEAST_WEIGHT && weight > 0.0 {
-                let part = weight * if sum.total < 1.0 { sum.total } else { 1.0 };
-                moved = moved.mix(&sum.over(sum.total), part);
-            }
-        }
-        moved
-    }
-
-    /// Returns a layer's weight at the first joint; 0 for additive layers.
-    fn weight_at_root(&self, layer: u32) -> f32 {
-        let layers = member_layers(self.tables, self.control.member);
-        match layers.get(layer as usize) {
-            _ if layer == 0 => 1.0,
-            Some(layer) if !layer.is_additive() => match layer.mask() {
-                Some(mask) => layer.weight * self.tables.masks().as_slice()[mask as usize],
-                None => layer.weight,
-            },
-            _ => 0.0,
-        }
-    }
-
-    /// Sums the moves of a layer's slots within a span.
-    fn moves_of_layer(&self, layer: u32, within: Span) -> Moves {
-        let mut sum = Moves::default();
-        for slot in member_slots(self.tables, self.control.member) {
-            let Some((slot, span)) = self.slot_within(slot, within) else { continue };
-            let weight = slot.mean_weight(span.from, span.until);
-            if weight <= 0.0 || slot.layer() != layer {
-                continue;
-            }
-            let bound = &self.tables.bound_clips().as_slice()[slot.bound_clip as usize];
-            let moved = self.move_of_slot(&slot, bound, span);
-            sum.shift = vec3::add_scaled(sum.shift, moved.shift, weight * bound.motion_scale);
-            sum.heading = [0, 1].map(|i: usize| sum.heading[i] + moved.heading[i] * weight);
-            sum.weight += weight;
-            sum.total += weight * span_part(within, span);
-            sum.span = sum.span.map_or(Some(span), |all| {
-                let (from, until) = (all.from.min(span.from), all.until.max(span.until));
-                Some(Span { from, until })
-            });
-        }
-        sum
+        let next = if row + 1 < clip.motion_count { row + 1 } else { row };
+        at(row).mix(&at(next), at_row - row as f32)
     }
 
     /// Returns a slot, or for a machine's slot the one that plays in its place, and the part of a
@@ -313,25 +213,127 @@ impl Solver<'_> {
         from.undone().then(&whole.then(&to))
     }
 
-    /// Returns the position of a clip's body at a time on the clip's axis.
-    fn motion_at(&self, clip: &ClipRows, secs: f32) -> Move {
-        let last = (clip.motion_count - 1) as f32;
-        let place = (secs - clip.start_secs) * clip.motion_rows_per_sec;
-        let place = if place > 0.0 { if place < last { place } else { last } } else { 0.0 };
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "clamped to the rows"
-        )]
-        let row = place as u32;
-        let rows = self.tables.motions().as_slice();
-        let at = |row: u32| {
-            let first = ((clip.motion_first + row) * MOTION_ELEMENTS) as usize;
-            let [sin, cos, ..] = rows[first + 1].0;
-            Move { shift: rows[first].xyz(), heading: [sin, cos] }
+    /// Sums the moves of a layer's slots within a span.
+    fn moves_of_layer(&self, layer: u32, within: Span) -> Moves {
+        let mut sum = Moves::default();
+        for slot in member_slots(self.tables, self.control.member) {
+            let Some((slot, span)) = self.slot_within(slot, within) else { continue };
+            let weight = slot.mean_weight(span.from, span.until);
+            if weight <= 0.0 || slot.layer() != layer {
+                continue;
+            }
+            let bound = &self.tables.bound_clips().as_slice()[slot.bound_clip as usize];
+            let moved = self.move_of_slot(&slot, bound, span);
+            sum.shift = vec3::add_scaled(sum.shift, moved.shift, weight * bound.motion_scale);
+            sum.heading = [0, 1].map(|i: usize| sum.heading[i] + moved.heading[i] * weight);
+            sum.weight += weight;
+            sum.total += weight * span_part(within, span);
+            sum.span = sum.span.map_or(Some(span), |all| {
+                let (from, until) = (all.from.min(span.from), all.until.max(span.until));
+                Some(Span { from, until })
+            });
+        }
+        sum
+    }
+
+    /// Returns a layer's weight at the first joint; 0 for additive layers.
+    fn weight_at_root(&self, layer: u32) -> f32 {
+        let layers = member_layers(self.tables, self.control.member);
+        match layers.get(layer as usize) {
+            _ if layer == 0 => 1.0,
+            Some(layer) if !layer.is_additive() => match layer.mask() {
+                Some(mask) => layer.weight * self.tables.masks().as_slice()[mask as usize],
+                None => layer.weight,
+            },
+            _ => 0.0,
+        }
+    }
+
+    /// Mixes the moves of all clips within a span, each for the time that it plays. Additive layers
+    /// do not move the member.
+    fn move_within(&self, span: Span) -> Move {
+        let mut moved = Move::NONE;
+        for (layer, _) in (0..).zip(member_layers(self.tables, self.control.member)) {
+            let (sum, weight) = (self.moves_of_layer(layer, span), self.weight_at_root(layer));
+            if layer == 0 {
+                let part = sum.span.map_or(1.0, |played| span_part(span, played));
+                moved = if sum.total > 1e-3 { sum.over(sum.total / part) } else { moved };
+            } else if sum.total > LEAST_WEIGHT && weight > 0.0 {
+                let part = weight * if sum.total < 1.0 { sum.total } else { 1.0 };
+                moved = moved.mix(&sum.over(sum.total), part);
+            }
+        }
+        moved
+    }
+
+    /// Returns the member's newest inertialization of the root that began before a tick.
+    fn newest_inertialization(&self, before: u64) -> Option<&Slot> {
+        let slots = member_slots(self.tables, self.control.member);
+        let inertialization = |slot: &&Slot| {
+            slot.is_inertialization()
+                && slot.bound_clip != NONE
+                && slot.start_tick < before
+                && self.weight_at_root(slot.layer()) > 0.0
         };
-        let next = if row + 1 < clip.motion_count { row + 1 } else { row };
-        at(row).mix(&at(next), place - row as f32)
+        slots.iter().filter(inertialization).max_by_key(|slot| slot.start_tick)
+    }
+
+    /// Returns the member's motion state after this frame.
+    fn next(&self, last: Option<Last>) -> Last {
+        let (tick, elapsed_ticks) = (self.inputs.frame.tick, self.inputs.frame.elapsed_ticks);
+        let elapsed = u64::from(elapsed_ticks);
+        let Last { offset, speed, mut excess } = last.unwrap_or(Last::NONE);
+        if elapsed == 0 {
+            return Last { offset, speed, excess };
+        }
+        let before = tick.saturating_sub(elapsed);
+        let mut moved = self.move_within(Span { from: before, until: tick });
+        let newest = self.newest_inertialization(tick);
+        let begun = newest.filter(|slot| slot.start_tick >= before);
+        // An earlier inertialization goes on until the newest one begins.
+        let (inertialization, until) = match begun {
+            Some(slot) => (self.newest_inertialization(before), slot.start_tick),
+            None => (newest, tick),
+        };
+        if let Some(slot) = inertialization {
+            let span = Span { from: before, until };
+            moved = moved.then(&inertialized_within(slot, excess, span));
+        }
+        if let (Some(slot), Some(_)) = (begun, last) {
+            let from = slot.start_tick;
+            let incoming = self.move_within(Span { from, until: from + elapsed }).speed(elapsed);
+            excess = [0, 1, 2, 3].map(|i: usize| speed[i] - incoming[i]);
+            moved = moved.then(&inertialized_within(slot, excess, Span { from, until: tick }));
+        }
+        excess = if newest.is_some_and(|slot| slot.inertializes(tick)) { excess } else { [0.0; 4] };
+        Last { offset: offset.then(&moved), speed: moved.speed(elapsed), excess }
+    }
+
+    /// Moves a root to where clips have moved the member.
+    #[inline(never)]
+    pub(super) fn moves(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
+        let [shift, heading, speed, excess] =
+            [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
+        // The state of another epoch belongs to an earlier use of root motion.
+        let last = (shift[3].to_bits() == step.turn).then(|| Last {
+            offset: Move {
+                shift: [shift[0], shift[1], shift[2]],
+                heading: [heading[0], heading[1]],
+            },
+            speed,
+            excess,
+        });
+        let Last { offset: now, speed, excess } = self.next(last);
+        if joint == 0 {
+            let [x, y, z] = now.shift;
+            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(step.turn)]));
+            self.keep_state(MOTION_STATE + 1, Float4([now.heading[0], now.heading[1], 0.0, 0.0]));
+            self.keep_state(MOTION_STATE + 2, Float4(speed));
+            self.keep_state(MOTION_STATE + 3, Float4(excess));
+        }
+        let ([x, y, z], [s, c]) = (now.shift, now.heading);
+        let carried = Affine { rows: [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]] };
+        joints.keep_model(joint, carried.mul(&joints.model_of(joint)));
     }
 }
 

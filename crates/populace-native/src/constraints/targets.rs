@@ -6,7 +6,7 @@
 
 use populace_core::layout::{
     Constraint, Control, Float4, LINKS_MOST, Link, STATES_PER_CONTROL, Step, TARGET_DIRECTION,
-    TARGET_WATCHED, TARGET_WORLD, TURNS_MOST, Target, WATCHED_ELEMENTS,
+    TARGET_WATCHED, TARGET_WORLD, TURNS_MOST, Target,
 };
 use populace_core::math::{quat, vec3};
 use populace_core::{Affine, Tables};
@@ -26,7 +26,7 @@ pub(crate) struct Solver<'a> {
     pub(super) control: &'a Control,
     /// Index of the control.
     index: u32,
-    writes: &'a mut DeferredWrites,
+    pub(super) writes: &'a mut DeferredWrites,
     /// Rotations in model space, from steps that compute them to steps that apply them.
     pub(super) turns: [[f32; 4]; TURNS_MOST as usize],
 }
@@ -83,13 +83,6 @@ impl<'a> Solver<'a> {
     /// Writes an element of the member's state for the next frame.
     pub(super) fn keep_state(&mut self, element: u32, value: Float4) {
         self.writes.states.push((self.index * STATES_PER_CONTROL + element, value));
-    }
-
-    /// Writes the transform of a watched joint, for other members and for the next frame.
-    pub(super) fn keep_watched(&mut self, watched: u32, joint: Affine) {
-        for (element, row) in (watched * WATCHED_ELEMENTS..).zip(joint.rows) {
-            self.writes.watched.push((element, Float4(row)));
-        }
     }
 
     /// Takes a direction from world to model space. Its length stays.
@@ -166,7 +159,7 @@ impl<'a> Solver<'a> {
         let mut end = from;
         positions[0] = end.origin();
         for (position, link) in positions.iter_mut().zip(links).skip(1) {
-            end = end.mul(&joints.local(link.joint as usize));
+            end = end.mul(&joints.local_of(link.joint as usize));
             *position = end.origin();
         }
         Chain { positions, end }
