@@ -5,7 +5,7 @@ use populace_core::{BackendError, StageBuffer, Tables};
 
 use crate::errors::DEVICE;
 
-/// What the stages hand to each other, for all members.
+/// Intermediate results of the stages, for all members.
 #[derive(Default)]
 pub(crate) struct StageBuffers {
     pub(crate) samples: Vec<SlotSample>,

@@ -1,5 +1,5 @@
 //! Components of local transforms from a clip's rows, for one joint or for sixteen neighbouring
-//! ones. Twin of `kernels/rows.cl`; `populace-core/src/clip/storage.rs` describes a row.
+//! ones. Twin of `kernels/rows.cl`.
 //!
 //! A component is `offset + step * n`, where `n` is what a row holds. Joints that the clip does not
 //! drive, or that do not move in it, have a step of 0, so the arithmetic is the same for all.

@@ -1,6 +1,5 @@
-//! Rows and weight of a slot, in closed form from the clock. Twin of `kernels/slot.cl`; what that
-//! file has beside these functions is in `populace-core/src/playback.rs` and in its
-//! `tables/rows.rs`.
+//! Rows and weight of a slot, in closed form from the clock. Twin of the end of `kernels/slot.cl`;
+//! twins of the other functions of that file are methods of `Slot`, and `Tables::find_row`.
 
 use populace_core::Tables;
 use populace_core::layout::{ClipRows, NONE, SLOT_LIVE, Slot, SlotSample};
