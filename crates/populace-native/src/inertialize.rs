@@ -77,6 +77,7 @@ fn decay(inertialized: f32) -> [f32; 2] {
     ]
 }
 
+#[inline(always)]
 fn inertialization_weights<R: RowWidth>(
     slot: &Slot,
     tick: u64,
