@@ -1,32 +1,72 @@
-//! What clips that were left leave behind for a while: the difference from what took their place,
-//! in pose and in speed; the twin of `kernels/inertialize.cl`.
+//! Inertialized transitions: the decaying difference, in pose and in velocity, between clips that
+//! have ended and the clips that took their place (Bollo, "Inertialization: high-performance
+//! animation transitions in Gears of War", GDC 2018). Twin of `kernels/inertialize.cl`.
+//!
+//! Reads the member's slots of `SLOT_INERTIALIZATION`, and bound clips, clips and rows. Writes
+//! nothing but the pose that it returns.
+//!
+//! The *outgoing* clip ended; the *incoming* one took its place. Both are sampled where they were
+//! at that instant, and at the far row, which tells the velocity.
 
 use populace_core::layout::{ClipRows, Slot, SlotSample};
 use populace_core::math::quat;
-use populace_core::{SampledState, Tables, far_row, row_before};
+use populace_core::{SampledState, far_row, row_before};
 
-use crate::joint::{Posing, add_layer, change, each3, quotient};
-use crate::rows::{Local, Width, sample_joint};
+use crate::local::{Local, add_layer, after, change, each3, quotient};
+use crate::playback::Inertialization;
+use crate::rows::{Joints, RowWidth};
+use crate::sample::sample_joint;
 
-/// The slots of a member if any of them inertializes, else none.
-#[inline(always)]
-pub(crate) fn inertialization_slots(tables: &Tables, place: u32, tick: u64) -> &[Slot] {
-    let slots = &tables.slots().as_slice()[tables.slot_range(place)];
-    if slots.iter().any(|slot| slot.inertializes(tick)) { slots } else { &[] }
+/// Returns the sample of one row.
+fn row_of(clip: &ClipRows, row: u32) -> SlotSample {
+    let row = clip.row_first + row * clip.row_stride;
+    SlotSample { row0: row, row1: row, between: 0.0, weight: 0.0 }
 }
 
-/// By what each way that a clip stood is multiplied.
-struct Weights<R> {
-    /// What was left, and what it would have moved by.
-    left: R,
-    left_way: R,
-    /// What took its place, alike.
-    taking: R,
-    taking_way: R,
+/// Returns the rows around a fractional row.
+fn place_of(clip: &ClipRows, at: f32) -> SlotSample {
+    let last = clip.row_count - 1;
+    let before = row_before(at, last);
+    let next = row_of(clip, if before < last { before + 1 } else { before });
+    SlotSample { row1: next.row0, between: at - before as f32, ..row_of(clip, before) }
 }
 
-/// The part of a difference that is left of all that there was, and of its speed: quintics whose
-/// value, slope and curvature are 0 at the end, and whose curvature is 0 at the start.
+/// Poses of a clip around the transition.
+struct SampledPoses<R> {
+    /// At the instant of the transition.
+    at: Local<R>,
+    /// At the far row.
+    far: Local<R>,
+    /// Start of differences: `at`, or the clip's first row in additive layers.
+    reference: Local<R>,
+}
+
+fn sampled_poses<R: RowWidth>(
+    joints: &Joints,
+    state: SampledState,
+    additive: bool,
+    rest: &Local<R>,
+) -> SampledPoses<R> {
+    let bound = &joints.tables.bound_clips().as_slice()[state.bound_clip as usize];
+    let clip = &joints.tables.clips().as_slice()[bound.clip as usize];
+    let last = clip.row_count - 1;
+    let sample = |at| sample_joint::<R>(joints, bound, &at, rest).normalized();
+    let at = sample(place_of(clip, state.row));
+    let far = sample(row_of(clip, far_row(state.row, last)));
+    SampledPoses { at, far, reference: if additive { sample(row_of(clip, 0)) } else { at } }
+}
+
+/// Factors of the four samples. Those of `_step` belong to the step from the instant of the
+/// transition to the far row.
+struct InertializationWeights<R> {
+    outgoing: R,
+    outgoing_step: R,
+    incoming: R,
+    incoming_step: R,
+}
+
+/// Returns the parts that are left of the initial difference and of its velocity. They are quintics
+/// whose value, slope and curvature are 0 at the end, and whose curvature is 0 at the start.
 #[inline(always)]
 fn decay(inertialized: f32) -> [f32; 2] {
     let left = 1.0 - inertialized;
@@ -37,126 +77,88 @@ fn decay(inertialized: f32) -> [f32; 2] {
     ]
 }
 
-fn nothing<R: Width>() -> Local<R> {
-    let zero = R::splat(0.0);
-    Local { t: [zero; 3], r: [zero; 4], s: [zero; 3] }
-}
-
-/// One change after another.
 #[inline(always)]
-fn after<R: Width>(first: &Local<R>, then: &Local<R>) -> Local<R> {
-    Local {
-        t: each3(|i| first.t[i] + then.t[i]),
-        r: quat::mul(first.r, then.r),
-        s: each3(|i| first.s[i] * then.s[i]),
+fn inertialization_weights<R: RowWidth>(
+    slot: &Slot,
+    tick: u64,
+    additive: bool,
+) -> InertializationWeights<R> {
+    let ([still, moving], share) = (decay(slot.inertialized_at(tick)), slot.start_weight);
+    InertializationWeights {
+        outgoing: R::splat(still * share + moving * slot.weight_rate),
+        outgoing_step: R::splat(moving * share * slot.left().pace),
+        incoming: R::splat(if additive { still * share } else { 0.0 }),
+        incoming_step: R::splat(moving * share * slot.taking().pace),
     }
 }
 
-impl Posing<'_> {
-    /// A layer's mean, or its sum of differences where it is additive, with all that inertializes
-    /// in it. Over a mean the newest start comes first: those before it lie over what was then
-    /// left.
-    #[inline(never)]
-    pub(crate) fn inertialize<R: Width>(
-        &self,
-        layer: u32,
-        additive: bool,
-        rest: &Local<R>,
-        mut pose: Local<R>,
-    ) -> Local<R> {
-        let tick = self.clock.tick;
-        let of_layer = |slot: &&Slot| slot.layer() == layer && slot.inertializes(tick);
-        let mut earlier = u64::MAX;
-        loop {
-            let starts = self.inertialization.iter().filter(of_layer).map(|slot| slot.start_tick);
-            let Some(start) = starts.filter(|start| *start < earlier).max() else {
-                return pose;
-            };
-            let mut sum = nothing();
-            for slot in
-                self.inertialization.iter().filter(of_layer).filter(|slot| slot.start_tick == start)
-            {
-                self.add_inertialization(slot, additive, rest, &mut sum);
+/// Adds what is left of one slot's difference to a sum.
+fn add_inertialization<R: RowWidth>(
+    joints: &Joints,
+    slot: &Slot,
+    tick: u64,
+    additive: bool,
+    rest: &Local<R>,
+    sum: &mut Local<R>,
+) {
+    let weights = inertialization_weights::<R>(slot, tick, additive);
+    let outgoing = sampled_poses(joints, slot.left(), additive, rest);
+    let incoming = sampled_poses(joints, slot.taking(), additive, rest);
+    let reference = if additive { outgoing.reference } else { incoming.reference };
+    let at = quotient(&outgoing.at, &reference, quat::identity());
+    let far = quotient(&outgoing.far, &reference, at.r);
+    let mut incoming_at = quotient(&incoming.at, &incoming.reference, quat::identity());
+    let mut incoming_far = quotient(&incoming.far, &incoming.reference, incoming_at.r);
+    if !additive {
+        // The difference is applied over the incoming clip, and moves with it.
+        (incoming_at, incoming_far) = (at, after(&incoming_far, &at));
+    }
+    let all = [at, far, incoming_at, incoming_far].map(|quotient| change(&quotient));
+    let part = |value: fn(&Local<R>, usize) -> R, i: usize| {
+        let [at, far, incoming_at, incoming_far] = [0, 1, 2, 3].map(|k: usize| value(&all[k], i));
+        let outgoing = at * weights.outgoing + (far - at) * weights.outgoing_step;
+        let incoming =
+            incoming_at * weights.incoming + (incoming_far - incoming_at) * weights.incoming_step;
+        outgoing - incoming
+    };
+    sum.t = each3(|i| sum.t[i] + part(|l, i| l.t[i], i));
+    sum.r = [0, 1, 2, 3].map(|i: usize| sum.r[i] + part(|l, i| l.r[i], i));
+    sum.s = each3(|i| sum.s[i] + part(|l, i| l.s[i], i));
+}
+
+/// Adds all inertializations of a layer to its mean, or to its sum of differences if the layer is
+/// additive. Over a mean, the newest transition is applied first: each earlier one is a difference
+/// to the clip that the next one ended.
+#[inline(never)]
+pub(crate) fn inertialize<R: RowWidth>(
+    joints: &Joints,
+    inertialization: Inertialization,
+    layer: u32,
+    additive: bool,
+    rest: &Local<R>,
+    mut pose: Local<R>,
+) -> Local<R> {
+    let Inertialization { slots, tick } = inertialization;
+    let of_layer = |slot: &&Slot| slot.layer() == layer && slot.inertializes(tick);
+    let mut earlier = u64::MAX;
+    loop {
+        let starts = slots.iter().filter(of_layer).map(|slot| slot.start_tick);
+        let Some(start) = starts.filter(|start| *start < earlier).max() else {
+            return pose;
+        };
+        let mut sum = Local::zero();
+        for slot in slots.iter().filter(of_layer).filter(|slot| slot.start_tick == start) {
+            add_inertialization(joints, slot, tick, additive, rest, &mut sum);
+        }
+        pose = if additive {
+            Local {
+                t: each3(|i| pose.t[i] + sum.t[i]),
+                r: quat::add(pose.r, sum.r),
+                s: each3(|i| pose.s[i] + sum.s[i]),
             }
-            pose = if additive {
-                Local {
-                    t: each3(|i| pose.t[i] + sum.t[i]),
-                    r: quat::add(pose.r, sum.r),
-                    s: each3(|i| pose.s[i] + sum.s[i]),
-                }
-            } else {
-                add_layer(&pose, &sum, R::splat(1.0))
-            };
-            earlier = start;
-        }
-    }
-
-    fn add_inertialization<R: Width>(
-        &self,
-        slot: &Slot,
-        additive: bool,
-        rest: &Local<R>,
-        sum: &mut Local<R>,
-    ) {
-        let ([still, moving], share) =
-            (decay(slot.inertialized_at(self.clock.tick)), slot.start_weight);
-        let (left, taking) = (slot.left(), slot.taking());
-        let weights = Weights {
-            left: R::splat(still * share + moving * slot.weight_rate),
-            left_way: R::splat(moving * share * left.pace),
-            taking: R::splat(if additive { still * share } else { 0.0 }),
-            taking_way: R::splat(moving * share * taking.pace),
+        } else {
+            add_layer(&pose, &sum, R::splat(1.0))
         };
-        let [at, far, reference] = self.stands(left, additive, rest);
-        let [taking_at, taking_far, taking_reference] = self.stands(taking, additive, rest);
-        let reference = if additive { reference } else { taking_reference };
-        let at = quotient(&at, &reference, quat::identity());
-        let far = quotient(&far, &reference, at.r);
-        let mut taking_at = quotient(&taking_at, &taking_reference, quat::identity());
-        let mut taking_far = quotient(&taking_far, &taking_reference, taking_at.r);
-        if !additive {
-            // The difference lies over what took the place, and is carried along as that moves.
-            (taking_at, taking_far) = (at, after(&taking_far, &at));
-        }
-        let all = [at, far, taking_at, taking_far].map(|quotient| change(&quotient));
-        let of = |value: fn(&Local<R>, usize) -> R, i: usize| {
-            let [at, far, taking_at, taking_far] = [0, 1, 2, 3].map(|k: usize| value(&all[k], i));
-            let left = at * weights.left + (far - at) * weights.left_way;
-            left - (taking_at * weights.taking + (taking_far - taking_at) * weights.taking_way)
-        };
-        sum.t = each3(|i| sum.t[i] + of(|l, i| l.t[i], i));
-        sum.r = [0, 1, 2, 3].map(|i: usize| sum.r[i] + of(|l, i| l.r[i], i));
-        sum.s = each3(|i| sum.s[i] + of(|l, i| l.s[i], i));
+        earlier = start;
     }
-
-    /// A clip where it stood, at its far row, and what differences are measured from: where it
-    /// stood, in additive layers its first row.
-    fn stands<R: Width>(
-        &self,
-        stand: SampledState,
-        additive: bool,
-        rest: &Local<R>,
-    ) -> [Local<R>; 3] {
-        let Self { tables, body, joint, .. } = *self;
-        let bound = &tables.bound_clips().as_slice()[stand.bound_clip as usize];
-        let clip = &tables.clips().as_slice()[bound.clip as usize];
-        let last = clip.row_count - 1;
-        let sample = |at| sample_joint::<R>(tables, bound, body, joint, &at, rest).normalized();
-        let at = sample(place_of(clip, stand.row));
-        let far = sample(row(clip, far_row(stand.row, last)));
-        [at, far, if additive { sample(row(clip, 0)) } else { at }]
-    }
-}
-
-fn row(clip: &ClipRows, row: u32) -> SlotSample {
-    let row = clip.row_first + row * clip.row_stride;
-    SlotSample { row0: row, row1: row, between: 0.0, weight: 0.0 }
-}
-
-/// The rows around a place in a clip's rows.
-fn place_of(clip: &ClipRows, at: f32) -> SlotSample {
-    let last = clip.row_count - 1;
-    let before = row_before(at, last);
-    let next = row(clip, if before < last { before + 1 } else { before });
-    SlotSample { row1: next.row0, between: at - before as f32, ..row(clip, before) }
 }

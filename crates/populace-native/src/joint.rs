@@ -1,71 +1,34 @@
-//! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin
-//! of `kernels/joint.cl`.
+//! Pose of a joint, or of sixteen: a member's slots mixed layer by layer (Lister & Day 2012,
+//! section 3, fig. 1). Twin of `kernels/joint.cl`.
+//!
+//! Reads what the member plays, its layers, the clips' rows, stored poses, masks, overrides in
+//! local space, bone-length scales and user stages. Writes nothing but the pose that it returns.
 
-use populace_core::Tables;
 use populace_core::layout::{
-    Body, Control, LEAST_WEIGHT, Layer, NONE, REST_SCALE, REST_TRANSLATION, Slot, SlotSample,
+    Control, LEAST_WEIGHT, Layer, NONE, REST_SCALE, REST_TRANSLATION, SlotSample,
 };
 use populace_core::math::{Real, quat};
 
-use crate::controls::Clock;
-use crate::dispatch::Dispatch;
-use crate::rows::{Local, Width, load_quat, load_vec3, sample_joint};
-use crate::stages;
+use crate::dispatch::{Dispatch, Work};
+use crate::frame::FrameInputs;
+use crate::inertialize::inertialize;
+use crate::lanes::Lanes;
+use crate::local::{Local, add_layer, change, each3, quotient};
+use crate::playback::{Inertialization, Playing};
+use crate::rows::{Joints, RowWidth, load_quat, load_vec3};
+use crate::sample::sample_joint;
+use crate::stages::stage_locals;
 
-/// A slot as it plays now.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Playing {
-    pub(crate) at: SlotSample,
-    pub(crate) bound_clip: u32,
-    pub(crate) layer: u32,
-}
-
-#[inline(always)]
-pub(crate) fn each3<R: Real>(of: impl Fn(usize) -> R) -> [R; 3] {
-    [of(0), of(1), of(2)]
-}
-
-/// What takes `reference` to `value`, its rotation on the side of another one.
-#[inline(always)]
-pub(crate) fn quotient<R: Real>(value: &Local<R>, reference: &Local<R>, side: [R; 4]) -> Local<R> {
-    let r = quat::hemisphere(quat::mul(quat::conjugate(reference.r), value.r), side);
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    let ratio = |i: usize| {
-        let quotient = value.s[i] / reference.s[i];
-        let below = R::choose(reference.s[i].less(zero), quotient, one);
-        R::choose(zero.less(reference.s[i]), quotient, below)
-    };
-    Local { t: each3(|i| value.t[i] - reference.t[i]), r, s: each3(ratio) }
-}
-
-/// A change, less what changes nothing: sums of it do not depend on their order.
-#[inline(always)]
-pub(crate) fn change<R: Real>(quotient: &Local<R>) -> Local<R> {
-    let ([x, y, z, w], one) = (quotient.r, R::splat(1.0));
-    Local { t: quotient.t, r: [x, y, z, w - one], s: each3(|i| quotient.s[i] - one) }
-}
-
-#[inline(always)]
-pub(crate) fn add_layer<R: Real>(beneath: &Local<R>, sum: &Local<R>, layer_weight: R) -> Local<R> {
-    let delta = quat::add(quat::identity(), quat::scale(sum.r, layer_weight));
-    let delta = quat::normalize_or(delta, quat::identity());
-    Local {
-        t: each3(|i| beneath.t[i] + sum.t[i] * layer_weight),
-        r: quat::mul(beneath.r, delta),
-        s: each3(|i| beneath.s[i] * (R::splat(1.0) + sum.s[i] * layer_weight)),
-    }
-}
-
-/// The weighted sum over a layer's slots.
+/// Weighted sum over a layer's slots.
 struct Sum<R> {
     local: Local<R>,
-    /// Of the weights.
+    /// Sum of the weights.
     total: f32,
-    /// [`REST_TRANSLATION`] and [`REST_SCALE`], where no slot leaves the rest.
+    /// [`REST_TRANSLATION`] and [`REST_SCALE`], each if all slots leave the property at rest.
     at_rest: u32,
 }
 
-/// What no slot moves is at rest, to the bit.
+/// Divides a sum by its weights. A property at rest in all slots is exactly the rest pose's.
 #[inline(always)]
 fn mean_of<R: Real>(sum: &Sum<R>, rest: &Local<R>) -> Local<R> {
     let k = R::splat(1.0 / sum.total);
@@ -79,7 +42,8 @@ fn mean_of<R: Real>(sum: &Sum<R>, rest: &Local<R>) -> Local<R> {
     }
 }
 
-/// A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath.
+/// Mixes a layer's mean over the pose beneath. A layer with a total weight below 1 shows the pose
+/// beneath for the remainder.
 #[inline(always)]
 fn mix_layer<R: Real>(
     beneath: &Local<R>,
@@ -98,50 +62,81 @@ fn mix_layer<R: Real>(
     }
 }
 
-/// Whether anything but clips is to change a pose.
+/// Inputs of the pose of a member's joints.
+pub(crate) struct Posing<'a> {
+    pub(crate) inputs: &'a FrameInputs<'a>,
+    pub(crate) joints: Joints<'a>,
+    pub(crate) playing: &'a [Playing],
+    pub(crate) inertialization: Inertialization<'a>,
+    /// Layers that the member uses.
+    pub(crate) layers: &'a [Layer],
+    pub(crate) control: Option<&'a Control>,
+    /// Registers that sixteen joints are computed in.
+    pub(crate) dispatch: Dispatch,
+}
+
+/// A width that poses are computed in.
+pub(crate) trait PoseWidth: RowWidth {
+    /// Calls [`Posing::lay_over`] without inlining it: few members have layers, and the path of the
+    /// others must not pay for the registers of this one.
+    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>);
+}
+
+impl PoseWidth for f32 {
+    #[inline(never)]
+    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>) {
+        posing.lay_over(rest, pose);
+    }
+}
+
+impl PoseWidth for Lanes {
+    #[inline(always)]
+    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>) {
+        posing.dispatch.run(LayOver { posing, rest, pose });
+    }
+}
+
+/// Call of [`Posing::lay_over`] for sixteen joints.
+struct LayOver<'a, 'b> {
+    posing: &'a Posing<'b>,
+    rest: &'a Local<Lanes>,
+    pose: &'a mut Local<Lanes>,
+}
+
+impl Work for LayOver<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        self.posing.lay_over(self.rest, self.pose);
+    }
+}
+
+/// Returns whether anything but clips changes the pose.
 #[inline(always)]
 fn is_adjusted(control: &Control) -> bool {
     control.scale_first != NONE || control.local_count > 0 || control.pose_step_count > 0
 }
 
-/// A member's joints to pose: one, or the sixteen from it on.
-pub(crate) struct Posing<'a> {
-    pub(crate) tables: &'a Tables,
-    pub(crate) playing: &'a [Playing],
-    /// The member's slots, where any inertializes.
-    pub(crate) inertialization: &'a [Slot],
-    /// The member's.
-    pub(crate) layers: &'a [Layer],
-    pub(crate) body: &'a Body,
-    pub(crate) control: Option<&'a Control>,
-    pub(crate) joint: usize,
-    pub(crate) clock: Clock<'a>,
-    /// The registers that sixteen joints are computed in.
-    pub(crate) dispatch: Dispatch,
-}
-
 impl Posing<'_> {
-    /// The sum over a layer's slots of weight times value, or times difference from the first row.
+    /// Sums a layer's slots, each weighted. In an additive layer, the terms are differences from
+    /// the clip's first row.
     #[inline(always)]
-    fn sum_layer<R: Width>(&self, layer: u32, additive: bool, rest: &Local<R>) -> Sum<R> {
-        let Self { tables, body, joint, .. } = *self;
-        let zero = R::splat(0.0);
-        let local = Local { t: [zero; 3], r: [zero; 4], s: [zero; 3] };
-        let mut sum = Sum { local, total: 0.0, at_rest: REST_TRANSLATION | REST_SCALE };
+    fn sum_layer<R: RowWidth>(&self, layer: u32, additive: bool, rest: &Local<R>) -> Sum<R> {
+        let (joints, tables) = (&self.joints, self.joints.tables);
+        let mut sum =
+            Sum { local: Local::zero(), total: 0.0, at_rest: REST_TRANSLATION | REST_SCALE };
         for playing in self.playing {
             if playing.at.weight <= 0.0 || playing.layer != layer {
                 continue;
             }
             let bound = &tables.bound_clips().as_slice()[playing.bound_clip as usize];
-            let sample = sample_joint::<R>(tables, bound, body, joint, &playing.at, rest);
+            let sample = sample_joint::<R>(joints, bound, &playing.at, rest);
             let (weight, local) = (R::splat(playing.at.weight), &mut sum.local);
             sum.at_rest &= sample.at_rest;
             let (mut value, mut unit) = (sample.local, sample.unit);
             if additive {
                 let first = tables.clips().as_slice()[bound.clip as usize].row_first;
                 let start = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
-                let start =
-                    sample_joint::<R>(tables, bound, body, joint, &start, rest).normalized();
+                let start = sample_joint::<R>(joints, bound, &start, rest).normalized();
                 value.r = quat::scale(value.r, unit);
                 let turned = quotient(&value, &start, quat::identity());
                 (value, unit) = (change(&turned), R::splat(1.0));
@@ -154,38 +149,45 @@ impl Posing<'_> {
         sum
     }
 
-    /// Their local transforms.
+    /// Applies the layers above 0 to the pose of those beneath. Called by [`PoseWidth::lay_over`].
     #[inline(always)]
-    pub(crate) fn pose<R: Width>(&self) -> Local<R> {
-        let padded = self.body.padded_count as usize;
-        let rest = &self.tables.poses().as_slice()[self.body.rest_first as usize + self.joint..];
-        let rest = Local {
-            r: load_quat::<R>(rest, padded),
-            t: load_vec3(&rest[4 * padded..], padded),
-            s: load_vec3(&rest[7 * padded..], padded),
-        };
-        let sum = self.sum_layer::<R>(0, false, &rest);
-        // Layer 0 is always divided by its total, so that nobody sees the rest pose by accident.
-        let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
-        let mut pose = if self.inertialization.is_empty() {
-            pose
-        } else {
-            self.inertialize(0, false, &rest, pose)
-        };
-        if self.layers.len() > 1 {
-            R::lay_over(self, &rest, &mut pose);
-        }
-        match self.control {
-            Some(control) if is_adjusted(control) => self.adjust(control, pose),
-            _ => pose,
+    fn lay_over<R: RowWidth>(&self, rest: &Local<R>, pose: &mut Local<R>) {
+        for (index, layer) in (0..).zip(self.layers).skip(1) {
+            let mut weight = R::splat(layer.weight);
+            if let Some(mask) = layer.mask() {
+                let first = mask as usize + self.joints.first;
+                weight = weight * R::load(&self.joints.tables.masks().as_slice()[first..]);
+            }
+            let laid = R::splat(0.0).less(weight);
+            if !R::any(laid) {
+                continue;
+            }
+            let additive = layer.is_additive();
+            let sum = self.sum_layer::<R>(index, additive, rest);
+            if !additive && sum.total <= LEAST_WEIGHT {
+                continue;
+            }
+            let mut own = if additive { sum.local } else { mean_of(&sum, rest) };
+            if !self.inertialization.slots.is_empty() {
+                own = inertialize(&self.joints, self.inertialization, index, additive, rest, own);
+            }
+            let above = if additive {
+                add_layer(pose, &own, weight)
+            } else {
+                mix_layer(pose, &own, sum.total, weight, rest)
+            };
+            *pose = Local {
+                t: each3(|i| R::choose(laid, above.t[i], pose.t[i])),
+                r: quat::choose(laid, above.r, pose.r),
+                s: each3(|i| R::choose(laid, above.s[i], pose.s[i])),
+            };
         }
     }
 
-    /// What the member's proportions, its overrides in local space and users' stages make of a
-    /// pose.
+    /// Applies the member's bone-length scaling, overrides in local space, and user stages.
     #[inline(never)]
-    fn adjust<R: Width>(&self, control: &Control, mut pose: Local<R>) -> Local<R> {
-        let Self { tables, joint, .. } = *self;
+    fn adjust<R: RowWidth>(&self, control: &Control, mut pose: Local<R>) -> Local<R> {
+        let Joints { tables, first: joint, .. } = self.joints;
         if control.scale_first != NONE {
             let factor =
                 R::load(&tables.joint_scales().as_slice()[control.scale_first as usize + joint..]);
@@ -215,43 +217,37 @@ impl Posing<'_> {
             };
         }
         if control.pose_step_count > 0 {
-            pose = stages::locals(tables, self.clock, control, joint, pose);
+            pose = stage_locals(self.inputs, control, joint, pose);
         }
         pose
     }
 
-    /// What the layers above 0 make of what lies beneath. Called by [`Width::lay_over`].
+    /// Computes the local transforms of the joints.
     #[inline(always)]
-    pub(crate) fn lay_over<R: Width>(&self, rest: &Local<R>, pose: &mut Local<R>) {
-        for (index, layer) in (0..).zip(self.layers).skip(1) {
-            let mut weight = R::splat(layer.weight);
-            if let Some(mask) = layer.mask() {
-                weight =
-                    weight * R::load(&self.tables.masks().as_slice()[mask as usize + self.joint..]);
-            }
-            let laid = R::splat(0.0).less(weight);
-            if !R::any(laid) {
-                continue;
-            }
-            let additive = layer.is_additive();
-            let sum = self.sum_layer::<R>(index, additive, rest);
-            if !additive && sum.total <= LEAST_WEIGHT {
-                continue;
-            }
-            let mut own = if additive { sum.local } else { mean_of(&sum, rest) };
-            if !self.inertialization.is_empty() {
-                own = self.inertialize(index, additive, rest, own);
-            }
-            let above = if additive {
-                add_layer(pose, &own, weight)
-            } else {
-                mix_layer(pose, &own, sum.total, weight, rest)
-            };
-            *pose = Local {
-                t: each3(|i| R::choose(laid, above.t[i], pose.t[i])),
-                r: quat::choose(laid, above.r, pose.r),
-                s: each3(|i| R::choose(laid, above.s[i], pose.s[i])),
-            };
+    pub(crate) fn pose_joint<R: PoseWidth>(&self) -> Local<R> {
+        let body = self.joints.body;
+        let padded = body.padded_count as usize;
+        let rest = self.joints.planes(body.rest_first);
+        let rest = Local {
+            r: load_quat::<R>(rest, padded),
+            t: load_vec3(&rest[4 * padded..], padded),
+            s: load_vec3(&rest[7 * padded..], padded),
+        };
+        let sum = self.sum_layer::<R>(0, false, &rest);
+        // Layer 0 is always divided by its total weight, so that weights below 1 do not show the
+        // rest pose.
+        let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
+        let mut pose = if self.inertialization.slots.is_empty() {
+            pose
+        } else {
+            inertialize(&self.joints, self.inertialization, 0, false, &rest, pose)
+        };
+        if self.layers.len() > 1 {
+            R::lay_over(self, &rest, &mut pose);
+        }
+        match self.control {
+            Some(control) if is_adjusted(control) => self.adjust(control, pose),
+            _ => pose,
         }
     }
 }

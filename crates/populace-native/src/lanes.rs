@@ -1,26 +1,93 @@
-//! Numbers side by side: one for each joint of a block, or for each leg of a member.
+//! Vectors of `f32` lanes: one lane for each joint of a block, or for each leg of a member. Twin of
+//! `kernels/lanes.cl`.
 //!
-//! Plain arrays in plain loops, which the compiler turns into the widest registers of the processor
-//! that a function is compiled for (see [`dispatch`](crate::dispatch)).
+//! They are plain arrays in plain loops. The compiler turns these into the widest registers of the
+//! processor that the surrounding function is compiled for (see [`dispatch`](crate::dispatch)).
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use populace_core::layout::JOINT_BLOCK;
 use populace_core::math::Real;
 
-/// Joints side by side.
+/// Joints in a block, computed together.
 pub(crate) const LANES: usize = JOINT_BLOCK as usize;
 
-/// Numbers side by side.
+/// A vector of `COUNT` lanes.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub(crate) struct Several<const COUNT: usize>(pub(crate) [f32; COUNT]);
+pub(crate) struct Simd<const COUNT: usize>(pub(crate) [f32; COUNT]);
 
-/// Sixteen numbers.
-pub(crate) type Lanes = Several<LANES>;
+/// One lane for each joint of a block.
+pub(crate) type Lanes = Simd<LANES>;
 
-impl<const COUNT: usize> Several<COUNT> {
-    /// One number for each lane.
+/// A number of joints computed together: one, or the sixteen of a block.
+pub(crate) trait Width: Real {
+    /// Joints computed together.
+    const COUNT: usize;
+
+    /// Loads the first [`COUNT`](Self::COUNT) floats of a slice.
+    fn load(from: &[f32]) -> Self;
+
+    /// Returns one lane.
+    fn lane(self, lane: usize) -> f32;
+
+    /// Chooses one lane.
+    fn only(lane: usize) -> Self::Choice;
+
+    /// Returns whether any lane is chosen.
+    fn any(which: Self::Choice) -> bool;
+}
+
+impl Width for f32 {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        from[0]
+    }
+
+    #[inline(always)]
+    fn lane(self, _lane: usize) -> f32 {
+        self
+    }
+
+    #[inline(always)]
+    fn only(_lane: usize) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn any(which: bool) -> bool {
+        which
+    }
+}
+
+impl Width for Lanes {
+    const COUNT: usize = LANES;
+
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        from.first_chunk().map_or(Self([0.0; LANES]), |numbers| Self(*numbers))
+    }
+
+    #[inline(always)]
+    fn lane(self, lane: usize) -> f32 {
+        self.0[lane]
+    }
+
+    #[inline(always)]
+    fn only(lane: usize) -> [bool; LANES] {
+        std::array::from_fn(|other| other == lane)
+    }
+
+    #[inline(always)]
+    fn any(which: [bool; LANES]) -> bool {
+        which.contains(&true)
+    }
+}
+
+impl<const COUNT: usize> Simd<COUNT> {
+    /// Computes each lane from its index.
     #[inline(always)]
     pub(crate) fn from_fn(of_lane: impl Fn(usize) -> f32) -> Self {
         let mut lanes = [0.0; COUNT];
@@ -29,17 +96,11 @@ impl<const COUNT: usize> Several<COUNT> {
         }
         Self(lanes)
     }
-
-    /// From the first numbers of a slice.
-    #[inline(always)]
-    pub(crate) fn load(from: &[f32]) -> Self {
-        from.first_chunk().map_or(Self([0.0; COUNT]), |numbers| Self(*numbers))
-    }
 }
 
 macro_rules! operators {
     ($($operator:ident $method:ident $sign:tt),*) => {
-        $(impl<const COUNT: usize> $operator for Several<COUNT> {
+        $(impl<const COUNT: usize> $operator for Simd<COUNT> {
             type Output = Self;
 
             #[inline(always)]
@@ -51,7 +112,7 @@ macro_rules! operators {
 }
 operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 
-impl<const COUNT: usize> Neg for Several<COUNT> {
+impl<const COUNT: usize> Neg for Simd<COUNT> {
     type Output = Self;
 
     #[inline(always)]
@@ -60,7 +121,7 @@ impl<const COUNT: usize> Neg for Several<COUNT> {
     }
 }
 
-impl<const COUNT: usize> Real for Several<COUNT> {
+impl<const COUNT: usize> Real for Simd<COUNT> {
     type Choice = [bool; COUNT];
 
     #[inline(always)]

@@ -1,31 +1,32 @@
-//! Where palettes live: in memory of our own, or in pages that OpenGL lends.
+//! Memory of palettes: the device's own, or pages that OpenGL keeps mapped.
 
 use populace_core::layout::Float4;
 use populace_core::{
     BackendError, HandedOver, MappedPage, PAGE_SETS, PaletteTarget, Tables, TargetMark,
 };
 
-use crate::{failed, grow};
+use crate::buffers::grow;
+use crate::errors::failed;
 
-/// The pages of palettes, three elements for each entry.
+/// Pages of palettes, three elements for each entry.
 #[derive(Default)]
 pub(crate) struct Pages {
     /// Palette entries in use on each page.
     lengths: Vec<usize>,
-    /// Our own memory; empty while `lent` is not.
+    /// The device's own memory; empty while `mapped` is set.
     own: Vec<Vec<Float4>>,
-    lent: Option<Lent>,
+    mapped: Option<MappedSets>,
     mark: Option<TargetMark>,
 }
 
-/// Two sets of lent pages.
-struct Lent {
+/// Two sets of mapped pages.
+struct MappedSets {
     sets: [Vec<Box<dyn MappedPage>>; PAGE_SETS],
-    /// Elements that each page has room for.
-    lengths: Vec<usize>,
-    /// The set that the last frame was written into, or is to be while there is none.
+    /// Capacity of each page, in elements.
+    capacities: Vec<usize>,
+    /// The set of the last frame; before the first frame, the set to write.
     current: usize,
-    /// Whether OpenGL draws from it, so that the next frame goes into the other.
+    /// True once OpenGL draws from the current set, so that the next frame goes into the other one.
     handed_over: bool,
 }
 
@@ -35,16 +36,16 @@ impl Pages {
         &self.lengths
     }
 
-    /// Elements of memory held, lent or not.
+    /// Elements of memory held, mapped or not.
     pub(crate) fn capacity(&self) -> usize {
-        let lent = self.lent.iter().flat_map(|lent| &lent.lengths).sum::<usize>() * PAGE_SETS;
-        lent + self.own.iter().map(Vec::len).sum::<usize>()
+        let capacities = self.mapped.iter().flat_map(|mapped| &mapped.capacities);
+        capacities.sum::<usize>() * PAGE_SETS + self.own.iter().map(Vec::len).sum::<usize>()
     }
 
-    /// Makes room for so many entries on each page. Lent pages that are too small are given back;
-    /// the next frame writes anew what stood there.
+    /// Resizes the pages to the tables. Mapped pages that are too small are released; the next
+    /// frame writes all palettes again.
     pub(crate) fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        // The usual frame allocates nothing.
+        // Most frames allocate nothing.
         if self.lengths.iter().copied().eq(tables.page_lengths()) {
             return Ok(());
         }
@@ -53,11 +54,11 @@ impl Pages {
     }
 
     fn resize(&mut self, lengths: &[usize]) -> Result<(), BackendError> {
-        if self.lent.as_ref().is_some_and(|lent| !lent.fits(lengths)) {
-            (self.lent, self.mark) = (None, None);
+        if self.mapped.as_ref().is_some_and(|mapped| !mapped.fits(lengths)) {
+            (self.mapped, self.mark) = (None, None);
         }
         self.lengths = lengths.to_vec();
-        if self.lent.is_none() {
+        if self.mapped.is_none() {
             self.own.resize_with(lengths.len().max(self.own.len()), Vec::new);
             for (page, length) in self.own.iter_mut().zip(lengths) {
                 grow(page, length * 3, "matrix palettes")?;
@@ -66,51 +67,57 @@ impl Pages {
         Ok(())
     }
 
-    /// A page as it was last written, up to the last entry in use.
+    /// Returns a page as last written, up to the last entry in use.
     pub(crate) fn get_mut(&mut self, page: usize) -> Option<&mut [Float4]> {
         let end = self.lengths.get(page)? * 3;
-        let all = match &mut self.lent {
-            Some(lent) => lent.sets[lent.current][page].elements(),
+        let all = match &mut self.mapped {
+            Some(mapped) => mapped.sets[mapped.current][page].elements(),
             None => &mut self.own[page],
         };
         all.get_mut(..end)
     }
 
-    /// Begins a frame: it goes into pages that OpenGL does not draw from.
+    /// Begins a frame: selects the set of pages that OpenGL does not draw from.
     pub(crate) fn begin_frame(&mut self) {
-        if let Some(lent) = &mut self.lent
-            && std::mem::take(&mut lent.handed_over)
+        if let Some(mapped) = &mut self.mapped
+            && std::mem::take(&mut mapped.handed_over)
         {
-            lent.current = (lent.current + 1) % PAGE_SETS;
+            mapped.current = (mapped.current + 1) % PAGE_SETS;
         }
     }
 
-    /// The pages to write the frame into, up to the last entry in use.
+    /// Iterates over the pages to write the frame to, up to the last entry in use.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut [Float4]> {
-        let Self { lengths, own, lent, .. } = self;
-        let lent = lent
+        let Self { lengths, own, mapped, .. } = self;
+        let mapped = mapped
             .iter_mut()
-            .flat_map(|lent| lent.sets[lent.current].iter_mut().map(|page| page.elements()));
-        let all = own.iter_mut().map(Vec::as_mut_slice).chain(lent);
+            .flat_map(|mapped| mapped.sets[mapped.current].iter_mut().map(|page| page.elements()));
+        let all = own.iter_mut().map(Vec::as_mut_slice).chain(mapped);
         all.zip(lengths).filter_map(|(page, length)| page.get_mut(..*length * 3))
     }
 
+    /// Moves the pages to a target, with their contents.
+    ///
+    /// # Errors
+    ///
+    /// [`BackendError::Failed`] for shared buffers, and for mapped pages that are too few or too
+    /// small.
     pub(crate) fn set_target(
         &mut self,
         target: PaletteTarget,
         mark: &TargetMark,
     ) -> Result<(), BackendError> {
-        let refused = |cause: &str| failed("write palettes into memory of OpenGL's", cause);
+        let refused = |cause: &str| failed("write palettes into OpenGL's memory", cause);
         let mut next = Self { mark: Some(mark.clone()), ..Self::default() };
         match target {
             PaletteTarget::Shared(_) => {
-                return Err(refused("sharing buffers takes an OpenCL device"));
+                return Err(refused("shared buffers need an OpenCL device"));
             }
-            PaletteTarget::Mapped(sets) => next.lent = Some(Lent::new(sets)),
+            PaletteTarget::Mapped(sets) => next.mapped = Some(MappedSets::new(sets)),
             PaletteTarget::Copied => {}
         }
-        if next.lent.as_ref().is_some_and(|lent| !lent.fits(&self.lengths)) {
-            return Err(refused("the pages are too few or too small"));
+        if next.mapped.as_ref().is_some_and(|mapped| !mapped.fits(&self.lengths)) {
+            return Err(refused("the mapped pages are too few or too small for the crowd"));
         }
         next.resize(&self.lengths)?;
         for page in 0..self.lengths.len() {
@@ -122,25 +129,27 @@ impl Pages {
         Ok(())
     }
 
+    /// Releases the current set to OpenGL; `None` if no target was set.
     pub(crate) fn hand_over(&mut self) -> Option<HandedOver> {
-        let set = self.lent.as_mut().map(|lent| {
-            lent.handed_over = true;
-            lent.current
+        let set = self.mapped.as_mut().map(|mapped| {
+            mapped.handed_over = true;
+            mapped.current
         });
         Some(HandedOver { mark: self.mark.clone()?, set })
     }
 }
 
-impl Lent {
+impl MappedSets {
     fn new(mut sets: [Vec<Box<dyn MappedPage>>; PAGE_SETS]) -> Self {
         let [first, second] = &mut sets;
         let pages = first.iter_mut().zip(second);
-        let lengths = pages.map(|(a, b)| a.elements().len().min(b.elements().len())).collect();
-        Self { sets, lengths, current: 0, handed_over: false }
+        let capacities = pages.map(|(a, b)| a.elements().len().min(b.elements().len())).collect();
+        Self { sets, capacities, current: 0, handed_over: false }
     }
 
+    /// Returns whether each page has the capacity for its number of palette entries.
     fn fits(&self, entries: &[usize]) -> bool {
-        entries.len() <= self.lengths.len()
-            && entries.iter().zip(&self.lengths).all(|(e, room)| e * 3 <= *room)
+        entries.len() <= self.capacities.len()
+            && entries.iter().zip(&self.capacities).all(|(e, capacity)| e * 3 <= *capacity)
     }
 }

@@ -1,70 +1,57 @@
-//! Pose: each member's slots, mixed layer by layer, as local transforms; the twin of
+//! Pose stage: each member's slots mixed layer by layer, as local transforms. Twin of
 //! `kernels/pose.cl`.
+//!
+//! Reads the samples of the evaluate stage, and all that [`joint`](crate::joint) reads. Writes
+//! translations, rotations and scales of every joint; padding stays untouched.
 
+use populace_core::MAX_SLOTS;
 use populace_core::layout::{Float4, JOINT_BLOCK, SlotSample};
-use populace_core::{Frame, MAX_SLOTS, Tables};
 
-use crate::controls::{Clock, control_of};
+use crate::buffers::JointBuffer;
 use crate::dispatch::Dispatch;
-use crate::inertialize::inertialization_slots;
-use crate::joint::{Playing, Posing};
+use crate::frame::FrameInputs;
+use crate::joint::Posing;
 use crate::machines::slot_now;
-use crate::stages::Stages;
-use crate::{JointBuffer, split};
+use crate::members::{control_of, member_layers};
+use crate::playback::{Playing, inertialization_of};
+use crate::rows::Joints;
+use crate::split;
 
-pub(crate) fn run(
-    tables: &Tables,
-    frame: Frame,
-    stages: &Stages,
-    (running, samples): (&[Float4], &[SlotSample]),
-    joints: &mut JointBuffer,
-) {
-    let clock = Clock::of(frame, stages);
+const BLOCK: usize = JOINT_BLOCK as usize;
+
+/// Poses the frame's members.
+pub(crate) fn pose(inputs: &FrameInputs, samples: &[SlotSample], joints: &mut JointBuffer) {
+    let FrameInputs { tables, frame, history, .. } = *inputs;
     let arrays = [&mut joints.translations[..], &mut joints.rotations[..], &mut joints.scales[..]];
-    let job = |place: u32, _, [translations, rotations, scales]: [&mut [Float4]; 3]| {
-        if !frame.evaluates(place) {
+    let job = |index: u32, _, [translations, rotations, scales]: [&mut [Float4]; 3]| {
+        if !frame.evaluates(index) {
             return;
         }
-        let member = &tables.members().as_slice()[place as usize];
+        let member = &tables.members().as_slice()[index as usize];
         let body = &tables.bodies().as_slice()[member.body as usize];
-        let range = tables.slot_range(place);
+        let range = tables.slot_range(index);
         let (slots, samples) = (&tables.slots().as_slice()[range.clone()], &samples[range]);
         let mut playing = [Playing::default(); MAX_SLOTS];
         for ((playing, slot), at) in playing.iter_mut().zip(slots).zip(samples) {
-            let bound_clip = slot_now(tables, running, slot, frame.tick).bound_clip;
+            let bound_clip = slot_now(tables, &history.running, slot, frame.tick).bound_clip;
             *playing = Playing { at: *at, bound_clip, layer: slot.layer() };
         }
-        let (playing, layers) = (&playing[..slots.len()], member_layers(tables, place));
-        let inertialization = inertialization_slots(tables, place, frame.tick);
-        let control = control_of(tables, place);
+        let mut posing = Posing {
+            inputs,
+            joints: Joints { tables, body, first: 0 },
+            playing: &playing[..slots.len()],
+            inertialization: inertialization_of(tables, index, frame.tick),
+            layers: member_layers(tables, index),
+            control: control_of(tables, index),
+            dispatch: Dispatch::Baseline,
+        };
         for joint in 0..body.joint_count as usize {
-            let dispatch = Dispatch::Baseline;
-            let posing = Posing {
-                tables,
-                playing,
-                inertialization,
-                layers,
-                body,
-                control,
-                joint,
-                clock,
-                dispatch,
-            };
-            let local = posing.pose::<f32>();
+            posing.joints.first = joint;
+            let local = posing.pose_joint::<f32>();
             translations[joint] = Float4::from_xyz(local.t);
             rotations[joint] = Float4(local.r);
             scales[joint] = Float4::from_xyz(local.s);
         }
     };
-    split::for_each_member::<{ JOINT_BLOCK as usize }, 3>(
-        tables.joint_blocks().as_slice(),
-        arrays,
-        &job,
-    );
-}
-
-/// The layers that a member uses.
-pub(crate) fn member_layers(tables: &Tables, place: u32) -> &[populace_core::layout::Layer] {
-    let in_use = tables.members().as_slice()[place as usize].layer_count() as usize;
-    &tables.layers().as_slice()[tables.layer_range(place)][..in_use]
+    split::for_each_member::<BLOCK, 3>(tables.joint_blocks().as_slice(), arrays, &job);
 }

@@ -1,36 +1,39 @@
-//! What lies between slots and palette, for those who want to read it while a fused schedule runs.
+//! Reads of stage buffers that the fused schedule does not store: the member is evaluated again.
 
 use populace_core::layout::{Float4, SlotSample};
-use populace_core::{Affine, BackendError, StageBuffer, Tables};
+use populace_core::{Affine, BackendError, StageBuffer};
 
-use crate::controls::{Clock, Keeping};
 use crate::dispatch::Dispatch;
-use crate::evaluate::evaluate;
-use crate::fused::{Desk, Evaluation};
+use crate::errors::failed;
+use crate::frame::FrameInputs;
+use crate::fused::{MemberInputs, member_models};
+use crate::lanes::LANES;
 use crate::machines::slot_now;
-use crate::{failed, fused};
+use crate::members::{body_of, member_slots};
+use crate::scratch::Scratch;
+use crate::slot::sample_of;
 
-/// Of one member, evaluated once more.
+/// Stage buffers of one member, as of the last frame.
 pub(crate) struct Reading {
-    place: u32,
+    member: u32,
     samples: Vec<SlotSample>,
+    /// Translation, rotation and scale of each joint.
     locals: Vec<[Float4; 3]>,
     models: Vec<Affine>,
 }
 
 impl Reading {
-    fn new(member: Evaluation) -> Self {
-        let Evaluation { tables, place, clock, keeping, .. } = member;
-        let slots = &tables.slots().as_slice()[tables.slot_range(place)];
-        let sample = |slot| {
-            evaluate(tables, &slot_now(tables, &keeping.running, slot, clock.tick), clock.tick)
-        };
-        let samples = slots.iter().map(sample).collect();
-        let joint_count = fused::body_of(tables, place).joint_count as usize;
-        let (mut desk, mut locals) = (Desk::default(), vec![[Float4::default(); 3]; joint_count]);
-        fused::member_matrices(member, &mut desk, |first, local| {
-            for (lane, joint) in locals.iter_mut().skip(first).take(crate::lanes::LANES).enumerate()
-            {
+    fn new(inputs: &FrameInputs, member: u32) -> Self {
+        let (tables, tick) = (inputs.tables, inputs.frame.tick);
+        let running = &inputs.history.running;
+        let sample = |slot| sample_of(tables, &slot_now(tables, running, slot, tick), tick);
+        let samples = member_slots(tables, member).iter().map(sample).collect();
+        let joint_count = body_of(tables, member).joint_count as usize;
+        let mut scratch = Scratch::default();
+        let mut locals = vec![[Float4::default(); 3]; joint_count];
+        let of = MemberInputs { inputs, member, dispatch: Dispatch::Baseline };
+        member_models(of, &mut scratch, |first, local| {
+            for (lane, joint) in locals.iter_mut().skip(first).take(LANES).enumerate() {
                 *joint = [
                     Float4::from_xyz(local.t.map(|v| v.0[lane])),
                     Float4(local.r.map(|v| v.0[lane])),
@@ -38,12 +41,12 @@ impl Reading {
                 ];
             }
         });
-        let mut models = desk.models;
+        let mut models = scratch.models;
         models.truncate(joint_count);
-        Self { place, samples, locals, models }
+        Self { member, samples, locals, models }
     }
 
-    /// An element as the buffers of the staged schedule hold it; `None` past the member's end.
+    /// Returns an element as the staged schedule's buffers hold it; `None` past the member's end.
     fn element(&self, buffer: StageBuffer, at: usize) -> Option<Float4> {
         let local = |property: usize| self.locals.get(at).map(|local| local[property]);
         let row = |row: usize| self.models.get(at).map(|model| Float4(model.rows[row]));
@@ -63,23 +66,24 @@ impl Reading {
     }
 }
 
-/// Reads elements of one member as of a frame; `last` keeps the member for the next time.
+/// Reads elements of one member as of a frame. `last` caches the member for the next read.
+///
+/// # Errors
+///
+/// [`BackendError::Failed`] if an element is past the member's end.
 pub(crate) fn read(
     last: &mut Option<Reading>,
-    tables: &Tables,
-    (clock, keeping): (Clock, &Keeping),
+    inputs: &FrameInputs,
     buffer: StageBuffer,
     first: usize,
     into: &mut [Float4],
 ) -> Result<(), BackendError> {
     let past_the_end =
         || failed(&format!("read {buffer:?}"), format!("element {first} is past a member's end"));
-    let (place, at) = tables.place_of(buffer, first).ok_or_else(past_the_end)?;
+    let (member, at) = inputs.tables.place_of(buffer, first).ok_or_else(past_the_end)?;
     let reading = match last.take() {
-        Some(reading) if reading.place == place => reading,
-        _ => {
-            Reading::new(Evaluation { tables, place, clock, keeping, dispatch: Dispatch::Baseline })
-        }
+        Some(reading) if reading.member == member => reading,
+        _ => Reading::new(inputs, member),
     };
     for (offset, element) in into.iter_mut().enumerate() {
         *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;

@@ -1,69 +1,63 @@
-//! Local transforms of one joint, or of sixteen neighbouring ones, from a clip's rows; the twin of
-//! `kernels/rows.cl`.
+//! Components of local transforms from a clip's rows, for one joint or for sixteen neighbouring
+//! ones. Twin of `kernels/rows.cl`.
 //!
-//! A component is `offset + step * n`: a joint that the clip does not drive, or that stands still,
-//! has a step of 0, so the arithmetic is the same for all.
+//! A component is `offset + step * n`, where `n` is what a row holds. Joints that the clip does not
+//! drive, or that do not move in it, have a step of 0, so the arithmetic is the same for all.
 
 use populace_core::layout::{
-    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN,
-    MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, REST_SCALE, REST_TRANSLATION, ROW_FLOATS,
-    RowBlock, SlotSample,
+    BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
+    MAP_TRANSLATION, NONE, ROW_FLOATS, RowBlock, SlotSample,
 };
-use populace_core::math::{Real, quat};
 use populace_core::{Property, Tables};
 
-use crate::joint::Posing;
-use crate::lanes::{LANES, Lanes, Several};
-use crate::turns::turn;
+use crate::lanes::{LANES, Lanes, Simd, Width};
 
-/// Translation, rotation and scale of one joint, or of sixteen.
+/// Joints computed together: those of one [`Width`] from `first` on.
 #[derive(Clone, Copy)]
-pub(crate) struct Local<R> {
-    pub(crate) t: [R; 3],
-    pub(crate) r: [R; 4],
-    pub(crate) s: [R; 3],
+pub(crate) struct Joints<'a> {
+    pub(crate) tables: &'a Tables,
+    pub(crate) body: &'a Body,
+    pub(crate) first: usize,
 }
 
-/// What is computed at once: one joint, or the sixteen of a block.
-pub(crate) trait Width: Real {
-    /// Where their columns stand in a clip's rows.
+impl<'a> Joints<'a> {
+    /// Returns where the block of sixteen joints finds its columns in a clip's rows.
+    #[inline(always)]
+    pub(crate) fn bound_block(&self, bound: &BoundClip) -> &'a BoundBlock {
+        &self.tables.bound_blocks().as_slice()[bound.block_first as usize + self.first / LANES]
+    }
+
+    /// Returns stored floats from the first joint's on.
+    #[inline(always)]
+    pub(crate) fn planes(&self, poses_first: u32) -> &'a [f32] {
+        &self.tables.poses().as_slice()[poses_first as usize + self.first..]
+    }
+}
+
+/// A width that finds its columns in a clip's rows.
+pub(crate) trait RowWidth: Width {
+    /// Positions of the columns.
     type Columns<'a>: Columns<Self>;
 
-    /// Joints computed at once.
-    const COUNT: usize;
-
-    /// From a table of floats, at the first joint's place.
-    fn load(from: &[f32]) -> Self;
-
-    /// One of them.
-    fn lane(self, lane: usize) -> f32;
-
-    /// Chooses one of them.
-    fn only(lane: usize) -> Self::Choice;
-
-    /// Whether any is chosen.
-    fn any(which: Self::Choice) -> bool;
-
-    fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> Self::Columns<'a>;
-
-    /// Lays a member's layers over a pose. Apart: it is seldom, and must not take the registers of
-    /// what is not.
-    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>);
+    /// Finds the columns of the joints.
+    fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> Self::Columns<'a>;
 }
 
-/// Where the columns of what is computed at once stand in a clip's rows.
+/// Positions in a clip's rows of the columns of joints computed together.
 pub(crate) trait Columns<R> {
-    /// Where the property's planes stand; its first word is [`NONE`] where nothing moves.
+    /// Returns the position of a property's planes.
     fn planes(&self, property: Property) -> Planes;
 
-    /// A component of a row, in steps.
+    /// Returns a component of a row, in steps.
     fn steps(&self, property: Property, row: u32, component: usize) -> R;
 }
 
-/// Where a property's planes stand in a row, and the words from one plane to the next.
+/// Position of a property's planes in a row.
 #[derive(Clone, Copy)]
 pub(crate) struct Planes {
-    pub(crate) first: u32,
+    /// First word; [`NONE`] if the property does not move.
+    first: u32,
+    /// Words from one plane to the next, and [`ROW_FLOATS`] if components are floats.
     lanes: u32,
 }
 
@@ -78,39 +72,45 @@ impl Planes {
         Self { first, lanes }
     }
 
-    /// The first word of the plane that holds a component, and how it is held.
+    /// Returns whether the property does not move.
     #[inline(always)]
-    fn place(self, property: Property, row: u32, component: usize) -> (usize, Held) {
+    pub(crate) fn are_still(self) -> bool {
+        self.first == NONE
+    }
+
+    /// Returns the first word of the plane that holds a component, and its encoding.
+    #[inline(always)]
+    fn plane_at(self, property: Property, row: u32, component: usize) -> (usize, Encoding) {
         let start = (row + self.first) as usize;
         let lanes = (self.lanes & !ROW_FLOATS) as usize;
         if self.lanes & ROW_FLOATS != 0 {
-            return (start + component * lanes, Held::Float);
+            return (start + component * lanes, Encoding::Float);
         }
-        let held = match component {
-            2 if property != Property::Rotation => Held::Packed,
-            0 | 2 => Held::Low,
-            _ => Held::High,
+        let encoding = match component {
+            2 if property != Property::Rotation => Encoding::Packed,
+            0 | 2 => Encoding::LowHalf,
+            _ => Encoding::HighHalf,
         };
-        (start + component / 2 * lanes, held)
+        (start + component / 2 * lanes, encoding)
     }
 }
 
-/// How a plane holds a component.
+/// Encoding of a component in its plane.
 #[derive(Clone, Copy)]
-enum Held {
+enum Encoding {
     Float,
-    /// The low half of each lane's word.
-    Low,
-    /// The high half.
-    High,
-    /// A half for each lane.
+    /// The low 16 bits of each lane's word.
+    LowHalf,
+    /// The high 16 bits of each lane's word.
+    HighHalf,
+    /// 16 bits for each lane, two lanes in a word.
     Packed,
 }
 
-impl Held {
-    /// A lane's steps in a plane.
+impl Encoding {
+    /// Decodes a lane's steps from a plane.
     #[inline(always)]
-    fn decode(self, plane: &[u32], lane: usize) -> f32 {
+    fn steps_in(self, plane: &[u32], lane: usize) -> f32 {
         #[expect(
             clippy::cast_possible_wrap,
             reason = "16 bits fit; processors convert signed numbers faster"
@@ -118,48 +118,27 @@ impl Held {
         let half = |word: u32| (word & 0xffff) as i32 as f32;
         match self {
             Self::Float => f32::from_bits(plane[lane]),
-            Self::Low => half(plane[lane]),
-            Self::High => half(plane[lane] >> 16),
+            Self::LowHalf => half(plane[lane]),
+            Self::HighHalf => half(plane[lane] >> 16),
             Self::Packed => half(plane[lane / 2] >> (16 * (lane % 2))),
         }
     }
 }
 
-/// One joint's column.
+/// Column of one joint.
 pub(crate) struct JointColumn<'a> {
     rows: &'a [u32],
     block: RowBlock,
     lane: usize,
 }
 
-impl Width for f32 {
+impl RowWidth for f32 {
     type Columns<'a> = JointColumn<'a>;
 
-    const COUNT: usize = 1;
-
     #[inline(always)]
-    fn lane(self, _lane: usize) -> f32 {
-        self
-    }
-
-    #[inline(always)]
-    fn only(_lane: usize) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn any(which: bool) -> bool {
-        which
-    }
-
-    #[inline(always)]
-    fn load(from: &[f32]) -> Self {
-        from[0]
-    }
-
-    #[inline(always)]
-    fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> JointColumn<'a> {
-        let map = tables.joint_maps().as_slice()[bound.map_first as usize + joint];
+    fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> JointColumn<'a> {
+        let tables = joints.tables;
+        let map = tables.joint_maps().as_slice()[bound.map_first as usize + joints.first];
         let column = map & MAP_COLUMN;
         let block = (bound.row_block_first + column / JOINT_BLOCK) as usize;
         let mut block = tables.row_blocks().as_slice()[block];
@@ -174,11 +153,6 @@ impl Width for f32 {
         }
         JointColumn { rows: tables.rows().as_slice(), block, lane: (column % JOINT_BLOCK) as usize }
     }
-
-    #[inline(never)]
-    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>) {
-        posing.lay_over(rest, pose);
-    }
 }
 
 impl Columns<f32> for JointColumn<'_> {
@@ -189,56 +163,30 @@ impl Columns<f32> for JointColumn<'_> {
 
     #[inline(always)]
     fn steps(&self, property: Property, row: u32, component: usize) -> f32 {
-        let (at, held) = self.planes(property).place(property, row, component);
-        held.decode(&self.rows[at..], self.lane)
+        let (at, encoding) = self.planes(property).plane_at(property, row, component);
+        encoding.steps_in(&self.rows[at..], self.lane)
     }
 }
 
-/// The columns of sixteen neighbouring joints: in one block, each in its own lane, or here and
-/// there in several.
+/// Columns of the sixteen joints of a block: all in one block of columns and in the joints' order,
+/// or scattered over several.
 pub(crate) struct BlockColumns<'a> {
     tables: &'a Tables,
     bound: &'a BoundBlock,
 }
 
-impl Width for Lanes {
+impl RowWidth for Lanes {
     type Columns<'a> = BlockColumns<'a>;
 
-    const COUNT: usize = LANES;
-
     #[inline(always)]
-    fn lane(self, lane: usize) -> f32 {
-        self.0[lane]
-    }
-
-    #[inline(always)]
-    fn only(lane: usize) -> [bool; LANES] {
-        std::array::from_fn(|other| other == lane)
-    }
-
-    #[inline(always)]
-    fn any(which: [bool; LANES]) -> bool {
-        which.contains(&true)
-    }
-
-    #[inline(always)]
-    fn load(from: &[f32]) -> Self {
-        Self::load(from)
-    }
-
-    #[inline(always)]
-    fn columns<'a>(tables: &'a Tables, bound: &BoundClip, joint: usize) -> BlockColumns<'a> {
-        BlockColumns { tables, bound: bound_block(tables, bound, joint) }
-    }
-
-    #[inline(always)]
-    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>) {
-        posing.dispatch.lay_over(posing, rest, pose);
+    fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> BlockColumns<'a> {
+        BlockColumns { tables: joints.tables, bound: joints.bound_block(bound) }
     }
 }
 
 impl<'a> BlockColumns<'a> {
-    /// The blocks followed, and each joint's lane in them.
+    /// Iterates over the blocks of columns, with each joint's lane in them ([`NONE`] if the joint's
+    /// column is in another one).
     #[inline(always)]
     fn sources(&self) -> impl Iterator<Item = (RowBlock, &'a [u32])> + use<'a> {
         let tables = self.tables;
@@ -250,23 +198,23 @@ impl<'a> BlockColumns<'a> {
         })
     }
 
-    /// Each lane's steps in the source that it follows.
-    fn gather(&self, property: Property, row: u32, component: usize) -> Lanes {
+    /// Collects each joint's steps from the block of columns that has it.
+    fn gathered_steps(&self, property: Property, row: u32, component: usize) -> Lanes {
         let mut found = [0.0; LANES];
         for (block, lanes) in self.sources() {
             let planes = Planes::of(&block, property);
-            if planes.first == NONE {
+            if planes.are_still() {
                 continue;
             }
-            let (at, held) = planes.place(property, row, component);
+            let (at, encoding) = planes.plane_at(property, row, component);
             let plane = &self.tables.rows().as_slice()[at..];
             for (value, &lane) in found.iter_mut().zip(lanes) {
                 if lane != NONE {
-                    *value = held.decode(plane, lane as usize);
+                    *value = encoding.steps_in(plane, lane as usize);
                 }
             }
         }
-        Several(found)
+        Simd(found)
     }
 }
 
@@ -279,42 +227,25 @@ impl Columns<Lanes> for BlockColumns<'_> {
     #[inline(always)]
     fn steps(&self, property: Property, row: u32, component: usize) -> Lanes {
         if self.bound.flags & BLOCK_STRAIGHT == 0 {
-            return self.gather(property, row, component);
+            return self.gathered_steps(property, row, component);
         }
-        let (at, held) = self.planes(property).place(property, row, component);
+        let (at, encoding) = self.planes(property).plane_at(property, row, component);
         let plane = &self.tables.rows().as_slice()[at..at + LANES];
-        match held {
-            Held::Float => Lanes::from_fn(|lane| Held::Float.decode(plane, lane)),
-            Held::Low => Lanes::from_fn(|lane| Held::Low.decode(plane, lane)),
-            Held::High => Lanes::from_fn(|lane| Held::High.decode(plane, lane)),
-            Held::Packed => Lanes::from_fn(|lane| Held::Packed.decode(plane, lane)),
+        match encoding {
+            Encoding::Float => Lanes::from_fn(|lane| Encoding::Float.steps_in(plane, lane)),
+            Encoding::LowHalf => Lanes::from_fn(|lane| Encoding::LowHalf.steps_in(plane, lane)),
+            Encoding::HighHalf => Lanes::from_fn(|lane| Encoding::HighHalf.steps_in(plane, lane)),
+            Encoding::Packed => Lanes::from_fn(|lane| Encoding::Packed.steps_in(plane, lane)),
         }
     }
 }
 
-/// Three planes of `padded` floats.
-#[inline(always)]
-pub(crate) fn load_vec3<R: Width>(planes: &[f32], padded: usize) -> [R; 3] {
-    [R::load(planes), R::load(&planes[padded..]), R::load(&planes[2 * padded..])]
-}
+// The functions below are no closures: a closure would not be compiled for the same processor as
+// its caller.
 
-/// Four planes of `padded` floats.
+/// Returns a component between two rows, `offset + step * n`.
 #[inline(always)]
-pub(crate) fn load_quat<R: Width>(planes: &[f32], padded: usize) -> [R; 4] {
-    [
-        R::load(planes),
-        R::load(&planes[padded..]),
-        R::load(&planes[2 * padded..]),
-        R::load(&planes[3 * padded..]),
-    ]
-}
-
-// Closures below would not be compiled for the processor that their caller is, so what is hot is
-// functions.
-
-/// A component between two rows: `offset + step * n`.
-#[inline(always)]
-pub(crate) fn component<R: Width>(
+pub(crate) fn component<R: RowWidth>(
     columns: &R::Columns<'_>,
     property: Property,
     at: &SlotSample,
@@ -327,10 +258,27 @@ pub(crate) fn component<R: Width>(
     from.mix(to, R::splat(at.between)) * step + offset
 }
 
-/// Translations or scales between two rows; `range` starts with planes of offsets, and a plane of
-/// steps follows.
+/// Loads a quaternion from four planes of `padded` floats.
 #[inline(always)]
-pub(crate) fn sample_vector<R: Width>(
+pub(crate) fn load_quat<R: Width>(planes: &[f32], padded: usize) -> [R; 4] {
+    [
+        R::load(planes),
+        R::load(&planes[padded..]),
+        R::load(&planes[2 * padded..]),
+        R::load(&planes[3 * padded..]),
+    ]
+}
+
+/// Loads a vector from three planes of `padded` floats.
+#[inline(always)]
+pub(crate) fn load_vec3<R: Width>(planes: &[f32], padded: usize) -> [R; 3] {
+    [R::load(planes), R::load(&planes[padded..]), R::load(&planes[2 * padded..])]
+}
+
+/// Samples translations or scales between two rows. `range` begins with three planes of offsets,
+/// followed by a plane of steps.
+#[inline(always)]
+pub(crate) fn sample_vector<R: RowWidth>(
     columns: &R::Columns<'_>,
     property: Property,
     at: &SlotSample,
@@ -338,7 +286,7 @@ pub(crate) fn sample_vector<R: Width>(
     padded: usize,
 ) -> [R; 3] {
     let [x, y, z] = load_vec3::<R>(range, padded);
-    if columns.planes(property).first == NONE {
+    if columns.planes(property).are_still() {
         return [x, y, z];
     }
     let step = R::load(&range[3 * padded..]);
@@ -347,70 +295,4 @@ pub(crate) fn sample_vector<R: Width>(
         component(columns, property, at, 1, step, y),
         component(columns, property, at, 2, step, z),
     ]
-}
-
-/// Where sixteen neighbouring joints, of which this is one, find their columns.
-#[inline(always)]
-pub(crate) fn bound_block<'a>(
-    tables: &'a Tables,
-    bound: &BoundClip,
-    joint: usize,
-) -> &'a BoundBlock {
-    &tables.bound_blocks().as_slice()[bound.block_first as usize + joint / LANES]
-}
-
-/// A sample of a clip: a rotation not yet of length 1, with the factor that brings it to that and
-/// to the hemisphere of the rest rotation, or to nothing where it has no length; and what stands at
-/// rest, of [`REST_TRANSLATION`] and [`REST_SCALE`].
-pub(crate) struct Sample<R> {
-    pub(crate) local: Local<R>,
-    pub(crate) unit: R,
-    pub(crate) at_rest: u32,
-}
-
-impl<R: Real> Sample<R> {
-    /// With a rotation of length 1.
-    #[inline(always)]
-    pub(crate) fn normalized(self) -> Local<R> {
-        Local { r: quat::scale(self.local.r, self.unit), ..self.local }
-    }
-}
-
-/// Local transforms between two rows.
-#[inline(always)]
-pub(crate) fn sample_joint<R: Width>(
-    tables: &Tables,
-    bound: &BoundClip,
-    body: &Body,
-    joint: usize,
-    at: &SlotSample,
-    rest: &Local<R>,
-) -> Sample<R> {
-    let columns = R::columns(tables, bound, joint);
-    let padded = body.padded_count as usize;
-    let range = &tables.poses().as_slice()[bound.range_first as usize + joint..];
-    let mut r = load_quat::<R>(range, padded);
-    if columns.planes(Property::Rotation).first != NONE {
-        let step = R::load(&range[4 * padded..]);
-        r = [
-            component(&columns, Property::Rotation, at, 0, step, r[0]),
-            component(&columns, Property::Rotation, at, 1, step, r[1]),
-            component(&columns, Property::Rotation, at, 2, step, r[2]),
-            component(&columns, Property::Rotation, at, 3, step, r[3]),
-        ];
-    }
-    let flags = bound_block(tables, bound, joint).flags;
-    let at_rest = flags & (REST_TRANSLATION | REST_SCALE);
-    let (mut t, mut s) = (rest.t, rest.s);
-    if at_rest & REST_TRANSLATION == 0 {
-        t = sample_vector::<R>(&columns, Property::Translation, at, &range[5 * padded..], padded);
-    }
-    if at_rest & REST_SCALE == 0 {
-        s = sample_vector::<R>(&columns, Property::Scale, at, &range[9 * padded..], padded);
-    }
-    if flags & BLOCK_TURNED != 0 {
-        (t, r) = turn::<R>(tables, bound, body, joint, at, (t, r));
-    }
-    let unit = quat::dot(r, r).inverse_sqrt() * quat::side(r, rest.r);
-    Sample { local: Local { r, t, s }, unit, at_rest }
 }

@@ -1,14 +1,15 @@
-//! Spreading work over threads without a member ever being split.
+//! Work spread over threads. A member is never split between two.
 
 use populace_core::layout::{Float4, NONE};
 
-/// Elements that one thread takes at a time: enough to hide the cost of handing over, few enough to
-/// balance.
+/// Elements that one thread takes at a time: enough to hide the cost of scheduling, few enough to
+/// balance the load.
 const GRAIN: usize = 4096;
 
-/// Calls `job(member, first, slices)` for each member that `blocks` names, a block being `BLOCK`
-/// elements of the arrays, on all threads, with the number of its first block and its own run of
-/// each of the `N` arrays.
+/// Calls `job(member, first_block, slices)` for each member, on all threads.
+///
+/// `blocks` names the member that owns each block of `BLOCK` elements of the arrays, or [`NONE`]. A
+/// member's blocks are consecutive. `slices` are the member's part of each of the `N` arrays.
 pub(crate) fn for_each_member<const BLOCK: usize, const N: usize>(
     blocks: &[u32],
     arrays: [&mut [Float4]; N],
@@ -53,12 +54,13 @@ fn each<const BLOCK: usize, const N: usize>(
     }
 }
 
-/// The first border between members at or after `at`.
+/// Returns the first border between members at or after block `at`.
 fn run_end(blocks: &[u32], at: usize) -> usize {
     let same = |i: &usize| blocks[*i] == blocks[*i - 1];
     at + (at.max(1)..blocks.len()).take_while(same).count()
 }
 
+/// Splits each array after `blocks` blocks.
 fn halves<const BLOCK: usize, const N: usize>(
     arrays: [&mut [Float4]; N],
     blocks: usize,

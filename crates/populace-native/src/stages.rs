@@ -1,50 +1,24 @@
-//! Users' stages: what they get of a joint, and what is taken of what they leave; the twin of
-//! `kernels/stage.cl`.
+//! User stages on members' joints: the input of a stage, and checks of its output. Twin of
+//! `kernels/stages.cl`.
+//!
+//! Reads steps, stage values and controls. Writes nothing but the transforms that it returns.
 
 use populace_core::layout::{Control, STAGE_PARAMETERS, Step};
 use populace_core::math::quat;
-use populace_core::{
-    Affine, BackendError, FIRST_TICK, JointIndex, Place, StageFn, StageJoint, Tables, Trs,
-    UserStage,
-};
+use populace_core::{Affine, FIRST_TICK, JointIndex, Place, StageJoint, Trs};
 
-use crate::DEVICE;
-use crate::controls::Clock;
-use crate::rows::{Local, Width};
+use crate::frame::FrameInputs;
+use crate::lanes::Width;
+use crate::local::Local;
 
-/// Past this a number is no place, turn or scale any longer, and what hangs on it would come to be
-/// not finite.
-const BOUND: f32 = 1e9;
+/// Largest absolute value accepted from a stage. Transforms of joints below it stay finite.
+const STAGE_BOUND: f32 = 1e9;
 
-/// Elements of a stage's parameters.
+/// `Float4` elements of a stage's parameters.
 const ELEMENTS: usize = STAGE_PARAMETERS as usize / 4;
 
-/// Stages by number.
-#[derive(Clone, Default)]
-pub(crate) struct Stages(Vec<Option<StageFn>>);
-
-impl Stages {
-    pub(crate) fn new(stages: &[Option<UserStage>]) -> Result<Self, BackendError> {
-        let function = |stage: &UserStage| {
-            stage.rust_function().cloned().ok_or_else(|| BackendError::NoForm {
-                device: DEVICE.into(),
-                stage: stage.name().into(),
-                form: "a function in Rust",
-            })
-        };
-        let functions = stages.iter().map(|stage| stage.as_ref().map(function).transpose());
-        Ok(Self(functions.collect::<Result<_, _>>()?))
-    }
-
-    fn run(&self, stage: u32, joint: &mut StageJoint) {
-        if let Some(Some(function)) = self.0.get(stage as usize) {
-            function(joint);
-        }
-    }
-}
-
-fn stage_joint(tables: &Tables, clock: Clock, step: &Step, control: &Control) -> StageJoint {
-    let values = tables.stage_values().as_slice();
+fn stage_joint(inputs: &FrameInputs, step: &Step, control: &Control) -> StageJoint {
+    let values = inputs.tables.stage_values().as_slice();
     let first = step.index as usize * ELEMENTS;
     let ([x, y, z, scale], [sin, cos, ..]) = (control.place.0, control.facing.0);
     let mut parameters = [0.0; STAGE_PARAMETERS as usize];
@@ -57,34 +31,34 @@ fn stage_joint(tables: &Tables, clock: Clock, step: &Step, control: &Control) ->
         place: Place { position: [x, y, z], sin_cos: [sin, cos], scale },
         values: values[step.turn as usize].0,
         parameters,
-        ticks: clock.tick.saturating_sub(FIRST_TICK),
-        elapsed_secs: clock.elapsed_secs,
+        ticks: inputs.frame.tick.saturating_sub(FIRST_TICK),
+        elapsed_secs: inputs.frame.elapsed_secs(),
         joint: JointIndex(step.joint),
         member: control.member,
     }
 }
 
-fn bounded(values: &[f32]) -> bool {
-    values.iter().all(|v| v.abs() <= BOUND)
+/// Returns whether all values are within [`STAGE_BOUND`]; false for NaN.
+fn stage_bounded(values: &[f32]) -> bool {
+    values.iter().all(|v| v.abs() <= STAGE_BOUND)
 }
 
-/// What a stage makes of a model transform; `None` leaves it as it is.
-pub(crate) fn model(
-    tables: &Tables,
-    clock: Clock,
+/// Runs a stage on a model transform. Returns `None`, which keeps the transform, if the result is
+/// out of bounds.
+pub(crate) fn stage_model(
+    inputs: &FrameInputs,
     step: &Step,
     control: &Control,
     own: Affine,
 ) -> Option<Affine> {
-    let mut joint = StageJoint { model: own, ..stage_joint(tables, clock, step, control) };
-    clock.stages.run(step.index, &mut joint);
-    bounded(joint.model.rows.as_flattened()).then_some(joint.model)
+    let mut joint = StageJoint { model: own, ..stage_joint(inputs, step, control) };
+    inputs.stages.run(step.index, &mut joint);
+    stage_bounded(joint.model.rows.as_flattened()).then_some(joint.model)
 }
 
-/// What a stage makes of the local transform in one lane.
-fn local<R: Width>(
-    tables: &Tables,
-    clock: Clock,
+/// Runs a stage on the local transform in one lane. A result out of bounds is dropped.
+fn stage_local<R: Width>(
+    inputs: &FrameInputs,
     step: &Step,
     control: &Control,
     lane: usize,
@@ -95,17 +69,17 @@ fn local<R: Width>(
         rotation: pose.r.map(|v| v.lane(lane)),
         scale: pose.s.map(|v| v.lane(lane)),
     };
-    let mut joint = StageJoint { local: own, ..stage_joint(tables, clock, step, control) };
-    clock.stages.run(step.index, &mut joint);
+    let mut joint = StageJoint { local: own, ..stage_joint(inputs, step, control) };
+    inputs.stages.run(step.index, &mut joint);
     let Trs { translation, rotation, scale } = joint.local;
-    if !bounded(&translation) || !bounded(&rotation) || !bounded(&scale) {
+    if !stage_bounded(&translation) || !stage_bounded(&rotation) || !stage_bounded(&scale) {
         return pose;
     }
     let only = R::only(lane);
-    let vector = |left: [f32; 3], own: [R; 3]| {
+    let vector = |result: [f32; 3], own: [R; 3]| {
         let mut taken = own;
-        for (own, left) in taken.iter_mut().zip(left) {
-            *own = R::choose(only, R::splat(left), *own);
+        for (own, result) in taken.iter_mut().zip(result) {
+            *own = R::choose(only, R::splat(result), *own);
         }
         taken
     };
@@ -117,19 +91,19 @@ fn local<R: Width>(
     }
 }
 
-/// What a member's stages make of its local transforms from `joint` on; their steps stand by joint.
-pub(crate) fn locals<R: Width>(
-    tables: &Tables,
-    clock: Clock,
+/// Runs a member's stages on its local transforms from `joint` on. The steps are sorted by joint.
+pub(crate) fn stage_locals<R: Width>(
+    inputs: &FrameInputs,
     control: &Control,
     joint: usize,
     mut pose: Local<R>,
 ) -> Local<R> {
     let first = (control.step_first + control.step_count) as usize;
-    for step in &tables.steps().as_slice()[first..first + control.pose_step_count as usize] {
+    let steps = inputs.tables.steps().as_slice();
+    for step in &steps[first..first + control.pose_step_count as usize] {
         match (step.joint as usize).checked_sub(joint) {
             Some(lane) if lane >= R::COUNT => break,
-            Some(lane) => pose = local(tables, clock, step, control, lane, pose),
+            Some(lane) => pose = stage_local(inputs, step, control, lane, pose),
             None => {}
         }
     }

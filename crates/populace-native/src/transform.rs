@@ -1,32 +1,40 @@
-//! Transform: local transforms down the hierarchy, with constraints and overrides on the way; the
-//! twin of `kernels/transform.cl`.
+//! Transform stage: local transforms down the hierarchy, with constraints and overrides on the way.
+//! Twin of `kernels/transform.cl`.
+//!
+//! Reads the joint buffer, parents, and all that [`constraints`](crate::constraints) read. Writes
+//! three rows of `model_from_joint` for each joint, and deferred states and watched joints. The
+//! result is rows, not a translation, rotation and scale, because a rotated child under a
+//! non-uniform scale shears.
 
 use populace_core::layout::{Float4, JOINT_BLOCK};
-use populace_core::{Affine, Frame, Tables, Trs};
+use populace_core::{Affine, Trs};
 
-use crate::controls::{self, Clock, Keeping, Models, Steering};
-use crate::fused::{Scratch, scratch_of};
-use crate::stages::Stages;
-use crate::{JointBuffer, ModelRows, split};
+use crate::buffers::{JointBuffer, ModelRows};
+use crate::constraints::Solver;
+use crate::frame::FrameInputs;
+use crate::hierarchy::{Hierarchy, descend};
+use crate::members::{body_of, control_of, parents_of};
+use crate::scratch::ScratchPool;
+use crate::split;
 
 const BLOCK: usize = JOINT_BLOCK as usize;
 
-/// A member's joints in the buffers of the staged schedule.
+/// Transforms of a member in the buffers of the staged schedule.
 struct Rows<'a> {
     joints: &'a JointBuffer,
-    /// The member's first joint.
+    /// The member's first joint in the joint buffer.
     first: usize,
     rows: [&'a mut [Float4]; 3],
 }
 
-impl Models for Rows<'_> {
+impl Hierarchy for Rows<'_> {
     #[inline(always)]
-    fn model(&self, joint: usize) -> Affine {
+    fn model_of(&self, joint: usize) -> Affine {
         Affine { rows: self.rows.each_ref().map(|rows| rows[joint].0) }
     }
 
     #[inline(always)]
-    fn local(&self, joint: usize) -> Affine {
+    fn local_of(&self, joint: usize) -> Affine {
         let at = self.first + joint;
         Affine::from_trs(&Trs {
             translation: self.joints.translations[at].xyz(),
@@ -36,40 +44,35 @@ impl Models for Rows<'_> {
     }
 
     #[inline(always)]
-    fn set(&mut self, joint: usize, model: Affine) {
+    fn keep_model(&mut self, joint: usize, model: Affine) {
         for (rows, row) in self.rows.iter_mut().zip(model.rows) {
             rows[joint] = Float4(row);
         }
     }
 }
 
-pub(crate) fn run(
-    tables: &Tables,
-    frame: Frame,
-    (stages, keeping): (&Stages, &Keeping),
+/// Transforms the joints of the frame's members.
+pub(crate) fn transform(
+    inputs: &FrameInputs,
     joints: &JointBuffer,
-    scratch: &[Scratch],
+    scratch: &ScratchPool,
     models: &mut ModelRows,
 ) {
+    let FrameInputs { tables, frame, .. } = *inputs;
     let arrays = models.0.each_mut().map(Vec::as_mut_slice);
-    let job = |place: u32, first: usize, rows: [&mut [Float4]; 3]| {
-        let member = &tables.members().as_slice()[place as usize];
-        if !frame.evaluates(place) || !frame.reaches(member) {
+    let job = |index: u32, first_block: usize, rows: [&mut [Float4]; 3]| {
+        let member = &tables.members().as_slice()[index as usize];
+        if !frame.evaluates(index) || !frame.reaches(member) {
             return;
         }
-        let body = &tables.bodies().as_slice()[member.body as usize];
-        let first_parent = body.joint_first as usize;
-        let parents =
-            &tables.parents().as_slice()[first_parent..first_parent + body.joint_count as usize];
-        let mut rows = Rows { joints, first: first * BLOCK, rows };
-        if controls::control_of(tables, place).is_none() {
-            return controls::descend(&mut rows, parents);
+        let parents = parents_of(tables, body_of(tables, index));
+        let mut rows = Rows { joints, first: first_block * BLOCK, rows };
+        if control_of(tables, index).is_none() {
+            return descend(&mut rows, parents);
         }
-        let mut own = scratch_of(scratch);
-        if let Some(mut steering) =
-            Steering::new(tables, place, Clock::of(frame, stages), keeping, &mut own.left)
-        {
-            steering.descend(&mut rows, parents);
+        let mut own = scratch.of_current_thread();
+        if let Some(mut solver) = Solver::new(inputs, index, &mut own.writes) {
+            solver.descend(&mut rows, parents);
         }
     };
     split::for_each_member::<BLOCK, 3>(tables.joint_blocks().as_slice(), arrays, &job);

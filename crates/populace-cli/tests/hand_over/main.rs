@@ -138,7 +138,7 @@ fn the_way_and_the_reason_are_told(device: &Devices) {
     if hand_over.transport == PaletteTransport::Mapped {
         let native = device.as_slice()[0] == Device::native();
         let reason = if native {
-            "it takes an OpenCL device"
+            "it needs an OpenCL device"
         } else {
             "its driver does not offer cl_khr_gl_sharing"
         };

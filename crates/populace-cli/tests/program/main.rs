@@ -203,7 +203,7 @@ fn devices_tells_how_palettes_reach_opengl_and_why_not_better() {
         (&palettes["way"], &palettes["refused"][0]["way"]),
         (&json!("mapped"), &json!("shared"))
     );
-    assert_eq!(palettes["refused"][0]["reason"], "it takes an OpenCL device");
+    assert_eq!(palettes["refused"][0]["reason"], "it needs an OpenCL device");
     let text = String::from_utf8(populace(&["devices"]).stdout).expect("text");
     let words =
         "palettes written straight into OpenGL's memory (not shared between OpenCL and OpenGL: ";

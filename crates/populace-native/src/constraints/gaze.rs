@@ -1,42 +1,59 @@
-//! Look-at: a chain shares a turn, and its last joint faces the targets; the twin of
-//! `kernels/gaze.cl`.
+//! Look-at constraints: the joints of a chain share a rotation, and the last joint faces the
+//! targets. Twin of `kernels/gaze.cl`.
 //!
-//! A turn of the gaze is a yaw about what is up and a pitch about the left of what faces, so that
-//! no head tilts. Both come straight from the directions before and after. Angles are needed for
-//! what lies beyond the limits or between targets.
+//! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
+//! transform, and rotations for the others.
+//!
+//! The rotation is a yaw about the up direction and a pitch about the left direction of the frame
+//! that carries the chain, so that heads do not tilt. Both come straight from the directions before
+//! and after. Angles are needed only beyond the limits and between several targets.
 
 use populace_core::Affine;
 use populace_core::layout::{Constraint, NONE, Step};
 use populace_core::math::{Real, angle, quat, vec3};
 
-use super::{Models, Steering};
+use super::targets::{Chain, Solver, WeightedPoint};
+use crate::hierarchy::Hierarchy;
 
-/// Nearer than this to straight up or down, as the sine of the angle, a target's side counts for
-/// less and less: it would turn about wildly there.
+/// Sine of the angle to straight up or down below which a target's side counts for less and less:
+/// nearer to the pole it would spin the gaze.
 const STEEP: f32 = 0.17;
-/// With less than this level of a direction of length 1 there is no side to turn from.
+/// Level part of a unit direction below which it has no side.
 const UPRIGHT: f32 = 1e-3;
 
-/// Front, left and up of what carries a chain.
+/// Front, left and up of the parent that carries a chain, in model space.
 struct Frame {
     front: [f32; 3],
     left: [f32; 3],
     up: [f32; 3],
 }
 
-/// A direction of length 1 in a frame.
+/// A unit direction in a frame.
 #[derive(Clone, Copy, Default)]
 struct Sight {
     left: f32,
     up: f32,
     front: f32,
-    /// The length of what is level of it.
+    /// Length of the level part, that is of `left` and `front`.
     level: f32,
+}
+
+/// Sine and cosine of half a yaw, both scaled by the same factor.
+#[derive(Clone, Copy)]
+struct HalfYaw {
+    side: f32,
+    ahead: f32,
+}
+
+/// A rotation in model space, and its weight from 0 to 1.
+struct WeightedTurn {
+    rotation: [f32; 4],
+    weight: f32,
 }
 
 impl Frame {
     #[inline(always)]
-    fn new(constraint: &Constraint, parent: Option<Affine>) -> Self {
+    fn of(constraint: &Constraint, parent: Option<Affine>) -> Self {
         let (front, up) = (constraint.front.xyz(), constraint.up.xyz());
         let [ahead, up] =
             parent.map_or([front, up], |model| [front, up].map(|v| model.transform_vector(v)));
@@ -45,9 +62,9 @@ impl Frame {
         Self { front, left, up: vec3::cross(front, left) }
     }
 
-    /// A direction in the frame; `None` where it has no length.
+    /// Returns a direction in the frame; `None` if it has no length.
     #[inline(always)]
-    fn see(&self, v: [f32; 3]) -> Option<Sight> {
+    fn seen_in(&self, v: [f32; 3]) -> Option<Sight> {
         let (x, y, z) = (vec3::dot(v, self.left), vec3::dot(v, self.up), vec3::dot(v, self.front));
         let level = x * x + z * z;
         let squared = level + y * y;
@@ -55,20 +72,21 @@ impl Frame {
         Some(Sight { left: x * k, up: y * k, front: z * k, level: vec3::root(level) * k })
     }
 
-    /// Where the end of a chain faces.
+    /// Returns the direction that the end of a chain faces. Straight up and down count as front.
     #[inline(always)]
     fn start(&self, facing: [f32; 3]) -> Sight {
-        let start = self.see(facing).unwrap_or_default();
+        let start = self.seen_in(facing).unwrap_or_default();
         if start.level < UPRIGHT {
             return Sight { left: 0.0, up: start.up, front: UPRIGHT, level: UPRIGHT };
         }
         start
     }
 
-    /// The turn of what faces `start`: by a yaw, of which there are sine and cosine of the half,
-    /// both times the same; and to a pitch, of which there are cosine and sine.
+    /// Returns the rotation of `start` by a yaw, and to the pitch of cosine `level` and sine
+    /// `height`.
     #[inline(always)]
-    fn turn(&self, start: Sight, [side, ahead]: [f32; 2], [level, height]: [f32; 2]) -> [f32; 4] {
+    fn gaze_turn(&self, start: Sight, yaw: HalfYaw, level: f32, height: f32) -> [f32; 4] {
+        let HalfYaw { side, ahead } = yaw;
         let rise = start.level * height - start.up * level;
         let on = 1.0 + (start.level * level + start.up * height);
         let (right, back, whole) = (-start.front * rise, start.left * rise, start.level * on);
@@ -82,8 +100,8 @@ impl Frame {
     }
 }
 
-/// A yaw within a limit. What is further round is followed no further, and what passes behind lets
-/// the gaze come back to the front, so that it never snaps from one side to the other.
+/// Limits a yaw. Beyond the limit the gaze stays at it. A target that passes behind lets the gaze
+/// return to the front, so that it never snaps from one side to the other.
 fn held(yaw: f32, limit: f32) -> f32 {
     let size = yaw.abs();
     if size <= limit {
@@ -98,8 +116,8 @@ fn held(yaw: f32, limit: f32) -> f32 {
     if yaw < 0.0 { -size } else { size }
 }
 
-impl Steering<'_> {
-    /// The turn towards the mean of all targets, as far as limits let it.
+impl Solver<'_> {
+    /// Returns the rotation towards the weighted mean of all targets, within the limits.
     #[inline(never)]
     fn aim_by_angles(
         &self,
@@ -111,8 +129,9 @@ impl Steering<'_> {
         let [side, up, down, _] = constraint.limits.0;
         let (mut yaw, mut pitch, mut total) = (0.0, 0.0, 0.0);
         for target in self.targets(constraint) {
-            let (place, weight) = self.sight(target, from);
-            let Some(seen) = frame.see(vec3::sub(place, from)).filter(|_| weight > 0.0) else {
+            let WeightedPoint { position, weight } = self.sight(target, from);
+            let Some(seen) = frame.seen_in(vec3::sub(position, from)).filter(|_| weight > 0.0)
+            else {
                 continue;
             };
             let steep = if seen.level < STEEP { seen.level * (1.0 / STEEP) } else { 1.0 };
@@ -125,11 +144,11 @@ impl Steering<'_> {
         let k = 1.0 / total;
         let (side, ahead) = angle::sin_cos(0.5 * (yaw * k - angle::of(start.left, start.front)));
         let (height, level) = angle::sin_cos(pitch * k);
-        frame.turn(start, [side, ahead], [level, height])
+        frame.gaze_turn(start, HalfYaw { side, ahead }, level, height)
     }
 
-    /// The turn from facing `start` to facing what is aimed at from a point, and how much that
-    /// weighs.
+    /// Returns the rotation from facing `start` to facing the targets as seen from a point, and the
+    /// sum of their weights, at most 1.
     #[inline(never)]
     fn aim(
         &self,
@@ -137,11 +156,12 @@ impl Steering<'_> {
         frame: &Frame,
         start: Sight,
         from: [f32; 3],
-    ) -> ([f32; 4], f32) {
+    ) -> WeightedTurn {
         let (mut to, mut total, mut count) = (Sight::default(), 0.0, 0);
         for target in self.targets(constraint) {
-            let (place, weight) = self.sight(target, from);
-            let Some(seen) = frame.see(vec3::sub(place, from)).filter(|_| weight > 0.0) else {
+            let WeightedPoint { position, weight } = self.sight(target, from);
+            let Some(seen) = frame.seen_in(vec3::sub(position, from)).filter(|_| weight > 0.0)
+            else {
                 continue;
             };
             to = seen;
@@ -150,62 +170,68 @@ impl Steering<'_> {
         }
         let weight = if total < 1.0 { total } else { 1.0 };
         if count == 0 {
-            return (quat::identity(), weight);
+            return WeightedTurn { rotation: quat::identity(), weight };
         }
-        // The tangents of the limits. With both in front, the short way is the one that passes the
-        // front.
+        // Tangents of the limits. If start and target are both in front, the shortest rotation
+        // passes the front.
         let [side, up, down] = [constraint.axis, constraint.front, constraint.up].map(|v| v.0[3]);
         let within = to.level >= STEEP
             && to.left.abs() <= side * to.front
             && to.up <= up * to.level
             && -to.up <= down * to.level;
         if count > 1 || !within || start.front <= 0.0 {
-            return (self.aim_by_angles(constraint, frame, start, from), weight);
+            let rotation = self.aim_by_angles(constraint, frame, start, from);
+            return WeightedTurn { rotation, weight };
         }
         let side = start.front * to.left - start.left * to.front;
         let ahead = start.level * to.level + (start.left * to.left + start.front * to.front);
-        (frame.turn(start, [side, ahead], [to.level, to.up]), weight)
+        let rotation = frame.gaze_turn(start, HalfYaw { side, ahead }, to.level, to.up);
+        WeightedTurn { rotation, weight }
     }
 
+    /// Turns a chain towards its targets.
     #[inline(never)]
     pub(super) fn gaze(
         &mut self,
-        models: &mut impl Models,
+        joints: &mut impl Hierarchy,
         joint: usize,
         parent: u32,
         step: &Step,
     ) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
-        let own = models.model(joint);
-        let frame = Frame::new(constraint, (parent != NONE).then(|| models.model(parent as usize)));
-        let (places, end) = Self::walk(models, links, own);
+        let own = joints.model_of(joint);
+        let frame =
+            Frame::of(constraint, (parent != NONE).then(|| joints.model_of(parent as usize)));
+        let Chain { positions, end } = Self::walk(joints, links, own);
         let start = frame.start(end.transform_vector(constraint.axis.xyz()));
         let last = links.len() - 1;
-        let (whole, weight) = self.aim(constraint, &frame, start, places[last]);
-        let (mut so_far, mut place, mut shared) = (quat::identity(), places[0], 0.0);
+        let whole = self.aim(constraint, &frame, start, positions[last]);
+        let (mut so_far, mut position, mut shared) = (quat::identity(), positions[0], 0.0);
         for (at, link) in links.iter().enumerate().take(last) {
-            let share = link.share * weight;
+            let share = link.share * whole.weight;
             let mut turn = quat::identity();
             if share > 0.0 {
                 shared += share;
-                let now = vec3::part_as_told(whole, shared);
+                let now = vec3::part_as_told(whole.rotation, shared);
                 turn = quat::mul(now, quat::conjugate(so_far));
                 so_far = now;
             }
             if at > 0 {
                 self.turns[step.turn as usize + at - 1] = turn;
             } else {
-                models.set(joint, own.turned(turn));
+                joints.keep_model(joint, own.turned(turn));
             }
-            place = vec3::add(place, vec3::turned(so_far, vec3::sub(places[at + 1], places[at])));
+            let bone = vec3::sub(positions[at + 1], positions[at]);
+            position = vec3::add(position, vec3::turned(so_far, bone));
         }
-        // The others have moved the last: it looks from where it is now, and turns by what is left.
-        let (there, weight) = self.aim(constraint, &frame, start, place);
-        let there = if weight < 1.0 { vec3::part_as_told(there, weight) } else { there };
+        // The other joints have moved the last one. It looks from its new position, and rotates by
+        // the remainder.
+        let WeightedTurn { rotation, weight } = self.aim(constraint, &frame, start, position);
+        let there = if weight < 1.0 { vec3::part_as_told(rotation, weight) } else { rotation };
         let left = quat::mul(there, quat::conjugate(so_far));
         if last == 0 {
-            models.set(joint, own.turned(left));
+            joints.keep_model(joint, own.turned(left));
         } else {
             self.turns[step.turn as usize + last - 1] = left;
         }

@@ -1,24 +1,27 @@
-//! Two-bone inverse kinematics, of one limb or of several side by side; the twin of
-//! `kernels/limb.cl`.
+//! Two-bone inverse kinematics, of one limb or of several in SIMD lanes. Twin of `kernels/limb.cl`.
+//!
+//! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
+//! transform, and rotations for the others.
 
 use populace_core::layout::Step;
 use populace_core::math::{Real, quat, vec3};
 
-use super::{Models, Steering};
+use super::targets::{Chain, Solver, WeightedPoint};
+use crate::hierarchy::Hierarchy;
 
-/// How far a limb's own bend has to stand out before it, and not the limb's preference, says where
-/// the middle joint goes: a part of the first bone.
+/// Weight of the limb's preferred bend direction against its own bend, in lengths of the first
+/// bone.
 const OWN_BEND: f32 = 0.05;
 
-/// A limb as the clips have it, in model space, and what is asked of it.
+/// A limb before the constraint, in model space, and its goal.
 pub(super) struct Limb<R> {
     /// From the first joint to the middle one.
     pub(super) upper: [R; 3],
     /// From the middle joint to the last one.
     pub(super) lower: [R; 3],
-    /// Where the middle joint bends to when the limb is straight.
+    /// Direction that the middle joint bends to when the limb is straight.
     pub(super) bend: [R; 3],
-    /// From the first joint to where the end is to be.
+    /// From the first joint to the end's goal.
     pub(super) to: [R; 3],
 }
 
@@ -26,22 +29,22 @@ fn none<R: Real>() -> [R; 3] {
     [R::splat(0.0); 3]
 }
 
-/// How far away the end of a chain that is `length` long, and cannot come nearer than `least`, goes
-/// for a target at `distance`: as far, but within the last `soft` of its length, and of what it can
-/// come nearer, ever more slowly.
+/// Returns the distance that the end of a chain goes to for a target at `distance`. The end reaches
+/// from `least` to `length`. Above `length * (1 - soft)` and below `least + (length - least) *
+/// soft` it approaches the limit ever more slowly, so that the chain does not snap straight.
 #[inline(always)]
 pub(super) fn soft_distance<R: Real>(distance: R, length: R, least: R, soft: f32) -> R {
     let soft = R::splat(soft);
     let (far, near) = (length - length * soft, least + (length - least) * soft);
     let beyond = far.less(distance);
     let over = R::choose(beyond, distance - far, near - distance);
-    let room = R::choose(beyond, length * soft, near - least);
-    let eased = room * over / (room + over);
+    let slack = R::choose(beyond, length * soft, near - least);
+    let eased = slack * over / (slack + over);
     R::choose(beyond, far + eased, R::choose(distance.less(near), near - eased, distance))
 }
 
-/// The shortest turn from one vector to another, of which `lengths` is the product of their
-/// lengths; where they are opposite, about an axis at right angles to them.
+/// Returns the shortest rotation from one vector to another. `lengths` is the product of their
+/// lengths; `about` is the axis for opposite vectors, at right angles to them.
 #[inline(always)]
 fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -> [R; 4] {
     let ([x, y, z], w) = (vec3::cross(from, to), lengths + vec3::dot(from, to));
@@ -51,9 +54,9 @@ fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -
 }
 
 impl<R: Real> Limb<R> {
-    /// The axis about which the middle joint bends, of any length: across the limb's own bend.
-    /// Little of that gives way to where it is to bend. `shrinks` is the inverse of the upper
-    /// bone's length.
+    /// Returns the axis about which the middle joint bends, of any length: at right angles to the
+    /// limb's own bend. The straighter the limb, the more its preferred bend direction counts.
+    /// `shrinks` is the inverse of the upper bone's length.
     #[inline(always)]
     fn hinge(&self, shrinks: R) -> [R; 3] {
         let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|axis: [f32; 3]| axis.map(R::splat));
@@ -66,8 +69,8 @@ impl<R: Real> Limb<R> {
         vec3::choose::<R>(stands, hinge, vec3::cross(upper, vec3::choose::<R>(leans, x, y)))
     }
 
-    /// What turns the first joint about where it is to be, so that the middle joint comes nearest
-    /// to a pole.
+    /// Returns the rotation about the line from the first joint to the goal that brings the middle
+    /// joint nearest to a pole.
     #[inline(always)]
     fn pole_turn(&self, first: [R; 4], hinge: [R; 3], pole: [R; 3]) -> [R; 4] {
         let ahead = vec3::unit_or(self.to, [1.0, 0.0, 0.0].map(R::splat));
@@ -78,8 +81,9 @@ impl<R: Real> Limb<R> {
         swing_between(out, drawn, R::splat(1.0), ahead)
     }
 
-    /// The turns of the first joint and, as of after that, of the middle one, which bring the end
-    /// to where it is to be; none for a limb of no length.
+    /// Returns the rotations that bring the end to its goal: that of the first joint, and that of
+    /// the middle joint after the first one's. Identities for a limb of no length. `pole` is a
+    /// direction in model space.
     #[inline(never)]
     pub(super) fn turns(&self, pole: Option<[f32; 3]>, soft: f32) -> [[R; 4]; 2] {
         let (upper, lower) = (self.upper, self.lower);
@@ -89,9 +93,10 @@ impl<R: Real> Limb<R> {
         let shorter = R::choose(a.less(b), a, b);
         let longer = R::choose(a.less(b), b, a);
         let reach = soft_distance(distance, a + b, longer - shorter, soft);
-        // The lower bone turns about the hinge until both reach so far: what is along the hinge
-        // stays, and the product of both bones is a cosine of the turn. Times nn, the square of the
-        // hinge's length, nothing waits for that length.
+        // The lower bone rotates about the hinge until both bones together reach the distance. The
+        // part along the hinge stays, and the dot product of both bones is a cosine of the angle.
+        // All is scaled by nn, the square of the hinge's length, so that no term has to wait for
+        // the root.
         let hinge = self.hinge(aa.inverse_sqrt());
         let side = vec3::cross(hinge, lower);
         let nn = vec3::dot(hinge, hinge);
@@ -107,11 +112,11 @@ impl<R: Real> Limb<R> {
         let s = vec3::root((one - c) * (one + c));
         let (p, q) = (p * k, q * vec3::root(nn) * k);
         let (cosine, sine) = (p * c - q * s, q * c + p * s);
-        // By half the angle, from whichever of its sine and cosine is the larger.
+        // Half the angle, from the larger one of its sine and cosine.
         let back = cosine.less(zero);
         let (x, w) = (R::choose(back, one - cosine, sine), R::choose(back, sine, one + cosine));
         let half_unit = (x * x + w * w).inverse_sqrt();
-        // Then the whole, so long as that made it, swings to where it is to be.
+        // Then the whole limb swings to the goal.
         let rest = vec3::scale(hinge, along * (unit * unit));
         let level = vec3::add_scaled(lower, rest, -one);
         let lower = vec3::add_scaled(vec3::add_scaled(rest, level, cosine), side, sine * unit);
@@ -128,21 +133,22 @@ impl<R: Real> Limb<R> {
     }
 }
 
-impl Steering<'_> {
+impl Solver<'_> {
+    /// Brings the end of a limb to its target.
     #[inline(never)]
-    pub(super) fn reach(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
+    pub(super) fn reach(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
-        let own = models.model(joint);
-        let (places, _) = Self::walk(models, links, own);
-        let (target, weight) = self.goal(constraint, places[0]);
+        let own = joints.model_of(joint);
+        let Chain { positions, .. } = Self::walk(joints, links, own);
+        let WeightedPoint { position: target, weight } = self.goal(constraint, positions[0]);
         let [x, y, z, has_pole] = constraint.front.0;
-        let middle = places[constraint.middle as usize];
+        let middle = positions[constraint.middle as usize];
         let limb = Limb {
-            upper: vec3::sub(middle, places[0]),
-            lower: vec3::sub(places[links.len() - 1], middle),
+            upper: vec3::sub(middle, positions[0]),
+            lower: vec3::sub(positions[links.len() - 1], middle),
             bend: own.transform_vector(constraint.axis.xyz()),
-            to: vec3::sub(target, places[0]),
+            to: vec3::sub(target, positions[0]),
         };
         let mut turns = [quat::identity(); 2];
         if weight > 0.0 {
@@ -153,7 +159,7 @@ impl Steering<'_> {
         }
         let [first, second] = turns;
         let undone = quat::conjugate(quat::mul(second, first));
-        models.set(joint, own.turned(first));
+        joints.keep_model(joint, own.turned(first));
         self.turns[step.turn as usize] = second;
         self.turns[step.turn as usize + 1] =
             if constraint.keeps_end != 0 { undone } else { quat::identity() };

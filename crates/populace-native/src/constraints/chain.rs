@@ -1,49 +1,54 @@
 //! Chains of any length, by FABRIK (Aristidou & Lasenby 2011, "FABRIK: a fast, iterative solver for
-//! the inverse kinematics problem"); the twin of `kernels/chain.cl`.
+//! the inverse kinematics problem"). Twin of `kernels/chain.cl`.
+//!
+//! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
+//! transform, and rotations for the others.
 
 use populace_core::layout::{LINKS_MOST, Step};
 use populace_core::math::{quat, vec3};
 
 use super::limb::soft_distance;
-use super::{Models, Steering};
+use super::targets::{Chain, Solver, WeightedPoint};
+use crate::hierarchy::Hierarchy;
 
-/// Passes along the chain and back. Always as many, so that what comes out moves smoothly with the
+/// Passes along the chain and back. The number is fixed, so that the result moves smoothly with the
 /// target.
 const PASSES: usize = 16;
 
-/// Draws a point to so far from another.
+/// Returns the point at `length` from `to` in the direction of `from`.
 fn drawn(to: [f32; 3], from: [f32; 3], length: f32) -> [f32; 3] {
     let away = vec3::unit_or(vec3::sub(from, to), [0.0, 1.0, 0.0]);
     vec3::add_scaled(to, away, length)
 }
 
-impl Steering<'_> {
+impl Solver<'_> {
+    /// Brings the end of a chain to its target.
     #[inline(never)]
-    pub(super) fn chain(&mut self, models: &mut impl Models, joint: usize, step: &Step) {
+    pub(super) fn chain(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
         let constraint = self.constraint(step);
         let links = self.links(constraint);
-        let own = models.model(joint);
-        let (places, _) = Self::walk(models, links, own);
+        let own = joints.model_of(joint);
+        let Chain { positions, .. } = Self::walk(joints, links, own);
         let last = links.len() - 1;
         let mut lengths = [0.0; LINKS_MOST as usize];
         let mut total = 0.0;
         for at in 0..last {
-            lengths[at] = vec3::length(vec3::sub(places[at + 1], places[at]));
+            lengths[at] = vec3::length(vec3::sub(positions[at + 1], positions[at]));
             total += lengths[at];
         }
-        let (target, weight) = self.goal(constraint, places[0]);
-        let to = vec3::sub(target, places[0]);
+        let WeightedPoint { position: target, weight } = self.goal(constraint, positions[0]);
+        let to = vec3::sub(target, positions[0]);
         let distance = vec3::length(to);
-        let mut points = places;
+        let mut points = positions;
         if weight > 0.0 && total > 1e-6 && distance > 1e-6 {
             let reach = soft_distance(distance, total, 0.0, constraint.limits.0[0]);
-            let goal = vec3::add_scaled(places[0], to, reach / distance);
+            let goal = vec3::add_scaled(positions[0], to, reach / distance);
             for _ in 0..PASSES {
                 points[last] = goal;
                 for at in (0..last).rev() {
                     points[at] = drawn(points[at + 1], points[at], lengths[at]);
                 }
-                points[0] = places[0];
+                points[0] = positions[0];
                 for at in 0..last {
                     points[at + 1] = drawn(points[at], points[at + 1], lengths[at]);
                 }
@@ -52,13 +57,13 @@ impl Steering<'_> {
         let mut turned = quat::identity();
         for at in 0..last {
             let was = vec3::unit_or(
-                vec3::turned(turned, vec3::sub(places[at + 1], places[at])),
+                vec3::turned(turned, vec3::sub(positions[at + 1], positions[at])),
                 [0.0; 3],
             );
             let is = vec3::unit_or(vec3::sub(points[at + 1], points[at]), was);
             let turn = vec3::part_of(vec3::between(was, is, vec3::any_across(is)), weight);
             if at == 0 {
-                models.set(joint, own.turned(turn));
+                joints.keep_model(joint, own.turned(turn));
             } else {
                 self.turns[step.turn as usize + at - 1] = turn;
             }

@@ -1,0 +1,37 @@
+use super::*;
+
+fn staged(threads: usize) -> NativeBackend {
+    NativeBackend::new(threads, Schedule::Staged).unwrap()
+}
+
+fn fused(threads: usize, dispatch: Dispatch) -> NativeBackend {
+    NativeBackend { dispatch, ..NativeBackend::new(threads, Schedule::Fused).unwrap() }
+}
+
+mod conformance {
+    populace_testkit::backend_conformance!(super::staged(3));
+}
+
+mod conformance_on_1_thread {
+    populace_testkit::backend_conformance!(super::staged(1));
+}
+
+mod conformance_fused {
+    populace_testkit::fused_conformance!(super::fused(3, super::Dispatch::detect()));
+}
+
+mod conformance_fused_on_16_threads {
+    populace_testkit::fused_conformance!(super::fused(16, super::Dispatch::detect()));
+}
+
+mod conformance_fused_baseline {
+    populace_testkit::fused_conformance!(super::fused(1, super::Dispatch::Baseline));
+}
+
+#[test]
+fn reads_and_writes_past_the_end_are_errors() {
+    let mut backend = staged(1);
+    let mut into = [Float4::default()];
+    assert!(backend.read(&Tables::new(1), StageBuffer::Palette, 0, &mut into).is_err());
+    assert!(backend.write(StageBuffer::Scales, 9, &[Float4::default()]).is_err());
+}

@@ -1,0 +1,66 @@
+//! Retarget corrections of sampled poses. Twin of `kernels/corrections.cl`.
+//!
+//! Reads bound clips, rows and stored planes; writes nothing but the sample that it returns.
+//! [`TURN_PLANES`](populace_core::layout::TURN_PLANES) describes a correction.
+
+use populace_core::Property;
+use populace_core::layout::{BLOCK_TURNED, BoundClip, REST_TRANSLATION, SlotSample};
+use populace_core::math::{quat, vec3};
+
+use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
+
+/// Returns the rows of a correction that has its own, for two rows of its clip.
+fn own_rows(joints: &Joints, correction: &BoundClip, at: &SlotSample) -> SlotSample {
+    let clip = &joints.tables.clips().as_slice()[correction.clip as usize];
+    let own = |row: u32| {
+        correction.row_first + (row - clip.row_first) / clip.row_stride * correction.row_stride
+    };
+    SlotSample { row0: own(at.row0), row1: own(at.row1), ..*at }
+}
+
+/// Applies all corrections of a clip to a translation and a rotation that is not yet normalized.
+///
+/// It is never inlined: most clips have no corrections, and their path must not pay for the
+/// registers of this one.
+#[inline(never)]
+pub(crate) fn correct<R: RowWidth>(
+    joints: &Joints,
+    bound: &BoundClip,
+    at: &SlotSample,
+    mut t: [R; 3],
+    mut r: [R; 4],
+) -> ([R; 3], [R; 4]) {
+    let padded = joints.body.padded_count as usize;
+    let (mut clip, mut at) = (bound, *at);
+    while joints.bound_block(clip).flags & BLOCK_TURNED != 0 {
+        clip = &joints.tables.bound_clips().as_slice()[clip.next as usize];
+        if clip.row_stride != 0 {
+            at = own_rows(joints, clip, &at);
+        }
+        let columns = R::columns(joints, clip);
+        let planes = joints.planes(clip.range_first);
+        if joints.bound_block(clip).flags & REST_TRANSLATION == 0 {
+            let arm = sample_vector::<R>(
+                &columns,
+                Property::Translation,
+                &at,
+                &planes[6 * padded..],
+                padded,
+            );
+            let [x, y, z] = vec3::turned(quat::scale(r, quat::dot(r, r).inverse_sqrt()), arm);
+            t = [t[0] + x, t[1] + y, t[2] + z];
+        }
+        let mut q = load_quat::<R>(planes, padded);
+        if !columns.planes(Property::Rotation).are_still() {
+            let (step, step_w) = (R::load(&planes[4 * padded..]), R::load(&planes[5 * padded..]));
+            q = [
+                component(&columns, Property::Rotation, &at, 0, step, q[0]),
+                component(&columns, Property::Rotation, &at, 1, step, q[1]),
+                component(&columns, Property::Rotation, &at, 2, step, q[2]),
+                component(&columns, Property::Rotation, &at, 3, step_w, q[3]),
+            ];
+        }
+        r = quat::mul(quat::mul(r, q), load_quat::<R>(&planes[10 * padded..], padded));
+    }
+    (t, r)
+}

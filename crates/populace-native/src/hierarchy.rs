@@ -1,0 +1,34 @@
+//! Transforms of a member's joints on the way down its hierarchy. Twin of `kernels/hierarchy.cl`.
+
+use populace_core::Affine;
+use populace_core::layout::NONE;
+
+/// Storage of a member's transforms. A joint is local until its model transform is stored.
+pub(crate) trait Hierarchy {
+    /// Returns `model_from_joint` of a joint that is stored.
+    fn model_of(&self, joint: usize) -> Affine;
+
+    /// Returns `parent_from_joint` of a joint that is not stored yet.
+    fn local_of(&self, joint: usize) -> Affine;
+
+    /// Stores `model_from_joint`.
+    fn keep_model(&mut self, joint: usize, model: Affine);
+}
+
+/// Computes a joint's model transform. Its parent must be stored.
+#[inline(always)]
+pub(crate) fn descend_to(joints: &mut impl Hierarchy, parents: &[u32], joint: usize) {
+    let local = joints.local_of(joint);
+    let model = if parents[joint] == NONE {
+        local
+    } else {
+        joints.model_of(parents[joint] as usize).mul(&local)
+    };
+    joints.keep_model(joint, model);
+}
+
+/// Computes the model transforms of all joints, parents first.
+#[inline(always)]
+pub(crate) fn descend(joints: &mut impl Hierarchy, parents: &[u32]) {
+    (0..parents.len()).for_each(|joint| descend_to(joints, parents, joint));
+}

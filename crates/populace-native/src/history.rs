@@ -1,0 +1,98 @@
+//! Double-buffered persistent state: what one frame leaves for the next.
+
+use populace_core::layout::{Float4, WATCHED_ELEMENTS};
+use populace_core::{Affine, BackendError, Tables};
+
+use crate::buffers::grow;
+
+/// Persistent state of all members.
+#[derive(Default)]
+pub(crate) struct History {
+    /// As the newest frame wrote it.
+    pub(crate) now: Persistent,
+    /// As the frame before wrote it: the newest frame's input.
+    before: Persistent,
+    /// State of each state-machine instance.
+    pub(crate) running: Vec<Float4>,
+}
+
+/// One of the two buffers.
+#[derive(Default)]
+pub(crate) struct Persistent {
+    /// State of constraints and root motion, `STATES_PER_CONTROL` elements for each control.
+    pub(crate) states: Vec<Float4>,
+    /// Transforms of watched joints, `WATCHED_ELEMENTS` rows each.
+    pub(crate) watched: Vec<Float4>,
+}
+
+/// Writes collected by one worker and committed after the phase, as (element, value).
+#[derive(Default)]
+pub(crate) struct DeferredWrites {
+    /// To [`Persistent::states`], for the next frame.
+    pub(crate) states: Vec<(u32, Float4)>,
+    /// To [`Persistent::watched`], for other members.
+    pub(crate) watched: Vec<(u32, Float4)>,
+}
+
+impl History {
+    /// Grows the buffers to the size of the tables, and clears new watched elements.
+    pub(crate) fn grow(&mut self, tables: &Tables) -> Result<(), BackendError> {
+        grow(&mut self.now.states, tables.state_elements(), "member states")?;
+        grow(&mut self.now.watched, tables.watched_elements(), "watched joints")?;
+        grow(&mut self.running, tables.running_elements(), "state machine instances")?;
+        for run in tables.new_watched_elements() {
+            self.now.watched[run].fill(Float4::default());
+        }
+        Ok(())
+    }
+
+    /// Begins a frame: the newest state becomes its input, and stays where the frame writes
+    /// nothing.
+    pub(crate) fn begin_frame(&mut self) {
+        self.before.states.clone_from(&self.now.states);
+        self.before.watched.clone_from(&self.now.watched);
+    }
+
+    /// Applies a worker's writes.
+    pub(crate) fn commit(&mut self, writes: &mut DeferredWrites) {
+        let Persistent { states, watched } = &mut self.now;
+        for (buffer, writes) in [(states, &mut writes.states), (watched, &mut writes.watched)] {
+            for (index, value) in writes.drain(..) {
+                if let Some(element) = buffer.get_mut(index as usize) {
+                    *element = value;
+                }
+            }
+        }
+    }
+
+    /// Returns an element of the states as of the frame before; 0 past the end.
+    pub(crate) fn state_before(&self, element: u32) -> Float4 {
+        self.before.states.get(element as usize).copied().unwrap_or_default()
+    }
+
+    /// Returns a watched joint's transform as of the frame before; `None` past the end.
+    #[inline(always)]
+    pub(crate) fn watched_before(&self, index: u32) -> Option<Affine> {
+        affine_at(&self.before.watched, index)
+    }
+
+    /// Returns a watched joint's transform as of the newest phase; `None` past the end.
+    #[inline(always)]
+    pub(crate) fn watched_now(&self, index: u32) -> Option<Affine> {
+        affine_at(&self.now.watched, index)
+    }
+
+    /// Returns the `Float4` elements held, both buffers counted.
+    pub(crate) fn element_count(&self) -> usize {
+        self.now.states.len() * 2 + self.now.watched.len() * 2 + self.running.len()
+    }
+}
+
+#[inline(always)]
+fn affine_at(watched: &[Float4], index: u32) -> Option<Affine> {
+    let first = (index * WATCHED_ELEMENTS) as usize;
+    match watched.get(first..first + WATCHED_ELEMENTS as usize)? {
+        [a, b, c] => Some(Affine { rows: [a.0, b.0, c.0] }),
+        _ => None,
+    }
+}

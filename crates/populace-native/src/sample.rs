@@ -1,0 +1,66 @@
+//! Local transforms sampled from a clip, retarget corrections included. Twin of the end of
+//! `kernels/rows.cl`.
+
+use populace_core::Property;
+use populace_core::layout::{BLOCK_TURNED, BoundClip, REST_SCALE, REST_TRANSLATION, SlotSample};
+use populace_core::math::{Real, quat};
+
+use crate::corrections::correct;
+use crate::local::Local;
+use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
+
+/// Sample of a clip.
+pub(crate) struct Sample<R> {
+    /// Local transforms, their rotations not yet normalized.
+    pub(crate) local: Local<R>,
+    /// Factor that makes the rotation a unit quaternion in the hemisphere of the rest rotation, or
+    /// 0 if the rotation has no length.
+    pub(crate) unit: R,
+    /// [`REST_TRANSLATION`] and [`REST_SCALE`], each if the clip leaves the property at rest.
+    pub(crate) at_rest: u32,
+}
+
+impl<R: Real> Sample<R> {
+    /// Returns the local transforms with normalized rotations.
+    #[inline(always)]
+    pub(crate) fn normalized(self) -> Local<R> {
+        Local { r: quat::scale(self.local.r, self.unit), ..self.local }
+    }
+}
+
+/// Samples local transforms between two rows.
+#[inline(always)]
+pub(crate) fn sample_joint<R: RowWidth>(
+    joints: &Joints,
+    bound: &BoundClip,
+    at: &SlotSample,
+    rest: &Local<R>,
+) -> Sample<R> {
+    let columns = R::columns(joints, bound);
+    let padded = joints.body.padded_count as usize;
+    let range = joints.planes(bound.range_first);
+    let mut r = load_quat::<R>(range, padded);
+    if !columns.planes(Property::Rotation).are_still() {
+        let step = R::load(&range[4 * padded..]);
+        r = [
+            component(&columns, Property::Rotation, at, 0, step, r[0]),
+            component(&columns, Property::Rotation, at, 1, step, r[1]),
+            component(&columns, Property::Rotation, at, 2, step, r[2]),
+            component(&columns, Property::Rotation, at, 3, step, r[3]),
+        ];
+    }
+    let flags = joints.bound_block(bound).flags;
+    let at_rest = flags & (REST_TRANSLATION | REST_SCALE);
+    let (mut t, mut s) = (rest.t, rest.s);
+    if at_rest & REST_TRANSLATION == 0 {
+        t = sample_vector::<R>(&columns, Property::Translation, at, &range[5 * padded..], padded);
+    }
+    if at_rest & REST_SCALE == 0 {
+        s = sample_vector::<R>(&columns, Property::Scale, at, &range[9 * padded..], padded);
+    }
+    if flags & BLOCK_TURNED != 0 {
+        (t, r) = correct::<R>(joints, bound, at, t, r);
+    }
+    let unit = quat::dot(r, r).inverse_sqrt() * quat::side(r, rest.r);
+    Sample { local: Local { r, t, s }, unit, at_rest }
+}
