@@ -37,19 +37,16 @@ impl Form {
             Self::Common => &[include_str!("../kernels/apply_changes.cl")],
             Self::Floor => &[include_str!("../kernels/floor.cl")],
             Self::Staged => &[
-                include_str!("../kernels/advance.cl"),
                 include_str!("../kernels/evaluate.cl"),
                 include_str!("../kernels/pose.cl"),
                 include_str!("../kernels/transform.cl"),
                 include_str!("../kernels/write_back.cl"),
             ],
             Self::Wide => &[
-                include_str!("../kernels/advance.cl"),
                 include_str!("../kernels/fused.cl"),
                 include_str!("../kernels/fused_wide.cl"),
             ],
             Self::Grouped { .. } => &[
-                include_str!("../kernels/advance.cl"),
                 include_str!("../kernels/fused.cl"),
                 include_str!("../kernels/fused_grouped.cl"),
             ],
@@ -63,40 +60,41 @@ impl Form {
         let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
         let settings = self.settings();
         let arithmetic = [
+            include_str!("../kernels/constants.cl"),
             include_str!("../kernels/lanes.cl"),
+            include_str!("../kernels/real.cl"),
             include_str!("../kernels/quat.cl"),
+            include_str!("../kernels/vec3.cl"),
+            include_str!("../kernels/local.cl"),
+            include_str!("../kernels/affine.cl"),
+            include_str!("../kernels/angle.cl"),
+            include_str!("../kernels/members.cl"),
             include_str!("../kernels/slot.cl"),
             include_str!("../kernels/machines.cl"),
             include_str!("../kernels/rows.cl"),
-            include_str!("../kernels/turns.cl"),
+            include_str!("../kernels/corrections.cl"),
             include_str!("../kernels/playback.cl"),
-            include_str!("../kernels/stage.cl"),
+            include_str!("../kernels/stages.cl"),
             include_str!("../kernels/joint.cl"),
             include_str!("../kernels/inertialize.cl"),
-            include_str!("../kernels/affine.cl"),
-            include_str!("../kernels/turn.cl"),
-            include_str!("../kernels/angle.cl"),
             include_str!("../kernels/hierarchy.cl"),
             include_str!("../kernels/targets.cl"),
-            include_str!("../kernels/stops.cl"),
+            include_str!("../kernels/kernel_parameters.cl"),
+            include_str!("../kernels/yield_points.cl"),
             include_str!("../kernels/gaze.cl"),
             include_str!("../kernels/limb.cl"),
             include_str!("../kernels/chain.cl"),
             include_str!("../kernels/feet.cl"),
             include_str!("../kernels/motion.cl"),
-            include_str!("../kernels/steps.cl"),
+            include_str!("../kernels/constraints.cl"),
         ];
         let arithmetic =
             if matches!(self, Self::Common | Self::Floor) { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();
-        let (declared, tools) = if stages.is_empty() {
-            ("", "")
-        } else {
-            (UserStage::OPENCL_C, include_str!("../kernels/stage_tools.cl"))
-        };
+        let declared = if stages.is_empty() { "" } else { UserStage::OPENCL_C };
         let switch = if stages.is_empty() { "" } else { "#define USER_STAGES\n" };
         let head = [rules, switch, &settings, &prelude, declared].into_iter();
         let parts = head.chain(arithmetic.iter().copied()).chain(self.kernels().iter().copied());
-        parts.chain([tools, stages]).collect()
+        parts.chain([stages]).collect()
     }
 }
