@@ -12,13 +12,14 @@ use populace_core::{
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
+use crate::context::{FrameContext, narrow};
 use crate::fused::Fused;
-use crate::keeping::Keeping;
-use crate::launch::Launch;
+use crate::history::History;
+use crate::launch::{Launch, WorkSize};
 use crate::machines::Machines;
 use crate::pages::Pages;
 use crate::program::Form;
-use crate::staged::{CPU_SHAPE, GPU_SHAPE, Shape, Staged};
+use crate::staged::{CPU_SHAPE, DispatchShape, GPU_SHAPE, Staged};
 use crate::tables::DeviceTables;
 use crate::upload::{Copies, Uploader};
 use crate::user_stages::UserStages;
@@ -28,11 +29,11 @@ use crate::{DeviceKind, OpenClDevice, waits};
 pub struct OpenClBackend {
     queue: Arc<CommandQueue>,
     schedule: Schedule,
-    plan: Plan,
+    plan: SchedulePlan,
     user_stages: UserStages,
     tables: DeviceTables,
     uploader: Uploader,
-    keeping: Keeping,
+    history: History,
     machines: Machines,
     pages: Pages,
     floors: Floors,
@@ -43,29 +44,25 @@ pub struct OpenClBackend {
 }
 
 /// What a schedule keeps beside tables and palettes.
-enum Plan {
+enum SchedulePlan {
     Staged(Box<Staged>),
     Fused(Box<Fused>),
 }
 
-/// What a schedule's launches work on.
-pub(crate) struct On<'a> {
-    pub(crate) queue: &'a CommandQueue,
-    pub(crate) host: &'a Tables,
-    pub(crate) tables: &'a DeviceTables,
-    pub(crate) keeping: &'a Keeping,
-    pub(crate) machines: &'a Machines,
-    pub(crate) pages: &'a Pages,
-}
-
-/// Ways to write palettes with a constant.
+/// Kernels that write palettes with a constant, for benchmarks.
 struct Floors {
-    /// Each with the float4s that one work-item writes; built when a floor is first written.
-    kernels: Vec<(Kernel, usize)>,
+    /// Built when a floor is first written.
+    kernels: Vec<FloorKernel>,
     group: usize,
 }
 
-/// The kernels of [`Floors`], each with the float4s that one work-item writes.
+struct FloorKernel {
+    kernel: Kernel,
+    /// The number of `float4`s that one work-item writes.
+    per_item: usize,
+}
+
+/// Names of the kernels of [`Floors`], each with its [`FloorKernel::per_item`].
 const FLOORS: [(&str, usize); 3] = [("floor_float4", 1), ("floor_matrix", 3), ("floor_run", 48)];
 
 impl OpenClBackend {
@@ -75,26 +72,26 @@ impl OpenClBackend {
     ///
     /// Memory that cannot be had, or a failing device.
     pub fn new(device: &Arc<OpenClDevice>, schedule: Schedule) -> Result<Self, BackendError> {
-        Self::with_shape(device, schedule, Shape::of(device.info.kind))
+        Self::with_shape(device, schedule, DispatchShape::of(device.info.kind))
     }
 
     fn with_shape(
         device: &Arc<OpenClDevice>,
         schedule: Schedule,
-        shape: Shape,
+        shape: DispatchShape,
     ) -> Result<Self, BackendError> {
         let on_cpu = device.info.kind == DeviceKind::Cpu;
         let plan = match schedule {
-            Schedule::Staged => Plan::Staged(Box::new(Staged::new(device, shape)?)),
-            Schedule::Fused if on_cpu => Plan::Fused(Box::new(Fused::wide(device)?)),
-            Schedule::FusedWide => Plan::Fused(Box::new(Fused::wide(device)?)),
-            Schedule::Fused | Schedule::FusedGrouped => {
-                Plan::Fused(Box::new(Fused::grouped(device, shape.group.min(GPU_SHAPE.group))?))
-            }
+            Schedule::Staged => SchedulePlan::Staged(Box::new(Staged::new(device, shape)?)),
+            Schedule::Fused if on_cpu => SchedulePlan::Fused(Box::new(Fused::wide(device)?)),
+            Schedule::FusedWide => SchedulePlan::Fused(Box::new(Fused::wide(device)?)),
+            Schedule::Fused | Schedule::FusedGrouped => SchedulePlan::Fused(Box::new(
+                Fused::grouped(device, shape.group.min(GPU_SHAPE.group))?,
+            )),
         };
         let form = match &plan {
-            Plan::Staged(_) => Staged::STAGE_KERNELS.0,
-            Plan::Fused(fused) => fused.stage_kernels.0,
+            SchedulePlan::Staged(_) => Staged::STAGE_KERNELS.form,
+            SchedulePlan::Fused(fused) => fused.stage_kernels.form,
         };
         let group = device.group_size(shape.group);
         Ok(Self {
@@ -104,7 +101,7 @@ impl OpenClBackend {
             user_stages: UserStages::default(),
             tables: DeviceTables::new(device)?,
             uploader: Uploader::new(device, group)?,
-            keeping: Keeping::new(device)?,
+            history: History::new(device)?,
             machines: Machines::new(device, form, group)?,
             pages: Pages::default(),
             has_run: false,
@@ -116,10 +113,12 @@ impl OpenClBackend {
     /// Whether all that a frame reads and writes has room here, as it has after an update.
     fn holds(&self, tables: &Tables) -> bool {
         let beside = match &self.plan {
-            Plan::Staged(staged) => staged.blocks.hold(tables) && staged.buffers.hold(tables),
-            Plan::Fused(fused) => fused.holds(tables),
+            SchedulePlan::Staged(staged) => {
+                staged.blocks.hold(tables) && staged.buffers.hold(tables)
+            }
+            SchedulePlan::Fused(fused) => fused.holds(tables),
         };
-        let kept = self.keeping.hold(tables) && self.machines.hold(tables);
+        let kept = self.history.hold(tables) && self.machines.hold(tables);
         beside && kept && self.tables.hold(tables) && self.pages.hold(tables)
     }
 
@@ -144,31 +143,32 @@ impl OpenClBackend {
         &mut self,
         tables: &Tables,
         operation: &str,
-        work: impl FnOnce(&mut Plan, &On) -> Result<(), ClError>,
+        work: impl FnOnce(&mut SchedulePlan, &FrameContext) -> Result<(), ClError>,
     ) -> Result<(), BackendError> {
-        let Self { queue, plan, pages, keeping, machines, .. } = self;
-        let on = On { queue, host: tables, tables: &self.tables, keeping, machines, pages };
+        let Self { queue, plan, pages, history, machines, .. } = self;
+        let context =
+            FrameContext { queue, host: tables, tables: &self.tables, history, machines, pages };
         // Some drivers start nothing before they are told to, and nothing here waits.
-        let result = work(plan, &on).and_then(|()| queue.flush());
+        let result = work(plan, &context).and_then(|()| queue.flush());
         result.map_err(|e| self.device.failed(operation, &e))?;
         self.has_run = true;
         Ok(())
     }
 
-    fn floor_ms(&self, kernel: &Kernel, per_item: usize) -> Result<f64, ClError> {
+    fn floor_ms(&self, floor: &FloorKernel) -> Result<f64, ClError> {
         let (mut events, group) = (Vec::new(), self.floors.group);
         for page in self.pages.iter() {
-            let items = page.len().div_ceil(per_item).next_multiple_of(group);
+            let items = page.len().div_ceil(floor.per_item);
             let launch =
-                Launch::of(kernel).buffer("palette", page).uint("count", narrow(page.len()));
-            events.push(launch.run(&self.queue, [items, 1], [group, 1])?);
+                Launch::of(&floor.kernel).buffer("palette", page).uint("count", narrow(page.len()));
+            events.push(launch.run(&self.queue, WorkSize::line(items, group))?);
         }
         waits::for_queue(&self.queue)?;
         Ok(time_ms(&[events]).unwrap_or(0.0))
     }
 }
 
-impl Shape {
+impl DispatchShape {
     fn of(kind: DeviceKind) -> Self {
         if kind == DeviceKind::Cpu { CPU_SHAPE } else { GPU_SHAPE }
     }
@@ -186,13 +186,6 @@ fn time_ms(runs: &[Vec<Event>]) -> Option<f64> {
     runs.iter().map(time).sum()
 }
 
-/// Counts that tables hold below 2^32.
-#[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
-pub(crate) fn narrow(count: usize) -> u32 {
-    debug_assert!(u32::try_from(count).is_ok());
-    count as u32
-}
-
 impl Backend for OpenClBackend {
     fn device_name(&self) -> String {
         let info = self.device.info();
@@ -205,29 +198,29 @@ impl Backend for OpenClBackend {
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
         let beside: &mut dyn Copies = match &mut self.plan {
-            Plan::Staged(staged) => &mut staged.blocks,
-            Plan::Fused(fused) => &mut fused.lists,
+            SchedulePlan::Staged(staged) => &mut staged.blocks,
+            SchedulePlan::Fused(fused) => &mut fused.lists,
         };
         self.uploader.update(&self.device, &self.queue, tables, &mut [&mut self.tables, beside])?;
         if let Some(kernels) = self.user_stages.next.take() {
             match &mut self.plan {
-                Plan::Staged(staged) => staged.take_stages(kernels),
-                Plan::Fused(fused) => fused.take_stages(kernels),
+                SchedulePlan::Staged(staged) => staged.take_stages(kernels),
+                SchedulePlan::Fused(fused) => fused.take_stages(kernels),
             }
         }
         match &mut self.plan {
-            Plan::Staged(staged) => staged.buffers.update(&self.device, tables)?,
-            Plan::Fused(fused) => fused.update(&self.device, tables)?,
+            SchedulePlan::Staged(staged) => staged.buffers.update(&self.device, tables)?,
+            SchedulePlan::Fused(fused) => fused.update(&self.device, tables)?,
         }
-        self.keeping.update(&self.device, &self.queue, tables)?;
+        self.history.update(&self.device, &self.queue, tables)?;
         self.machines.update(&self.device, &self.queue, tables)?;
         self.pages.update(&self.device, tables)
     }
 
     fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
         let kernels = match &self.plan {
-            Plan::Staged(_) => Staged::STAGE_KERNELS,
-            Plan::Fused(fused) => fused.stage_kernels,
+            SchedulePlan::Staged(_) => Staged::STAGE_KERNELS,
+            SchedulePlan::Fused(fused) => fused.stage_kernels,
         };
         self.user_stages.set(&self.device, kernels, stages)
     }
@@ -244,7 +237,7 @@ impl Backend for OpenClBackend {
             Stage::Transform => "run the stage transform",
             Stage::WriteBack => "run the stage write_back",
         };
-        if matches!(self.plan, Plan::Fused(_)) {
+        if matches!(self.plan, SchedulePlan::Fused(_)) {
             return Err(self
                 .refused(operation, "a fused schedule has no stages; run the staged one".into()));
         }
@@ -253,16 +246,16 @@ impl Backend for OpenClBackend {
             self.pages.begin_frame().map_err(|e| self.device.failed(operation, &e))?;
         }
         if stage == Stage::Transform && frame.begins() {
-            self.keeping.begin_frame(&self.queue).map_err(|e| self.device.failed(operation, &e))?;
+            self.history.begin_frame(&self.queue).map_err(|e| self.device.failed(operation, &e))?;
         }
-        self.enqueue(tables, operation, |plan, on| match plan {
-            Plan::Staged(staged) => staged.run(on, frame, stage),
-            Plan::Fused(_) => Ok(()),
+        self.enqueue(tables, operation, |plan, context| match plan {
+            SchedulePlan::Staged(staged) => staged.run(context, frame, stage),
+            SchedulePlan::Fused(_) => Ok(()),
         })
     }
 
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
-        if matches!(self.plan, Plan::Staged(_)) {
+        if matches!(self.plan, SchedulePlan::Staged(_)) {
             let mut stages = Stage::ALL.into_iter().filter(|stage| frame.runs(*stage, tables));
             return stages.try_for_each(|stage| self.run_stage(tables, frame, stage));
         }
@@ -270,12 +263,12 @@ impl Backend for OpenClBackend {
         self.check_updated(tables, OPERATION)?;
         if frame.begins() {
             let begun =
-                self.pages.begin_frame().and_then(|()| self.keeping.begin_frame(&self.queue));
+                self.pages.begin_frame().and_then(|()| self.history.begin_frame(&self.queue));
             begun.map_err(|e| self.device.failed(OPERATION, &e))?;
         }
-        self.enqueue(tables, OPERATION, |plan, on| match plan {
-            Plan::Staged(_) => Ok(()),
-            Plan::Fused(fused) => fused.run(on, frame),
+        self.enqueue(tables, OPERATION, |plan, context| match plan {
+            SchedulePlan::Staged(_) => Ok(()),
+            SchedulePlan::Fused(fused) => fused.run(context, frame),
         })
     }
 
@@ -290,8 +283,8 @@ impl Backend for OpenClBackend {
         first: usize,
         into: &mut [Float4],
     ) -> Result<(), BackendError> {
-        let Self { queue, plan, pages, keeping, machines, device, .. } = self;
-        if let Some(kept) = keeping.buffer(buffer) {
+        let Self { queue, plan, pages, history, machines, device, .. } = self;
+        if let Some(kept) = history.buffer(buffer) {
             let result = kept.read(queue, first, into);
             return result.map_err(|e| {
                 device.failed(&format!("read {buffer:?} from element {first} on"), &e)
@@ -303,11 +296,18 @@ impl Backend for OpenClBackend {
         let result = match plan {
             _ if buffer == StageBuffer::Palette => pages.read(queue, first, into),
             _ if buffer == StageBuffer::Running => machines.read(queue, first, into),
-            Plan::Staged(staged) => staged.buffers.read(queue, buffer, first, into),
-            Plan::Fused(fused) => {
-                keeping.prepare_aside(device, queue)?;
-                let on = On { queue, host: tables, tables: &self.tables, keeping, machines, pages };
-                return fused.read(&on, device, buffer, first, into);
+            SchedulePlan::Staged(staged) => staged.buffers.read(queue, buffer, first, into),
+            SchedulePlan::Fused(fused) => {
+                history.prepare_scratch(device, queue)?;
+                let context = FrameContext {
+                    queue,
+                    host: tables,
+                    tables: &self.tables,
+                    history,
+                    machines,
+                    pages,
+                };
+                return fused.read(&context, device, buffer, first, into);
             }
         };
         result.map_err(|e| device.failed(&format!("read {buffer:?} from element {first} on"), &e))
@@ -320,7 +320,7 @@ impl Backend for OpenClBackend {
         from: &[Float4],
     ) -> Result<(), BackendError> {
         let operation = format!("write {buffer:?} from element {first} on");
-        if let Some(kept) = self.keeping.buffer(buffer) {
+        if let Some(kept) = self.history.buffer(buffer) {
             return kept
                 .write(&self.queue, first, from)
                 .map_err(|e| self.device.failed(&operation, &e));
@@ -328,8 +328,8 @@ impl Backend for OpenClBackend {
         let result = match &mut self.plan {
             _ if buffer == StageBuffer::Palette => self.pages.write(&self.queue, first, from),
             _ if buffer == StageBuffer::Running => self.machines.write(&self.queue, first, from),
-            Plan::Staged(staged) => staged.buffers.write(&self.queue, buffer, first, from),
-            Plan::Fused(_) => {
+            SchedulePlan::Staged(staged) => staged.buffers.write(&self.queue, buffer, first, from),
+            SchedulePlan::Fused(_) => {
                 return Err(self.refused(&operation, "a fused schedule keeps palettes only".into()));
             }
         };
@@ -341,12 +341,12 @@ impl Backend for OpenClBackend {
     }
 
     fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError> {
-        let result = self.keeping.fetch(&self.queue, tick, tables.watched_elements());
+        let result = self.history.fetch(&self.queue, tick, tables.watched_elements());
         result.map_err(|e| self.device.failed("bring what is watched to the host", &e))
     }
 
     fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError> {
-        self.keeping
+        self.history
             .fetched()
             .map_err(|e| self.device.failed("bring what is watched to the host", &e))
     }
@@ -357,15 +357,15 @@ impl Backend for OpenClBackend {
 
     fn frame_time_ms(&mut self) -> Option<f64> {
         match &self.plan {
-            Plan::Staged(staged) => {
+            SchedulePlan::Staged(staged) => {
                 Stage::ALL.into_iter().map(|stage| time_ms(staged.events(stage))).sum()
             }
-            Plan::Fused(fused) => time_ms(fused.events()),
+            SchedulePlan::Fused(fused) => time_ms(fused.events()),
         }
     }
 
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
-        let Plan::Staged(staged) = &self.plan else { return Vec::new() };
+        let SchedulePlan::Staged(staged) = &self.plan else { return Vec::new() };
         let times =
             Stage::ALL.into_iter().map(|stage| Some((stage, time_ms(staged.events(stage))?)));
         times.flatten().collect()
@@ -373,16 +373,15 @@ impl Backend for OpenClBackend {
 
     fn write_floor(&mut self, _tables: &Tables) -> Result<f64, BackendError> {
         if self.floors.kernels.is_empty() {
-            let kernel =
-                |(name, float4s)| Ok((self.device.kernel(Form::Floor, "", name)?, float4s));
-            self.floors.kernels = FLOORS.into_iter().map(kernel).collect::<Result<_, _>>()?;
+            let build = |(name, per_item)| {
+                Ok(FloorKernel { kernel: self.device.kernel(Form::Floor, "", name)?, per_item })
+            };
+            self.floors.kernels = FLOORS.into_iter().map(build).collect::<Result<_, _>>()?;
         }
         self.pages.begin_frame().map_err(|e| self.device.failed("write the floor", &e))?;
         let mut best = f64::INFINITY;
-        for (kernel, per_item) in &self.floors.kernels {
-            let ms = self
-                .floor_ms(kernel, *per_item)
-                .map_err(|e| self.device.failed("write the floor", &e))?;
+        for floor in &self.floors.kernels {
+            let ms = self.floor_ms(floor).map_err(|e| self.device.failed("write the floor", &e))?;
             best = best.min(ms);
         }
         Ok(best)
@@ -390,11 +389,11 @@ impl Backend for OpenClBackend {
 
     fn memory_bytes(&self) -> usize {
         let beside = match &self.plan {
-            Plan::Staged(staged) => staged.blocks.bytes() + staged.buffers.bytes(),
-            Plan::Fused(fused) => fused.bytes(),
+            SchedulePlan::Staged(staged) => staged.blocks.bytes() + staged.buffers.bytes(),
+            SchedulePlan::Fused(fused) => fused.bytes(),
         };
         let machines = self.machines.running.bytes();
-        let kept = self.uploader.bytes() + self.keeping.bytes() + machines + self.pages.bytes();
+        let kept = self.uploader.bytes() + self.history.bytes() + machines + self.pages.bytes();
         self.tables.bytes() + kept + beside
     }
 }

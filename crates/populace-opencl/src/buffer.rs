@@ -100,13 +100,13 @@ pub(crate) struct Buffer<T> {
 
 /// Elements on their way from a device, which writes them in its own time.
 #[derive(Default)]
-pub(crate) struct Landing<T> {
+pub(crate) struct AsyncRead<T> {
     elements: Vec<T>,
     /// The read that writes them, perhaps not done.
     read: Option<Event>,
 }
 
-impl<T> Landing<T> {
+impl<T> AsyncRead<T> {
     /// Whether nothing is on its way any longer.
     pub(crate) fn is_done(&mut self) -> Result<bool, ClError> {
         if let Some(read) = &self.read
@@ -124,7 +124,7 @@ impl<T> Landing<T> {
     }
 }
 
-impl<T> Drop for Landing<T> {
+impl<T> Drop for AsyncRead<T> {
     fn drop(&mut self) {
         if let Some(read) = &self.read {
             // The device writes into `elements` until then. Nobody can be told of an error here.
@@ -289,11 +289,11 @@ impl<T: Element> Buffer<T> {
 
     /// Copies the first elements from the device without waiting, into a landing that has nothing
     /// on its way.
-    pub(crate) fn read_later(
+    pub(crate) fn read_async(
         &self,
         queue: &CommandQueue,
         count: usize,
-        into: &mut Landing<T>,
+        into: &mut AsyncRead<T>,
     ) -> Result<(), ClError> {
         self.check(0, count)?;
         if into.read.is_some() {

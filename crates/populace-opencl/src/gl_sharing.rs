@@ -50,8 +50,8 @@ pub(crate) fn context_for(device: &Device, gl: &dyn GlContext) -> Result<Context
 }
 
 /// Two sets of pages that OpenGL lends, written in turns.
-pub(crate) struct LentPages {
-    sets: [Vec<LentPage>; PAGE_SETS],
+pub(crate) struct InteropPages {
+    sets: [Vec<InteropPage>; PAGE_SETS],
     /// The set that the last frame was written into, or is to be while there is none.
     current: usize,
     /// Whether OpenGL draws from it, so that the next frame goes into the other.
@@ -63,12 +63,12 @@ pub(crate) struct LentPages {
 }
 
 /// A page, and whoever owns its memory; in this order, since OpenCL must let go of it first.
-struct LentPage {
+struct InteropPage {
     buffer: Buffer<Float4>,
-    lender: Lender,
+    owner: PageOwner,
 }
 
-enum Lender {
+enum PageOwner {
     Mapped(
         #[expect(dead_code, reason = "held so that the memory stays valid")] Box<dyn MappedPage>,
     ),
@@ -78,7 +78,7 @@ enum Lender {
     ),
 }
 
-impl LentPages {
+impl InteropPages {
     /// `None` for a target that lends nothing.
     pub(crate) fn new(
         device: &OpenClDevice,
@@ -88,12 +88,10 @@ impl LentPages {
         let fail = |e: ClError| device.failed("write palettes into memory of OpenGL's", &e);
         let sets = match target {
             PaletteTarget::Copied => return Ok(None),
-            PaletteTarget::Mapped(sets) => {
-                sets.map(|set| set.into_iter().map(|page| LentPage::mapped(device, page)).collect())
-            }
-            PaletteTarget::Shared(sets) => {
-                sets.map(|set| set.into_iter().map(|page| LentPage::shared(device, page)).collect())
-            }
+            PaletteTarget::Mapped(sets) => sets
+                .map(|set| set.into_iter().map(|page| InteropPage::mapped(device, page)).collect()),
+            PaletteTarget::Shared(sets) => sets
+                .map(|set| set.into_iter().map(|page| InteropPage::shared(device, page)).collect()),
         };
         let [first, second]: [Result<Vec<_>, _>; PAGE_SETS] = sets;
         let sets = [first.map_err(fail)?, second.map_err(fail)?];
@@ -145,7 +143,7 @@ impl LentPages {
             for page in &mut self.sets[self.current] {
                 // What a device wrote into memory of the host's counts as being there once it was
                 // mapped.
-                if matches!(page.lender, Lender::Mapped(_)) {
+                if matches!(page.owner, PageOwner::Mapped(_)) {
                     page.buffer.map(&self.queue, &mut |_| ())?;
                 }
             }
@@ -156,7 +154,7 @@ impl LentPages {
 
     /// Calls `job` with the set that was written last, whoever has it just now. OpenGL may be
     /// drawing from it; a job that only reads takes nothing away from it.
-    pub(crate) fn look_at<R>(
+    pub(crate) fn with_buffer<R>(
         &mut self,
         job: impl FnOnce(&mut Self) -> Result<R, ClError>,
     ) -> Result<R, ClError> {
@@ -195,13 +193,14 @@ impl LentPages {
     }
 
     fn shared_objects(&self) -> Vec<*const c_void> {
-        let shared =
-            self.sets[self.current].iter().filter(|page| matches!(page.lender, Lender::Shared(_)));
+        let shared = self.sets[self.current]
+            .iter()
+            .filter(|page| matches!(page.owner, PageOwner::Shared(_)));
         shared.map(|page| page.buffer.handle().cast_const()).collect()
     }
 }
 
-impl Drop for LentPages {
+impl Drop for InteropPages {
     fn drop(&mut self) {
         // The driver counts references to its own memory, but lent memory goes when its lender
         // does.
@@ -213,7 +212,7 @@ impl Drop for LentPages {
     }
 }
 
-impl LentPage {
+impl InteropPage {
     fn mapped(device: &OpenClDevice, mut page: Box<dyn MappedPage>) -> Result<Self, ClError> {
         let elements = page.elements();
         let (len, address) = (elements.len(), elements.as_mut_ptr());
@@ -223,7 +222,7 @@ impl LentPage {
         let memory = unsafe { ClBuffer::create(&device.context, flags, len, address.cast()) }?;
         // SAFETY: the memory was made for `len` elements just now.
         let buffer = unsafe { Buffer::from_memory(memory, len) };
-        Ok(Self { buffer, lender: Lender::Mapped(page) })
+        Ok(Self { buffer, owner: PageOwner::Mapped(page) })
     }
 
     fn shared(device: &OpenClDevice, page: Box<dyn SharedPage>) -> Result<Self, ClError> {
@@ -244,6 +243,6 @@ impl LentPage {
         }
         // SAFETY: the driver says that there is room for `len` elements.
         let buffer = unsafe { Buffer::from_memory(memory, len) };
-        Ok(Self { buffer, lender: Lender::Shared(page) })
+        Ok(Self { buffer, owner: PageOwner::Shared(page) })
     }
 }

@@ -16,6 +16,21 @@ use crate::buffer::{Buffer, Element};
 /// `CL_KERNEL_ARG_INFO_NOT_AVAILABLE`.
 const NO_ARGUMENT_INFO: i32 = -19;
 
+/// The work-items of a launch, and of each of its work-groups, in two dimensions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WorkSize {
+    pub(crate) global: [usize; 2],
+    /// Divides `global` in each dimension.
+    pub(crate) local: [usize; 2],
+}
+
+impl WorkSize {
+    /// One dimension: `count` work-items, padded to whole groups of `group`.
+    pub(crate) fn line(count: usize, group: usize) -> Self {
+        Self { global: [count.next_multiple_of(group), 1], local: [group, 1] }
+    }
+}
+
 /// A launch in the making: arguments in the kernel's order, then [`run`](Self::run).
 ///
 /// Names and types are compared with what the compiled kernel says of itself wherever debug
@@ -93,12 +108,7 @@ impl<'a> Launch<'a> {
     }
 
     /// Enqueues the kernel for `global` work-items in groups of `local`, which divides it.
-    pub(crate) fn run(
-        self,
-        queue: &CommandQueue,
-        global: [usize; 2],
-        local: [usize; 2],
-    ) -> Result<Event, ClError> {
+    pub(crate) fn run(self, queue: &CommandQueue, size: WorkSize) -> Result<Event, ClError> {
         if let Some(error) = self.error {
             return Err(error);
         }
@@ -108,10 +118,10 @@ impl<'a> Launch<'a> {
             "{:?}",
             self.kernel.function_name()
         );
-        let (global, local) = (global.as_ptr(), local.as_ptr());
+        let (global, local) = (size.global.as_ptr(), size.local.as_ptr());
         // SAFETY: both sizes have the two dimensions named; every argument was set just now, and
         // buffers are freed only after the queue is done with them, since the driver counts
-        // references, and `LentPages` waits before it gives back memory that is not the driver's.
+        // references, and `InteropPages` waits before it gives back memory that is not the driver's.
         // Kernels stay inside their buffers: each compares its index with a count given as an
         // argument, the backend refuses to run before its buffers hold what the tables do, and
         // `Tables` takes only indices that point into itself. Users' stages are given a struct of

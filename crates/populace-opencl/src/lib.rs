@@ -23,12 +23,13 @@
 mod backend;
 mod buffer;
 mod cache;
+mod context;
 mod device;
 mod drivers;
 mod finding;
 mod fused;
 mod gl_sharing;
-mod keeping;
+mod history;
 mod launch;
 mod machines;
 mod pages;

@@ -8,9 +8,9 @@ use populace_core::layout::{Float4, RUNNING_ELEMENTS, Running};
 use populace_core::{BackendError, Frame, Tables};
 
 use crate::OpenClDevice;
-use crate::backend::{On, narrow};
 use crate::buffer::{Buffer, INVALID_VALUE};
-use crate::launch::Launch;
+use crate::context::{FrameContext, narrow};
+use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
 
 /// Elements of each machine instance.
@@ -78,21 +78,25 @@ impl Machines {
     }
 
     /// Enqueues a step of all machines; nothing where there are none.
-    pub(crate) fn advance(&self, on: &On, frame: Frame) -> Result<Option<Event>, ClError> {
-        let count = on.host.machine_instances().as_slice().len();
+    pub(crate) fn advance(
+        &self,
+        context: &FrameContext,
+        frame: Frame,
+    ) -> Result<Option<Event>, ClError> {
+        let count = context.host.machine_instances().as_slice().len();
         if count == 0 {
             return Ok(None);
         }
         let launch = Launch::of(&self.advance)
-            .buffer("machine_instances", &on.tables.machine_instances.buffer)
-            .buffer("machine_parameters", &on.tables.machine_parameters.buffer)
-            .buffer("machine_states", &on.tables.machine_states.buffer)
-            .buffer("transitions", &on.tables.transitions.buffer)
-            .buffer("conditions", &on.tables.conditions.buffer)
+            .buffer("machine_instances", &context.tables.machine_instances.buffer)
+            .buffer("machine_parameters", &context.tables.machine_parameters.buffer)
+            .buffer("machine_states", &context.tables.machine_states.buffer)
+            .buffer("transitions", &context.tables.transitions.buffer)
+            .buffer("conditions", &context.tables.conditions.buffer)
             .ulong("tick", frame.tick)
             .uint("machine_instance_count", narrow(count))
             .buffer("running", &self.running);
-        launch.run(on.queue, [count.next_multiple_of(self.group), 1], [self.group, 1]).map(Some)
+        launch.run(context.queue, WorkSize::line(count, self.group)).map(Some)
     }
 }
 

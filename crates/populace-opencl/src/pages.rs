@@ -9,7 +9,7 @@ use populace_core::{BackendError, HandedOver, PaletteTarget, Tables, TargetMark}
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
-use crate::gl_sharing::LentPages;
+use crate::gl_sharing::InteropPages;
 
 /// Elements of a whole page.
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
@@ -23,7 +23,7 @@ pub(crate) struct Pages {
     lengths: Vec<usize>,
     /// Memory of the device's own; empty while `lent` is not.
     own: Vec<Buffer<Float4>>,
-    lent: Option<LentPages>,
+    interop: Option<InteropPages>,
     mark: Option<TargetMark>,
 }
 
@@ -48,10 +48,10 @@ impl Pages {
     }
 
     fn resize(&mut self, device: &OpenClDevice, lengths: Vec<usize>) -> Result<(), BackendError> {
-        if self.lent.as_mut().is_some_and(|lent| !lent.resize(&lengths)) {
+        if self.interop.as_mut().is_some_and(|interop| !interop.resize(&lengths)) {
             *self = Self::default();
         }
-        if self.lent.is_none() {
+        if self.interop.is_none() {
             for (page, entries) in lengths.iter().enumerate() {
                 if self.own.get(page).is_none_or(|own| own.len() < entries * 3) {
                     let grown = Buffer::new(device, entries * 3, "matrix palettes")?;
@@ -71,18 +71,21 @@ impl Pages {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.lent.iter().map(LentPages::bytes).chain(self.own.iter().map(Buffer::bytes)).sum()
+        self.interop.iter().map(InteropPages::bytes).chain(self.own.iter().map(Buffer::bytes)).sum()
     }
 
     /// Makes the pages ready to be written: never those that OpenGL draws from. To be called before
     /// kernels that write palettes are enqueued.
     pub(crate) fn begin_frame(&mut self) -> Result<(), ClError> {
-        self.lent.as_mut().map_or(Ok(()), LentPages::begin_frame)
+        self.interop.as_mut().map_or(Ok(()), InteropPages::begin_frame)
     }
 
     /// The pages that were written last, or are to be written since the frame began.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Buffer<Float4>> {
-        self.own.iter().chain(self.lent.iter().flat_map(LentPages::pages)).take(self.lengths.len())
+        self.own
+            .iter()
+            .chain(self.interop.iter().flat_map(InteropPages::pages))
+            .take(self.lengths.len())
     }
 
     /// Shows a page as it was last written to `reader`, up to the last entry in use.
@@ -92,7 +95,7 @@ impl Pages {
         page: usize,
         reader: &mut dyn FnMut(&[Float4]),
     ) -> Result<(), ClError> {
-        self.look_at(page, |palettes| palettes.map(queue, reader))
+        self.with_buffer(page, |palettes| palettes.map(queue, reader))
     }
 
     pub(crate) fn read(
@@ -104,7 +107,7 @@ impl Pages {
         while !into.is_empty() {
             let at = first % PAGE_ELEMENTS;
             let (now, later) = into.split_at_mut(into.len().min(PAGE_ELEMENTS - at));
-            self.look_at(first / PAGE_ELEMENTS, |palettes| palettes.read(queue, at, now))?;
+            self.with_buffer(first / PAGE_ELEMENTS, |palettes| palettes.read(queue, at, now))?;
             (first, into) = (first + now.len(), later);
         }
         Ok(())
@@ -120,7 +123,7 @@ impl Pages {
         while !from.is_empty() {
             let at = first % PAGE_ELEMENTS;
             let (now, later) = from.split_at(from.len().min(PAGE_ELEMENTS - at));
-            self.look_at(first / PAGE_ELEMENTS, |palettes| palettes.write(queue, at, now))?;
+            self.with_buffer(first / PAGE_ELEMENTS, |palettes| palettes.write(queue, at, now))?;
             (first, from) = (first + now.len(), later);
         }
         Ok(())
@@ -133,9 +136,9 @@ impl Pages {
         target: PaletteTarget,
         mark: &TargetMark,
     ) -> Result<(), BackendError> {
-        let lent = LentPages::new(device, queue, target)?;
-        let mut next = Self { lent, mark: Some(mark.clone()), ..Self::default() };
-        if next.lent.as_mut().is_some_and(|lent| !lent.resize(&self.lengths)) {
+        let interop = InteropPages::new(device, queue, target)?;
+        let mut next = Self { interop, mark: Some(mark.clone()), ..Self::default() };
+        if next.interop.as_mut().is_some_and(|interop| !interop.resize(&self.lengths)) {
             let cause = "the pages are too few or too small".into();
             let operation = "write palettes into memory of OpenGL's".into();
             return Err(BackendError::Failed {
@@ -147,8 +150,8 @@ impl Pages {
         next.resize(device, self.lengths.clone())?;
         // Pages that were longer keep their room; past their length is nothing to move.
         let copied = self.lengths.clone().into_iter().enumerate().try_for_each(|(page, length)| {
-            next.look_at(page, |to| {
-                self.look_at(page, |from| to.copy_first(queue, from, length * 3))
+            next.with_buffer(page, |to| {
+                self.with_buffer(page, |from| to.copy_first(queue, from, length * 3))
             })
         });
         copied.map_err(|e| device.failed("move its palettes", &e))?;
@@ -157,18 +160,20 @@ impl Pages {
     }
 
     pub(crate) fn hand_over(&mut self) -> Result<Option<HandedOver>, ClError> {
-        let set = self.lent.as_mut().map(LentPages::hand_over).transpose()?;
+        let set = self.interop.as_mut().map(InteropPages::hand_over).transpose()?;
         Ok(self.mark.clone().map(|mark| HandedOver { mark, set }))
     }
 
-    fn look_at<R>(
+    fn with_buffer<R>(
         &mut self,
         page: usize,
         job: impl FnOnce(&mut Buffer<Float4>) -> Result<R, ClError>,
     ) -> Result<R, ClError> {
-        match &mut self.lent {
+        match &mut self.interop {
             _ if page >= self.lengths.len() => Err(INVALID_BUFFER),
-            Some(lent) => lent.look_at(|lent| job(lent.get_mut(page).ok_or(INVALID_BUFFER)?)),
+            Some(interop) => {
+                interop.with_buffer(|interop| job(interop.get_mut(page).ok_or(INVALID_BUFFER)?))
+            }
             None => job(self.own.get_mut(page).ok_or(INVALID_BUFFER)?),
         }
     }

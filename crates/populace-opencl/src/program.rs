@@ -42,14 +42,12 @@ impl Form {
                 include_str!("../kernels/transform.cl"),
                 include_str!("../kernels/write_back.cl"),
             ],
-            Self::Wide => &[
-                include_str!("../kernels/fused.cl"),
-                include_str!("../kernels/fused_wide.cl"),
-            ],
-            Self::Grouped { .. } => &[
-                include_str!("../kernels/fused.cl"),
-                include_str!("../kernels/fused_grouped.cl"),
-            ],
+            Self::Wide => {
+                &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_wide.cl")]
+            }
+            Self::Grouped { .. } => {
+                &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_grouped.cl")]
+            }
         }
     }
 

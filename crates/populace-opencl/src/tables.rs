@@ -8,7 +8,7 @@ use populace_core::layout::{
 use populace_core::{BackendError, Tables};
 
 use crate::OpenClDevice;
-use crate::upload::{Copies, DeviceTable, Parcel, Route};
+use crate::upload::{BatchUploader, Copies, DeviceTable, UploadBatch};
 
 macro_rules! device_tables {
     ($set:ident; $($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
@@ -34,19 +34,19 @@ macro_rules! device_tables {
                 &mut self,
                 device: &OpenClDevice,
                 tables: &Tables,
-                parcel: &mut Parcel,
+                batch: &mut UploadBatch,
             ) -> Result<(), BackendError> {
-                $(self.$name.pack(device, tables.$name(), parcel)?;)*
+                $(self.$name.pack(device, tables.$name(), batch)?;)*
                 Ok(())
             }
 
-            fn send(&mut self, tables: &Tables, route: &mut Route) -> Result<(), BackendError> {
-                $(self.$name.send(tables.$name(), route)?;)*
+            fn send(&mut self, tables: &Tables, uploader: &mut BatchUploader) -> Result<(), BackendError> {
+                $(self.$name.send(tables.$name(), uploader)?;)*
                 Ok(())
             }
 
-            fn forget(&mut self) {
-                $(self.$name.forget();)*
+            fn discard(&mut self) {
+                $(self.$name.discard();)*
             }
         }
     };
@@ -87,27 +87,27 @@ impl Copies for DevicePages {
         &mut self,
         device: &OpenClDevice,
         tables: &Tables,
-        parcel: &mut Parcel,
+        batch: &mut UploadBatch,
     ) -> Result<(), BackendError> {
         for page in 0..tables.page_lengths().len() {
             if self.lists.len() <= page {
                 self.lists.push(DeviceTable::new(device)?);
             }
-            self.lists[page].pack(device, tables.page_members(page), parcel)?;
+            self.lists[page].pack(device, tables.page_members(page), batch)?;
         }
         Ok(())
     }
 
-    fn send(&mut self, tables: &Tables, route: &mut Route) -> Result<(), BackendError> {
+    fn send(&mut self, tables: &Tables, uploader: &mut BatchUploader) -> Result<(), BackendError> {
         let pages = tables.page_lengths().len();
         self.lists
             .iter_mut()
             .enumerate()
             .take(pages)
-            .try_for_each(|(page, list)| list.send(tables.page_members(page), route))
+            .try_for_each(|(page, list)| list.send(tables.page_members(page), uploader))
     }
 
-    fn forget(&mut self) {
-        self.lists.iter_mut().for_each(DeviceTable::forget);
+    fn discard(&mut self) {
+        self.lists.iter_mut().for_each(DeviceTable::discard);
     }
 }

@@ -8,6 +8,13 @@ use populace_core::{BackendError, UserStage};
 use crate::OpenClDevice;
 use crate::program::Form;
 
+/// The two kernels of a schedule that run users' stages.
+#[derive(Clone, Copy)]
+pub(crate) struct StageKernels {
+    pub(crate) form: Form,
+    pub(crate) names: [&'static str; 2],
+}
+
 /// The kernels that run users' stages, and those stages by number.
 #[derive(Default)]
 pub(crate) struct UserStages {
@@ -21,13 +28,14 @@ impl UserStages {
     pub(crate) fn set(
         &mut self,
         device: &OpenClDevice,
-        (form, names): (Form, [&str; 2]),
+        kernels: StageKernels,
         stages: &[Option<UserStage>],
     ) -> Result<(), BackendError> {
         let text = text_of(device, stages)?;
         // Stages that nobody uses any longer harm nobody: what knows them need not be built anew.
         if !self.knows(stages) || stages.iter().flatten().count() == 0 {
-            let [first, second] = names.map(|name| device.kernel(form, &text, name));
+            let [first, second] =
+                kernels.names.map(|name| device.kernel(kernels.form, &text, name));
             self.next = Some([first?, second?]);
             self.stages = stages.to_vec();
         }

@@ -40,7 +40,10 @@ fn shared_structs_are_laid_out_alike() {
     let (kernel, queue) = (Kernel::create(&program, "probe").unwrap(), device.queue().unwrap());
     let out =
         crate::buffer::Buffer::<u32>::new(&device, expected.len(), "the probe's answers").unwrap();
-    Launch::of(&kernel).buffer("out", &out).run(&queue, [1, 1], [1, 1]).unwrap();
+    Launch::of(&kernel)
+        .buffer("out", &out)
+        .run(&queue, crate::launch::WorkSize::line(1, 1))
+        .unwrap();
     let mut answers = vec![0; expected.len()];
     out.read(&queue, 0, &mut answers).unwrap();
     assert_eq!(answers, expected, "{structs:#?}");
@@ -178,7 +181,7 @@ mod conformance_fused_in_small_groups {
     );
 }
 
-fn small_groups() -> Shape {
+fn small_groups() -> DispatchShape {
     let mut shape = GPU_SHAPE;
     shape.group = 16;
     shape
@@ -229,7 +232,7 @@ fn fused_is_grouped_but_on_cpus() {
     let form = |kind, schedule| {
         let device = device_that_claims(|info| info.kind = kind);
         let backend = OpenClBackend::new(&device, schedule).unwrap();
-        let Plan::Fused(fused) = &backend.plan else { panic!("{schedule} is not fused") };
+        let SchedulePlan::Fused(fused) = &backend.plan else { panic!("{schedule} is not fused") };
         fused.kernel_name()
     };
     for (kind, fused) in [
@@ -382,7 +385,10 @@ fn number_by(folder: &std::path::Path, source: &str) -> u32 {
     let program = device.build(source).unwrap();
     let (kernel, queue) = (Kernel::create(&program, "number").unwrap(), device.queue().unwrap());
     let out = crate::buffer::Buffer::<u32>::new(&device, 1, "a number").unwrap();
-    Launch::of(&kernel).buffer("out", &out).run(&queue, [1, 1], [1, 1]).unwrap();
+    Launch::of(&kernel)
+        .buffer("out", &out)
+        .run(&queue, crate::launch::WorkSize::line(1, 1))
+        .unwrap();
     let mut answer = [0];
     out.read(&queue, 0, &mut answer).unwrap();
     answer[0]

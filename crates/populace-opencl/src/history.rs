@@ -9,47 +9,53 @@ use populace_core::layout::Float4;
 use populace_core::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
-use crate::buffer::{Buffer, Landing};
+use crate::buffer::{AsyncRead, Buffer};
 use crate::launch::Launch;
 use crate::tables::DeviceTables;
 
 /// Two of each: what the last frame was evaluated from, and what it left.
-pub(crate) struct Keeping {
+pub(crate) struct History {
     states: [Buffer<Float4>; 2],
     watched: [Buffer<Float4>; 2],
     /// States and watched joints that a member writes while it is evaluated once more to be read:
     /// no frame sees them.
-    aside: [Buffer<Float4>; 2],
+    scratch: [Buffer<Float4>; 2],
     /// Which of the two the last frame left.
     now: usize,
     /// What was watched, on its way to the host, the oldest first.
-    landings: VecDeque<(u64, Landing<Float4>)>,
+    reads: VecDeque<WatchedRead>,
     /// The newest that landed, and the clock when it was so.
-    landed: Option<(u64, Landing<Float4>)>,
+    newest: Option<WatchedRead>,
+}
+
+/// A read of the watched joints, as of a clock tick.
+struct WatchedRead {
+    tick: u64,
+    read: AsyncRead<Float4>,
 }
 
 /// Where what members keep is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Writes {
+pub(crate) enum WriteTarget {
     /// For the next frame, and for later phases of this one.
     Frame,
     /// Where no frame sees it.
-    Aside,
+    Scratch,
 }
 
 /// As many frames as a device may be behind before what it is asked for is left out.
-const LANDINGS: usize = 3;
+const READS_MOST: usize = 3;
 
-impl Keeping {
+impl History {
     pub(crate) fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
         let empty = || Buffer::new(device, 0, "an empty buffer");
         Ok(Self {
             states: [empty()?, empty()?],
             watched: [empty()?, empty()?],
-            aside: [empty()?, empty()?],
+            scratch: [empty()?, empty()?],
             now: 0,
-            landings: VecDeque::new(),
-            landed: None,
+            reads: VecDeque::new(),
+            newest: None,
         })
     }
 
@@ -78,7 +84,7 @@ impl Keeping {
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.states.iter().chain(&self.watched).chain(&self.aside).map(Buffer::bytes).sum()
+        self.states.iter().chain(&self.watched).chain(&self.scratch).map(Buffer::bytes).sum()
     }
 
     /// Begins a frame: what the last one left is what this one is evaluated from, and stays where
@@ -97,12 +103,12 @@ impl Keeping {
 
     /// Makes room aside for a member that is evaluated once more, with the watched joints of the
     /// last frame for it to read.
-    pub(crate) fn prepare_aside(
+    pub(crate) fn prepare_scratch(
         &mut self,
         device: &OpenClDevice,
         queue: &CommandQueue,
     ) -> Result<(), BackendError> {
-        let Self { aside: [states, watched], now, .. } = self;
+        let Self { scratch: [states, watched], now, .. } = self;
         states.grow(device, queue, self.states[*now].len(), "states of a member that is read")?;
         watched.grow(
             device,
@@ -120,12 +126,12 @@ impl Keeping {
         launch: Launch<'a>,
         tables: &DeviceTables,
         frame: Frame,
-        writes: Writes,
+        writes: WriteTarget,
     ) -> Launch<'a> {
         let before = 1 - self.now;
         let [states, watched] = match writes {
-            Writes::Frame => [&self.states[self.now], &self.watched[self.now]],
-            Writes::Aside => [&self.aside[0], &self.aside[1]],
+            WriteTarget::Frame => [&self.states[self.now], &self.watched[self.now]],
+            WriteTarget::Scratch => [&self.scratch[0], &self.scratch[1]],
         };
         launch
             .buffer("controls", &tables.controls.buffer)
@@ -153,29 +159,29 @@ impl Keeping {
         tick: u64,
         count: usize,
     ) -> Result<(), ClError> {
-        self.land()?;
-        if self.landings.len() < LANDINGS {
-            let mut landing = Landing::default();
-            self.watched[self.now].read_later(queue, count, &mut landing)?;
+        self.collect_reads()?;
+        if self.reads.len() < READS_MOST {
+            let mut read = AsyncRead::default();
+            self.watched[self.now].read_async(queue, count, &mut read)?;
             queue.flush()?;
-            self.landings.push_back((tick, landing));
+            self.reads.push_back(WatchedRead { tick, read });
         }
         Ok(())
     }
 
-    fn land(&mut self) -> Result<(), ClError> {
-        while let Some((_, landing)) = self.landings.front_mut()
-            && landing.is_done()?
+    fn collect_reads(&mut self) -> Result<(), ClError> {
+        while let Some(oldest) = self.reads.front_mut()
+            && oldest.read.is_done()?
         {
-            self.landed = self.landings.pop_front();
+            self.newest = self.reads.pop_front();
         }
         Ok(())
     }
 
     /// The newest of what was watched that has come to the host, and the clock when it was so.
     pub(crate) fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, ClError> {
-        self.land()?;
-        Ok(self.landed.as_ref().map(|(tick, landing)| (*tick, landing.elements())))
+        self.collect_reads()?;
+        Ok(self.newest.as_ref().map(|newest| (newest.tick, newest.read.elements())))
     }
 
     /// The buffer of a kind as the last frame left it; `None` for those that are not kept here.

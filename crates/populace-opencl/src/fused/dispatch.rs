@@ -6,22 +6,21 @@ use populace_core::{BackendError, Tables};
 
 use super::MATRIX;
 use crate::OpenClDevice;
-use crate::backend::narrow;
 use crate::buffer::Buffer;
-use crate::launch::Launch;
+use crate::context::narrow;
+use crate::launch::{Launch, WorkSize};
 use crate::tables::DeviceTables;
 
-/// Desks for each core, where the matrices of one member lie: enough work-items to even out their
-/// work, few enough that their matrices take little memory.
-const DESKS_PER_CORE: usize = 32;
-/// The same where members wait for each other: twice as many for a fourth of the work-items.
-const SCRATCH_BATCHES: usize = 2 * DESKS_PER_CORE;
+/// Scratches for each core: enough work-items to even out their work, few enough that their
+/// matrices take little memory. Twice as many, for a fourth of the work-items, if members wait for
+/// each other.
+const SCRATCH_PER_CORE: usize = 32;
 /// What rows of matrices in local memory are longer than the largest body by. Bodies are padded to
 /// 16, so that the first rows of the three arrays stand three times 16 bytes apart, modulo 128: the
 /// eight rows of the palette that are computed at once then come out of all 32 banks.
 const STRIDE_PAST_BODY: usize = 3;
 
-pub(super) enum Spread {
+pub(super) enum Dispatch {
     /// `fused_wide.cl`: each of some work-items for each core takes a run of members; the matrices
     /// of those that it is at are in global memory.
     Wide { cores: usize, matrices: Buffer<Float4> },
@@ -35,10 +34,7 @@ pub(super) enum Spread {
     },
 }
 
-/// Global and local sizes of a launch.
-type Range = ([usize; 2], [usize; 2]);
-
-impl Spread {
+impl Dispatch {
     pub(super) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
         let cores = device.info.compute_units as usize;
         Ok(Self::Wide { cores, matrices: Buffer::new(device, 0, "an empty buffer")? })
@@ -69,7 +65,7 @@ impl Spread {
             Self::Wide { cores, matrices } => {
                 *matrices = Buffer::new(
                     device,
-                    room_for(*cores, tables),
+                    matrices_for(*cores, tables),
                     "the matrices of members at work",
                 )?;
             }
@@ -95,7 +91,7 @@ impl Spread {
     /// Whether there is room for what the tables hold, as there is after an update.
     pub(super) fn holds(&self, tables: &Tables) -> bool {
         match self {
-            Self::Wide { cores, matrices } => room_for(*cores, tables) <= matrices.len(),
+            Self::Wide { cores, matrices } => matrices_for(*cores, tables) <= matrices.len(),
             Self::Grouped { stride, .. } => stride_for(tables) <= *stride,
         }
     }
@@ -126,18 +122,18 @@ impl Spread {
         launch: Launch<'a>,
         host: &Tables,
         members: usize,
-    ) -> (Launch<'a>, Range) {
+    ) -> (Launch<'a>, WorkSize) {
         match self {
             Self::Wide { cores, matrices } => {
-                let (desks, abreast) = desks(host);
-                let run = members.div_ceil(cores * desks / abreast);
+                let scratch = WideScratch::of(host);
+                let run = members.div_ceil(cores * scratch.per_core / scratch.per_item);
                 let launch = launch
                     .uint("member_count", narrow(members))
                     .uint("run", narrow(run))
-                    .uint("abreast", narrow(abreast))
+                    .uint("abreast", narrow(scratch.per_item))
                     .uint("padded_most", narrow(host.padded_most()))
                     .buffer("matrices", matrices);
-                (launch, ([members.div_ceil(run), 1], [1, 1]))
+                (launch, WorkSize::line(members.div_ceil(run), 1))
             }
             Self::Grouped { .. } => self.member(launch, members),
         }
@@ -145,31 +141,38 @@ impl Spread {
 
     /// Sets what a kernel works in that takes a work-item or a work-group for each of so many
     /// members.
-    pub(super) fn member<'a>(&self, launch: Launch<'a>, members: usize) -> (Launch<'a>, Range) {
+    pub(super) fn member<'a>(&self, launch: Launch<'a>, members: usize) -> (Launch<'a>, WorkSize) {
         match self {
-            Self::Wide { .. } => (launch, ([members, 1], [1, 1])),
+            Self::Wide { .. } => (launch, WorkSize::line(members, 1)),
             Self::Grouped { group, stride, .. } => {
                 let launch = launch
                     .uint("stride", narrow(*stride))
                     .local::<Float4>("model_rows", 3 * stride);
-                (launch, ([members * group, 1], [*group, 1]))
+                (launch, WorkSize::line(members * group, *group))
             }
         }
     }
 }
 
-/// Desks for each core, and how many of them a work-item has: members that nothing but clips moves
-/// never wait for others.
-fn desks(tables: &Tables) -> (usize, usize) {
-    if tables.controls().as_slice().is_empty() {
-        (DESKS_PER_CORE, 1)
-    } else {
-        (SCRATCH_BATCHES, MEMBERS_PER_BATCH as usize)
+/// How much scratch the wide kernel has. A scratch holds the matrices of one member.
+struct WideScratch {
+    per_core: usize,
+    /// More than 1 only if members have constraints: others never wait.
+    per_item: usize,
+}
+
+impl WideScratch {
+    fn of(tables: &Tables) -> Self {
+        if tables.controls().as_slice().is_empty() {
+            Self { per_core: SCRATCH_PER_CORE, per_item: 1 }
+        } else {
+            Self { per_core: 2 * SCRATCH_PER_CORE, per_item: MEMBERS_PER_BATCH as usize }
+        }
     }
 }
 
-fn room_for(cores: usize, tables: &Tables) -> usize {
-    cores * desks(tables).0 * tables.padded_most() * MATRIX
+fn matrices_for(cores: usize, tables: &Tables) -> usize {
+    cores * WideScratch::of(tables).per_core * tables.padded_most() * MATRIX
 }
 
 fn stride_for(tables: &Tables) -> usize {

@@ -5,11 +5,11 @@ use populace_core::{BackendError, StageBuffer, Tables};
 
 use super::MATRIX;
 use crate::OpenClDevice;
-use crate::backend::On;
 use crate::buffer::Buffer;
+use crate::context::FrameContext;
 
 /// Where a member is evaluated once more, on the device.
-pub(super) struct Sheet {
+pub(super) struct ScratchOutputs {
     pub(super) samples: Buffer<SlotSample>,
     /// Local transforms: ten planes, as in stored poses.
     pub(super) planes: Buffer<f32>,
@@ -17,7 +17,7 @@ pub(super) struct Sheet {
     joint_count: usize,
 }
 
-impl Sheet {
+impl ScratchOutputs {
     pub(super) fn new(
         device: &OpenClDevice,
         host: &Tables,
@@ -37,34 +37,34 @@ impl Sheet {
     /// Waits until it is written.
     pub(super) fn read(
         &self,
-        on: &On,
+        context: &FrameContext,
         device: &OpenClDevice,
         place: u32,
-    ) -> Result<Reading, BackendError> {
-        let mut reading = Reading {
+    ) -> Result<MemberReadback, BackendError> {
+        let mut readback = MemberReadback {
             place,
             samples: vec![SlotSample::default(); self.samples.len()],
             planes: vec![0.0; self.planes.len()],
             matrices: vec![Float4::default(); self.joint_count * MATRIX],
         };
-        let samples = self.samples.read(on.queue, 0, &mut reading.samples);
+        let samples = self.samples.read(context.queue, 0, &mut readback.samples);
         let read = samples
-            .and_then(|()| self.planes.read(on.queue, 0, &mut reading.planes))
-            .and_then(|()| self.matrices.read(on.queue, 0, &mut reading.matrices));
+            .and_then(|()| self.planes.read(context.queue, 0, &mut readback.planes))
+            .and_then(|()| self.matrices.read(context.queue, 0, &mut readback.matrices));
         read.map_err(|e| device.failed("read a member's joints", &e))?;
-        Ok(reading)
+        Ok(readback)
     }
 }
 
 /// The same on the host.
-pub(super) struct Reading {
+pub(super) struct MemberReadback {
     pub(super) place: u32,
     samples: Vec<SlotSample>,
     planes: Vec<f32>,
     matrices: Vec<Float4>,
 }
 
-impl Reading {
+impl MemberReadback {
     /// An element as the buffers of the staged schedule hold it; `None` past the member's end.
     pub(super) fn element(&self, buffer: StageBuffer, at: usize) -> Option<Float4> {
         let joint_count = self.matrices.len() / MATRIX;
