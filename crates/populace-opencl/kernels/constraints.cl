@@ -45,11 +45,15 @@ INLINE float16 given_transform(Override given)
 {
     const float4 q = given.rotation, t = given.translation_and_weight, s = given.scale;
     const float x = q.x, y = q.y, z = q.z, w = q.w;
-    return (float16)((1.0f - 2.0f * (y * y + z * z)) * s.x, (2.0f * (x * y - w * z)) * s.y,
-                     (2.0f * (x * z + w * y)) * s.z, t.x, (2.0f * (x * y + w * z)) * s.x,
-                     (1.0f - 2.0f * (x * x + z * z)) * s.y, (2.0f * (y * z - w * x)) * s.z, t.y,
-                     (2.0f * (x * z - w * y)) * s.x, (2.0f * (y * z + w * x)) * s.y,
-                     (1.0f - 2.0f * (x * x + y * y)) * s.z, t.z, (float4)(0.0f));
+    const float4 row0 =
+        (float4)((1.0f - 2.0f * (y * y + z * z)) * s.x, (2.0f * (x * y - w * z)) * s.y,
+                 (2.0f * (x * z + w * y)) * s.z, t.x);
+    const float4 row1 =
+        (float4)((2.0f * (x * y + w * z)) * s.x, (1.0f - 2.0f * (x * x + z * z)) * s.y,
+                 (2.0f * (y * z - w * x)) * s.z, t.y);
+    const float4 row2 = (float4)((2.0f * (x * z - w * y)) * s.x, (2.0f * (y * z + w * x)) * s.y,
+                                 (1.0f - 2.0f * (x * x + y * y)) * s.z, t.z);
+    return (float16)(row0, row1, row2, (float4)(0.0f));
 }
 
 INLINE float16 override_model(Override given, float16 own)
@@ -64,8 +68,10 @@ INLINE float16 world_from_model(const Solver *s)
 {
     const float4 place = s->control.place;
     const float sine = s->control.facing.x * place.w, cosine = s->control.facing.y * place.w;
-    return (float16)(cosine, 0.0f, sine, place.x, 0.0f, place.w, 0.0f, place.y, -sine, 0.0f, cosine,
-                     place.z, (float4)(0.0f));
+    const float4 row0 = (float4)(cosine, 0.0f, sine, place.x);
+    const float4 row1 = (float4)(0.0f, place.w, 0.0f, place.y);
+    const float4 row2 = (float4)(-sine, 0.0f, cosine, place.z);
+    return (float16)(row0, row1, row2, (float4)(0.0f));
 }
 
 // Publishes a joint's transform for other members.
@@ -81,8 +87,8 @@ INLINE void keep_watched(const Solver *s, uint watched, float16 joint)
 APART_STEP float16 attach(const Solver *s, Step step, float16 own)
 {
     __global const float4 *rows = s->tables->watched + step.index * WATCHED_ELEMENTS;
-    const float16 carrier = (float16)(rows[0], rows[1], rows[2], (float4)(0.0f));
-    return affine_mul(affine_mul(carrier, given_transform(s->tables->overrides[step.turn])), own);
+    const float16 parent = (float16)(rows[0], rows[1], rows[2], (float4)(0.0f));
+    return affine_mul(affine_mul(parent, given_transform(s->tables->overrides[step.turn])), own);
 }
 
 // Runs a step that needs no other member's lanes, and returns the joint's new model transform.

@@ -1,11 +1,12 @@
 // local.cl - Algebra of local transforms, of one joint or of sixteen. Twin of
 // populace-native/src/local.rs: same arithmetic, same order of operations.
 
+// Translation, rotation and scale, relative to the parent joint.
 typedef struct {
     Vec3 t;
     Quat r;
     Vec3 s;
-} Local; // translation, rotation, scale
+} Local;
 
 // Returns the difference that takes `reference` to `value`, with the rotation in the hemisphere of
 // `side`. Scales that are at rest in both are not divided.
@@ -32,6 +33,7 @@ INLINE Local change(Local trs)
     return trs;
 }
 
+// Applies a weighted sum of changes to the pose beneath.
 INLINE Local add_layer(Local beneath, Local sum, Real layer_weight)
 {
     Local trs;

@@ -282,7 +282,8 @@ APART_STEP float16 moves(const Solver *s, Step step, float16 own)
         s->tables->states[state + 2] = next.speed;
         s->tables->states[state + 3] = next.excess;
     }
-    const float16 carried = (float16)(now.c, 0.0f, now.s, now.x, 0.0f, 1.0f, 0.0f, now.y, -now.s,
-                                      0.0f, now.c, now.z, (float4)(0.0f));
-    return affine_mul(carried, own);
+    const float4 row0 = (float4)(now.c, 0.0f, now.s, now.x);
+    const float4 row1 = (float4)(0.0f, 1.0f, 0.0f, now.y);
+    const float4 row2 = (float4)(-now.s, 0.0f, now.c, now.z);
+    return affine_mul((float16)(row0, row1, row2, (float4)(0.0f)), own);
 }

@@ -1,5 +1,5 @@
-// playback.cl - What a member plays now: in buffers for the staged schedule, beside the work-item
-// for the fused ones. Twin of populace-native/src/playback.rs.
+// playback.cl - What a member plays now: in buffers for the staged schedule, in memory of the
+// work-item or the work-group for the fused ones. Twin of populace-native/src/playback.rs.
 
 // A member's slots if any of them inertializes; else count is 0.
 typedef struct {

@@ -39,8 +39,8 @@ typedef struct {
 
 INLINE Solver solver_of(const ConstraintTables *tables, uint control, TURNS float4 *turns)
 {
-    const Solver steering = { tables, tables->controls[control], control, turns };
-    return steering;
+    const Solver solver = { tables, tables->controls[control], control, turns };
+    return solver;
 }
 
 // Rotates a direction of the world into model space.

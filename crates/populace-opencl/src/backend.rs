@@ -1,4 +1,4 @@
-//! A crowd on an OpenCL device, by any schedule.
+//! A backend that evaluates a crowd on an OpenCL device, with any schedule.
 
 use std::sync::Arc;
 
@@ -12,20 +12,20 @@ use populace_core::{
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
-use crate::context::{FrameContext, narrow};
+use crate::context::FrameContext;
 use crate::fused::Fused;
 use crate::history::History;
 use crate::launch::{Launch, WorkSize};
 use crate::machines::Machines;
 use crate::pages::Pages;
 use crate::program::Form;
-use crate::staged::{CPU_SHAPE, DispatchShape, GPU_SHAPE, Staged};
+use crate::staged::{DispatchShape, GPU_SHAPE, Staged};
 use crate::tables::DeviceTables;
 use crate::upload::{Copies, Uploader};
 use crate::user_stages::UserStages;
 use crate::{DeviceKind, OpenClDevice, waits};
 
-/// Evaluates crowds on an OpenCL device.
+/// Evaluates one crowd on an OpenCL device.
 pub struct OpenClBackend {
     queue: Arc<CommandQueue>,
     schedule: Schedule,
@@ -37,13 +37,14 @@ pub struct OpenClBackend {
     machines: Machines,
     pages: Pages,
     floors: Floors,
-    /// Whether a frame, or a stage of one, was enqueued.
+    /// True once a frame, or a stage of one, was enqueued.
     has_run: bool,
-    // Declared last: a context of OpenGL's that it was made for must outlive everything above.
+    // Declared last: the OpenGL context that the device may share with must outlive all other
+    // fields.
     device: Arc<OpenClDevice>,
 }
 
-/// What a schedule keeps beside tables and palettes.
+/// The kernels and buffers of a schedule.
 enum SchedulePlan {
     Staged(Box<Staged>),
     Fused(Box<Fused>),
@@ -58,7 +59,7 @@ struct Floors {
 
 struct FloorKernel {
     kernel: Kernel,
-    /// The number of `float4`s that one work-item writes.
+    /// `float4`s that one work-item writes.
     per_item: usize,
 }
 
@@ -66,11 +67,12 @@ struct FloorKernel {
 const FLOORS: [(&str, usize); 3] = [("floor_float4", 1), ("floor_matrix", 3), ("floor_run", 48)];
 
 impl OpenClBackend {
-    /// A backend for one crowd on a device. [`Schedule::Fused`] takes the form that suits its kind.
+    /// Creates a backend for one crowd on a device. [`Schedule::Fused`] picks the form that suits
+    /// the device's kind.
     ///
     /// # Errors
     ///
-    /// Memory that cannot be had, or a failing device.
+    /// Returns an error if memory cannot be allocated or the device fails.
     pub fn new(device: &Arc<OpenClDevice>, schedule: Schedule) -> Result<Self, BackendError> {
         Self::with_shape(device, schedule, DispatchShape::of(device.info.kind))
     }
@@ -110,16 +112,16 @@ impl OpenClBackend {
         })
     }
 
-    /// Whether all that a frame reads and writes has room here, as it has after an update.
+    /// Returns whether all buffers of a frame suffice for the tables, as they do after an update.
     fn holds(&self, tables: &Tables) -> bool {
-        let beside = match &self.plan {
+        let schedule_part = match &self.plan {
             SchedulePlan::Staged(staged) => {
                 staged.blocks.hold(tables) && staged.buffers.hold(tables)
             }
             SchedulePlan::Fused(fused) => fused.holds(tables),
         };
-        let kept = self.history.hold(tables) && self.machines.hold(tables);
-        beside && kept && self.tables.hold(tables) && self.pages.hold(tables)
+        let shared = self.history.hold(tables) && self.machines.hold(tables);
+        schedule_part && shared && self.tables.hold(tables) && self.pages.hold(tables)
     }
 
     fn check_updated(&self, tables: &Tables, operation: &str) -> Result<(), BackendError> {
@@ -138,7 +140,7 @@ impl OpenClBackend {
         }
     }
 
-    /// Lets a schedule enqueue its work.
+    /// Runs `work`, which enqueues launches, and flushes the queue.
     fn enqueue(
         &mut self,
         tables: &Tables,
@@ -148,7 +150,7 @@ impl OpenClBackend {
         let Self { queue, plan, pages, history, machines, .. } = self;
         let context =
             FrameContext { queue, host: tables, tables: &self.tables, history, machines, pages };
-        // Some drivers start nothing before they are told to, and nothing here waits.
+        // Some drivers start no work before a flush, and nothing here waits for the work.
         let result = work(plan, &context).and_then(|()| queue.flush());
         result.map_err(|e| self.device.failed(operation, &e))?;
         self.has_run = true;
@@ -160,7 +162,7 @@ impl OpenClBackend {
         for page in self.pages.iter() {
             let items = page.len().div_ceil(floor.per_item);
             let launch =
-                Launch::of(&floor.kernel).buffer("palette", page).uint("count", narrow(page.len()));
+                Launch::of(&floor.kernel).buffer("palette", page).count("count", page.len());
             events.push(launch.run(&self.queue, WorkSize::line(items, group))?);
         }
         waits::for_queue(&self.queue)?;
@@ -168,14 +170,8 @@ impl OpenClBackend {
     }
 }
 
-impl DispatchShape {
-    fn of(kind: DeviceKind) -> Self {
-        if kind == DeviceKind::Cpu { CPU_SHAPE } else { GPU_SHAPE }
-    }
-}
-
-/// Device time of runs, each from the start of its first event to the end of its last, in
-/// milliseconds.
+/// Returns the device time of `runs` in milliseconds: for each run, from the start of its first
+/// event to the end of its last.
 fn time_ms(runs: &[Vec<Event>]) -> Option<f64> {
     runs.first()?;
     let time = |run: &Vec<Event>| {
@@ -197,11 +193,16 @@ impl Backend for OpenClBackend {
     }
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        let beside: &mut dyn Copies = match &mut self.plan {
+        let schedule_part: &mut dyn Copies = match &mut self.plan {
             SchedulePlan::Staged(staged) => &mut staged.blocks,
             SchedulePlan::Fused(fused) => &mut fused.lists,
         };
-        self.uploader.update(&self.device, &self.queue, tables, &mut [&mut self.tables, beside])?;
+        self.uploader.update(
+            &self.device,
+            &self.queue,
+            tables,
+            &mut [&mut self.tables, schedule_part],
+        )?;
         if let Some(kernels) = self.user_stages.next.take() {
             match &mut self.plan {
                 SchedulePlan::Staged(staged) => staged.take_stages(kernels),
@@ -238,8 +239,10 @@ impl Backend for OpenClBackend {
             Stage::WriteBack => "run the stage write_back",
         };
         if matches!(self.plan, SchedulePlan::Fused(_)) {
-            return Err(self
-                .refused(operation, "a fused schedule has no stages; run the staged one".into()));
+            return Err(self.refused(
+                operation,
+                "a fused schedule has no stages; use the staged schedule".into(),
+            ));
         }
         self.check_updated(tables, operation)?;
         if stage == Stage::WriteBack {
@@ -284,8 +287,8 @@ impl Backend for OpenClBackend {
         into: &mut [Float4],
     ) -> Result<(), BackendError> {
         let Self { queue, plan, pages, history, machines, device, .. } = self;
-        if let Some(kept) = history.buffer(buffer) {
-            let result = kept.read(queue, first, into);
+        if let Some(elements) = history.buffer(buffer) {
+            let result = elements.read(queue, first, into);
             return result.map_err(|e| {
                 device.failed(&format!("read {buffer:?} from element {first} on"), &e)
             });
@@ -320,8 +323,8 @@ impl Backend for OpenClBackend {
         from: &[Float4],
     ) -> Result<(), BackendError> {
         let operation = format!("write {buffer:?} from element {first} on");
-        if let Some(kept) = self.history.buffer(buffer) {
-            return kept
+        if let Some(elements) = self.history.buffer(buffer) {
+            return elements
                 .write(&self.queue, first, from)
                 .map_err(|e| self.device.failed(&operation, &e));
         }
@@ -330,7 +333,10 @@ impl Backend for OpenClBackend {
             _ if buffer == StageBuffer::Running => self.machines.write(&self.queue, first, from),
             SchedulePlan::Staged(staged) => staged.buffers.write(&self.queue, buffer, first, from),
             SchedulePlan::Fused(_) => {
-                return Err(self.refused(&operation, "a fused schedule keeps palettes only".into()));
+                return Err(self.refused(
+                    &operation,
+                    "a fused schedule stores palettes only; use the staged schedule".into(),
+                ));
             }
         };
         result.map_err(|e| self.device.failed(&operation, &e))
@@ -342,13 +348,11 @@ impl Backend for OpenClBackend {
 
     fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError> {
         let result = self.history.fetch(&self.queue, tick, tables.watched_elements());
-        result.map_err(|e| self.device.failed("bring what is watched to the host", &e))
+        result.map_err(|e| self.device.failed("read the watched joints", &e))
     }
 
     fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError> {
-        self.history
-            .fetched()
-            .map_err(|e| self.device.failed("bring what is watched to the host", &e))
+        self.history.fetched().map_err(|e| self.device.failed("read the watched joints", &e))
     }
 
     fn waits(&self) -> u64 {
@@ -388,13 +392,13 @@ impl Backend for OpenClBackend {
     }
 
     fn memory_bytes(&self) -> usize {
-        let beside = match &self.plan {
+        let schedule_part = match &self.plan {
             SchedulePlan::Staged(staged) => staged.blocks.bytes() + staged.buffers.bytes(),
             SchedulePlan::Fused(fused) => fused.bytes(),
         };
         let machines = self.machines.running.bytes();
-        let kept = self.uploader.bytes() + self.history.bytes() + machines + self.pages.bytes();
-        self.tables.bytes() + kept + beside
+        let shared = self.uploader.bytes() + self.history.bytes() + machines + self.pages.bytes();
+        self.tables.bytes() + shared + schedule_part
     }
 }
 
@@ -403,8 +407,8 @@ impl PaletteSource for OpenClBackend {
         self.pages.lengths().to_vec()
     }
 
-    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        self.device.refuses(way, context)
+    fn refuses(&self, transport: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        self.device.refuses(transport, context)
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
@@ -412,8 +416,8 @@ impl PaletteSource for OpenClBackend {
     }
 
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        let handed = self.pages.hand_over();
-        handed.map_err(|e| self.device.failed("hand its palettes to OpenGL", &e))
+        let set = self.pages.hand_over();
+        set.map_err(|e| self.device.failed("release its palettes to OpenGL", &e))
     }
 
     fn with_page(
@@ -427,11 +431,10 @@ impl PaletteSource for OpenClBackend {
         let count = self.pages.lengths().len();
         if page >= count {
             let cause = format!("there is no page {page}; {count} are in use");
-            return Err(self.refused("hand over palettes", cause));
+            return Err(self.refused("map palettes", cause));
         }
         let result = self.pages.with_page(&self.queue, page, reader);
-        result
-            .map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
+        result.map_err(|e| self.device.failed(&format!("map page {page} of the palettes"), &e))
     }
 }
 

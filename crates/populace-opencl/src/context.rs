@@ -1,14 +1,16 @@
-//! What the launches of a schedule share.
+//! Inputs that the launches of all schedules share.
 
 use opencl3::command_queue::CommandQueue;
-use populace_core::Tables;
+use opencl3::error_codes::ClError;
+use opencl3::event::Event;
+use populace_core::{Frame, Tables};
 
 use crate::history::History;
 use crate::machines::Machines;
 use crate::pages::Pages;
 use crate::tables::DeviceTables;
 
-/// The queue, and the memory that the kernels of a frame read and write whatever the schedule.
+/// The queue, and the memory that the kernels of every schedule use.
 pub(crate) struct FrameContext<'a> {
     pub(crate) queue: &'a CommandQueue,
     /// The host's tables.
@@ -20,9 +22,9 @@ pub(crate) struct FrameContext<'a> {
     pub(crate) pages: &'a Pages,
 }
 
-/// Narrows a count to 32 bits. Tables refuse to grow past that.
-#[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
-pub(crate) fn narrow(count: usize) -> u32 {
-    debug_assert!(u32::try_from(count).is_ok());
-    count as u32
+impl FrameContext<'_> {
+    /// Enqueues one step of all state machines. Enqueues nothing if there are none.
+    pub(crate) fn advance(&self, frame: Frame) -> Result<Option<Event>, ClError> {
+        self.machines.advance(self.queue, self.host, self.tables, frame)
+    }
 }

@@ -1,5 +1,5 @@
-//! The fused schedules: one kernel for the whole frame, so that nothing but palettes goes through
-//! global memory.
+//! The fused schedules: one kernel for the whole frame, so that only palettes go through global
+//! memory.
 
 mod dispatch;
 mod readback;
@@ -12,7 +12,7 @@ use populace_core::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
-use crate::context::{FrameContext, narrow};
+use crate::context::FrameContext;
 use crate::history::WriteTarget;
 use crate::launch::Launch;
 use crate::program::Form;
@@ -21,9 +21,9 @@ use crate::user_stages::StageKernels;
 use dispatch::Dispatch;
 use readback::{MemberReadback, ScratchOutputs};
 
-/// A matrix in Float4s: a float16 of its own.
+/// `Float4`s of one matrix, which is a float16.
 const MATRIX: usize = 4;
-/// The kernels of a whole frame, and of one member's joints.
+/// The kernels of a whole frame and of one member's joints.
 const WIDE: [&str; 2] = ["fused_wide", "fused_wide_joints"];
 const GROUPED: [&str; 2] = ["fused_grouped", "fused_grouped_joints"];
 
@@ -34,16 +34,16 @@ struct Page<'a> {
     palette: &'a Buffer<Float4>,
 }
 
-/// The kernels, and what they keep beside the tables.
+/// The kernels of a fused schedule and their buffers.
 pub(crate) struct Fused {
-    /// Kernels that run users' stages: those below.
+    /// The names of the two kernels below, which run users' stages.
     pub(crate) stage_kernels: StageKernels,
     whole: Kernel,
     joints: Kernel,
     dispatch: Dispatch,
     /// The members of each page.
     pub(crate) lists: DevicePages,
-    /// Of the last frame's runs.
+    /// Events of the last frame, for each run.
     events: Vec<Vec<Event>>,
     last: Frame,
     readback: Option<MemberReadback>,
@@ -61,7 +61,8 @@ impl Fused {
         ))
     }
 
-    /// For GPUs: so many work-items for each member, or as many as the device allows.
+    /// For GPUs: a work-group of `wished` work-items for each member, or of as many as the device
+    /// allows.
     pub(crate) fn grouped(device: &OpenClDevice, wished: usize) -> Result<Self, BackendError> {
         let group = device.group_size(wished);
         let form = Form::Grouped { group };
@@ -76,12 +77,12 @@ impl Fused {
         Self { stage_kernels, whole, joints, dispatch, lists, events, last, readback: None }
     }
 
-    /// Takes kernels of another program.
+    /// Replaces the kernels by those of another program.
     pub(crate) fn take_stages(&mut self, [whole, joints]: [Kernel; 2]) {
         (self.whole, self.joints) = (whole, joints);
     }
 
-    /// Makes room for the matrices of the largest body.
+    /// Grows scratch memory to the matrices of the largest body.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
@@ -91,7 +92,7 @@ impl Fused {
         self.dispatch.update(device, tables)
     }
 
-    /// Whether there is room for what the tables hold, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn holds(&self, tables: &Tables) -> bool {
         self.dispatch.holds(tables) && self.lists.hold(tables)
     }
@@ -109,12 +110,12 @@ impl Fused {
         self.whole.function_name().unwrap_or_default()
     }
 
-    /// Enqueues a frame's phases.
+    /// Enqueues all phases of a frame.
     pub(crate) fn run(&mut self, context: &FrameContext, frame: Frame) -> Result<(), ClError> {
         let mut events = Vec::new();
         if frame.begins() {
             self.events.clear();
-            events.extend(context.machines.advance(context, frame)?);
+            events.extend(context.advance(frame)?);
         }
         (self.last, self.readback) = (frame, None);
         for phase in frame.phases(context.host) {
@@ -146,13 +147,13 @@ impl Fused {
             .uint("place_first", frame.place_first)
             .uint("place_end", frame.place_end)
             .uint("phase", frame.phase_first)
-            .uint("page_first", narrow(page.index * PAGE_ENTRIES as usize))
+            .count("page_first", page.index * PAGE_ENTRIES as usize)
             .buffer("palette", page.palette);
         let (launch, size) = self.dispatch.frame(launch, context.host, page.member_count);
         launch.run(context.queue, size)
     }
 
-    /// What all kernels read.
+    /// Sets the arguments that all kernels share.
     fn launch<'a>(
         &self,
         context: &FrameContext,
@@ -182,12 +183,12 @@ impl Fused {
             .dispatch
             .tables(launch, tables)
             .ulong("tick", frame.tick)
-            .uint("slots_per_member", narrow(context.host.slots_per_member()))
+            .count("slots_per_member", context.host.slots_per_member())
             .buffer("joint_scales", &tables.joint_scales.buffer);
         context.history.parameters(launch, tables, frame, writes)
     }
 
-    /// Reads elements of one member's joints or samples as of the last frame.
+    /// Reads elements of one member's joints or samples, as of the last frame.
     pub(crate) fn read(
         &mut self,
         context: &FrameContext,

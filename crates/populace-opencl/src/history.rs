@@ -1,4 +1,4 @@
-//! What is kept from frame to frame: states of members with controls, and what is watched of
+//! Double-buffered persistent state: the state of members with constraint programs, and watched
 //! joints.
 
 use std::collections::VecDeque;
@@ -13,18 +13,19 @@ use crate::buffer::{AsyncRead, Buffer};
 use crate::launch::Launch;
 use crate::tables::DeviceTables;
 
-/// Two of each: what the last frame was evaluated from, and what it left.
+/// Buffers of each kind in pairs: the previous frame's, which a frame is evaluated from, and its
+/// own.
 pub(crate) struct History {
     states: [Buffer<Float4>; 2],
     watched: [Buffer<Float4>; 2],
-    /// States and watched joints that a member writes while it is evaluated once more to be read:
-    /// no frame sees them.
+    /// States and watched joints that a member writes while it is evaluated once more for reading.
+    /// No frame sees them.
     scratch: [Buffer<Float4>; 2],
-    /// Which of the two the last frame left.
+    /// Index of the buffers of the last frame.
     now: usize,
-    /// What was watched, on its way to the host, the oldest first.
+    /// Reads of watched joints that are still in progress, the oldest first.
     reads: VecDeque<WatchedRead>,
-    /// The newest that landed, and the clock when it was so.
+    /// The newest completed read.
     newest: Option<WatchedRead>,
 }
 
@@ -34,16 +35,16 @@ struct WatchedRead {
     read: AsyncRead<Float4>,
 }
 
-/// Where what members keep is written.
+/// Where constraint programs write state and watched joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum WriteTarget {
-    /// For the next frame, and for later phases of this one.
+    /// Into the history, for the next frame and for later phases of this one.
     Frame,
-    /// Where no frame sees it.
+    /// Into scratch buffers that no frame sees.
     Scratch,
 }
 
-/// As many frames as a device may be behind before what it is asked for is left out.
+/// Reads in progress at most. A device that is further behind skips reads.
 const READS_MOST: usize = 3;
 
 impl History {
@@ -59,7 +60,7 @@ impl History {
         })
     }
 
-    /// Makes room for what the tables hold, and keeps what is there.
+    /// Grows to the size that the tables need, and keeps the contents.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
@@ -67,17 +68,17 @@ impl History {
         tables: &Tables,
     ) -> Result<(), BackendError> {
         for states in &mut self.states {
-            states.grow(device, queue, tables.state_elements(), "what is kept of members")?;
+            states.grow(device, queue, tables.state_elements(), "states of members")?;
         }
         for watched in &mut self.watched {
-            watched.grow(device, queue, tables.watched_elements(), "what is watched of members")?;
+            watched.grow(device, queue, tables.watched_elements(), "watched joints")?;
         }
         let watched = &mut self.watched[self.now];
         let cleared = tables.new_watched_elements().try_for_each(|run| watched.clear(queue, run));
-        cleared.map_err(|e| device.failed("clear what is watched of members", &e))
+        cleared.map_err(|e| device.failed("clear watched joints", &e))
     }
 
-    /// Whether there is room for what the tables hold, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         let states = self.states.iter().all(|buffer| tables.state_elements() <= buffer.len());
         states && self.watched.iter().all(|buffer| tables.watched_elements() <= buffer.len())
@@ -87,8 +88,8 @@ impl History {
         self.states.iter().chain(&self.watched).chain(&self.scratch).map(Buffer::bytes).sum()
     }
 
-    /// Begins a frame: what the last one left is what this one is evaluated from, and stays where
-    /// this one writes nothing.
+    /// Begins a frame: swaps the buffers and copies the last frame's contents, which stay where
+    /// this frame writes nothing.
     pub(crate) fn begin_frame(&mut self, queue: &CommandQueue) -> Result<(), ClError> {
         for [first, second] in [&mut self.states, &mut self.watched] {
             if self.now == 0 {
@@ -101,26 +102,21 @@ impl History {
         Ok(())
     }
 
-    /// Makes room aside for a member that is evaluated once more, with the watched joints of the
-    /// last frame for it to read.
+    /// Grows the scratch buffers for a member that is evaluated once more, and copies the watched
+    /// joints of the last frame into them.
     pub(crate) fn prepare_scratch(
         &mut self,
         device: &OpenClDevice,
         queue: &CommandQueue,
     ) -> Result<(), BackendError> {
         let Self { scratch: [states, watched], now, .. } = self;
-        states.grow(device, queue, self.states[*now].len(), "states of a member that is read")?;
-        watched.grow(
-            device,
-            queue,
-            self.watched[*now].len(),
-            "watched joints of a member that is read",
-        )?;
+        states.grow(device, queue, self.states[*now].len(), "scratch states")?;
+        watched.grow(device, queue, self.watched[*now].len(), "scratch watched joints")?;
         let copied = watched.copy_from(queue, &self.watched[*now]);
         copied.map_err(|e| device.failed("read a member's joints", &e))
     }
 
-    /// Sets what the steps of members read and write.
+    /// Sets the arguments declared by `CONSTRAINT_PARAMETERS` in `kernels/kernel_parameters.cl`.
     pub(crate) fn parameters<'a>(
         &self,
         launch: Launch<'a>,
@@ -151,8 +147,8 @@ impl History {
             .uint("elapsed_ticks", frame.elapsed_ticks)
     }
 
-    /// Lets what is watched come to the host, as of the last frame; leaves it out where the device
-    /// is too far behind.
+    /// Starts a read of the watched joints, as of the last frame. Skips it if the device is too far
+    /// behind.
     pub(crate) fn fetch(
         &mut self,
         queue: &CommandQueue,
@@ -178,13 +174,13 @@ impl History {
         Ok(())
     }
 
-    /// The newest of what was watched that has come to the host, and the clock when it was so.
+    /// Returns the newest watched joints that have been read, and their clock tick.
     pub(crate) fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, ClError> {
         self.collect_reads()?;
         Ok(self.newest.as_ref().map(|newest| (newest.tick, newest.read.elements())))
     }
 
-    /// The buffer of a kind as the last frame left it; `None` for those that are not kept here.
+    /// Returns a buffer as the last frame left it; `None` if it is not part of the history.
     pub(crate) fn buffer(&mut self, buffer: StageBuffer) -> Option<&mut Buffer<Float4>> {
         match buffer {
             StageBuffer::States => Some(&mut self.states[self.now]),

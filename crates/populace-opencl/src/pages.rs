@@ -1,4 +1,4 @@
-//! Where palettes live: in memory of the device's own, or in pages that OpenGL lends.
+//! Memory of the palettes: the device's own, or pages shared with OpenGL.
 
 use std::sync::Arc;
 
@@ -16,12 +16,12 @@ const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
 
 const INVALID_BUFFER: ClError = ClError(-38);
 
-/// The pages of palettes, three elements for each entry.
+/// The pages of all palettes, with three elements for each entry.
 #[derive(Default)]
 pub(crate) struct Pages {
     /// Palette entries in use on each page.
     lengths: Vec<usize>,
-    /// Memory of the device's own; empty while `lent` is not.
+    /// The device's own memory; empty while `interop` is not.
     own: Vec<Buffer<Float4>>,
     interop: Option<InteropPages>,
     mark: Option<TargetMark>,
@@ -33,14 +33,14 @@ impl Pages {
         &self.lengths
     }
 
-    /// Makes room for so many entries on each page. Lent pages that are too small are given back;
-    /// the next frame writes anew what stood there.
+    /// Grows each page to the number of entries in use. Shared pages that are too small are
+    /// released, and the next frame writes all palettes again.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
         tables: &Tables,
     ) -> Result<(), BackendError> {
-        // The usual frame allocates nothing.
+        // Most frames allocate nothing.
         if self.lengths.iter().copied().eq(tables.page_lengths()) {
             return Ok(());
         }
@@ -64,7 +64,7 @@ impl Pages {
         Ok(())
     }
 
-    /// Whether there is room for so many entries on each page, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         let lengths = tables.page_lengths();
         lengths.len() <= self.lengths.len() && lengths.zip(&self.lengths).all(|(a, b)| a <= *b)
@@ -74,13 +74,13 @@ impl Pages {
         self.interop.iter().map(InteropPages::bytes).chain(self.own.iter().map(Buffer::bytes)).sum()
     }
 
-    /// Makes the pages ready to be written: never those that OpenGL draws from. To be called before
-    /// kernels that write palettes are enqueued.
+    /// Switches to pages that OpenGL does not draw from. Call it before enqueueing kernels that
+    /// write palettes.
     pub(crate) fn begin_frame(&mut self) -> Result<(), ClError> {
         self.interop.as_mut().map_or(Ok(()), InteropPages::begin_frame)
     }
 
-    /// The pages that were written last, or are to be written since the frame began.
+    /// Returns the pages of the current frame.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Buffer<Float4>> {
         self.own
             .iter()
@@ -88,7 +88,7 @@ impl Pages {
             .take(self.lengths.len())
     }
 
-    /// Shows a page as it was last written to `reader`, up to the last entry in use.
+    /// Passes a page, as it was last written, to `reader`, up to the last entry in use.
     pub(crate) fn with_page(
         &mut self,
         queue: &CommandQueue,
@@ -113,7 +113,7 @@ impl Pages {
         Ok(())
     }
 
-    /// Writes into what was written last; OpenGL may draw from it.
+    /// Writes into the pages of the last frame. OpenGL may be drawing from them.
     pub(crate) fn write(
         &mut self,
         queue: &CommandQueue,
@@ -140,7 +140,7 @@ impl Pages {
         let mut next = Self { interop, mark: Some(mark.clone()), ..Self::default() };
         if next.interop.as_mut().is_some_and(|interop| !interop.resize(&self.lengths)) {
             let cause = "the pages are too few or too small".into();
-            let operation = "write palettes into memory of OpenGL's".into();
+            let operation = "write palettes into OpenGL memory".into();
             return Err(BackendError::Failed {
                 device: device.info.name.clone(),
                 operation,
@@ -148,13 +148,13 @@ impl Pages {
             });
         }
         next.resize(device, self.lengths.clone())?;
-        // Pages that were longer keep their room; past their length is nothing to move.
+        // Pages that were longer keep their capacity, but only entries in use are copied.
         let copied = self.lengths.clone().into_iter().enumerate().try_for_each(|(page, length)| {
             next.with_buffer(page, |to| {
                 self.with_buffer(page, |from| to.copy_first(queue, from, length * 3))
             })
         });
-        copied.map_err(|e| device.failed("move its palettes", &e))?;
+        copied.map_err(|e| device.failed("copy palettes to new pages", &e))?;
         *self = next;
         Ok(())
     }

@@ -1,21 +1,22 @@
-//! The texts of the programs: layouts and constants from `populace-core`, then the kernels.
+//! Source texts of the programs: layouts and constants from `populace-core`, then the kernels.
 
 use populace_core::UserStage;
 
-/// What a program's kernels compute at once, and where the fused ones keep what a member plays.
+/// Variants of the kernels: what a work-item computes at once, and where fused kernels keep a
+/// member's slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Form {
-    /// Changes of tables, which all schedules use.
+    /// Upload of changes, for all schedules.
     Common,
-    /// The floor, which is only measured.
+    /// Lower bound of a schedule's time, for benchmarks.
     Floor,
     /// One joint for each work-item, through global memory.
     Staged,
     /// Sixteen joints at a time.
     Wide,
-    /// One joint for each work-item, and a work-group of that size for each member.
+    /// One joint for each work-item, and a work-group for each member.
     Grouped {
-        /// Work-items.
+        /// Work-items in a work-group.
         group: usize,
     },
 }
@@ -51,10 +52,10 @@ impl Form {
         }
     }
 
-    /// OpenCL C as one string: the driver binding crashes when given a list. `stages` is what
-    /// users' stages add to it, if there are any.
+    /// Returns the OpenCL C text as one string, since the driver binding crashes when given a list.
+    /// `stages` is the text that users' stages add, or empty.
     pub(crate) fn source(self, stages: &str) -> String {
-        // A fused product would differ from the native stages in the last bit.
+        // Contraction to a fused multiply-add would differ from the native stages in the last bit.
         let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
         let settings = self.settings();
         let arithmetic = [

@@ -1,6 +1,6 @@
 //! The staged schedule: the kernels Pose, Transform and Write-Back of Lister & Day 2012, section 3,
-//! one work-item per joint, through global memory, after a small kernel that evaluates slots from
-//! the clock.
+//! with one work-item for each joint, through global memory. A small kernel evaluates slots from
+//! the clock first.
 
 use std::ops::Range;
 
@@ -10,30 +10,38 @@ use opencl3::kernel::Kernel;
 use populace_core::layout::{Float4, PAGE_ENTRIES};
 use populace_core::{BackendError, Frame, Stage};
 
-use crate::OpenClDevice;
 use crate::buffer::Buffer;
-use crate::context::{FrameContext, narrow};
+use crate::context::FrameContext;
 use crate::history::WriteTarget;
 use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
 use crate::stage_buffers::StageBuffers;
 use crate::tables::DeviceBlockTables;
 use crate::user_stages::StageKernels;
+use crate::{DeviceKind, OpenClDevice};
 
-/// How work is cut for a kind of device.
+/// How work is divided on a kind of device.
 #[derive(Clone, Copy)]
 pub(crate) struct DispatchShape {
-    /// Work-items per group.
+    /// Work-items in a work-group.
     pub(crate) group: usize,
-    /// Members whose levels are transformed one after the other before those of the next.
+    /// Members whose levels are all transformed before those of the next members.
     members: usize,
 }
 
-/// Groups are whole blocks of 16 joints, and a multiple of the 32 or 64 lanes that run together.
+/// Work-groups are whole blocks of 16 joints, and a multiple of the 32 or 64 lanes that run
+/// together.
 pub(crate) const GPU_SHAPE: DispatchShape = DispatchShape { group: 64, members: usize::MAX };
-/// On a CPU a group is a loop on one core, and handing it over costs more than a joint does: larger
-/// groups win. The joints of a run of members stay in its caches from one level to the next.
-pub(crate) const CPU_SHAPE: DispatchShape = DispatchShape { group: 1024, members: 512 };
+/// On a CPU a work-group is a loop on one core, and scheduling it costs more than a joint does, so
+/// large groups are faster. The joints of 512 members stay in the caches of a core from one level
+/// to the next.
+const CPU_SHAPE: DispatchShape = DispatchShape { group: 1024, members: 512 };
+
+impl DispatchShape {
+    pub(crate) fn of(kind: DeviceKind) -> Self {
+        if kind == DeviceKind::Cpu { CPU_SHAPE } else { GPU_SHAPE }
+    }
+}
 
 /// A level of the hierarchy.
 #[derive(Clone, Copy)]
@@ -56,11 +64,11 @@ pub(crate) struct Staged {
     pose: Kernel,
     transform: Kernel,
     write_back: Kernel,
-    /// Read by these kernels alone.
+    /// Tables that only these kernels read.
     pub(crate) blocks: DeviceBlockTables,
     pub(crate) buffers: StageBuffers,
     shape: DispatchShape,
-    /// The events of the last frame's runs of each stage.
+    /// Events of the last frame, for each stage and run.
     events: [Vec<Vec<Event>>; Stage::ALL.len()],
 }
 
@@ -79,16 +87,16 @@ impl Staged {
         })
     }
 
-    /// Kernels that run users' stages.
+    /// The kernels that run users' stages.
     pub(crate) const STAGE_KERNELS: StageKernels =
         StageKernels { form: Form::Staged, names: ["pose", "transform"] };
 
-    /// Takes those of another program.
+    /// Replaces those kernels by the same ones of another program.
     pub(crate) fn take_stages(&mut self, kernels: [Kernel; 2]) {
         [self.pose, self.transform] = kernels;
     }
 
-    /// Enqueues a stage.
+    /// Enqueues one stage of a frame.
     pub(crate) fn run(
         &mut self,
         context: &FrameContext,
@@ -104,7 +112,7 @@ impl Staged {
         Ok(())
     }
 
-    /// The events of the last frame's runs of a stage.
+    /// Returns the events of the last frame's runs of a stage.
     pub(crate) fn events(&self, stage: Stage) -> &[Vec<Event>] {
         &self.events[stage as usize]
     }
@@ -120,7 +128,7 @@ impl Staged {
             .buffer("row_times", &context.tables.row_times.buffer)
             .buffer("buckets", &context.tables.buckets.buffer)
             .ulong("tick", frame.tick)
-            .uint("slot_count", narrow(count))
+            .count("slot_count", count)
             .buffer("samples", &self.buffers.samples)
             .run(context.queue, WorkSize::line(count, self.shape.group))
     }
@@ -144,8 +152,8 @@ impl Staged {
             .buffer("rows", &context.tables.rows.buffer)
             .buffer("poses", &context.tables.poses.buffer)
             .buffer("masks", &context.tables.masks.buffer)
-            .uint("slots_per_member", narrow(context.host.slots_per_member()))
-            .uint("place_count", narrow(count))
+            .count("slots_per_member", context.host.slots_per_member())
+            .count("place_count", count)
             .uint("member_first", frame.place_first)
             .uint("member_end", frame.place_end)
             .buffer("controls", &context.tables.controls.buffer)
@@ -168,7 +176,7 @@ impl Staged {
         level: Level,
         members: Range<usize>,
     ) -> Result<Event, ClError> {
-        // Groups hold the whole width of a level where they can, and as many members as then fit.
+        // A work-group holds the whole width of a level if it can, and as many members as then fit.
         let wide = level.width.min(self.shape.group);
         let local = [wide, (self.shape.group / wide).max(1)];
         let global =
@@ -178,9 +186,9 @@ impl Staged {
             .buffer("bodies", &context.tables.bodies.buffer)
             .buffer("parents", &context.tables.parents.buffer)
             .buffer("levels", &context.tables.levels.buffer)
-            .uint("level", narrow(level.index))
-            .uint("member_first", narrow(members.start))
-            .uint("member_end", narrow(members.end))
+            .count("level", level.index)
+            .count("member_first", members.start)
+            .count("member_end", members.end)
             .uint("phase", frame.phase_first)
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
@@ -192,7 +200,7 @@ impl Staged {
             .buffer("bound_clips", &context.tables.bound_clips.buffer)
             .buffer("clips", &context.tables.clips.buffer)
             .buffer("masks", &context.tables.masks.buffer)
-            .uint("slots_per_member", narrow(context.host.slots_per_member()))
+            .count("slots_per_member", context.host.slots_per_member())
             .ulong("tick", frame.tick);
         context
             .history
@@ -235,8 +243,8 @@ impl Staged {
             .buffer("row0", &self.buffers.models[0])
             .buffer("row1", &self.buffers.models[1])
             .buffer("row2", &self.buffers.models[2])
-            .uint("page_first", narrow(page.index * PAGE_ENTRIES as usize))
-            .uint("entry_count", narrow(page.entry_count))
+            .count("page_first", page.index * PAGE_ENTRIES as usize)
+            .count("entry_count", page.entry_count)
             .uint("member_first", frame.place_first)
             .uint("member_end", frame.place_end)
             .buffer("palette", page.palette)
@@ -254,7 +262,7 @@ impl Staged {
         }
         match stage {
             Stage::Evaluate => {
-                let advanced = context.machines.advance(context, frame)?;
+                let advanced = context.advance(frame)?;
                 Ok(advanced.into_iter().chain([self.evaluate(context, frame)?]).collect())
             }
             Stage::Pose => Ok(vec![self.pose(context, frame)?]),

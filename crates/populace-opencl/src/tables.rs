@@ -19,7 +19,7 @@ macro_rules! device_tables {
                 Ok(Self { $($name: DeviceTable::new(device)?),* })
             }
 
-            /// Whether every table of the host has room here, as it has after an update.
+            /// Returns whether the memory suffices for the tables, as it does after an update.
             pub(crate) fn hold(&self, tables: &Tables) -> bool {
                 true $(&& tables.$name().as_slice().len() <= self.$name.buffer.len())*
             }
@@ -40,7 +40,11 @@ macro_rules! device_tables {
                 Ok(())
             }
 
-            fn send(&mut self, tables: &Tables, uploader: &mut BatchUploader) -> Result<(), BackendError> {
+            fn send(
+                &mut self,
+                tables: &Tables,
+                uploader: &mut BatchUploader,
+            ) -> Result<(), BackendError> {
                 $(self.$name.send(tables.$name(), uploader)?;)*
                 Ok(())
             }
@@ -52,13 +56,13 @@ macro_rules! device_tables {
     };
 }
 
-// What every schedule reads.
+// Tables that every schedule reads.
 populace_core::with_tables!(device_tables, DeviceTables);
-// What the staged schedule alone reads.
+// Tables that only the staged schedule reads.
 populace_core::with_block_tables!(device_tables, DeviceBlockTables);
 
-/// The members of each page, for the fused schedules, which walk them. Lists shorten: launches take
-/// the host's count.
+/// The members of each page, over which the fused schedules iterate. Lists may shorten, so launches
+/// take the host's count.
 pub(crate) struct DevicePages {
     pub(crate) lists: Vec<DeviceTable<u32>>,
 }
@@ -68,7 +72,7 @@ impl DevicePages {
         Self { lists: Vec::new() }
     }
 
-    /// Whether the lists of all pages have room here, as they have after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         let pages = tables.page_lengths().len();
         let holds = |(page, list): (usize, &DeviceTable<u32>)| {

@@ -1,5 +1,4 @@
-//! Bringing a device's copies of the host's tables up to date, without waiting for what the device
-//! is still doing.
+//! Upload of the host's changed tables, without waiting for work that the device is still doing.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -14,17 +13,16 @@ use crate::buffer::{Buffer, Element, Staging};
 use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
 
-/// Updates whose memory on the host is kept until the device has read it; a host that is as many
-/// ahead waits for the oldest.
-const RING: usize = 64;
-/// Longer runs of elements are written from the table itself while the host waits: they come with
-/// loading, and a second copy of them would take memory that loading is short of.
+/// Upload batches in flight at most. A host that is further ahead waits for the oldest.
+const BATCHES_MOST: usize = 64;
+/// Runs of more bytes are written from the table itself, and the host waits. They come with
+/// loading, and a second copy would take memory that loading needs.
 const STAGED_BYTES: usize = 32 << 20;
 
-/// Copies of some of the host's tables.
+/// Device copies of some of the host's tables.
 pub(crate) trait Copies {
-    /// Finds out what each copy lacks, makes room for it, and lays it into `parcel`. Copies stay as
-    /// they are.
+    /// Collects the changes of each table into `batch` and allocates larger buffers where needed.
+    /// The copies themselves do not change yet.
     fn pack(
         &mut self,
         device: &OpenClDevice,
@@ -32,40 +30,40 @@ pub(crate) trait Copies {
         batch: &mut UploadBatch,
     ) -> Result<(), BackendError>;
 
-    /// Brings each copy up to date with what was packed just before.
+    /// Applies the changes that `pack` collected just before.
     fn send(&mut self, tables: &Tables, uploader: &mut BatchUploader) -> Result<(), BackendError>;
 
-    /// Frees what was made ready and will not be sent.
+    /// Drops collected changes that will not be sent.
     fn discard(&mut self);
 }
 
-/// What one update carries.
+/// The words that one update uploads.
 #[derive(Default)]
 pub(crate) struct UploadBatch {
-    /// Of each table with a few changes the indices, then the values.
+    /// For each table with a few changes: their indices, then their values.
     changes: Staging,
-    /// Runs of elements.
+    /// Runs of neighbouring elements.
     runs: Staging,
 }
 
-/// Where in [`Parcel::changes`] the changed elements of one table stand.
+/// Position of one table's changes in [`UploadBatch::changes`].
 struct Scatter {
     index_first: usize,
     value_first: usize,
     end: usize,
 }
 
-/// A run of elements, and where in [`Parcel::runs`] it stands; nowhere where it is to be written
-/// from the table.
+/// A run of elements and its position in [`UploadBatch::runs`]; `None` if it is written from the
+/// table itself.
 #[derive(Default)]
 struct ElementRun {
     elements: Range<usize>,
     word_first: Option<usize>,
 }
 
-/// How one table's copy will be brought up to date.
+/// Collected changes of one table.
 struct TableUpdate<T> {
-    /// Takes the place of the copy once it holds the first of `runs`.
+    /// Replaces the copy once it holds the first of `runs`.
     grown: Option<Buffer<T>>,
     scatter: Option<Scatter>,
     runs: [ElementRun; 2],
@@ -89,8 +87,8 @@ impl UploadBatch {
         let index_first = words.len();
         words.extend(table.changed());
         let value_first = words.len();
-        for place in index_first..value_first {
-            let value = table.as_slice()[words[place] as usize];
+        for position in index_first..value_first {
+            let value = table.as_slice()[words[position] as usize];
             words.extend_from_slice(bytemuck::cast_slice(&[value]));
         }
         Ok(Scatter { index_first, value_first, end: words.len() })
@@ -112,7 +110,7 @@ impl UploadBatch {
     }
 }
 
-/// A table's copy on the device, with room to grow.
+/// A table's copy on the device, with capacity to grow.
 pub(crate) struct DeviceTable<T> {
     pub(crate) buffer: Buffer<T>,
     pending: TableUpdate<T>,
@@ -132,7 +130,7 @@ impl<T: Element> DeviceTable<T> {
         table: &Table<T>,
         batch: &mut UploadBatch,
     ) -> Result<(), BackendError> {
-        let failed = |e| device.failed(&format!("gather changes of {}", table.name()), &e);
+        let failed = |e| device.failed(&format!("collect changes of {}", table.name()), &e);
         let count = table.as_slice().len();
         if count > self.buffer.len() {
             self.pending.grown = Some(self.larger(device, table)?);
@@ -151,14 +149,15 @@ impl<T: Element> DeviceTable<T> {
         Ok(())
     }
 
-    /// A buffer with room for as many elements as a table is expected to have, else for half as
-    /// many again as now, so that a growing crowd is not copied at every step; where that is too
-    /// much, for those that there are.
+    /// Allocates a buffer for the expected element count of a table; without one, for half as many
+    /// elements again as now, so that a growing crowd is not copied at every step. Falls back to
+    /// the exact count if that cannot be allocated.
     fn larger(&self, device: &OpenClDevice, table: &Table<T>) -> Result<Buffer<T>, BackendError> {
         let (count, expected) = (table.as_slice().len(), table.expected());
-        let room = if expected < count { count.max(self.buffer.len() * 3 / 2) } else { expected };
-        match Buffer::new(device, room, table.name()) {
-            Err(_) if room > count => Buffer::new(device, count, table.name()),
+        let capacity =
+            if expected < count { count.max(self.buffer.len() * 3 / 2) } else { expected };
+        match Buffer::new(device, capacity, table.name()) {
+            Err(_) if capacity > count => Buffer::new(device, count, table.name()),
             result => result,
         }
     }
@@ -185,7 +184,7 @@ impl<T: Element> DeviceTable<T> {
     ) -> Result<(), ClError> {
         if let Some(mut grown) = update.grown {
             uploader.write(&mut grown, table, &update.runs[0])?;
-            // Only now: a buffer that could not be filled must not be taken for a full one.
+            // Only now: a buffer that could not be filled must not count as full.
             self.buffer = grown;
             return Ok(());
         }
@@ -196,7 +195,7 @@ impl<T: Element> DeviceTable<T> {
     }
 }
 
-/// The way of one parcel to the device.
+/// Uploads one batch.
 pub(crate) struct BatchUploader<'a> {
     device: &'a OpenClDevice,
     queue: &'a CommandQueue,
@@ -234,24 +233,24 @@ impl BatchUploader<'_> {
     }
 }
 
-/// Offsets within one update, which is far below 2^32 words, or is not done.
+/// Narrows an offset within one update to 32 bits, or fails.
 fn narrow(count: usize) -> Result<u32, ClError> {
     const INVALID_VALUE: i32 = -30;
     u32::try_from(count).map_err(|_| ClError(INVALID_VALUE))
 }
 
-/// Brings copies up to date.
+/// Uploads changes of tables, and keeps batches until the device has read them.
 pub(crate) struct Uploader {
     kernel: Kernel,
     group: usize,
-    /// Changed elements of all tables on their way to their places.
+    /// The changed elements of all tables, before they are scattered.
     changes: Buffer<u32>,
-    /// Parcels that the device may still be reading, the oldest first.
+    /// Batches that the device may still be reading, the oldest first.
     sent: VecDeque<UploadBatch>,
 }
 
 impl Uploader {
-    /// `group` is the work-items in a group.
+    /// `group` is the number of work-items in a work-group.
     pub(crate) fn new(device: &OpenClDevice, group: usize) -> Result<Self, BackendError> {
         Ok(Self {
             kernel: device.kernel(Form::Common, "", "apply_changes")?,
@@ -261,8 +260,8 @@ impl Uploader {
         })
     }
 
-    /// Enqueues what brings all copies up to date, or leaves them as they were where there is no
-    /// room.
+    /// Enqueues the upload of all changes. If memory cannot be allocated, all copies stay as they
+    /// were.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
@@ -270,7 +269,7 @@ impl Uploader {
         tables: &Tables,
         copies: &mut [&mut dyn Copies],
     ) -> Result<(), BackendError> {
-        let batch = self.empty_batch().map_err(|e| device.failed("take over changes", &e))?;
+        let batch = self.empty_batch().map_err(|e| device.failed("start an upload", &e))?;
         let result = self.dispatch(device, queue, tables, copies, batch);
         copies.iter_mut().for_each(|c| c.discard());
         self.sent.push_back(result?);
@@ -298,7 +297,7 @@ impl Uploader {
             Some(oldest) => oldest.changes.is_done()? && oldest.runs.is_done()?,
             None => false,
         };
-        let mut batch = if oldest_is_done || self.sent.len() >= RING {
+        let mut batch = if oldest_is_done || self.sent.len() >= BATCHES_MOST {
             self.sent.pop_front().unwrap_or_default()
         } else {
             UploadBatch::default()

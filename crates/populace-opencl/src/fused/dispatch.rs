@@ -1,4 +1,5 @@
-//! How the fused schedules spread members over work-items, and where these keep `model_from_joint`.
+//! How the fused schedules distribute members over work-items, and where these store
+//! `model_from_joint`.
 
 use opencl3::kernel::Kernel;
 use populace_core::layout::{Float4, MEMBERS_PER_BATCH};
@@ -7,30 +8,29 @@ use populace_core::{BackendError, Tables};
 use super::MATRIX;
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
-use crate::context::narrow;
 use crate::launch::{Launch, WorkSize};
 use crate::tables::DeviceTables;
 
-/// Scratches for each core: enough work-items to even out their work, few enough that their
-/// matrices take little memory. Twice as many, for a fourth of the work-items, if members wait for
-/// each other.
+/// Scratches for each core: enough work-items to balance the load, few enough that their matrices
+/// take little memory. If members wait for each other, there are twice as many scratches for a
+/// fourth of the work-items.
 const SCRATCH_PER_CORE: usize = 32;
-/// What rows of matrices in local memory are longer than the largest body by. Bodies are padded to
-/// 16, so that the first rows of the three arrays stand three times 16 bytes apart, modulo 128: the
-/// eight rows of the palette that are computed at once then come out of all 32 banks.
+/// Extra elements in each array of rows in local memory. Bodies are padded to 16, so the first rows
+/// of the three arrays are three times 16 bytes apart, modulo 128: the eight rows of the palette
+/// that are computed at once then come from all 32 banks.
 const STRIDE_PAST_BODY: usize = 3;
 
 pub(super) enum Dispatch {
-    /// `fused_wide.cl`: each of some work-items for each core takes a run of members; the matrices
-    /// of those that it is at are in global memory.
+    /// `fused_wide.cl`: each of several work-items for each core takes a run of members. The
+    /// matrices of the members in progress are in global memory.
     Wide { cores: usize, matrices: Buffer<Float4> },
-    /// `fused_grouped.cl`: a work-group for each member; matrices are in local memory.
+    /// `fused_grouped.cl`: a work-group for each member. Matrices are in local memory.
     Grouped {
         group: usize,
         /// Elements of each of the three arrays of rows; 0 before the first update.
         stride: usize,
-        /// Bytes of local memory that the kernel takes beside them.
-        beside_bytes: u64,
+        /// Bytes of local memory that the kernel takes in addition to the rows.
+        other_bytes: u64,
     },
 }
 
@@ -40,19 +40,19 @@ impl Dispatch {
         Ok(Self::Wide { cores, matrices: Buffer::new(device, 0, "an empty buffer")? })
     }
 
-    /// For a kernel built for groups of that size.
+    /// For a kernel that was built for work-groups of `group` work-items.
     pub(super) fn grouped(
         device: &OpenClDevice,
         kernel: &Kernel,
         group: usize,
     ) -> Result<Self, BackendError> {
-        let beside_bytes = kernel.get_local_mem_size(device.device.id());
-        let beside_bytes =
-            beside_bytes.map_err(|e| device.failed("tell a kernel's local memory", &e))?;
-        Ok(Self::Grouped { group, stride: 0, beside_bytes })
+        let other_bytes = kernel.get_local_mem_size(device.device.id());
+        let other_bytes =
+            other_bytes.map_err(|e| device.failed("query a kernel's local memory", &e))?;
+        Ok(Self::Grouped { group, stride: 0, other_bytes })
     }
 
-    /// Makes room for the matrices of the largest body.
+    /// Grows to the matrices of the largest body.
     pub(super) fn update(
         &mut self,
         device: &OpenClDevice,
@@ -66,12 +66,12 @@ impl Dispatch {
                 *matrices = Buffer::new(
                     device,
                     matrices_for(*cores, tables),
-                    "the matrices of members at work",
+                    "matrices of members in progress",
                 )?;
             }
-            Self::Grouped { stride, beside_bytes, .. } => {
-                let wished = stride_for(tables);
-                let bytes = (3 * wished * size_of::<Float4>()) as u64 + *beside_bytes;
+            Self::Grouped { stride, other_bytes, .. } => {
+                let needed = stride_for(tables);
+                let bytes = (3 * needed * size_of::<Float4>()) as u64 + *other_bytes;
                 let available = device.info.local_memory_bytes;
                 if bytes > available {
                     let device = device.info.name.clone();
@@ -82,13 +82,13 @@ impl Dispatch {
                         available,
                     });
                 }
-                *stride = wished;
+                *stride = needed;
             }
         }
         Ok(())
     }
 
-    /// Whether there is room for what the tables hold, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(super) fn holds(&self, tables: &Tables) -> bool {
         match self {
             Self::Wide { cores, matrices } => matrices_for(*cores, tables) <= matrices.len(),
@@ -96,7 +96,7 @@ impl Dispatch {
         }
     }
 
-    /// Bytes of global memory.
+    /// Returns the bytes of global memory.
     pub(super) fn bytes(&self) -> usize {
         match self {
             Self::Wide { matrices, .. } => matrices.bytes(),
@@ -104,7 +104,7 @@ impl Dispatch {
         }
     }
 
-    /// Sets the tables that one form reads and the other does not.
+    /// Sets the tables that only one of the two forms reads.
     pub(super) fn tables<'a>(&self, launch: Launch<'a>, tables: &DeviceTables) -> Launch<'a> {
         match self {
             Self::Wide { .. } => launch
@@ -116,7 +116,8 @@ impl Dispatch {
         }
     }
 
-    /// Sets what the frame's kernel works in for so many members.
+    /// Sets the scratch memory of the frame's kernel, and returns the work size for `members`
+    /// members.
     pub(super) fn frame<'a>(
         &self,
         launch: Launch<'a>,
@@ -128,10 +129,10 @@ impl Dispatch {
                 let scratch = WideScratch::of(host);
                 let run = members.div_ceil(cores * scratch.per_core / scratch.per_item);
                 let launch = launch
-                    .uint("member_count", narrow(members))
-                    .uint("run", narrow(run))
-                    .uint("abreast", narrow(scratch.per_item))
-                    .uint("padded_most", narrow(host.padded_most()))
+                    .count("member_count", members)
+                    .count("run", run)
+                    .count("abreast", scratch.per_item)
+                    .count("padded_most", host.padded_most())
                     .buffer("matrices", matrices);
                 (launch, WorkSize::line(members.div_ceil(run), 1))
             }
@@ -139,25 +140,24 @@ impl Dispatch {
         }
     }
 
-    /// Sets what a kernel works in that takes a work-item or a work-group for each of so many
-    /// members.
+    /// Sets the scratch memory of a kernel with a work-item or a work-group for each member, and
+    /// returns the work size for `members` members.
     pub(super) fn member<'a>(&self, launch: Launch<'a>, members: usize) -> (Launch<'a>, WorkSize) {
         match self {
             Self::Wide { .. } => (launch, WorkSize::line(members, 1)),
             Self::Grouped { group, stride, .. } => {
-                let launch = launch
-                    .uint("stride", narrow(*stride))
-                    .local::<Float4>("model_rows", 3 * stride);
+                let launch =
+                    launch.count("stride", *stride).local::<Float4>("model_rows", 3 * stride);
                 (launch, WorkSize::line(members * group, *group))
             }
         }
     }
 }
 
-/// How much scratch the wide kernel has. A scratch holds the matrices of one member.
+/// Size of the wide kernel's scratch memory. One scratch holds the matrices of one member.
 struct WideScratch {
     per_core: usize,
-    /// More than 1 only if members have constraints: others never wait.
+    /// More than 1 only if members have constraints. Other members never wait.
     per_item: usize,
 }
 

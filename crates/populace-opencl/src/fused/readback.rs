@@ -1,4 +1,5 @@
-//! What lies between slots and palette of one member, for those who want to read it.
+//! Reading of one member's samples, local transforms and matrices, which the fused schedules do not
+//! store.
 
 use populace_core::layout::{Float4, POSE_PLANES, SlotSample};
 use populace_core::{BackendError, StageBuffer, Tables};
@@ -8,10 +9,10 @@ use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::context::FrameContext;
 
-/// Where a member is evaluated once more, on the device.
+/// Buffers into which a member is evaluated once more.
 pub(super) struct ScratchOutputs {
     pub(super) samples: Buffer<SlotSample>,
-    /// Local transforms: ten planes, as in stored poses.
+    /// Local transforms: ten planes in the layout of stored poses.
     pub(super) planes: Buffer<f32>,
     pub(super) matrices: Buffer<Float4>,
     joint_count: usize,
@@ -34,7 +35,7 @@ impl ScratchOutputs {
         })
     }
 
-    /// Waits until it is written.
+    /// Waits for the evaluation and reads the results.
     pub(super) fn read(
         &self,
         context: &FrameContext,
@@ -56,7 +57,7 @@ impl ScratchOutputs {
     }
 }
 
-/// The same on the host.
+/// The results on the host.
 pub(super) struct MemberReadback {
     pub(super) place: u32,
     samples: Vec<SlotSample>,
@@ -65,7 +66,8 @@ pub(super) struct MemberReadback {
 }
 
 impl MemberReadback {
-    /// An element as the buffers of the staged schedule hold it; `None` past the member's end.
+    /// Returns an element as the buffers of the staged schedule hold it; `None` past the member's
+    /// end.
     pub(super) fn element(&self, buffer: StageBuffer, at: usize) -> Option<Float4> {
         let joint_count = self.matrices.len() / MATRIX;
         if buffer == StageBuffer::Samples {
