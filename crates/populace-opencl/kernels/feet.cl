@@ -60,7 +60,7 @@ INLINE float4 footing(const Solver *s, uint foot, __global const Constraint *con
     behind.y = 0.0f;
     bool stays = was_planted;
     const float far2 = vec_dot(behind, behind), held2 = held_most * held_most;
-    if (far2 > 4.0f * held2) { // The member was teleported.
+    if (far2 > 4.0f * held2) { // the member was teleported
         behind = vec(0.0f, 0.0f, 0.0f);
         stays = false;
     } else if (far2 > held2) {

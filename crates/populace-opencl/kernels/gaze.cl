@@ -26,9 +26,9 @@ typedef struct {
     const YieldPoint *at;
     uint count, links_most, targets_most;
     Frame frame;
-    // The chain's joints as the clips pose them. Shorter chains repeat their last joint.
+    // Origins of the chain's joints as the clips pose them. Shorter chains repeat their last joint.
     Vec3 places[LINKS_MOST];
-    Real shares[LINKS_MOST]; // Share of the whole rotation for each link; 0 from the last joint on.
+    Real shares[LINKS_MOST]; // share of the whole rotation for each link; 0 from the last joint on
     Sight start;             // direction that the end of the chain faces
     Vec3 tangents, limits;   // of the limits: to either side, up, down (radians)
 } GazeBatch;

@@ -57,13 +57,13 @@ pub(crate) const INVALID_VALUE: i32 = -30;
 
 /// Words of host memory that a device reads asynchronously.
 #[derive(Default)]
-pub(crate) struct Staging {
+pub(crate) struct StagingWords {
     words: Vec<u32>,
     /// Uploads from these words that may not have completed.
     reads: Vec<Event>,
 }
 
-impl Staging {
+impl StagingWords {
     /// Returns whether all uploads have completed.
     pub(crate) fn is_done(&self) -> Result<bool, ClError> {
         for read in &self.reads {
@@ -84,7 +84,7 @@ impl Staging {
     }
 }
 
-impl Drop for Staging {
+impl Drop for StagingWords {
     fn drop(&mut self) {
         if self.words().is_err() {
             // The device may still read the words, since it does not tell whether it has finished.
@@ -234,7 +234,7 @@ impl<T: Element> Buffer<T> {
         &mut self,
         queue: &CommandQueue,
         elements: Range<usize>,
-        from: &mut Staging,
+        from: &mut StagingWords,
         word_first: usize,
     ) -> Result<(), ClError> {
         self.check(elements.start, elements.len())?;

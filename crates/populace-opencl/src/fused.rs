@@ -202,12 +202,12 @@ impl Fused {
             operation: format!("read {buffer:?} from element {first} on"),
             cause: "it is past the end of a member".into(),
         };
-        let (place, at) = context.host.place_of(buffer, first).ok_or_else(past_the_end)?;
-        if self.readback.as_ref().is_none_or(|readback| readback.place != place) {
-            let outputs = ScratchOutputs::new(device, context.host, place)?;
-            self.run_joints(context, place, &outputs)
+        let (member, at) = context.host.place_of(buffer, first).ok_or_else(past_the_end)?;
+        if self.readback.as_ref().is_none_or(|readback| readback.member != member) {
+            let outputs = ScratchOutputs::new(device, context.host, member)?;
+            self.run_joints(context, member, &outputs)
                 .map_err(|e| device.failed("read a member's joints", &e))?;
-            self.readback = Some(outputs.read(context, device, place)?);
+            self.readback = Some(outputs.read(context, device, member)?);
         }
         let readback = self.readback.as_ref().ok_or_else(past_the_end)?;
         for (offset, element) in into.iter_mut().enumerate() {
@@ -219,12 +219,12 @@ impl Fused {
     fn run_joints(
         &self,
         context: &FrameContext,
-        place: u32,
+        member: u32,
         outputs: &ScratchOutputs,
     ) -> Result<Event, ClError> {
         let launch = self
             .launch(context, &self.joints, self.last, WriteTarget::Scratch)
-            .uint("owner", place)
+            .uint("owner", member)
             .buffer("samples", &outputs.samples)
             .buffer("planes", &outputs.planes)
             .buffer("matrices", &outputs.matrices);

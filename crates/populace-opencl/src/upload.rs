@@ -9,7 +9,7 @@ use opencl3::kernel::Kernel;
 use populace_core::{BackendError, Table, Tables};
 
 use crate::OpenClDevice;
-use crate::buffer::{Buffer, Element, Staging};
+use crate::buffer::{Buffer, Element, StagingWords};
 use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
 
@@ -41,9 +41,9 @@ pub(crate) trait Copies {
 #[derive(Default)]
 pub(crate) struct UploadBatch {
     /// For each table with a few changes: their indices, then their values.
-    changes: Staging,
+    changes: StagingWords,
     /// Runs of neighbouring elements.
-    runs: Staging,
+    runs: StagingWords,
 }
 
 /// Position of one table's changes in [`UploadBatch::changes`].

@@ -22,10 +22,10 @@ impl ScratchOutputs {
     pub(super) fn new(
         device: &OpenClDevice,
         host: &Tables,
-        place: u32,
+        member: u32,
     ) -> Result<Self, BackendError> {
         let body =
-            host.bodies().as_slice()[host.members().as_slice()[place as usize].body as usize];
+            host.bodies().as_slice()[host.members().as_slice()[member as usize].body as usize];
         let padded = body.padded_count as usize;
         Ok(Self {
             samples: Buffer::new(device, host.slots_per_member(), "a member's samples")?,
@@ -40,10 +40,10 @@ impl ScratchOutputs {
         &self,
         context: &FrameContext,
         device: &OpenClDevice,
-        place: u32,
+        member: u32,
     ) -> Result<MemberReadback, BackendError> {
         let mut readback = MemberReadback {
-            place,
+            member,
             samples: vec![SlotSample::default(); self.samples.len()],
             planes: vec![0.0; self.planes.len()],
             matrices: vec![Float4::default(); self.joint_count * MATRIX],
@@ -59,7 +59,7 @@ impl ScratchOutputs {
 
 /// The results on the host.
 pub(super) struct MemberReadback {
-    pub(super) place: u32,
+    pub(super) member: u32,
     samples: Vec<SlotSample>,
     planes: Vec<f32>,
     matrices: Vec<Float4>,
