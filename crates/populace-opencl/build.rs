@@ -1,5 +1,5 @@
-//! `POPULACE_SKIP=opencl` shows the tests that need a device as ignored; without it a missing
-//! device fails them.
+//! Reads `POPULACE_SKIP`. With `POPULACE_SKIP=opencl`, tests that need a device are ignored; without
+//! it, they fail if there is no device.
 
 fn main() {
     println!("cargo:rustc-check-cfg=cfg(skip_opencl)");

@@ -1,9 +1,8 @@
-/* angle.cl - angles from their sines and cosines, and back. Twin of populace-core math/angle.rs. */
+// angle.cl - Angles from sines and cosines, and back, by sums, products and quotients only.
+//
+// Twin of populace-core/src/math/angle.rs: same arithmetic, same order of operations.
 
-#define HALF_TURN 3.14159274101257324f
-#define QUARTER_TURN 1.57079637050628662f
-
-/* The angle from +X towards +Y, from -pi to pi. */
+// Returns the angle of (x, y) from +X towards +Y, in radians from -pi to pi; 0 for the origin.
 INLINE Real angle_of(Real y, Real x)
 {
     const Real up = fabs(y), along = fabs(x);
@@ -11,22 +10,45 @@ INLINE Real angle_of(Real y, Real x)
     const Real low = steep ? along : up, high = steep ? up : along, ratio = low / high;
     const Choice far = ratio > (Real)(0.25f);
     const Real a = far ? (ratio - 0.5f) / (1.0f + 0.5f * ratio) : ratio, s = a * a;
-    const Real series = 1.0f + s * (-1.0f / 3.0f + s * (0.2f + s * (-1.0f / 7.0f + s * (1.0f / 9.0f + s * (-1.0f / 11.0f)))));
+    const Real series =
+        1.0f
+        + s
+              * (-1.0f / 3.0f
+                 + s * (0.2f + s * (-1.0f / 7.0f + s * (1.0f / 9.0f + s * (-1.0f / 11.0f)))));
     const Real near = a * series + (far ? (Real)(0.4636476f) : (Real)(0.0f));
     const Real upper = steep ? QUARTER_TURN - near : near;
     const Real right = x < (Real)(0.0f) ? HALF_TURN - upper : upper;
     const Real angle = y < (Real)(0.0f) ? -right : right;
-    return high < (Real)(1e-20f) ? (Real)(0.0f) : angle;
+    return high < (Real)(TINY) ? (Real)(0.0f) : angle;
 }
 
-/* Sine and cosine of an angle from -pi to pi. */
+// Computes sine and cosine of an angle in radians from -pi to pi.
 INLINE void sin_cos(Real angle, Real *sine, Real *cosine)
 {
     const Real x = 0.5f * angle, s = x * x;
-    const Real half_sine = x * (1.0f + s * (-1.0f / 6.0f + s * (1.0f / 120.0f + s * (-1.0f / 5040.0f
-                           + s * (1.0f / 362880.0f - s * (1.0f / 39916800.0f))))));
-    const Real half_cosine = 1.0f + s * (-0.5f + s * (1.0f / 24.0f + s * (-1.0f / 720.0f + s * (1.0f / 40320.0f
-                             + s * (-1.0f / 3628800.0f + s * (1.0f / 479001600.0f))))));
+    const Real half_sine =
+        x
+        * (1.0f
+           + s
+                 * (-1.0f / 6.0f
+                    + s
+                          * (1.0f / 120.0f
+                             + s
+                                   * (-1.0f / 5040.0f
+                                      + s * (1.0f / 362880.0f - s * (1.0f / 39916800.0f))))));
+    const Real half_cosine =
+        1.0f
+        + s
+              * (-0.5f
+                 + s
+                       * (1.0f / 24.0f
+                          + s
+                                * (-1.0f / 720.0f
+                                   + s
+                                         * (1.0f / 40320.0f
+                                            + s
+                                                  * (-1.0f / 3628800.0f
+                                                     + s * (1.0f / 479001600.0f))))));
     *sine = 2.0f * half_sine * half_cosine;
     *cosine = 1.0f - 2.0f * half_sine * half_sine;
 }

@@ -1,11 +1,17 @@
-/* apply_changes.cl - puts changed elements of one table, sent together, each into its place.
- * NDRange  (words of all changed elements, padded to whole work-groups)
- * Reads    changes: at index_first the index of each changed element, at value_first their values one after the other
- * Writes   table: the changed elements, each once, in 32-bit words
- * Oracle   the host's table */
+// apply_changes.cl - Scatters changed elements, uploaded together, into one table.
+//
+// NDRange  (words of all changed elements, padded to whole work-groups)
+// Reads    changes: from index_first on the index of each changed element; from value_first on
+//          their values, one after the other
+// Writes   table: each changed element once, as 32-bit words
+// Oracle   the host's table (src/upload/tests.rs)
 
-__kernel void apply_changes(__global const uint *changes, uint index_first, uint value_first, uint element_words,
-                            uint word_count, __global uint *table)
+__kernel void apply_changes(
+    // Changes, and where they begin.
+    __global const uint *changes, uint index_first, uint value_first, uint element_words,
+    uint word_count,
+    // Output.
+    __global uint *table)
 {
     const uint word = (uint)get_global_id(0);
     if (word >= word_count) return;

@@ -1,17 +1,19 @@
-/* chain.cl - chains of any length, by FABRIK (Aristidou & Lasenby 2011). Twin of populace-native controls/chain.rs. */
+// chain.cl - Inverse kinematics of chains of any length, by FABRIK (Aristidou & Lasenby 2011).
+//
+// Reads    local transforms of the chain; targets
+// Writes   the model transform of the first joint; one rotation for each further joint (turns)
+//
+// Twin of populace-native/src/constraints/chain.rs: same arithmetic, same order of operations.
 
-/* Passes along the chain and back. Always as many, so that what comes out moves smoothly with the target. */
-#define PASSES 16
-
-/* Draws a point to so far from another. */
-INLINE float4 drawn_to(float4 to, float4 from, float length)
+// Moves `from` along the line through `to` until it is `length` away from `to`.
+INLINE float4 drawn(float4 to, float4 from, float length)
 {
     return add_scaled(to, unit_or(from - to, vec(0.0f, 1.0f, 0.0f)), length);
 }
 
-APART_STEP float16 chain(const Steering *s, Hierarchy joints, Step step, float16 own)
+APART_STEP float16 chain(const Solver *s, Hierarchy joints, Step step, float16 own)
 {
-    __global const Constraint *constraint = s->of->constraints + step.index;
+    __global const Constraint *constraint = s->tables->constraints + step.index;
     const uint last = constraint->link_count - 1;
     float4 places[LINKS_MOST], points[LINKS_MOST];
     float lengths[LINKS_MOST], total = 0.0f, weight;
@@ -20,24 +22,27 @@ APART_STEP float16 chain(const Steering *s, Hierarchy joints, Step step, float16
         lengths[at] = vec_length(places[at + 1] - places[at]);
         total += lengths[at];
     }
-    const float4 target = goal_of(s, constraint, places[0], &weight), to = target - places[0];
+    const float4 target = goal(s, constraint, places[0], &weight), to = target - places[0];
     const float distance = vec_length(to);
     for (uint at = 0; at <= last; at++) points[at] = places[at];
     if (weight > 0.0f && total > 1e-6f && distance > 1e-6f) {
         const Real softened = soft_distance(distance, total, 0.0f, constraint->limits.x);
         const float far = LANE(softened, 0);
-        const float4 goal = add_scaled(places[0], to, far / distance);
+        const float4 reached = add_scaled(places[0], to, far / distance);
         for (uint pass = 0; pass < PASSES; pass++) {
-            points[last] = goal;
-            for (uint at = last; at-- > 0;) points[at] = drawn_to(points[at + 1], points[at], lengths[at]);
+            points[last] = reached;
+            for (uint at = last; at-- > 0;)
+                points[at] = drawn(points[at + 1], points[at], lengths[at]);
             points[0] = places[0];
-            for (uint at = 0; at < last; at++) points[at + 1] = drawn_to(points[at], points[at + 1], lengths[at]);
+            for (uint at = 0; at < last; at++)
+                points[at + 1] = drawn(points[at], points[at + 1], lengths[at]);
         }
     }
     float4 turned_by = IDENTITY_TURN;
     float16 result = own;
     for (uint at = 0; at < last; at++) {
-        const float4 was = unit_or(turned(turned_by, places[at + 1] - places[at]), vec(0.0f, 0.0f, 0.0f));
+        const float4 was =
+            unit_or(turned(turned_by, places[at + 1] - places[at]), vec(0.0f, 0.0f, 0.0f));
         const float4 is = unit_or(points[at + 1] - points[at], was);
         const float4 turn = part_of(turn_between(was, is, any_across(is)), weight);
         if (at == 0) result = affine_turned(own, turn);

@@ -1,8 +1,10 @@
-/* floor.cl - the floor under every schedule: palettes written with a constant, and nothing computed.
- * NDRange  (what one work-item writes, padded to whole work-groups)
- * Writes   palette[0 .. count] of one page */
+// floor.cl - Lower bound of every schedule's time: writes palettes with a constant and computes
+// nothing. Measured by benchmarks only.
+//
+// NDRange  (palette divided by what one work-item writes, padded to whole work-groups)
+// Writes   palette[0 .. count] of one page; count is in float4s
 
-/* The floor, three ways: a float4, a matrix, and a run of sixteen matrices for each work-item. `count` is in float4s. */
+// Three variants: each work-item writes one float4, one matrix, or a run of sixteen matrices.
 __kernel void floor_float4(__global float4 *palette, uint count)
 {
     if (get_global_id(0) < count) palette[get_global_id(0)] = (float4)(1.0f, 2.0f, 3.0f, 4.0f);
@@ -18,5 +20,6 @@ __kernel void floor_matrix(__global float4 *palette, uint count)
 __kernel void floor_run(__global float4 *palette, uint count)
 {
     const size_t first = get_global_id(0) * 48;
-    for (size_t i = first; i < min(first + 48, (size_t)count); i++) palette[i] = (float4)(1.0f, 2.0f, 3.0f, 4.0f);
+    for (size_t i = first; i < min(first + 48, (size_t)count); i++)
+        palette[i] = (float4)(1.0f, 2.0f, 3.0f, 4.0f);
 }

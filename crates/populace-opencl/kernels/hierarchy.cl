@@ -1,10 +1,16 @@
-/* hierarchy.cl - where each schedule keeps a member's local transforms until the way down the hierarchy comes to them, and
- * the turns that steps hand down. */
+// hierarchy.cl - Storage of a member's transforms on the way down its hierarchy, for each schedule,
+// and the address space of rotations that steps hand down (TURNS).
+//
+// Twin of populace-native/src/hierarchy.rs.
 
 #if defined(GROUP)
 
-/* Matrices in local memory: three arrays of rows, each `stride` long; local until the level above is done. */
-typedef struct { __local float4 *rows; uint stride; } Hierarchy;
+// Matrices in local memory: three arrays of rows, each `stride` elements long. A joint holds its
+// local transform until its level is done.
+typedef struct {
+    __local float4 *rows;
+    uint stride;
+} Hierarchy;
 
 #define TURNS __local
 
@@ -26,8 +32,10 @@ INLINE float16 local_of(Hierarchy models, uint joint) { return model_of(models, 
 
 #elif LANES > 1
 
-/* One matrix each, local until the parent is done. */
-typedef struct { __global const float16 *models; } Hierarchy;
+// One float16 for each joint: its local transform until its parent is done.
+typedef struct {
+    __global const float16 *models;
+} Hierarchy;
 
 #define TURNS __private
 
@@ -35,18 +43,22 @@ INLINE float16 local_of(Hierarchy joints, uint joint) { return joints.models[joi
 
 #else
 
-/* The joint buffer, from the member's first joint on. */
-typedef struct { __global const float4 *translations, *rotations, *scales; } Hierarchy;
+// The joint buffer from the member's first joint on.
+typedef struct {
+    __global const float4 *translations, *rotations, *scales;
+} Hierarchy;
 
 #define TURNS __global
 
 INLINE float16 local_of(Hierarchy joints, uint joint)
 {
-    const float4 t = joints.translations[joint], r = joints.rotations[joint], s = joints.scales[joint];
-    const Trs trs = { { t.x, t.y, t.z }, { r.x, r.y, r.z, r.w }, { s.x, s.y, s.z } };
+    const float4 t = joints.translations[joint], r = joints.rotations[joint],
+                 s = joints.scales[joint];
+    const Local trs = { { t.x, t.y, t.z }, { r.x, r.y, r.z, r.w }, { s.x, s.y, s.z } };
     float m[12];
     components_of(trs, m);
-    return (float16)(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], (float4)(0.0f));
+    return (float16)(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11],
+                     (float4)(0.0f));
 }
 
 #endif

@@ -1,84 +1,62 @@
-/* joint.cl - what Pose (Lister & Day 2012, section 3, fig. 1) computes for a joint: a member's
- * slots mixed layer by layer, and the matrix that comes of it. Twin of populace-native joint.rs. */
+// joint.cl - Pose stage of one joint, or of sixteen neighbouring ones (Lister & Day 2012, section
+// 3, fig. 1): mixes a member's slots layer by layer, then applies proportions, overrides in local
+// space and users' stages.
+//
+// Twin of populace-native/src/joint.rs: same arithmetic, same order of operations.
 
-/* What takes `reference` to `value`, its rotation on the side of another one; scales that stand at rest in both are not
- * divided. */
-INLINE Trs quotient(Trs value, Trs reference, Quat side, uint at_rest)
-{
-    Trs trs = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 1.0f } };
-    trs.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), side);
-    trs.t = vec3_add(value.t, vec3_scale(reference.t, -1.0f));
-    if (at_rest & REST_SCALE) return trs;
-    trs.s.x = reference.s.x == (Real)(0.0f) ? (Real)(1.0f) : value.s.x / reference.s.x;
-    trs.s.y = reference.s.y == (Real)(0.0f) ? (Real)(1.0f) : value.s.y / reference.s.y;
-    trs.s.z = reference.s.z == (Real)(0.0f) ? (Real)(1.0f) : value.s.z / reference.s.z;
-    return trs;
-}
+// Weighted sum over a layer's slots. `at_rest` has REST_TRANSLATION or REST_SCALE set if all slots
+// are at rest.
+typedef struct {
+    Local trs;
+    float total;
+    uint at_rest;
+} Sum;
 
-/* A change, less what changes nothing: sums of it do not depend on their order. */
-INLINE Trs change(Trs trs)
-{
-    trs.r.w -= 1.0f;
-    trs.s.x -= 1.0f;
-    trs.s.y -= 1.0f;
-    trs.s.z -= 1.0f;
-    return trs;
-}
-
-INLINE Trs add_layer(Trs beneath, Trs sum, Real layer_weight)
-{
-    Trs trs;
-    const Quat delta = quat_normalize_or(quat_add(quat_identity(), quat_scale(sum.r, layer_weight)), quat_identity());
-    trs.t = vec3_add(beneath.t, vec3_scale(sum.t, layer_weight));
-    trs.r = quat_mul(beneath.r, delta);
-    trs.s.x = beneath.s.x * (1.0f + sum.s.x * layer_weight);
-    trs.s.y = beneath.s.y * (1.0f + sum.s.y * layer_weight);
-    trs.s.z = beneath.s.z * (1.0f + sum.s.z * layer_weight);
-    return trs;
-}
-
-/* The weighted sum over a layer's slots; `at_rest` holds REST_TRANSLATION and REST_SCALE where no slot leaves the rest. */
-typedef struct { Trs trs; float total; uint at_rest; } Sum;
-
-/* What no slot moves is at rest, to the bit. */
-INLINE Trs mean_of(Sum sum, Trs rest)
+// Returns the mean. Properties that no slot moves are at rest to the bit.
+INLINE Local mean_of(Sum sum, Local rest)
 {
     const float k = 1.0f / sum.total;
-    Trs mean;
+    Local mean;
     mean.t = sum.at_rest & REST_TRANSLATION ? rest.t : vec3_scale(sum.trs.t, k);
     mean.r = quat_normalize_or(sum.trs.r, rest.r);
     mean.s = sum.at_rest & REST_SCALE ? rest.s : vec3_scale(sum.trs.s, k);
     return mean;
 }
 
-/* A layer above 0 whose slots weigh less than 1 in all leaves the remainder to what lies beneath. */
-INLINE Trs mix_layer(Trs beneath, Trs above, float total, Real layer_weight, Trs rest)
+// Mixes a layer above 0 over the pose beneath. A layer with a total weight below 1 leaves the
+// remainder to the pose beneath.
+INLINE Local mix_layer(Local beneath, Local above, float total, Real layer_weight, Local rest)
 {
     const Real f = layer_weight * (total < 1.0f ? total : 1.0f);
     const Quat from = quat_hemisphere(beneath.r, rest.r), to = quat_hemisphere(above.r, rest.r);
-    Trs trs;
+    Local trs;
     trs.t = vec3_mix(beneath.t, above.t, f);
     trs.r = quat_normalize_or(quat_mix(from, to, f), rest.r);
     trs.s = vec3_mix(beneath.s, above.s, f);
     return trs;
 }
 
-/* The sum over a layer's slots of weight times value, or times difference from the first row. */
-INLINE Sum sum_layer(const Clips *of, Playback playback, uint layer_index, bool additive, Body body, uint joint, Trs rest)
+// Returns the sum of weight times value over a layer's slots, or of weight times difference from
+// the first row if the layer is additive.
+INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_index, bool additive,
+                     Body body, uint joint, Local rest)
 {
-    Sum sum = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }, 0.0f,
+    Sum sum = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } },
+                0.0f,
                 REST_TRANSLATION | REST_SCALE };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
-        const BoundClip bound = of->bound_clips[playing.bound_clip];
+        const BoundClip bound = tables->bound_clips[playing.bound_clip];
         const float weight = playing.at.weight;
-        Sample sample = sample_joint(of, bound, body, joint, playing.at, rest);
+        Sample sample = sample_joint(tables, bound, body, joint, playing.at, rest);
         if (additive) {
-            const uint first = of->clips[bound.clip].row_first;
+            const uint first = tables->clips[bound.clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Trs reference = normalized(sample_joint(of, bound, body, joint, start, rest));
-            sample.trs = change(quotient(normalized(sample), reference, quat_identity(), sample.at_rest));
+            const Local reference =
+                normalized(sample_joint(tables, bound, body, joint, start, rest));
+            sample.trs =
+                change(quotient(normalized(sample), reference, quat_identity(), sample.at_rest));
             sample.unit = 1.0f;
         }
         sum.trs.t = vec3_add(sum.trs.t, vec3_scale(sample.trs.t, weight));
@@ -90,32 +68,36 @@ INLINE Sum sum_layer(const Clips *of, Playback playback, uint layer_index, bool 
     return sum;
 }
 
-/* What inertializes in a layer; see inertialize.cl. */
-SELDOM void inertialize(const Clips *of, Inertialization inertialization, uint layer, bool additive, Body body, uint joint, const Trs *at_rest,
-                   Trs *mean);
+// Adds the inertializations of a layer; see inertialize.cl.
+SELDOM void inertialize(const ClipTables *tables, Inertialization inertialization, uint layer,
+                        bool additive, Body body, uint joint, const Local *at_rest, Local *mean);
 
-/* What the layers above 0 make of what lies beneath. Called with pointers: a call by value copies more than it computes. */
-APART void lay_over(const Clips *of, Playback playback, __global const Layer *layers, uint layer_count, Body body, uint joint,
-                    const Trs *at_rest, Trs *beneath)
+// Applies the layers above 0 to the pose beneath. Takes pointers, since passing by value copies
+// more than it computes.
+APART void lay_over(const ClipTables *tables, Playback playback, __global const Layer *layers,
+                    uint layer_count, Body body, uint joint, const Local *at_rest, Local *beneath)
 {
-    const Trs rest = *at_rest;
-    Trs trs = *beneath;
+    const Local rest = *at_rest;
+    Local trs = *beneath;
     for (uint l = 1; l < layer_count; l++) {
         const Layer layer = layers[l];
         const uint mask = layer.mask_and_mode & LAYER_MASK;
-        const Real weight = mask == LAYER_MASK ? (Real)(layer.weight) : layer.weight * LOAD(of->masks + mask + joint);
+        const Real weight = mask == LAYER_MASK ? (Real)(layer.weight)
+                                               : layer.weight * LOAD(tables->masks + mask + joint);
         const Choice laid = weight > (Real)(0.0f);
         if (!ANY(laid)) continue;
         const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
-        const Sum sum = sum_layer(of, playback, l, additive, body, joint, rest);
+        const Sum sum = sum_layer(tables, playback, l, additive, body, joint, rest);
         if (!additive && sum.total <= LEAST_WEIGHT) continue;
-        Trs own = additive ? sum.trs : mean_of(sum, rest);
+        Local own = additive ? sum.trs : mean_of(sum, rest);
         if (playback.inertialization.count > 0) {
-            Trs inertialized = own;
-            inertialize(of, playback.inertialization, l, additive, body, joint, at_rest, &inertialized);
+            Local inertialized = own;
+            inertialize(tables, playback.inertialization, l, additive, body, joint, at_rest,
+                        &inertialized);
             own = inertialized;
         }
-        const Trs above = additive ? add_layer(trs, own, weight) : mix_layer(trs, own, sum.total, weight, rest);
+        const Local above =
+            additive ? add_layer(trs, own, weight) : mix_layer(trs, own, sum.total, weight, rest);
         trs.t = vec3_choose(laid, above.t, trs.t);
         trs.r = quat_choose(laid, above.r, trs.r);
         trs.s = vec3_choose(laid, above.s, trs.s);
@@ -123,7 +105,7 @@ APART void lay_over(const Clips *of, Playback playback, __global const Layer *la
     *beneath = trs;
 }
 
-/* What beside clips a member's local transforms come from. */
+// Inputs of a member's local transforms other than clips.
 typedef struct {
     __global const Control *controls;
     __global const Override *overrides;
@@ -131,9 +113,9 @@ typedef struct {
 #ifdef USER_STAGES
     StageTables stages;
 #endif
-} Locals;
+} Adjustments;
 
-/* Whether anything but clips is to change a pose. */
+// Returns whether anything other than clips changes the pose.
 INLINE bool is_adjusted(__global const Control *control)
 {
 #ifdef USER_STAGES
@@ -143,17 +125,20 @@ INLINE bool is_adjusted(__global const Control *control)
 #endif
 }
 
-/* What a member's proportions, its overrides in local space and users' stages make of a pose. */
-APART void adjust(Locals of, __global const Control *control, uint joint, Trs *pose)
+// Applies a member's proportions, overrides in local space and users' stages.
+APART void adjust(Adjustments adjustments, __global const Control *control, uint joint, Local *pose)
 {
-    Trs trs = *pose;
-    if (control->scale_first != NONE) trs.t = vec3_scale(trs.t, LOAD(of.joint_scales + control->scale_first + joint));
+    Local trs = *pose;
+    if (control->scale_first != NONE)
+        trs.t = vec3_scale(trs.t, LOAD(adjustments.joint_scales + control->scale_first + joint));
     for (uint i = 0; i < control->local_count; i++) {
-        const Override given = of.overrides[control->local_first + i];
+        const Override given = adjustments.overrides[control->local_first + i];
         const uint lane = given.joint - joint;
         if (lane >= LANES) continue;
         const float4 t4 = given.translation_and_weight, r4 = given.rotation, s4 = given.scale;
-        const Trs there = { { t4.x, t4.y, t4.z }, { r4.x, r4.y, r4.z, r4.w }, { s4.x, s4.y, s4.z } };
+        const Local there = { { t4.x, t4.y, t4.z },
+                              { r4.x, r4.y, r4.z, r4.w },
+                              { s4.x, s4.y, s4.z } };
         const Choice only = ONLY(lane);
         const bool whole = t4.w >= 1.0f;
         const Quat mixed = quat_mix(trs.r, quat_hemisphere(there.r, trs.r), t4.w);
@@ -162,46 +147,35 @@ APART void adjust(Locals of, __global const Control *control, uint joint, Trs *p
         trs.s = vec3_choose(only, whole ? there.s : vec3_mix(trs.s, there.s, t4.w), trs.s);
     }
 #ifdef USER_STAGES
-    trs = stage_locals(of.stages, *control, joint, trs);
+    trs = stage_locals(adjustments.stages, *control, joint, trs);
 #endif
     *pose = trs;
 }
 
-/* The local transforms of one joint, or of sixteen from `joint` on. `layers` are the member's. */
-INLINE Trs pose_joint(const Clips *of, Locals locals, uint control, Playback playback, __global const Layer *layers,
-                      uint layer_count, Body body, uint joint)
+// Returns the local transforms of one joint, or of sixteen from `joint` on. `layers` are the
+// member's own.
+INLINE Local pose_joint(const ClipTables *tables, Adjustments adjustments, uint control,
+                        Playback playback, __global const Layer *layers, uint layer_count,
+                        Body body, uint joint)
 {
     const uint padded = body.padded_count;
-    __global const float *planes = of->poses + body.rest_first + joint;
-    const Trs rest = { load_vec3(planes + 4 * padded, padded), load_quat(planes, padded), load_vec3(planes + 7 * padded, padded) };
-    const Sum sum = sum_layer(of, playback, 0, false, body, joint, rest);
-    /* Layer 0 is always divided by its total, so that nobody sees the rest pose by accident. */
-    Trs trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
-    const bool inertializes = playback.inertialization.count > 0, adjusts = control != NONE && is_adjusted(locals.controls + control);
+    __global const float *planes = tables->poses + body.rest_first + joint;
+    const Local rest = { load_vec3(planes + 4 * padded, padded), load_quat(planes, padded),
+                         load_vec3(planes + 7 * padded, padded) };
+    const Sum sum = sum_layer(tables, playback, 0, false, body, joint, rest);
+    // Layer 0 is always divided by its total weight, so that the rest pose never shines through.
+    Local trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
+    const bool inertializes = playback.inertialization.count > 0,
+               adjusts = control != NONE && is_adjusted(adjustments.controls + control);
     if (!inertializes && layer_count == 1 && !adjusts) return trs;
-    /* Copies, so that what is seldom called does not keep what all compute in memory. */
-    const Trs at_rest = rest;
-    Trs posed = trs;
-    if (inertializes) inertialize(of, playback.inertialization, 0, false, body, joint, &at_rest, &posed);
-    if (layer_count > 1) lay_over(of, playback, layers, layer_count, body, joint, &at_rest, &posed);
-    if (adjusts) adjust(locals, locals.controls + control, joint, &posed);
+    // Copies, so that passing pointers to rarely called functions does not keep values in memory
+    // that every joint computes.
+    const Local at_rest = rest;
+    Local posed = trs;
+    if (inertializes)
+        inertialize(tables, playback.inertialization, 0, false, body, joint, &at_rest, &posed);
+    if (layer_count > 1)
+        lay_over(tables, playback, layers, layer_count, body, joint, &at_rest, &posed);
+    if (adjusts) adjust(adjustments, adjustments.controls + control, joint, &posed);
     return posed;
-}
-
-/* The matrix of translation times rotation times scale, row by row (glTF 2.0, section 3.5.3). */
-INLINE void components_of(Trs trs, Real m[12])
-{
-    const Real x = trs.r.x, y = trs.r.y, z = trs.r.z, w = trs.r.w;
-    m[0] = (1.0f - 2.0f * (y * y + z * z)) * trs.s.x;
-    m[1] = (2.0f * (x * y - w * z)) * trs.s.y;
-    m[2] = (2.0f * (x * z + w * y)) * trs.s.z;
-    m[3] = trs.t.x;
-    m[4] = (2.0f * (x * y + w * z)) * trs.s.x;
-    m[5] = (1.0f - 2.0f * (x * x + z * z)) * trs.s.y;
-    m[6] = (2.0f * (y * z - w * x)) * trs.s.z;
-    m[7] = trs.t.y;
-    m[8] = (2.0f * (x * z - w * y)) * trs.s.x;
-    m[9] = (2.0f * (y * z + w * x)) * trs.s.y;
-    m[10] = (1.0f - 2.0f * (x * x + y * y)) * trs.s.z;
-    m[11] = trs.t.z;
 }

@@ -1,17 +1,20 @@
-/* lanes.cl - what one work-item computes at once: one joint, or sixteen neighbouring joints of a member as vectors.
- * Everything in the files after this one is written once for `Real` and compiled for either LANES. Comparisons give
- * `Choice`, which `? :` takes: component by component where there are several. */
+// lanes.cl - What one work-item computes at once: one joint, or sixteen neighbouring joints of a
+// member as vectors. Twin of populace-native/src/lanes.rs.
+//
+// The following files are written once for `Real` and compiled for either LANES. Comparisons yield
+// a `Choice` for `? :`, component by component if there are several lanes.
 
-/* Functions pass whole vectors of sixteen around, so those on every joint's way must not be called; those off it must not
- * take its registers. With one lane none of these is called: a GPU would pass what it is given through memory. */
+// Functions pass whole vectors of sixteen. Functions that every joint runs must be inlined; rarely
+// used ones must not take registers from them. With one lane everything is inlined, since a GPU
+// would pass arguments through memory.
 #define INLINE static inline __attribute__((always_inline))
-/* What is large and seldom is called from anywhere: several copies of it would be most of what there is to compile. */
+// Large and rarely used functions are always called: inlined copies would dominate compile time.
 #define SELDOM static __attribute__((noinline))
 
 #if LANES == 1
 #define BATCH 1
 #define APART INLINE
-#ifdef CALLS /* a device whose calls are cheap */
+#ifdef CALLS // the device has cheap calls
 #define APART_STEP SELDOM
 #else
 #define APART_STEP INLINE
@@ -40,28 +43,33 @@ typedef int16 Choice;
 #define AS_REAL as_float16
 #define AS_INTS as_int16
 #define AS_WORDS as_uint16
-#define ONLY(lane) ((int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) == (int16)((int)(lane)))
+#define ONLY(lane)                                                                                 \
+    ((int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) == (int16)((int)(lane)))
 #define ANY(choice) any(choice)
 #define LANE(value, lane) (((const float *)&(value))[lane])
 #define PUT(value, lane, one) (((float *)&(value))[lane] = (one))
 #define LOAD(pointer) vload16(0, pointer)
 #define STORE(value, pointer) vstore16(value, 0, pointer)
 
-/* words[lanes[i]] in each lane i; only the low four bits of a lane count. */
+// Returns words[lanes[i]] in each lane i. Only the low four bits of a lane index count.
 INLINE Words permute(Words words, Words lanes)
 {
 #if defined(__AVX512F__) && defined(__clang__)
-    /* One instruction, where shuffle() is sixteen loads. */
+    // One instruction; shuffle() is compiled to sixteen loads.
     typedef int Ints __attribute__((__vector_size__(64)));
-    return __builtin_astype(__builtin_ia32_permvarsi512(__builtin_astype(words, Ints), __builtin_astype(lanes, Ints)), Words);
+    return __builtin_astype(
+        __builtin_ia32_permvarsi512(__builtin_astype(words, Ints), __builtin_astype(lanes, Ints)),
+        Words);
 #else
     return shuffle(words, lanes);
 #endif
 }
 #endif
 
-typedef struct { Real x, y, z, w; } Quat;
+typedef struct {
+    Real x, y, z, w;
+} Quat;
 
-typedef struct { Real x, y, z; } Vec3;
-
-typedef struct { Vec3 t; Quat r; Vec3 s; } Trs; /* translation, rotation, scale */
+typedef struct {
+    Real x, y, z;
+} Vec3;

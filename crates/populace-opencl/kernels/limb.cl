@@ -1,33 +1,44 @@
-/* limb.cl - two-bone inverse kinematics, of one limb or of as many as there are lanes. Twin of populace-native
- * controls/limb.rs. */
+// limb.cl - Two-bone inverse kinematics, for one limb or for one limb in each lane.
+//
+// Reads    local transforms of the limb; targets
+// Writes   the model transform of the first joint; rotations of middle joint and end (turns)
+//
+// Twin of populace-native/src/constraints/limb.rs: same arithmetic, same order of operations.
 
-/* A limb as the clips have it, in model space: both bones, where the middle joint bends to when the limb is straight, and
- * what leads from the first joint to where the end is to be. */
-typedef struct { Vec3 upper, lower, bend, to; } Limb;
+// A limb as its clips pose it, in model space: both bones, the direction of the bend if the limb is
+// straight, and the vector from the first joint to the goal.
+typedef struct {
+    Vec3 upper, lower, bend, to;
+} Limb;
 
-/* How far away the end of a chain goes for a target at `distance`. */
+// Returns how far from the root the end of a chain goes for a target at `distance`. It eases
+// towards full and least extension.
 INLINE Real soft_distance(Real distance, Real length, Real least, Real soft)
 {
     const Real far = length - length * soft, near = least + (length - least) * soft;
     const Choice beyond = distance > far;
-    const Real over = beyond ? distance - far : near - distance, room = beyond ? length * soft : near - least;
+    const Real over = beyond ? distance - far : near - distance,
+               room = beyond ? length * soft : near - least;
     const Real eased = room * over / (room + over);
     return beyond ? far + eased : distance < near ? near - eased : distance;
 }
 
-/* The axis about which the middle joint bends, of any length: across the limb's own bend. Little of that gives way to where
- * it is to bend. `shrinks` is the inverse of the upper bone's length. */
-INLINE Vec3 hinge_of(Limb limb, Real shrinks)
+// Returns the axis, of any length, about which the middle joint bends: across the limb's own bend,
+// blended slightly towards the preferred bend. `shrinks` is 1 / length of the upper bone.
+INLINE Vec3 hinge(Limb limb, Real shrinks)
 {
     const Vec3 none = { 0.0f, 0.0f, 0.0f }, x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f };
-    const Vec3 upper = vec3_scale(limb.upper, shrinks), chain = vec3_add(upper, vec3_scale(limb.lower, shrinks));
-    const Vec3 hinge = vec3_cross(vec3_add_scaled(upper, vec3_unit_or(limb.bend, none), 0.05f), chain);
+    const Vec3 upper = vec3_scale(limb.upper, shrinks),
+               chain = vec3_add(upper, vec3_scale(limb.lower, shrinks));
+    const Vec3 hinge =
+        vec3_cross(vec3_add_scaled(upper, vec3_unit_or(limb.bend, none), OWN_BEND), chain);
     const Choice stands = vec3_dot(hinge, hinge) > (Real)(1e-10f);
-    return vec3_choose(stands, hinge, vec3_cross(upper, vec3_choose(upper.x * upper.x < (Real)(0.5f), x, y)));
+    return vec3_choose(stands, hinge,
+                       vec3_cross(upper, vec3_choose(upper.x * upper.x < (Real)(0.5f), x, y)));
 }
 
-/* The shortest turn from one vector to another, of which `lengths` is the product of their lengths; where they are opposite,
- * about an axis at right angles to them. */
+// Returns the shortest rotation from one vector to another. `lengths` is the product of their
+// lengths. If they are opposite, it rotates about `about`, which is perpendicular to them.
 INLINE Quat swing_between(Vec3 from, Vec3 to, Real lengths, Vec3 about)
 {
     const Vec3 axis = vec3_cross(from, to);
@@ -36,46 +47,57 @@ INLINE Quat swing_between(Vec3 from, Vec3 to, Real lengths, Vec3 about)
     return quat_normalize_or(quat_choose(w > lengths * 1e-6f, turn, over), quat_identity());
 }
 
-/* What turns a limb's first joint about where it is to be, so that its middle joint comes nearest to a pole. */
+// Returns the rotation about the line to the goal that brings the middle joint nearest to a pole.
 INLINE Quat pole_turn(Limb limb, Quat first, Vec3 hinge, Vec3 pole)
 {
-    const Vec3 x = { 1.0f, 0.0f, 0.0f }, ahead = vec3_unit_or(limb.to, x), upper = quat_turned(first, limb.upper);
+    const Vec3 x = { 1.0f, 0.0f, 0.0f }, ahead = vec3_unit_or(limb.to, x),
+               upper = quat_turned(first, limb.upper);
     const Vec3 bend = vec3_cross(ahead, quat_turned(first, hinge));
     const Vec3 out = vec3_unit_or(vec3_across(upper, ahead), bend);
     const Vec3 drawn = vec3_unit_or(vec3_across(pole, ahead), out);
     return swing_between(out, drawn, 1.0f, ahead);
 }
 
-/* The turns of the first joint and, as of after that, of the middle one, which bring the end to where it is to be; none for
- * a limb of no length. `pole` is the direction of a pole where `has_pole`. */
-INLINE void limb_turns(Limb limb, Vec3 pole, Choice has_pole, Real soft, Quat *first_turn, Quat *second_turn)
+// Computes the rotation of the first joint and, after it, of the middle joint that bring the end to
+// its goal. Both are the identity for a limb without length. `pole` is a direction; it counts if
+// `has_pole`.
+INLINE void limb_turns(Limb limb, Vec3 pole, Choice has_pole, Real soft, Quat *first_turn,
+                       Quat *second_turn)
 {
     const Vec3 upper = limb.upper, lower = limb.lower;
     const Real aa = vec3_dot(upper, upper), bb = vec3_dot(lower, lower), shrinks = inverse_sqrt(aa);
-    const Real a = square_root(aa), b = square_root(bb), distance = square_root(vec3_dot(limb.to, limb.to));
+    const Real a = square_root(aa), b = square_root(bb),
+               distance = square_root(vec3_dot(limb.to, limb.to));
     const Real shorter = a < b ? a : b, longer = a < b ? b : a;
     const Real reach = soft_distance(distance, a + b, longer - shorter, soft);
-    /* The lower bone turns about the hinge until both reach so far: what is along the hinge stays, and the product of both
-     * bones is a cosine of the turn. Times nn, the square of the hinge's length, nothing waits for that length. */
-    const Vec3 hinge = hinge_of(limb, shrinks), side = vec3_cross(hinge, lower);
-    const Real nn = vec3_dot(hinge, hinge), length = square_root(nn), unit = inverse_sqrt(nn), unit2 = unit * unit;
-    const Real along = vec3_dot(hinge, lower), still = vec3_dot(hinge, upper) * along;
+    // Rotate the lower bone about the hinge until both bones together are `reach` long. The part
+    // along the hinge stays; the product of both bones is a cosine of the angle. Scaled by nn, the
+    // squared length of the hinge, nothing waits for that length.
+    const Vec3 hinge_axis = hinge(limb, shrinks), side = vec3_cross(hinge_axis, lower);
+    const Real nn = vec3_dot(hinge_axis, hinge_axis), length = square_root(nn),
+               unit = inverse_sqrt(nn), unit2 = unit * unit;
+    const Real along = vec3_dot(hinge_axis, lower), still = vec3_dot(hinge_axis, upper) * along;
     const Real p = vec3_dot(upper, lower) * nn - still, q = vec3_dot(upper, side);
     const Real most = p * p + q * q * nn, k = inverse_sqrt(most);
     const Real wanted = ((reach * reach - aa - bb) * 0.5f * nn - still) * k;
-    const Real below = wanted < (Real)(1.0f) ? wanted : (Real)(1.0f), c = below > (Real)(-1.0f) ? below : (Real)(-1.0f);
+    const Real below = wanted < (Real)(1.0f) ? wanted : (Real)(1.0f),
+               c = below > (Real)(-1.0f) ? below : (Real)(-1.0f);
     const Real s = square_root((1.0f - c) * (1.0f + c)), p1 = p * k, q1 = q * length * k;
     const Real cosine = p1 * c - q1 * s, sine = q1 * c + p1 * s;
-    /* By half the angle, from whichever of its sine and cosine is the larger. */
+    // Half the angle, from the larger of its sine and cosine.
     const Choice back = cosine < (Real)(0.0f);
-    const Real x = back ? 1.0f - cosine : sine, w = back ? sine : 1.0f + cosine, half_unit = inverse_sqrt(x * x + w * w);
-    /* Then the whole, so long as that made it, swings to where it is to be. */
-    const Vec3 rest = vec3_scale(hinge, along * unit2), level = vec3_add_scaled(lower, rest, -1.0f);
-    const Vec3 turned_lower = vec3_add_scaled(vec3_add_scaled(rest, level, cosine), side, sine * unit);
+    const Real x = back ? 1.0f - cosine : sine, w = back ? sine : 1.0f + cosine,
+               half_unit = inverse_sqrt(x * x + w * w);
+    // Then the whole limb, now of the right length, swings to its goal.
+    const Vec3 rest = vec3_scale(hinge_axis, along * unit2),
+               level = vec3_add_scaled(lower, rest, -1.0f);
+    const Vec3 turned_lower =
+        vec3_add_scaled(vec3_add_scaled(rest, level, cosine), side, sine * unit);
     const Real reached = square_root(aa + bb + (still + most * k * c) * unit2 * 2.0f);
-    const Vec3 axis = vec3_scale(hinge, unit);
+    const Vec3 axis = vec3_scale(hinge_axis, unit);
     Quat first = swing_between(vec3_add(upper, turned_lower), limb.to, reached * distance, axis);
-    if (ANY(has_pole)) first = quat_choose(has_pole, quat_mul(pole_turn(limb, first, axis, pole), first), first);
+    if (ANY(has_pole))
+        first = quat_choose(has_pole, quat_mul(pole_turn(limb, first, axis, pole), first), first);
     const Vec3 bend = vec3_scale(quat_turned(first, axis), x * half_unit);
     const Quat second = { bend.x, bend.y, bend.z, w * half_unit };
     const Choice stands = (shorter < distance ? shorter : distance) > (Real)(1e-6f);
@@ -83,7 +105,7 @@ INLINE void limb_turns(Limb limb, Vec3 pole, Choice has_pole, Real soft, Quat *f
     *second_turn = quat_choose(stands, second, quat_identity());
 }
 
-/* A limb put into a lane. */
+// Puts a limb into a lane.
 INLINE void put_limb(Limb *all, uint lane, float4 upper, float4 lower, float4 bend, float4 to)
 {
     put_vec3(&all->upper, lane, upper);
@@ -99,7 +121,7 @@ INLINE Limb no_limb(void)
     return limb;
 }
 
-APART_STEP void reaches(Stop *at, uint count)
+APART_STEP void reach(YieldPoint *at, uint count)
 {
     Limb limb = no_limb();
     Vec3 pole = limb.to;
@@ -109,7 +131,8 @@ APART_STEP void reaches(Stop *at, uint count)
         float4 places[LINKS_MOST];
         float own;
         walk(at[m].s, at[m].joints, constraint, at[m].own, places);
-        const float4 target = goal_of(at[m].s, constraint, places[0], &own), middle = places[constraint->middle];
+        const float4 target = goal(at[m].s, constraint, places[0], &own),
+                     middle = places[constraint->middle];
         put_limb(&limb, m, middle - places[0], places[constraint->link_count - 1] - middle,
                  transform_vector(at[m].own, constraint->axis), target - places[0]);
         put_vec3(&pole, m, constraint->front);

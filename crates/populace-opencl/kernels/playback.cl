@@ -1,7 +1,12 @@
-/* playback.cl - what a member plays now, as the schedules keep it: staged in two buffers, fused beside the work-item. */
+// playback.cl - What a member plays now: in buffers for the staged schedule, in memory of the
+// work-item or the work-group for the fused ones. Twin of populace-native/src/playback.rs.
 
-/* The slots of a member if any of them inertializes, else none. */
-typedef struct { __global const Slot *slots; uint count; ulong tick; } Inertialization;
+// A member's slots if any of them inertializes; else count is 0.
+typedef struct {
+    __global const Slot *slots;
+    uint count;
+    ulong tick;
+} Inertialization;
 
 INLINE Inertialization inertialization_of(__global const Slot *slots, uint count, ulong tick)
 {
@@ -13,7 +18,11 @@ INLINE Inertialization inertialization_of(__global const Slot *slots, uint count
 
 #ifdef FUSED
 
-typedef struct { FUSED const Playing *all; uint count; Inertialization inertialization; } Playback;
+typedef struct {
+    FUSED const Playing *all;
+    uint count;
+    Inertialization inertialization;
+} Playback;
 
 INLINE Playing playing_at(Playback playback, uint s) { return playback.all[s]; }
 

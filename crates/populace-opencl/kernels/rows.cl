@@ -1,7 +1,9 @@
-/* rows.cl - local transforms of one joint, or of sixteen neighbouring ones, from a clip's rows.
- * Twin of populace-native rows.rs; see populace-core clip/storage.rs for what a row holds. A
- * component is `offset + step * n`: a joint that the clip does not drive, or that stands still,
- * has a step of 0, so the arithmetic is the same for all. */
+// rows.cl - Local transforms of one joint, or of sixteen neighbouring ones, from rows of a clip.
+// Twin of populace-native/src/rows.rs and sample.rs: same arithmetic, same order of operations.
+//
+// populace-core/src/clip/storage.rs describes a row. A component is `offset + step * n`. The step
+// is 0 for a constant component or a joint that the clip does not drive, so the arithmetic is the
+// same for all joints.
 
 typedef struct {
     __global const BoundClip *bound_clips;
@@ -12,16 +14,21 @@ typedef struct {
     __global const RowBlock *row_blocks;
     __global const uint *joint_maps, *rows;
     __global const float *poses, *masks;
-} Clips;
+} ClipTables;
 
-/* A slot as it plays now. */
-typedef struct { SlotSample at; uint bound_clip, layer; } Playing;
+// What a slot plays now.
+typedef struct {
+    SlotSample at;
+    uint bound_clip, layer;
+} Playing;
 
-/* Properties of a row. */
+// Properties of a row.
 enum { ROTATION, TRANSLATION, SCALE };
 
-/* Where a property's planes stand in a row, and the words from one plane to the next. */
-typedef struct { uint first, lanes; } Planes;
+// The first word of a property's planes in a row, and the words from one plane to the next.
+typedef struct {
+    uint first, lanes;
+} Planes;
 
 INLINE Planes planes_of(RowBlock block, uint property)
 {
@@ -31,143 +38,182 @@ INLINE Planes planes_of(RowBlock block, uint property)
     return property == ROTATION ? rotation : property == TRANSLATION ? translation : scale;
 }
 
-INLINE uint plane_at(Planes planes, uint row, uint plane) { return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS); }
+INLINE uint plane_at(Planes planes, uint row, uint plane)
+{
+    return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
+}
 
-/* A component's steps from the word that holds it: all of a float, or the lower or upper half. */
+// Returns a component in steps from its word: the whole word if it is a float, else its lower or
+// upper half.
 INLINE Real steps_in(Words words, Planes planes, uint component)
 {
     if (planes.lanes & ROW_FLOATS) return AS_REAL(words);
     return CONVERT_REAL(AS_INTS(component % 2 == 0 ? words & 0xffffu : words >> 16));
 }
 
-/* The plane that holds a component. */
-INLINE uint plane_of(Planes planes, uint component) { return planes.lanes & ROW_FLOATS ? component : component / 2; }
+// Returns the plane that holds a component.
+INLINE uint plane_of(Planes planes, uint component)
+{
+    return planes.lanes & ROW_FLOATS ? component : component / 2;
+}
 
-/* Whether a plane holds a half for each lane, two in a word: the third component of translations and scales. */
+// Returns whether a plane holds one half for each lane, two in a word: the third component of
+// translations and scales.
 INLINE bool is_packed(Planes planes, uint property, uint component)
 {
     return !(planes.lanes & ROW_FLOATS) && property != ROTATION && component == 2;
 }
 
-/* Where sixteen neighbouring joints, of which this is one, find their columns. */
-INLINE __global const BoundBlock *bound_block(const Clips *of, BoundClip bound, uint joint)
+// Returns the column references of the block of sixteen joints that `joint` belongs to.
+INLINE __global const BoundBlock *bound_block(const ClipTables *tables, BoundClip bound, uint joint)
 {
-    return of->bound_blocks + bound.block_first + joint / JOINT_BLOCK;
+    return tables->bound_blocks + bound.block_first + joint / JOINT_BLOCK;
 }
 
 #if LANES == 1
 
-/* Where a joint's column stands. */
-typedef struct { RowBlock block; uint flags, lane; } Columns;
+// Where a joint's column is stored.
+typedef struct {
+    RowBlock block;
+    uint flags, lane;
+} Columns;
 
-INLINE Columns columns_of(const Clips *of, BoundClip bound, uint joint)
+INLINE Columns columns_of(const ClipTables *tables, BoundClip bound, uint joint)
 {
-    const uint map = of->joint_maps[bound.map_first + joint], column = map & MAP_COLUMN;
-    Columns columns = { of->row_blocks[bound.row_block_first + column / JOINT_BLOCK],
-                        bound_block(of, bound, joint)->flags, column % JOINT_BLOCK };
+    const uint map = tables->joint_maps[bound.map_first + joint], column = map & MAP_COLUMN;
+    Columns columns = { tables->row_blocks[bound.row_block_first + column / JOINT_BLOCK],
+                        bound_block(tables, bound, joint)->flags, column % JOINT_BLOCK };
     if (!(map & MAP_ROTATION)) columns.block.rotation_first = NONE;
     if (!(map & MAP_TRANSLATION)) columns.block.translation_first = NONE;
     if (!(map & MAP_SCALE)) columns.block.scale_first = NONE;
     return columns;
 }
 
-/* Whether a property is stored as nearly all are: in halves. */
+// Returns whether a property is stored as halves, as nearly all are.
 INLINE bool is_plain(Columns columns, Planes planes) { return !(planes.lanes & ROW_FLOATS); }
 
-INLINE Words words_at(const Clips *of, Columns columns, Planes planes, uint row, uint plane)
+INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+                      uint plane)
 {
-    return of->rows[plane_at(planes, row, plane) + columns.lane];
+    return tables->rows[plane_at(planes, row, plane) + columns.lane];
 }
 
-INLINE Real halves_at(const Clips *of, Columns columns, Planes planes, uint row, uint plane)
+INLINE Real halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+                      uint plane)
 {
-    const uint word = of->rows[plane_at(planes, row, plane) + columns.lane / 2];
+    const uint word = tables->rows[plane_at(planes, row, plane) + columns.lane / 2];
     return convert_float((int)(word >> 16 * (columns.lane % 2) & 0xffffu));
 }
 
-/* A component of a row, in steps. */
-INLINE Real steps(const Clips *of, Columns columns, uint property, uint row, uint component)
+// Returns a component of a row, in steps.
+INLINE Real steps(const ClipTables *tables, Columns columns, uint property, uint row,
+                  uint component)
 {
     const Planes planes = planes_of(columns.block, property);
-    if (is_packed(planes, property, component)) return halves_at(of, columns, planes, row, 1);
-    return steps_in(words_at(of, columns, planes, row, plane_of(planes, component)), planes, component);
+    if (is_packed(planes, property, component)) return halves_at(tables, columns, planes, row, 1);
+    return steps_in(words_at(tables, columns, planes, row, plane_of(planes, component)), planes,
+                    component);
 }
 
 #else
 
-/* Where the columns of sixteen neighbouring joints stand: in one block, each in its own lane, or here and there in
- * several; `block` then tells no more than what moves. */
-typedef struct { RowBlock block; uint flags, source_first, source_count; } Columns;
+// Where the columns of sixteen neighbouring joints are stored: in one block, each in its own lane,
+// or gathered from several blocks. In the second case `block` only tells which properties move.
+typedef struct {
+    RowBlock block;
+    uint flags, source_first, source_count;
+} Columns;
 
-INLINE Columns columns_of(const Clips *of, BoundClip bound, uint joint)
+INLINE Columns columns_of(const ClipTables *tables, BoundClip bound, uint joint)
 {
-    __global const BoundBlock *b = bound_block(of, bound, joint);
-    const Columns columns = { { b->rotation_first, b->rotation_lanes, b->translation_first, b->translation_lanes,
-                                b->scale_first, b->scale_lanes }, b->flags, b->source_first, b->source_count };
+    __global const BoundBlock *b = bound_block(tables, bound, joint);
+    const Columns columns = { { b->rotation_first, b->rotation_lanes, b->translation_first,
+                                b->translation_lanes, b->scale_first, b->scale_lanes },
+                              b->flags,
+                              b->source_first,
+                              b->source_count };
     return columns;
 }
 
-/* Whether a property is stored as nearly all are: in halves, each joint's in its own lane. */
-INLINE bool is_plain(Columns columns, Planes planes) { return (columns.flags & BLOCK_STRAIGHT) && !(planes.lanes & ROW_FLOATS); }
-
-INLINE Words words_at(const Clips *of, Columns columns, Planes planes, uint row, uint plane)
+// Returns whether a property is stored as halves, each joint's in its own lane, as nearly all are.
+INLINE bool is_plain(Columns columns, Planes planes)
 {
-    return vload16(0, of->rows + plane_at(planes, row, plane));
+    return (columns.flags & BLOCK_STRAIGHT) && !(planes.lanes & ROW_FLOATS);
 }
 
-INLINE Real halves_at(const Clips *of, Columns columns, Planes planes, uint row, uint plane)
+INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+                      uint plane)
 {
-    __global const ushort *halves = (__global const ushort *)(of->rows + plane_at(planes, row, plane));
+    return vload16(0, tables->rows + plane_at(planes, row, plane));
+}
+
+INLINE Real halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+                      uint plane)
+{
+    __global const ushort *halves =
+        (__global const ushort *)(tables->rows + plane_at(planes, row, plane));
     return convert_float16(convert_int16(vload16(0, halves)));
 }
 
-/* A component of a row, in steps, of the columns of one block. */
-INLINE Real block_steps(const Clips *of, Columns columns, Planes planes, uint property, uint row, uint component)
+// Returns a component of a row, in steps, for columns of one block.
+INLINE Real block_steps(const ClipTables *tables, Columns columns, Planes planes, uint property,
+                        uint row, uint component)
 {
-    if (is_packed(planes, property, component)) return halves_at(of, columns, planes, row, 1);
-    return steps_in(words_at(of, columns, planes, row, plane_of(planes, component)), planes, component);
+    if (is_packed(planes, property, component)) return halves_at(tables, columns, planes, row, 1);
+    return steps_in(words_at(tables, columns, planes, row, plane_of(planes, component)), planes,
+                    component);
 }
 
-/* A component of a row, in steps, of each lane's column in the block that it follows. */
-INLINE Real gathered_steps(const Clips *of, Columns columns, uint property, uint row, uint component)
+// Returns a component of a row, in steps, gathered for each lane from its column's block.
+INLINE Real gathered_steps(const ClipTables *tables, Columns columns, uint property, uint row,
+                           uint component)
 {
     Words found = 0;
     for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = of->sources[columns.source_first + s];
-        const Planes planes = planes_of(of->row_blocks[source.block], property);
+        const Source source = tables->sources[columns.source_first + s];
+        const Planes planes = planes_of(tables->row_blocks[source.block], property);
         if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, of->source_lanes + source.lanes_first);
-        const Words here = AS_WORDS(block_steps(of, columns, planes, property, row, component));
+        const Words lanes = vload16(0, tables->source_lanes + source.lanes_first);
+        const Words here = AS_WORDS(block_steps(tables, columns, planes, property, row, component));
         found = lanes == (Words)(NONE) ? found : permute(here, lanes);
     }
     return AS_REAL(found);
 }
 
-/* A component of a row, in steps. */
-INLINE Real steps(const Clips *of, Columns columns, uint property, uint row, uint component)
+// Returns a component of a row, in steps.
+INLINE Real steps(const ClipTables *tables, Columns columns, uint property, uint row,
+                  uint component)
 {
-    if (!(columns.flags & BLOCK_STRAIGHT)) return gathered_steps(of, columns, property, row, component);
-    return block_steps(of, columns, planes_of(columns.block, property), property, row, component);
+    if (!(columns.flags & BLOCK_STRAIGHT))
+        return gathered_steps(tables, columns, property, row, component);
+    return block_steps(tables, columns, planes_of(columns.block, property), property, row,
+                       component);
 }
 
 #endif
 
-/* Components between two rows, in steps, however they are stored; the way for what is seldom. */
-APART Quat any_rotation_steps(const Clips *of, Columns columns, SlotSample at)
+// Returns a rotation between two rows, in steps, for any storage. The slow path.
+APART Quat any_rotation_steps(const ClipTables *tables, Columns columns, SlotSample at)
 {
-    const Quat from = { steps(of, columns, ROTATION, at.row0, 0), steps(of, columns, ROTATION, at.row0, 1),
-                        steps(of, columns, ROTATION, at.row0, 2), steps(of, columns, ROTATION, at.row0, 3) };
-    const Quat to = { steps(of, columns, ROTATION, at.row1, 0), steps(of, columns, ROTATION, at.row1, 1),
-                      steps(of, columns, ROTATION, at.row1, 2), steps(of, columns, ROTATION, at.row1, 3) };
+    const Quat from = { steps(tables, columns, ROTATION, at.row0, 0),
+                        steps(tables, columns, ROTATION, at.row0, 1),
+                        steps(tables, columns, ROTATION, at.row0, 2),
+                        steps(tables, columns, ROTATION, at.row0, 3) };
+    const Quat to = { steps(tables, columns, ROTATION, at.row1, 0),
+                      steps(tables, columns, ROTATION, at.row1, 1),
+                      steps(tables, columns, ROTATION, at.row1, 2),
+                      steps(tables, columns, ROTATION, at.row1, 3) };
     return quat_mix(from, to, at.between);
 }
 
-APART Vec3 any_vector_steps(const Clips *of, Columns columns, uint property, SlotSample at)
+APART Vec3 any_vector_steps(const ClipTables *tables, Columns columns, uint property, SlotSample at)
 {
-    const Vec3 from = { steps(of, columns, property, at.row0, 0), steps(of, columns, property, at.row0, 1),
-                        steps(of, columns, property, at.row0, 2) };
-    const Vec3 to = { steps(of, columns, property, at.row1, 0), steps(of, columns, property, at.row1, 1),
-                      steps(of, columns, property, at.row1, 2) };
+    const Vec3 from = { steps(tables, columns, property, at.row0, 0),
+                        steps(tables, columns, property, at.row0, 1),
+                        steps(tables, columns, property, at.row0, 2) };
+    const Vec3 to = { steps(tables, columns, property, at.row1, 0),
+                      steps(tables, columns, property, at.row1, 1),
+                      steps(tables, columns, property, at.row1, 2) };
     return vec3_mix(from, to, at.between);
 }
 
@@ -177,84 +223,101 @@ INLINE Real high_half(Words words) { return CONVERT_REAL(AS_INTS(words >> 16)); 
 
 #if LANES > 1
 
-/* The same where columns stand here and there, but none is held as floats: whole words are gathered, not components. */
-APART Quat gathered_rotation_steps(const Clips *of, Columns columns, SlotSample at)
+// The same for columns gathered from several blocks without floats. Gathers whole words, not
+// components.
+APART Quat gathered_rotation_steps(const ClipTables *tables, Columns columns, SlotSample at)
 {
     Words xy0 = 0, zw0 = 0, xy1 = 0, zw1 = 0;
     for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = of->sources[columns.source_first + s];
-        const Planes planes = planes_of(of->row_blocks[source.block], ROTATION);
+        const Source source = tables->sources[columns.source_first + s];
+        const Planes planes = planes_of(tables->row_blocks[source.block], ROTATION);
         if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, of->source_lanes + source.lanes_first);
+        const Words lanes = vload16(0, tables->source_lanes + source.lanes_first);
         const Choice elsewhere = lanes == (Words)(NONE);
-        xy0 = elsewhere ? xy0 : permute(words_at(of, columns, planes, at.row0, 0), lanes);
-        zw0 = elsewhere ? zw0 : permute(words_at(of, columns, planes, at.row0, 1), lanes);
-        xy1 = elsewhere ? xy1 : permute(words_at(of, columns, planes, at.row1, 0), lanes);
-        zw1 = elsewhere ? zw1 : permute(words_at(of, columns, planes, at.row1, 1), lanes);
+        xy0 = elsewhere ? xy0 : permute(words_at(tables, columns, planes, at.row0, 0), lanes);
+        zw0 = elsewhere ? zw0 : permute(words_at(tables, columns, planes, at.row0, 1), lanes);
+        xy1 = elsewhere ? xy1 : permute(words_at(tables, columns, planes, at.row1, 0), lanes);
+        zw1 = elsewhere ? zw1 : permute(words_at(tables, columns, planes, at.row1, 1), lanes);
     }
-    const Quat n = { mix_real(low_half(xy0), low_half(xy1), at.between), mix_real(high_half(xy0), high_half(xy1), at.between),
-                     mix_real(low_half(zw0), low_half(zw1), at.between), mix_real(high_half(zw0), high_half(zw1), at.between) };
+    const Quat n = { mix_real(low_half(xy0), low_half(xy1), at.between),
+                     mix_real(high_half(xy0), high_half(xy1), at.between),
+                     mix_real(low_half(zw0), low_half(zw1), at.between),
+                     mix_real(high_half(zw0), high_half(zw1), at.between) };
     return n;
 }
 
 #endif
 
-/* Rotations between two rows, in steps. */
-INLINE Quat rotation_steps(const Clips *of, Columns columns, SlotSample at)
+// Returns rotations between two rows, in steps.
+INLINE Quat rotation_steps(const ClipTables *tables, Columns columns, SlotSample at)
 {
     const Planes planes = planes_of(columns.block, ROTATION);
 #if LANES > 1
-    if (!is_plain(columns, planes) && !(planes.lanes & ROW_FLOATS)) return gathered_rotation_steps(of, columns, at);
+    if (!is_plain(columns, planes) && !(planes.lanes & ROW_FLOATS))
+        return gathered_rotation_steps(tables, columns, at);
 #endif
-    if (!is_plain(columns, planes)) return any_rotation_steps(of, columns, at);
-    const Words xy0 = words_at(of, columns, planes, at.row0, 0), zw0 = words_at(of, columns, planes, at.row0, 1);
-    const Words xy1 = words_at(of, columns, planes, at.row1, 0), zw1 = words_at(of, columns, planes, at.row1, 1);
-    const Quat n = { mix_real(low_half(xy0), low_half(xy1), at.between), mix_real(high_half(xy0), high_half(xy1), at.between),
-                     mix_real(low_half(zw0), low_half(zw1), at.between), mix_real(high_half(zw0), high_half(zw1), at.between) };
+    if (!is_plain(columns, planes)) return any_rotation_steps(tables, columns, at);
+    const Words xy0 = words_at(tables, columns, planes, at.row0, 0),
+                zw0 = words_at(tables, columns, planes, at.row0, 1);
+    const Words xy1 = words_at(tables, columns, planes, at.row1, 0),
+                zw1 = words_at(tables, columns, planes, at.row1, 1);
+    const Quat n = { mix_real(low_half(xy0), low_half(xy1), at.between),
+                     mix_real(high_half(xy0), high_half(xy1), at.between),
+                     mix_real(low_half(zw0), low_half(zw1), at.between),
+                     mix_real(high_half(zw0), high_half(zw1), at.between) };
     return n;
 }
 
 #if LANES > 1
 
-APART Vec3 gathered_vector_steps(const Clips *of, Columns columns, uint property, SlotSample at)
+APART Vec3 gathered_vector_steps(const ClipTables *tables, Columns columns, uint property,
+                                 SlotSample at)
 {
     Words xy0 = 0, z0 = 0, xy1 = 0, z1 = 0;
     for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = of->sources[columns.source_first + s];
-        const Planes planes = planes_of(of->row_blocks[source.block], property);
+        const Source source = tables->sources[columns.source_first + s];
+        const Planes planes = planes_of(tables->row_blocks[source.block], property);
         if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, of->source_lanes + source.lanes_first);
+        const Words lanes = vload16(0, tables->source_lanes + source.lanes_first);
         const Choice elsewhere = lanes == (Words)(NONE);
-        xy0 = elsewhere ? xy0 : permute(words_at(of, columns, planes, at.row0, 0), lanes);
-        z0 = elsewhere ? z0 : permute(AS_WORDS(halves_at(of, columns, planes, at.row0, 1)), lanes);
-        xy1 = elsewhere ? xy1 : permute(words_at(of, columns, planes, at.row1, 0), lanes);
-        z1 = elsewhere ? z1 : permute(AS_WORDS(halves_at(of, columns, planes, at.row1, 1)), lanes);
+        xy0 = elsewhere ? xy0 : permute(words_at(tables, columns, planes, at.row0, 0), lanes);
+        z0 = elsewhere ? z0
+                       : permute(AS_WORDS(halves_at(tables, columns, planes, at.row0, 1)), lanes);
+        xy1 = elsewhere ? xy1 : permute(words_at(tables, columns, planes, at.row1, 0), lanes);
+        z1 = elsewhere ? z1
+                       : permute(AS_WORDS(halves_at(tables, columns, planes, at.row1, 1)), lanes);
     }
-    const Vec3 n = { mix_real(low_half(xy0), low_half(xy1), at.between), mix_real(high_half(xy0), high_half(xy1), at.between),
+    const Vec3 n = { mix_real(low_half(xy0), low_half(xy1), at.between),
+                     mix_real(high_half(xy0), high_half(xy1), at.between),
                      mix_real(AS_REAL(z0), AS_REAL(z1), at.between) };
     return n;
 }
 
 #endif
 
-/* Translations or scales between two rows, in steps. */
-INLINE Vec3 vector_steps(const Clips *of, Columns columns, uint property, SlotSample at)
+// Returns translations or scales between two rows, in steps.
+INLINE Vec3 vector_steps(const ClipTables *tables, Columns columns, uint property, SlotSample at)
 {
     const Planes planes = planes_of(columns.block, property);
 #if LANES > 1
-    if (!is_plain(columns, planes) && !(planes.lanes & ROW_FLOATS)) return gathered_vector_steps(of, columns, property, at);
+    if (!is_plain(columns, planes) && !(planes.lanes & ROW_FLOATS))
+        return gathered_vector_steps(tables, columns, property, at);
 #endif
-    if (!is_plain(columns, planes)) return any_vector_steps(of, columns, property, at);
-    const Words xy0 = words_at(of, columns, planes, at.row0, 0), xy1 = words_at(of, columns, planes, at.row1, 0);
-    const Real z0 = halves_at(of, columns, planes, at.row0, 1), z1 = halves_at(of, columns, planes, at.row1, 1);
-    const Vec3 n = { mix_real(low_half(xy0), low_half(xy1), at.between), mix_real(high_half(xy0), high_half(xy1), at.between),
+    if (!is_plain(columns, planes)) return any_vector_steps(tables, columns, property, at);
+    const Words xy0 = words_at(tables, columns, planes, at.row0, 0),
+                xy1 = words_at(tables, columns, planes, at.row1, 0);
+    const Real z0 = halves_at(tables, columns, planes, at.row0, 1),
+               z1 = halves_at(tables, columns, planes, at.row1, 1);
+    const Vec3 n = { mix_real(low_half(xy0), low_half(xy1), at.between),
+                     mix_real(high_half(xy0), high_half(xy1), at.between),
                      mix_real(z0, z1, at.between) };
     return n;
 }
 
 INLINE Quat load_quat(__global const float *planes, uint padded)
 {
-    const Quat q = { LOAD(planes), LOAD(planes + padded), LOAD(planes + 2 * padded), LOAD(planes + 3 * padded) };
+    const Quat q = { LOAD(planes), LOAD(planes + padded), LOAD(planes + 2 * padded),
+                     LOAD(planes + 3 * padded) };
     return q;
 }
 
@@ -264,46 +327,58 @@ INLINE Vec3 load_vec3(__global const float *planes, uint padded)
     return v;
 }
 
-/* Translations or scales between two rows; `offset` and `step` are planes. */
-INLINE Vec3 sample_vector(const Clips *of, Columns columns, uint property, SlotSample at, __global const float *offset,
-                   __global const float *step, uint padded)
+// Returns translations or scales between two rows; `offset` and `step` are planes.
+INLINE Vec3 sample_vector(const ClipTables *tables, Columns columns, uint property, SlotSample at,
+                          __global const float *offset, __global const float *step, uint padded)
 {
     const Vec3 still = load_vec3(offset, padded);
     if (planes_of(columns.block, property).first == NONE) return still;
-    return vec3_add(vec3_scale(vector_steps(of, columns, property, at), LOAD(step)), still);
+    return vec3_add(vec3_scale(vector_steps(tables, columns, property, at), LOAD(step)), still);
 }
 
-/* A sample of a clip: a rotation not yet of length 1, with the factor that brings it to that and to the hemisphere of the
- * rest rotation, or to nothing where it has no length; and what stands at rest, of REST_TRANSLATION and REST_SCALE. */
-typedef struct { Trs trs; Real unit; uint at_rest; } Sample;
+// A sample of a clip. `unit` scales the rotation to length 1 in the hemisphere of the rest
+// rotation, or to 0 if it has no length. `at_rest` has REST_TRANSLATION or REST_SCALE set if that
+// property is at rest.
+typedef struct {
+    Local trs;
+    Real unit;
+    uint at_rest;
+} Sample;
 
-/* With a rotation of length 1. */
-INLINE Trs normalized(Sample sample)
+// Returns the sample with a rotation of length 1.
+INLINE Local normalized(Sample sample)
 {
     sample.trs.r = quat_scale(sample.trs.r, sample.unit);
     return sample.trs;
 }
 
-/* What a retargeted clip's poses go through; see turns.cl. */
-APART void turn(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs *posed);
+// Applies retarget corrections; see corrections.cl.
+APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint joint, SlotSample at,
+                   Local *posed);
 
-/* Local transforms between two rows. */
-INLINE Sample sample_joint(const Clips *of, BoundClip bound, Body body, uint joint, SlotSample at, Trs rest)
+// Returns local transforms between two rows.
+INLINE Sample sample_joint(const ClipTables *tables, BoundClip bound, Body body, uint joint,
+                           SlotSample at, Local rest)
 {
-    const Columns columns = columns_of(of, bound, joint);
+    const Columns columns = columns_of(tables, bound, joint);
     const uint padded = body.padded_count;
-    __global const float *range = of->poses + bound.range_first + joint;
-    Sample sample = { { rest.t, load_quat(range, padded), rest.s }, 0.0f, columns.flags & (REST_TRANSLATION | REST_SCALE) };
-    Trs *trs = &sample.trs;
+    __global const float *range = tables->poses + bound.range_first + joint;
+    Sample sample = { { rest.t, load_quat(range, padded), rest.s },
+                      0.0f,
+                      columns.flags & (REST_TRANSLATION | REST_SCALE) };
+    Local *trs = &sample.trs;
     if (columns.block.rotation_first != NONE)
-        trs->r = quat_add(quat_scale(rotation_steps(of, columns, at), LOAD(range + 4 * padded)), trs->r);
+        trs->r = quat_add(quat_scale(rotation_steps(tables, columns, at), LOAD(range + 4 * padded)),
+                          trs->r);
     if (!(sample.at_rest & REST_TRANSLATION))
-        trs->t = sample_vector(of, columns, TRANSLATION, at, range + 5 * padded, range + 8 * padded, padded);
+        trs->t = sample_vector(tables, columns, TRANSLATION, at, range + 5 * padded,
+                               range + 8 * padded, padded);
     if (!(sample.at_rest & REST_SCALE))
-        trs->s = sample_vector(of, columns, SCALE, at, range + 9 * padded, range + 12 * padded, padded);
+        trs->s = sample_vector(tables, columns, SCALE, at, range + 9 * padded, range + 12 * padded,
+                               padded);
     if (columns.flags & BLOCK_TURNED) {
-        Trs turned = *trs;
-        turn(of, bound, body, joint, at, &turned);
+        Local turned = *trs;
+        correct(tables, bound, body, joint, at, &turned);
         *trs = turned;
     }
     sample.unit = inverse_sqrt(quat_dot(trs->r, trs->r)) * quat_side(trs->r, rest.r);

@@ -1,11 +1,8 @@
-/* slot.cl - each slot's rows and weight from the clock. Slots are closed-form and never written. Twin of populace-native
- * evaluate.rs and populace-core playback.rs. And what words of a member's row hold. */
+// slot.cl - Rows and weight of a slot, in closed form from the clock. Slots are never written. Twin
+// of populace-native/src/slot.rs and populace-core/src/playback.rs: same arithmetic, same order of
+// operations.
 
-INLINE uint member_layers(Member member) { return member.layers_and_phase & ((1u << MEMBER_LAYER_BITS) - 1u); }
-
-INLINE uint member_phase(Member member) { return member.layers_and_phase >> MEMBER_LAYER_BITS; }
-
-/* A weight that runs from `start` by `rate` per second to `end`. */
+// Returns a weight that goes from `start` by `rate` per second to `end`.
 INLINE float ramp(ulong elapsed_ticks, float start, float rate, float end)
 {
     const float weight = start + rate * ((float)elapsed_ticks * TICK_SECS);
@@ -24,21 +21,27 @@ INLINE float slot_weight(Slot slot, ulong tick)
     return ramp(elapsed, slot.start_weight, slot.weight_rate, slot.end_weight);
 }
 
-/* Of a slot that inertializes: how much of its time has passed. */
-INLINE float slot_inertialized(Slot slot, ulong tick) { return (float)(tick - slot.start_tick) * slot.end_weight; }
+// Returns the fraction of a slot's inertialization time that has passed.
+INLINE float slot_inertialized(Slot slot, ulong tick)
+{
+    return (float)(tick - slot.start_tick) * slot.end_weight;
+}
 
 INLINE bool slot_inertializes(Slot slot, ulong tick)
 {
-    return slot_mode(slot) == SLOT_INERTIALIZATION && slot.bound_clip != NONE && slot_inertialized(slot, tick) < 1.0f;
+    return slot_mode(slot) == SLOT_INERTIALIZATION && slot.bound_clip != NONE
+           && slot_inertialized(slot, tick) < 1.0f;
 }
 
-/* The mean of a slot's weight from one time of the clock, not before it begins, to a later one. */
+// Returns the mean weight of a slot from one tick to a later one; `from_tick` is not before the
+// slot's start.
 INLINE float slot_mean_weight(Slot slot, ulong from_tick, ulong to_tick)
 {
     const float end = slot_weight(slot, to_tick);
-    const float start = from_tick < slot.weight_tick ? slot.start_weight : slot_weight(slot, from_tick);
+    const float start =
+        from_tick < slot.weight_tick ? slot.start_weight : slot_weight(slot, from_tick);
     if (start == end || slot_mode(slot) == SLOT_INERTIALIZATION) return end;
-    /* Ticks before it changes, and half of those in which it does. */
+    // Ticks before the weight changes, and half of those while it does.
     const float still = (float)(slot.weight_tick > from_tick ? slot.weight_tick - from_tick : 0);
     const float per_tick = slot.weight_rate * TICK_SECS;
     const float half_changing = per_tick == 0.0f ? 0.0f : 0.5f * ((end - start) / per_tick);
@@ -53,26 +56,31 @@ INLINE float slot_time(Slot slot, ulong tick, ClipRows clip)
     if (slot_mode(slot) == SLOT_ONCE) {
         const bool backwards = (slot.phase_rate >> 63) != 0;
         const ulong rate = backwards ? -slot.phase_rate : slot.phase_rate;
-        if (mul_hi(elapsed, rate) != 0) return backwards ? clip.start_secs : clip.start_secs + clip.duration_secs;
-        /* A whole cycle would read as none, so backwards begins one step below it. */
+        if (mul_hi(elapsed, rate) != 0)
+            return backwards ? clip.start_secs : clip.start_secs + clip.duration_secs;
+        // A whole cycle would read as phase 0, so backward playback begins one step below it.
         phase = backwards ? ~(elapsed * rate) : elapsed * rate;
     }
     return clip.start_secs + (float)(uint)(phase >> 40) * (1.0f / 16777216.0f) * clip.duration_secs;
 }
 
-/* How often a looping slot passes an end of its clip from one time of the clock, not before its start, to a later one. */
+// Returns how often a looping slot passes an end of its clip from one tick to a later one;
+// `from_tick` is not before the slot's start.
 INLINE ulong slot_cycles(Slot slot, ulong from_tick, ulong to_tick)
 {
     if (slot_mode(slot) != SLOT_LOOP) return 0;
     const bool backwards = (slot.phase_rate >> 63) != 0;
-    const ulong rate = backwards ? -slot.phase_rate : slot.phase_rate, elapsed = to_tick - from_tick;
-    const ulong part = elapsed * rate, phase = ((ulong)slot.start_phase << 32) + (from_tick - slot.start_tick) * slot.phase_rate;
+    const ulong rate = backwards ? -slot.phase_rate : slot.phase_rate,
+                elapsed = to_tick - from_tick;
+    const ulong part = elapsed * rate, phase = ((ulong)slot.start_phase << 32)
+                                               + (from_tick - slot.start_tick) * slot.phase_rate;
     const bool passes = backwards ? part > phase : phase + part < part;
     return mul_hi(elapsed, rate) + (passes ? 1 : 0);
 }
 
-/* The last row at or before a time; *between is how far it is to the next. */
-INLINE uint find_row(ClipRows clip, __global const float *row_times, __global const uint *buckets, float secs, float *between)
+// Returns the last row at or before a time. *between is the fraction of the way to the next row.
+INLINE uint find_row(ClipRows clip, __global const float *row_times, __global const uint *buckets,
+                     float secs, float *between)
 {
     const uint last = clip.row_count - 1;
     const float passed = secs - clip.start_secs;
@@ -99,15 +107,17 @@ INLINE uint ring_place(ClipRows clip, uint behind)
     return 1 + (clip.newest_row + (behind > clip.newest_row ? clip.ring_rows : 0) - behind);
 }
 
-/* The rows of a live clip around the time that a slot shows, behind the one that additive layers measure from. All in whole
- * ticks, back from the newest row. */
+// Returns the row of a live clip at or before the time that a slot shows, and in *next the one
+// after it. The first stored row, which additive layers measure from, is skipped. Counts whole
+// ticks back from the newest row.
 INLINE uint find_live_row(ClipRows clip, Slot slot, ulong tick, uint *next, float *between)
 {
     const ulong shown = tick > slot.phase_rate ? tick - slot.phase_rate : 0;
     const ulong back = clip.newest_tick > shown ? clip.newest_tick - shown : 0;
     const ulong older = back > clip.newest_ticks ? back - clip.newest_ticks : 0;
-    /* Rows behind the newest, those between it and the one before it included. */
-    const ulong behind = (back > 0 ? 1 : 0) + older / clip.row_ticks + (older % clip.row_ticks > 0 ? 1 : 0);
+    // Rows behind the newest one, counting those between it and its predecessor.
+    const ulong behind =
+        (back > 0 ? 1 : 0) + older / clip.row_ticks + (older % clip.row_ticks > 0 ? 1 : 0);
     const uint oldest = clip.row_count - 1;
     *between = 0.0f;
     if (behind > oldest || behind == 0) return *next = ring_place(clip, behind == 0 ? 0 : oldest);
@@ -117,8 +127,9 @@ INLINE uint find_live_row(ClipRows clip, Slot slot, ulong tick, uint *next, floa
     return ring_place(clip, (uint)behind);
 }
 
-INLINE SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bound_clips, __global const ClipRows *clips,
-                     __global const float *row_times, __global const uint *buckets)
+INLINE SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bound_clips,
+                            __global const ClipRows *clips, __global const float *row_times,
+                            __global const uint *buckets)
 {
     SlotSample sample = { 0, 0, 0.0f, 0.0f };
     const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, tick);

@@ -1,7 +1,8 @@
-/* targets.cl - what the steps of a member read, and what its constraints aim at. Twin of populace-native
- * controls/targets.rs. */
+// targets.cl - Inputs of a member's constraint program, and the targets of its constraints.
+//
+// Twin of populace-native/src/constraints/targets.rs: same arithmetic, same order of operations.
 
-/* All controls, and the clock. */
+// Tables and clock that all constraint programs read.
 typedef struct {
     __global const Control *controls;
     __global const Step *steps;
@@ -11,10 +12,10 @@ typedef struct {
     __global const Target *targets;
     __global const Ground *ground;
     __global const float *heights;
-    __global const float4 *states_before, *watched_before; /* as the frame before left them */
-    __global float4 *states, *watched; /* as this one does */
+    __global const float4 *states_before, *watched_before; // as the previous frame left them
+    __global float4 *states, *watched;                     // as this frame leaves them
     __global const float4 *stage_values, *motions;
-    /* What members play, for root motion. */
+    // What members play, for root motion.
     __global const Member *members;
     __global const Slot *slots;
     __global const Layer *layers;
@@ -26,29 +27,23 @@ typedef struct {
     ulong tick;
     uint elapsed_ticks;
     float elapsed_secs;
-} Controls;
+} ConstraintTables;
 
-/* All of it as arguments of a kernel, and from them. */
-#define CONTROL_PARAMETERS __global const Control *controls, __global const Step *steps, __global const Override *overrides, \
-    __global const Constraint *constraints, __global const Link *links, __global const Target *targets, \
-    __global const Ground *ground, __global const float *heights, __global const float4 *states_before, \
-    __global const float4 *watched_before, __global float4 *states, __global float4 *watched, \
-    __global const float4 *stage_values, __global const float4 *motions, uint elapsed_ticks
-#define CONTROLS { controls, steps, overrides, constraints, links, targets, ground, heights, states_before, watched_before, \
-    states, watched, stage_values, motions, members, slots, layers, bound_clips, clips, masks, slots_per_member, \
-    { machine_states, running }, tick, \
-    elapsed_ticks, (float)elapsed_ticks * TICK_SECS }
+// A member's constraint program, and the rotations that its steps hand down.
+typedef struct {
+    const ConstraintTables *tables;
+    Control control;
+    uint index;
+    TURNS float4 *turns;
+} Solver;
 
-/* A member's own, and the turns that its steps hand down. */
-typedef struct { const Controls *of; Control control; uint index; TURNS float4 *turns; } Steering;
-
-INLINE Steering steering_of(const Controls *of, uint control, TURNS float4 *turns)
+INLINE Solver solver_of(const ConstraintTables *tables, uint control, TURNS float4 *turns)
 {
-    const Steering steering = { of, of->controls[control], control, turns };
-    return steering;
+    const Solver solver = { tables, tables->controls[control], control, turns };
+    return solver;
 }
 
-/* A direction of the world in model space. */
+// Rotates a direction of the world into model space.
 INLINE float4 direction_to_model(Control control, float4 d)
 {
     const float sine = control.facing.x, cosine = control.facing.y;
@@ -57,7 +52,8 @@ INLINE float4 direction_to_model(Control control, float4 d)
 
 INLINE float4 to_model(Control control, float4 point)
 {
-    const float4 d = vec(point.x - control.place.x, point.y - control.place.y, point.z - control.place.z);
+    const float4 d =
+        vec(point.x - control.place.x, point.y - control.place.y, point.z - control.place.z);
     return direction_to_model(control, d) * (1.0f / control.place.w);
 }
 
@@ -65,10 +61,11 @@ INLINE float4 to_world(Control control, float4 p)
 {
     const float4 place = control.place;
     const float sine = control.facing.x, cosine = control.facing.y;
-    return vec((cosine * p.x + sine * p.z) * place.w + place.x, p.y * place.w + place.y, (cosine * p.z - sine * p.x) * place.w + place.z);
+    return vec((cosine * p.x + sine * p.z) * place.w + place.x, p.y * place.w + place.y,
+               (cosine * p.z - sine * p.x) * place.w + place.z);
 }
 
-/* The weight of a target now, eased where its ramp begins and ends, and 0 below LEAST_WEIGHT. */
+// Returns a target's weight now, eased at both ends of its ramp, and 0 below LEAST_WEIGHT.
 INLINE float target_weight(Target target, ulong tick)
 {
     const ulong elapsed = tick > target.weight_tick ? tick - target.weight_tick : 0;
@@ -77,33 +74,37 @@ INLINE float target_weight(Target target, ulong tick)
     return eased > LEAST_WEIGHT ? eased : 0.0f;
 }
 
-/* Where a target is in model space, seen from a point there; nothing before it was ever seen. */
-INLINE float4 sight(const Steering *s, Target target, float4 from, float *weight)
+// Returns a target's position in model space, seen from a point there. A watched joint without a
+// position has weight 0.
+INLINE float4 sight(const Solver *s, Target target, float4 from, float *weight)
 {
-    *weight = target_weight(target, s->of->tick);
+    *weight = target_weight(target, s->tables->tick);
     const float4 point = vec(target.point.x, target.point.y, target.point.z);
     if (target.kind == TARGET_WORLD) return to_model(s->control, point);
-    if (target.kind == TARGET_DIRECTION) return add_scaled(from, direction_to_model(s->control, point), 1000.0f);
+    if (target.kind == TARGET_DIRECTION)
+        return add_scaled(from, direction_to_model(s->control, point), FAR_M);
     if (target.kind == TARGET_WATCHED) {
-        __global const float4 *rows = s->of->watched_before + target.watched * WATCHED_ELEMENTS;
+        __global const float4 *rows = s->tables->watched_before + target.watched * WATCHED_ELEMENTS;
         const float4 a = rows[0];
         const float4 place = vec(a.w + point.x, rows[1].w + point.y, rows[2].w + point.z);
-        /* Written so that what is not finite counts as never seen. */
-        if (a.x * a.x + a.y * a.y + a.z * a.z > 0.0f && vec_dot(place, place) < 1e30f) return to_model(s->control, place);
+        // Positions that are not finite fail this test and count as never seen.
+        if (a.x * a.x + a.y * a.y + a.z * a.z > 0.0f && vec_dot(place, place) < 1e30f)
+            return to_model(s->control, place);
         *weight = 0.0f;
         return from;
     }
     return point;
 }
 
-/* The mean of all targets, weighted, and how much it weighs, at most 1. */
-INLINE float4 goal_of(const Steering *s, __global const Constraint *constraint, float4 from, float *weight)
+// Returns the weighted mean of all targets, and their total weight, at most 1.
+INLINE float4 goal(const Solver *s, __global const Constraint *constraint, float4 from,
+                   float *weight)
 {
     float4 sum = vec(0.0f, 0.0f, 0.0f);
     float total = 0.0f;
     for (uint t = 0; t < constraint->target_count; t++) {
         float own;
-        const float4 place = sight(s, s->of->targets[constraint->target_first + t], from, &own);
+        const float4 place = sight(s, s->tables->targets[constraint->target_first + t], from, &own);
         if (own <= 0.0f) continue;
         sum = add_scaled(sum, place, own);
         total += own;
@@ -114,12 +115,15 @@ INLINE float4 goal_of(const Steering *s, __global const Constraint *constraint, 
     return from;
 }
 
-/* Where the joints of a chain are, as the clips have them, and the last one's model transform; `from` is the first one's. */
-INLINE float16 walk(const Steering *s, Hierarchy joints, __global const Constraint *constraint, float16 from, float4 *places)
+// Computes the origins of a chain's joints as the clips pose them, and returns the last joint's
+// model transform. `from` is the first joint's.
+INLINE float16 walk(const Solver *s, Hierarchy joints, __global const Constraint *constraint,
+                    float16 from, float4 *places)
 {
     places[0] = origin_of(from);
     for (uint at = 1; at < constraint->link_count; at++) {
-        from = affine_mul(from, local_of(joints, s->of->links[constraint->link_first + at].joint));
+        from =
+            affine_mul(from, local_of(joints, s->tables->links[constraint->link_first + at].joint));
         places[at] = origin_of(from);
     }
     return from;

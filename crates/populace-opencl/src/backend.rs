@@ -1,4 +1,4 @@
-//! A crowd on an OpenCL device, by any schedule.
+//! A backend that evaluates a crowd on an OpenCL device, with any schedule.
 
 use std::sync::Arc;
 
@@ -12,89 +12,88 @@ use populace_core::{
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
+use crate::context::FrameContext;
 use crate::fused::Fused;
-use crate::keeping::Keeping;
-use crate::launch::Launch;
+use crate::history::History;
+use crate::launch::{Launch, WorkSize};
 use crate::machines::Machines;
 use crate::pages::Pages;
 use crate::program::Form;
-use crate::staged::{CPU_SHAPE, GPU_SHAPE, Shape, Staged};
+use crate::staged::{DispatchShape, GPU_SHAPE, Staged};
 use crate::tables::DeviceTables;
 use crate::upload::{Copies, Uploader};
 use crate::user_stages::UserStages;
 use crate::{DeviceKind, OpenClDevice, waits};
 
-/// Evaluates crowds on an OpenCL device.
+/// Evaluates one crowd on an OpenCL device.
 pub struct OpenClBackend {
     queue: Arc<CommandQueue>,
     schedule: Schedule,
-    plan: Plan,
+    plan: SchedulePlan,
     user_stages: UserStages,
     tables: DeviceTables,
     uploader: Uploader,
-    keeping: Keeping,
+    history: History,
     machines: Machines,
     pages: Pages,
     floors: Floors,
-    /// Whether a frame, or a stage of one, was enqueued.
+    /// True once a frame, or a stage of one, was enqueued.
     has_run: bool,
-    // Declared last: a context of OpenGL's that it was made for must outlive everything above.
+    // Declared last: the OpenGL context that the device may share with must outlive all other
+    // fields.
     device: Arc<OpenClDevice>,
 }
 
-/// What a schedule keeps beside tables and palettes.
-enum Plan {
+/// The kernels and buffers of a schedule.
+enum SchedulePlan {
     Staged(Box<Staged>),
     Fused(Box<Fused>),
 }
 
-/// What a schedule's launches work on.
-pub(crate) struct On<'a> {
-    pub(crate) queue: &'a CommandQueue,
-    pub(crate) host: &'a Tables,
-    pub(crate) tables: &'a DeviceTables,
-    pub(crate) keeping: &'a Keeping,
-    pub(crate) machines: &'a Machines,
-    pub(crate) pages: &'a Pages,
-}
-
-/// Ways to write palettes with a constant.
+/// Kernels that write palettes with a constant, for benchmarks.
 struct Floors {
-    /// Each with the float4s that one work-item writes; built when a floor is first written.
-    kernels: Vec<(Kernel, usize)>,
+    /// Built when a floor is first written.
+    kernels: Vec<FloorKernel>,
     group: usize,
 }
 
-/// The kernels of [`Floors`], each with the float4s that one work-item writes.
+struct FloorKernel {
+    kernel: Kernel,
+    /// `float4`s that one work-item writes.
+    per_item: usize,
+}
+
+/// Names of the kernels of [`Floors`], each with its [`FloorKernel::per_item`].
 const FLOORS: [(&str, usize); 3] = [("floor_float4", 1), ("floor_matrix", 3), ("floor_run", 48)];
 
 impl OpenClBackend {
-    /// A backend for one crowd on a device. [`Schedule::Fused`] takes the form that suits its kind.
+    /// Creates a backend for one crowd on a device. [`Schedule::Fused`] picks the form that suits
+    /// the device's kind.
     ///
     /// # Errors
     ///
-    /// Memory that cannot be had, or a failing device.
+    /// Returns an error if memory cannot be allocated or the device fails.
     pub fn new(device: &Arc<OpenClDevice>, schedule: Schedule) -> Result<Self, BackendError> {
-        Self::with_shape(device, schedule, Shape::of(device.info.kind))
+        Self::with_shape(device, schedule, DispatchShape::of(device.info.kind))
     }
 
     fn with_shape(
         device: &Arc<OpenClDevice>,
         schedule: Schedule,
-        shape: Shape,
+        shape: DispatchShape,
     ) -> Result<Self, BackendError> {
         let on_cpu = device.info.kind == DeviceKind::Cpu;
         let plan = match schedule {
-            Schedule::Staged => Plan::Staged(Box::new(Staged::new(device, shape)?)),
-            Schedule::Fused if on_cpu => Plan::Fused(Box::new(Fused::wide(device)?)),
-            Schedule::FusedWide => Plan::Fused(Box::new(Fused::wide(device)?)),
-            Schedule::Fused | Schedule::FusedGrouped => {
-                Plan::Fused(Box::new(Fused::grouped(device, shape.group.min(GPU_SHAPE.group))?))
-            }
+            Schedule::Staged => SchedulePlan::Staged(Box::new(Staged::new(device, shape)?)),
+            Schedule::Fused if on_cpu => SchedulePlan::Fused(Box::new(Fused::wide(device)?)),
+            Schedule::FusedWide => SchedulePlan::Fused(Box::new(Fused::wide(device)?)),
+            Schedule::Fused | Schedule::FusedGrouped => SchedulePlan::Fused(Box::new(
+                Fused::grouped(device, shape.group.min(GPU_SHAPE.group))?,
+            )),
         };
         let form = match &plan {
-            Plan::Staged(_) => Staged::STAGE_KERNELS.0,
-            Plan::Fused(fused) => fused.stage_kernels.0,
+            SchedulePlan::Staged(_) => Staged::STAGE_KERNELS.form,
+            SchedulePlan::Fused(fused) => fused.stage_kernels.form,
         };
         let group = device.group_size(shape.group);
         Ok(Self {
@@ -104,7 +103,7 @@ impl OpenClBackend {
             user_stages: UserStages::default(),
             tables: DeviceTables::new(device)?,
             uploader: Uploader::new(device, group)?,
-            keeping: Keeping::new(device)?,
+            history: History::new(device)?,
             machines: Machines::new(device, form, group)?,
             pages: Pages::default(),
             has_run: false,
@@ -113,14 +112,16 @@ impl OpenClBackend {
         })
     }
 
-    /// Whether all that a frame reads and writes has room here, as it has after an update.
+    /// Returns whether all buffers of a frame suffice for the tables, as they do after an update.
     fn holds(&self, tables: &Tables) -> bool {
-        let beside = match &self.plan {
-            Plan::Staged(staged) => staged.blocks.hold(tables) && staged.buffers.hold(tables),
-            Plan::Fused(fused) => fused.holds(tables),
+        let schedule_part = match &self.plan {
+            SchedulePlan::Staged(staged) => {
+                staged.blocks.hold(tables) && staged.buffers.hold(tables)
+            }
+            SchedulePlan::Fused(fused) => fused.holds(tables),
         };
-        let kept = self.keeping.hold(tables) && self.machines.hold(tables);
-        beside && kept && self.tables.hold(tables) && self.pages.hold(tables)
+        let shared = self.history.hold(tables) && self.machines.hold(tables);
+        schedule_part && shared && self.tables.hold(tables) && self.pages.hold(tables)
     }
 
     fn check_updated(&self, tables: &Tables, operation: &str) -> Result<(), BackendError> {
@@ -139,43 +140,38 @@ impl OpenClBackend {
         }
     }
 
-    /// Lets a schedule enqueue its work.
+    /// Runs `work`, which enqueues launches, and flushes the queue.
     fn enqueue(
         &mut self,
         tables: &Tables,
         operation: &str,
-        work: impl FnOnce(&mut Plan, &On) -> Result<(), ClError>,
+        work: impl FnOnce(&mut SchedulePlan, &FrameContext) -> Result<(), ClError>,
     ) -> Result<(), BackendError> {
-        let Self { queue, plan, pages, keeping, machines, .. } = self;
-        let on = On { queue, host: tables, tables: &self.tables, keeping, machines, pages };
-        // Some drivers start nothing before they are told to, and nothing here waits.
-        let result = work(plan, &on).and_then(|()| queue.flush());
+        let Self { queue, plan, pages, history, machines, .. } = self;
+        let context =
+            FrameContext { queue, host: tables, tables: &self.tables, history, machines, pages };
+        // Some drivers start no work before a flush, and nothing here waits for the work.
+        let result = work(plan, &context).and_then(|()| queue.flush());
         result.map_err(|e| self.device.failed(operation, &e))?;
         self.has_run = true;
         Ok(())
     }
 
-    fn floor_ms(&self, kernel: &Kernel, per_item: usize) -> Result<f64, ClError> {
+    fn floor_ms(&self, floor: &FloorKernel) -> Result<f64, ClError> {
         let (mut events, group) = (Vec::new(), self.floors.group);
         for page in self.pages.iter() {
-            let items = page.len().div_ceil(per_item).next_multiple_of(group);
+            let items = page.len().div_ceil(floor.per_item);
             let launch =
-                Launch::of(kernel).buffer("palette", page).uint("count", narrow(page.len()));
-            events.push(launch.run(&self.queue, [items, 1], [group, 1])?);
+                Launch::of(&floor.kernel).buffer("palette", page).count("count", page.len());
+            events.push(launch.run(&self.queue, WorkSize::line(items, group))?);
         }
         waits::for_queue(&self.queue)?;
         Ok(time_ms(&[events]).unwrap_or(0.0))
     }
 }
 
-impl Shape {
-    fn of(kind: DeviceKind) -> Self {
-        if kind == DeviceKind::Cpu { CPU_SHAPE } else { GPU_SHAPE }
-    }
-}
-
-/// Device time of runs, each from the start of its first event to the end of its last, in
-/// milliseconds.
+/// Returns the device time of `runs` in milliseconds: for each run, from the start of its first
+/// event to the end of its last.
 fn time_ms(runs: &[Vec<Event>]) -> Option<f64> {
     runs.first()?;
     let time = |run: &Vec<Event>| {
@@ -184,13 +180,6 @@ fn time_ms(runs: &[Vec<Event>]) -> Option<f64> {
         Some(end.saturating_sub(start) as f64 * 1e-6)
     };
     runs.iter().map(time).sum()
-}
-
-/// Counts that tables hold below 2^32.
-#[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
-pub(crate) fn narrow(count: usize) -> u32 {
-    debug_assert!(u32::try_from(count).is_ok());
-    count as u32
 }
 
 impl Backend for OpenClBackend {
@@ -204,30 +193,35 @@ impl Backend for OpenClBackend {
     }
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        let beside: &mut dyn Copies = match &mut self.plan {
-            Plan::Staged(staged) => &mut staged.blocks,
-            Plan::Fused(fused) => &mut fused.lists,
+        let schedule_part: &mut dyn Copies = match &mut self.plan {
+            SchedulePlan::Staged(staged) => &mut staged.blocks,
+            SchedulePlan::Fused(fused) => &mut fused.lists,
         };
-        self.uploader.update(&self.device, &self.queue, tables, &mut [&mut self.tables, beside])?;
+        self.uploader.update(
+            &self.device,
+            &self.queue,
+            tables,
+            &mut [&mut self.tables, schedule_part],
+        )?;
         if let Some(kernels) = self.user_stages.next.take() {
             match &mut self.plan {
-                Plan::Staged(staged) => staged.take_stages(kernels),
-                Plan::Fused(fused) => fused.take_stages(kernels),
+                SchedulePlan::Staged(staged) => staged.take_stages(kernels),
+                SchedulePlan::Fused(fused) => fused.take_stages(kernels),
             }
         }
         match &mut self.plan {
-            Plan::Staged(staged) => staged.buffers.update(&self.device, tables)?,
-            Plan::Fused(fused) => fused.update(&self.device, tables)?,
+            SchedulePlan::Staged(staged) => staged.buffers.update(&self.device, tables)?,
+            SchedulePlan::Fused(fused) => fused.update(&self.device, tables)?,
         }
-        self.keeping.update(&self.device, &self.queue, tables)?;
+        self.history.update(&self.device, &self.queue, tables)?;
         self.machines.update(&self.device, &self.queue, tables)?;
         self.pages.update(&self.device, tables)
     }
 
     fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
         let kernels = match &self.plan {
-            Plan::Staged(_) => Staged::STAGE_KERNELS,
-            Plan::Fused(fused) => fused.stage_kernels,
+            SchedulePlan::Staged(_) => Staged::STAGE_KERNELS,
+            SchedulePlan::Fused(fused) => fused.stage_kernels,
         };
         self.user_stages.set(&self.device, kernels, stages)
     }
@@ -244,25 +238,27 @@ impl Backend for OpenClBackend {
             Stage::Transform => "run the stage transform",
             Stage::WriteBack => "run the stage write_back",
         };
-        if matches!(self.plan, Plan::Fused(_)) {
-            return Err(self
-                .refused(operation, "a fused schedule has no stages; run the staged one".into()));
+        if matches!(self.plan, SchedulePlan::Fused(_)) {
+            return Err(self.refused(
+                operation,
+                "a fused schedule has no stages; use the staged schedule".into(),
+            ));
         }
         self.check_updated(tables, operation)?;
         if stage == Stage::WriteBack {
             self.pages.begin_frame().map_err(|e| self.device.failed(operation, &e))?;
         }
         if stage == Stage::Transform && frame.begins() {
-            self.keeping.begin_frame(&self.queue).map_err(|e| self.device.failed(operation, &e))?;
+            self.history.begin_frame(&self.queue).map_err(|e| self.device.failed(operation, &e))?;
         }
-        self.enqueue(tables, operation, |plan, on| match plan {
-            Plan::Staged(staged) => staged.run(on, frame, stage),
-            Plan::Fused(_) => Ok(()),
+        self.enqueue(tables, operation, |plan, context| match plan {
+            SchedulePlan::Staged(staged) => staged.run(context, frame, stage),
+            SchedulePlan::Fused(_) => Ok(()),
         })
     }
 
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
-        if matches!(self.plan, Plan::Staged(_)) {
+        if matches!(self.plan, SchedulePlan::Staged(_)) {
             let mut stages = Stage::ALL.into_iter().filter(|stage| frame.runs(*stage, tables));
             return stages.try_for_each(|stage| self.run_stage(tables, frame, stage));
         }
@@ -270,12 +266,12 @@ impl Backend for OpenClBackend {
         self.check_updated(tables, OPERATION)?;
         if frame.begins() {
             let begun =
-                self.pages.begin_frame().and_then(|()| self.keeping.begin_frame(&self.queue));
+                self.pages.begin_frame().and_then(|()| self.history.begin_frame(&self.queue));
             begun.map_err(|e| self.device.failed(OPERATION, &e))?;
         }
-        self.enqueue(tables, OPERATION, |plan, on| match plan {
-            Plan::Staged(_) => Ok(()),
-            Plan::Fused(fused) => fused.run(on, frame),
+        self.enqueue(tables, OPERATION, |plan, context| match plan {
+            SchedulePlan::Staged(_) => Ok(()),
+            SchedulePlan::Fused(fused) => fused.run(context, frame),
         })
     }
 
@@ -290,9 +286,9 @@ impl Backend for OpenClBackend {
         first: usize,
         into: &mut [Float4],
     ) -> Result<(), BackendError> {
-        let Self { queue, plan, pages, keeping, machines, device, .. } = self;
-        if let Some(kept) = keeping.buffer(buffer) {
-            let result = kept.read(queue, first, into);
+        let Self { queue, plan, pages, history, machines, device, .. } = self;
+        if let Some(elements) = history.buffer(buffer) {
+            let result = elements.read(queue, first, into);
             return result.map_err(|e| {
                 device.failed(&format!("read {buffer:?} from element {first} on"), &e)
             });
@@ -303,11 +299,18 @@ impl Backend for OpenClBackend {
         let result = match plan {
             _ if buffer == StageBuffer::Palette => pages.read(queue, first, into),
             _ if buffer == StageBuffer::Running => machines.read(queue, first, into),
-            Plan::Staged(staged) => staged.buffers.read(queue, buffer, first, into),
-            Plan::Fused(fused) => {
-                keeping.prepare_aside(device, queue)?;
-                let on = On { queue, host: tables, tables: &self.tables, keeping, machines, pages };
-                return fused.read(&on, device, buffer, first, into);
+            SchedulePlan::Staged(staged) => staged.buffers.read(queue, buffer, first, into),
+            SchedulePlan::Fused(fused) => {
+                history.prepare_scratch(device, queue)?;
+                let context = FrameContext {
+                    queue,
+                    host: tables,
+                    tables: &self.tables,
+                    history,
+                    machines,
+                    pages,
+                };
+                return fused.read(&context, device, buffer, first, into);
             }
         };
         result.map_err(|e| device.failed(&format!("read {buffer:?} from element {first} on"), &e))
@@ -320,17 +323,20 @@ impl Backend for OpenClBackend {
         from: &[Float4],
     ) -> Result<(), BackendError> {
         let operation = format!("write {buffer:?} from element {first} on");
-        if let Some(kept) = self.keeping.buffer(buffer) {
-            return kept
+        if let Some(elements) = self.history.buffer(buffer) {
+            return elements
                 .write(&self.queue, first, from)
                 .map_err(|e| self.device.failed(&operation, &e));
         }
         let result = match &mut self.plan {
             _ if buffer == StageBuffer::Palette => self.pages.write(&self.queue, first, from),
             _ if buffer == StageBuffer::Running => self.machines.write(&self.queue, first, from),
-            Plan::Staged(staged) => staged.buffers.write(&self.queue, buffer, first, from),
-            Plan::Fused(_) => {
-                return Err(self.refused(&operation, "a fused schedule keeps palettes only".into()));
+            SchedulePlan::Staged(staged) => staged.buffers.write(&self.queue, buffer, first, from),
+            SchedulePlan::Fused(_) => {
+                return Err(self.refused(
+                    &operation,
+                    "a fused schedule stores palettes only; use the staged schedule".into(),
+                ));
             }
         };
         result.map_err(|e| self.device.failed(&operation, &e))
@@ -341,14 +347,12 @@ impl Backend for OpenClBackend {
     }
 
     fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError> {
-        let result = self.keeping.fetch(&self.queue, tick, tables.watched_elements());
-        result.map_err(|e| self.device.failed("bring what is watched to the host", &e))
+        let result = self.history.fetch(&self.queue, tick, tables.watched_elements());
+        result.map_err(|e| self.device.failed("read the watched joints", &e))
     }
 
     fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError> {
-        self.keeping
-            .fetched()
-            .map_err(|e| self.device.failed("bring what is watched to the host", &e))
+        self.history.fetched().map_err(|e| self.device.failed("read the watched joints", &e))
     }
 
     fn waits(&self) -> u64 {
@@ -357,15 +361,15 @@ impl Backend for OpenClBackend {
 
     fn frame_time_ms(&mut self) -> Option<f64> {
         match &self.plan {
-            Plan::Staged(staged) => {
+            SchedulePlan::Staged(staged) => {
                 Stage::ALL.into_iter().map(|stage| time_ms(staged.events(stage))).sum()
             }
-            Plan::Fused(fused) => time_ms(fused.events()),
+            SchedulePlan::Fused(fused) => time_ms(fused.events()),
         }
     }
 
     fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
-        let Plan::Staged(staged) = &self.plan else { return Vec::new() };
+        let SchedulePlan::Staged(staged) = &self.plan else { return Vec::new() };
         let times =
             Stage::ALL.into_iter().map(|stage| Some((stage, time_ms(staged.events(stage))?)));
         times.flatten().collect()
@@ -373,29 +377,28 @@ impl Backend for OpenClBackend {
 
     fn write_floor(&mut self, _tables: &Tables) -> Result<f64, BackendError> {
         if self.floors.kernels.is_empty() {
-            let kernel =
-                |(name, float4s)| Ok((self.device.kernel(Form::Floor, "", name)?, float4s));
-            self.floors.kernels = FLOORS.into_iter().map(kernel).collect::<Result<_, _>>()?;
+            let build = |(name, per_item)| {
+                Ok(FloorKernel { kernel: self.device.kernel(Form::Floor, "", name)?, per_item })
+            };
+            self.floors.kernels = FLOORS.into_iter().map(build).collect::<Result<_, _>>()?;
         }
         self.pages.begin_frame().map_err(|e| self.device.failed("write the floor", &e))?;
         let mut best = f64::INFINITY;
-        for (kernel, per_item) in &self.floors.kernels {
-            let ms = self
-                .floor_ms(kernel, *per_item)
-                .map_err(|e| self.device.failed("write the floor", &e))?;
+        for floor in &self.floors.kernels {
+            let ms = self.floor_ms(floor).map_err(|e| self.device.failed("write the floor", &e))?;
             best = best.min(ms);
         }
         Ok(best)
     }
 
     fn memory_bytes(&self) -> usize {
-        let beside = match &self.plan {
-            Plan::Staged(staged) => staged.blocks.bytes() + staged.buffers.bytes(),
-            Plan::Fused(fused) => fused.bytes(),
+        let schedule_part = match &self.plan {
+            SchedulePlan::Staged(staged) => staged.blocks.bytes() + staged.buffers.bytes(),
+            SchedulePlan::Fused(fused) => fused.bytes(),
         };
         let machines = self.machines.running.bytes();
-        let kept = self.uploader.bytes() + self.keeping.bytes() + machines + self.pages.bytes();
-        self.tables.bytes() + kept + beside
+        let shared = self.uploader.bytes() + self.history.bytes() + machines + self.pages.bytes();
+        self.tables.bytes() + shared + schedule_part
     }
 }
 
@@ -404,8 +407,8 @@ impl PaletteSource for OpenClBackend {
         self.pages.lengths().to_vec()
     }
 
-    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        self.device.refuses(way, context)
+    fn refuses(&self, transport: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        self.device.refuses(transport, context)
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
@@ -413,8 +416,8 @@ impl PaletteSource for OpenClBackend {
     }
 
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        let handed = self.pages.hand_over();
-        handed.map_err(|e| self.device.failed("hand its palettes to OpenGL", &e))
+        let set = self.pages.hand_over();
+        set.map_err(|e| self.device.failed("release its palettes to OpenGL", &e))
     }
 
     fn with_page(
@@ -428,11 +431,10 @@ impl PaletteSource for OpenClBackend {
         let count = self.pages.lengths().len();
         if page >= count {
             let cause = format!("there is no page {page}; {count} are in use");
-            return Err(self.refused("hand over palettes", cause));
+            return Err(self.refused("map palettes", cause));
         }
         let result = self.pages.with_page(&self.queue, page, reader);
-        result
-            .map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
+        result.map_err(|e| self.device.failed(&format!("map page {page} of the palettes"), &e))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Device memory whose length and element type are known, so that copies are safe functions.
+//! Device memory with a known length and element type, so that copies are safe functions.
 #![expect(
     unsafe_code,
     reason = "the OpenCL API is C; allocation and copies are part of the crate's boundary to it"
@@ -24,27 +24,30 @@ use populace_core::layout::{
 
 use crate::{OpenClDevice, waits};
 
-/// A type that kernels know by name.
+/// An element type that kernels know by name.
 pub(crate) trait Element: bytemuck::Pod {
     /// The name in OpenCL C.
     const TYPE_NAME: &'static str;
 }
 
 macro_rules! elements {
-    ($($rust:ty => $name:expr),* $(,)?) => { $(impl Element for $rust { const TYPE_NAME: &'static str = $name; })* };
+    ($($rust:ty => $name:expr),* $(,)?) => {
+        $(impl Element for $rust {
+            const TYPE_NAME: &'static str = $name;
+        })*
+    };
 }
-elements! {
-    f32 => "float", u32 => "uint", Float4 => "float4",
-    Body => Body::NAME, Entry => Entry::NAME, ClipRows => ClipRows::NAME, BoundClip => BoundClip::NAME,
-    RowBlock => RowBlock::NAME, BoundBlock => BoundBlock::NAME, Source => Source::NAME,
-    Slot => Slot::NAME, Layer => Layer::NAME, Member => Member::NAME, SlotSample => SlotSample::NAME,
-    Control => Control::NAME, Step => Step::NAME, Override => Override::NAME, Constraint => Constraint::NAME,
-    Link => Link::NAME, Target => Target::NAME, Ground => Ground::NAME,
-    MachineState => MachineState::NAME, Transition => Transition::NAME, Condition => Condition::NAME,
-    MachineInstance => MachineInstance::NAME, Running => Running::NAME,
+macro_rules! struct_elements {
+    ($($name:ident),* $(,)?) => { elements! { $($name => $name::NAME),* } };
+}
+elements! { f32 => "float", u32 => "uint", Float4 => "float4" }
+struct_elements! {
+    Body, Entry, ClipRows, BoundClip, RowBlock, BoundBlock, Source, Slot, Layer, Member, SlotSample,
+    Control, Step, Override, Constraint, Link, Target, Ground, MachineState, Transition, Condition,
+    MachineInstance, Running,
 }
 
-/// Elements written at once where a buffer is filled with zeros.
+/// Elements that are written at once to fill a buffer with zeros.
 const ZEROS: usize = 1 << 16;
 
 /// `CL_OUT_OF_HOST_MEMORY`.
@@ -52,16 +55,16 @@ const OUT_OF_HOST_MEMORY: i32 = -6;
 /// `CL_INVALID_VALUE`.
 pub(crate) const INVALID_VALUE: i32 = -30;
 
-/// Words of host memory that a device reads in its own time.
+/// Words of host memory that a device reads asynchronously.
 #[derive(Default)]
-pub(crate) struct Staging {
+pub(crate) struct StagingWords {
     words: Vec<u32>,
-    /// Writes to a device that read them, perhaps not done.
+    /// Uploads from these words that may not have completed.
     reads: Vec<Event>,
 }
 
-impl Staging {
-    /// Whether no device reads the words any longer.
+impl StagingWords {
+    /// Returns whether all uploads have completed.
     pub(crate) fn is_done(&self) -> Result<bool, ClError> {
         for read in &self.reads {
             if !waits::is_done(read)? {
@@ -71,7 +74,7 @@ impl Staging {
         Ok(true)
     }
 
-    /// The words, to be changed: waits until no device reads them any longer.
+    /// Waits until all uploads have completed, and returns the words for changing.
     pub(crate) fn words(&mut self) -> Result<&mut Vec<u32>, ClError> {
         for read in &self.reads {
             waits::for_event(read)?;
@@ -81,10 +84,10 @@ impl Staging {
     }
 }
 
-impl Drop for Staging {
+impl Drop for StagingWords {
     fn drop(&mut self) {
         if self.words().is_err() {
-            // A device that does not say whether it is done may still read them.
+            // The device may still read the words, since it does not tell whether it has finished.
             std::mem::forget(std::mem::take(&mut self.words));
         }
     }
@@ -94,20 +97,20 @@ impl Drop for Staging {
 pub(crate) struct Buffer<T> {
     memory: ClBuffer<T>,
     len: usize,
-    /// Elements that the memory has room for.
+    /// Elements that fit into the memory.
     capacity: usize,
 }
 
-/// Elements on their way from a device, which writes them in its own time.
+/// Elements that a device writes asynchronously.
 #[derive(Default)]
-pub(crate) struct Landing<T> {
+pub(crate) struct AsyncRead<T> {
     elements: Vec<T>,
-    /// The read that writes them, perhaps not done.
+    /// The read that writes them, if it may not have completed.
     read: Option<Event>,
 }
 
-impl<T> Landing<T> {
-    /// Whether nothing is on its way any longer.
+impl<T> AsyncRead<T> {
+    /// Returns whether the read has completed.
     pub(crate) fn is_done(&mut self) -> Result<bool, ClError> {
         if let Some(read) = &self.read
             && !waits::is_done(read)?
@@ -118,57 +121,57 @@ impl<T> Landing<T> {
         Ok(true)
     }
 
-    /// What has landed: nothing while it is on its way.
+    /// Returns the elements; none while the read is in progress.
     pub(crate) fn elements(&self) -> &[T] {
         if self.read.is_none() { &self.elements } else { &[] }
     }
 }
 
-impl<T> Drop for Landing<T> {
+impl<T> Drop for AsyncRead<T> {
     fn drop(&mut self) {
         if let Some(read) = &self.read {
-            // The device writes into `elements` until then. Nobody can be told of an error here.
+            // The device writes into `elements` until then. An error cannot be reported here.
             let _done = waits::for_event(read);
         }
     }
 }
 
 impl<T: Element> Buffer<T> {
-    /// Allocates; a buffer of no elements still holds one, since devices refuse empty ones.
+    /// Allocates `len` elements. `what` names the buffer in errors. An empty buffer holds one
+    /// element, since devices refuse empty ones.
     pub(crate) fn new(device: &OpenClDevice, len: usize, what: &str) -> Result<Self, BackendError> {
         let count = len.max(1);
         let bytes = count.saturating_mul(size_of::<T>());
-        let no_room = || BackendError::OutOfMemory {
+        let out_of_memory = || BackendError::OutOfMemory {
             device: device.info.name.clone(),
             what: what.into(),
             bytes,
         };
         if bytes as u64 > device.info.max_allocation_bytes {
-            return Err(no_room());
+            return Err(out_of_memory());
         }
-        // Host-visible memory lets a page be handed over without a copy where host and device share
-        // it.
+        // Host-visible memory lets a page be mapped without a copy if host and device share memory.
         let flags = CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR;
         // SAFETY: no host pointer is given, and the context is alive in `device`.
         let memory = unsafe { ClBuffer::create(&device.context, flags, count, ptr::null_mut()) };
         let memory = memory.map_err(|error| match error {
-            ClError(-6..=-4 | -61) => no_room(),
+            ClError(-6..=-4 | -61) => out_of_memory(),
             other => device.failed(&format!("allocate {what}"), &other),
         })?;
         Ok(Self { memory, len, capacity: count })
     }
 
-    /// A buffer of all of some memory.
+    /// Wraps existing memory.
     ///
     /// # Safety
     ///
-    /// The memory has room for `len` elements, and is valid for as long as the queue uses the
-    /// buffer.
+    /// The memory must hold at least `len` elements, and must stay valid for as long as the queue
+    /// uses the buffer.
     pub(crate) unsafe fn from_memory(memory: ClBuffer<T>, len: usize) -> Self {
         Self { memory, len, capacity: len }
     }
 
-    /// Makes the buffer that long where it has the room, else says `false`.
+    /// Sets the length and returns true if the memory suffices, else returns false.
     pub(crate) fn resize(&mut self, len: usize) -> bool {
         let fits = len <= self.capacity;
         if fits {
@@ -225,13 +228,13 @@ impl<T: Element> Buffer<T> {
         Ok(())
     }
 
-    /// Copies elements to the device without waiting, from words of `from` on; these stay there
-    /// until they are read.
+    /// Copies elements to the device without waiting, from word `word_first` of `from` on, which
+    /// keeps the words until they are read.
     pub(crate) fn write_staged(
         &mut self,
         queue: &CommandQueue,
         elements: Range<usize>,
-        from: &mut Staging,
+        from: &mut StagingWords,
         word_first: usize,
     ) -> Result<(), ClError> {
         self.check(elements.start, elements.len())?;
@@ -287,20 +290,20 @@ impl<T: Element> Buffer<T> {
         Ok(())
     }
 
-    /// Copies the first elements from the device without waiting, into a landing that has nothing
-    /// on its way.
-    pub(crate) fn read_later(
+    /// Starts a copy of the first `count` elements from the device. `into` must have no read in
+    /// progress.
+    pub(crate) fn read_async(
         &self,
         queue: &CommandQueue,
         count: usize,
-        into: &mut Landing<T>,
+        into: &mut AsyncRead<T>,
     ) -> Result<(), ClError> {
         self.check(0, count)?;
         if into.read.is_some() {
             return Err(ClError(INVALID_VALUE));
         }
-        let more = count.saturating_sub(into.elements.len());
-        into.elements.try_reserve(more).map_err(|_| ClError(OUT_OF_HOST_MEMORY))?;
+        let additional = count.saturating_sub(into.elements.len());
+        into.elements.try_reserve(additional).map_err(|_| ClError(OUT_OF_HOST_MEMORY))?;
         into.elements.resize(count, T::zeroed());
         if count > 0 {
             let (bytes, address) = (count * size_of::<T>(), into.elements.as_mut_ptr().cast());
@@ -325,7 +328,7 @@ impl<T: Element> Buffer<T> {
         Ok(())
     }
 
-    /// Makes the buffer that long at least: what is there stays, and zeros follow it.
+    /// Grows to at least `count` elements. The contents stay, and zeros follow.
     pub(crate) fn grow(
         &mut self,
         device: &OpenClDevice,
@@ -336,20 +339,21 @@ impl<T: Element> Buffer<T> {
         if count <= self.len {
             return Ok(());
         }
-        let room = count.next_power_of_two();
-        let mut larger = Self::new(device, room, what)?;
-        let zeros = vec![T::zeroed(); room.min(ZEROS)];
-        let mut firsts = (0..room).step_by(ZEROS);
-        let filled = firsts
-            .try_for_each(|first| larger.write(queue, first, &zeros[..ZEROS.min(room - first)]));
+        let capacity = count.next_power_of_two();
+        let mut larger = Self::new(device, capacity, what)?;
+        let zeros = vec![T::zeroed(); capacity.min(ZEROS)];
+        let mut firsts = (0..capacity).step_by(ZEROS);
+        let filled = firsts.try_for_each(|first| {
+            larger.write(queue, first, &zeros[..ZEROS.min(capacity - first)])
+        });
         filled
             .and_then(|()| larger.copy_from(queue, self))
-            .map_err(|e| device.failed("make room", &e))?;
+            .map_err(|e| device.failed("grow a buffer", &e))?;
         *self = larger;
         Ok(())
     }
 
-    /// Enqueues zeros for a range of elements.
+    /// Enqueues the filling of a range with zeros.
     pub(crate) fn clear(
         &mut self,
         queue: &CommandQueue,
@@ -368,12 +372,12 @@ impl<T: Element> Buffer<T> {
         Ok(())
     }
 
-    /// Enqueues a copy of all elements of a buffer that is no longer than this one.
+    /// Enqueues a copy of all elements of `from`, which must not be longer than this buffer.
     pub(crate) fn copy_from(&mut self, queue: &CommandQueue, from: &Self) -> Result<(), ClError> {
         self.copy_first(queue, from, from.len)
     }
 
-    /// Enqueues a copy of the first elements of a buffer.
+    /// Enqueues a copy of the first `count` elements of `from`.
     pub(crate) fn copy_first(
         &mut self,
         queue: &CommandQueue,
@@ -384,14 +388,15 @@ impl<T: Element> Buffer<T> {
         from.check(0, count)?;
         if count > 0 {
             let bytes = count * size_of::<T>();
-            // SAFETY: both hold that many bytes, and they are two buffers, since one of them is
-            // borrowed mutably.
+            // SAFETY: both buffers hold that many bytes, and they differ, since one is borrowed
+            // mutably.
             unsafe { queue.enqueue_copy_buffer(&from.memory, &mut self.memory, 0, 0, bytes, &[]) }?;
         }
         Ok(())
     }
 
-    /// Shows the elements to `reader`, without a copy where host and device share memory.
+    /// Maps the buffer and passes its elements to `reader`, without a copy if host and device share
+    /// memory.
     pub(crate) fn map(
         &mut self,
         queue: &CommandQueue,

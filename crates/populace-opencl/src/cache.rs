@@ -1,4 +1,4 @@
-//! Built programs in files, so that later processes need not build them.
+//! Cache of built programs in files, for later processes.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -10,12 +10,12 @@ use std::{env, io};
 use etcetera::BaseStrategy;
 use sha2::{Digest, Sha256};
 
-/// Names the folder; empty for no cache.
+/// Environment variable that names the folder; empty for no cache.
 const VARIABLE: &str = "POPULACE_CACHE_DIR";
 const EXTENSION: &str = "program";
-/// Entries that were not used for this long are deleted when another is written.
+/// An entry that was not used for this long is deleted when another is written.
 const KEPT_FOR: Duration = Duration::from_secs(60 * 24 * 60 * 60);
-/// Bytes of the hash that a file begins with.
+/// Bytes of the hash at the start of each file.
 const HASH_BYTES: usize = 32;
 
 /// A folder of built programs.
@@ -25,8 +25,8 @@ pub(crate) struct Cache {
 }
 
 impl Cache {
-    /// The folder that `POPULACE_CACHE_DIR` names, else `populace` in the user's cache folder.
-    /// `None` where the variable is empty or the user has no home.
+    /// The folder named by `POPULACE_CACHE_DIR`, else `populace` in the user's cache folder. `None`
+    /// if the variable is empty or the user has no home folder.
     pub(crate) fn of_user() -> Option<Self> {
         let folder = match env::var_os(VARIABLE) {
             Some(named) => PathBuf::from(named),
@@ -40,7 +40,7 @@ impl Cache {
         Self { folder: folder.into() }
     }
 
-    /// The place of the program that these words describe in full.
+    /// Returns the entry of the program that `words` describe completely.
     pub(crate) fn entry<'a>(&self, words: impl Iterator<Item = &'a str>) -> Entry {
         let mut hash = Sha256::new();
         for word in words {
@@ -52,21 +52,21 @@ impl Cache {
     }
 }
 
-/// The place of one program: a file of a hash and the binary that it is of.
+/// The file of one program: a hash, then the binary that the hash belongs to.
 #[derive(Debug)]
 pub(crate) struct Entry {
     path: PathBuf,
 }
 
 impl Entry {
-    /// The binary; `None` where there is none, or not as it was written.
+    /// Returns the binary; `None` if there is none, or if it is damaged.
     pub(crate) fn read(&self) -> Option<Vec<u8>> {
         let mut bytes = fs::read(&self.path).ok()?;
         let hash = bytes.get(..HASH_BYTES)?;
         if hash != Sha256::digest(&bytes[HASH_BYTES..]).as_slice() {
             return None;
         }
-        // The time of the last use; it does not matter where it cannot be set.
+        // Records the time of this use. A failure does not matter.
         let _not_set = File::options()
             .append(true)
             .open(&self.path)
@@ -74,15 +74,16 @@ impl Entry {
         Some(bytes.split_off(HASH_BYTES))
     }
 
-    /// Writes the binary in place of the one before. Does nothing where the folder cannot be
-    /// written: the next process then builds again.
+    /// Writes or replaces the binary. Does nothing if the folder cannot be written: the next
+    /// process builds again.
     pub(crate) fn write(&self, binary: &[u8]) {
         if self.try_write(binary).is_ok() {
             self.delete_unused_beside();
         }
     }
 
-    /// Other processes see the file whole or not at all: it is written under another name first.
+    /// Writes under another name first, so that other processes see the file complete or not at
+    /// all.
     fn try_write(&self, binary: &[u8]) -> io::Result<()> {
         let folder = self.path.parent().unwrap_or(Path::new("."));
         fs::create_dir_all(folder)?;
@@ -103,7 +104,7 @@ impl Entry {
                 .and_then(|time| time.elapsed().ok())
                 .is_some_and(|age| age > KEPT_FOR);
             if unused && path.extension() == Some(OsStr::new(EXTENSION)) {
-                // Another process may have been faster.
+                // Another process may have deleted it already.
                 let _gone = fs::remove_file(path);
             }
         }

@@ -1,4 +1,4 @@
-//! An OpenCL device or a part of one, made ready, and the programs built for it.
+//! An open OpenCL device, or a part of one, and the programs built for it.
 #![expect(
     unsafe_code,
     reason = "the OpenCL API is C; creating a command queue is part of the crate's boundary to it"
@@ -21,45 +21,47 @@ use opencl3::program::Program;
 use populace_core::{BackendError, GlContext, PaletteTransport};
 
 use crate::cache::{Cache, Entry as CacheEntry};
+use crate::errors::failed;
 use crate::finding::{DeviceInfo, all_devices, info};
-use crate::gl_sharing::{NOT_OFFERED, context_for};
+use crate::gl_context::{NOT_OFFERED, context_for};
 use crate::program::Form;
 use crate::{DeviceKind, pocl};
 
-/// Programs that a device keeps for crowds to come, before it forgets those with users' stages.
+/// Programs that a device keeps before it drops those with users' stages.
 const PROGRAMS_KEPT: usize = 16;
 
-/// One of the equal parts of a device.
+/// One of several equal parts of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DevicePart {
-    /// Which part, from 1.
+    /// Number of the part, from 1.
     pub part: usize,
-    /// How many parts there are.
+    /// Number of parts.
     pub parts: usize,
 }
 
-/// A part of a device. A device is cut once into so many parts and stays so: the parts are then
-/// apart from each other, and PoCL 3.1 crashes where one is let go of while its threads still clear
-/// up. Compute units that are left over belong to no part.
+/// Returns a part of a device. A device is split only once for each number of parts, and stays
+/// split: the parts then never overlap, and PoCL 3.1 crashes if a part is released while its
+/// threads still clean up. Remaining compute units belong to no part.
 fn part_of(whole: &Device, info: &DeviceInfo, part: DevicePart) -> Result<Device, BackendError> {
-    type Cuts = HashMap<(usize, usize), Vec<SubDevice>>;
-    static CUT: OnceLock<Mutex<Cuts>> = OnceLock::new();
+    type Splits = HashMap<(usize, usize), Vec<SubDevice>>;
+    static SPLITS: OnceLock<Mutex<Splits>> = OnceLock::new();
     let DevicePart { part, parts } = part;
-    let mut cuts = CUT.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
-    let cut = match cuts.entry((info.index, parts)) {
-        Entry::Occupied(cut) => cut.into_mut(),
-        Entry::Vacant(place) => place.insert(cut(whole, info, parts)?),
+    let mut splits =
+        SPLITS.get_or_init(Mutex::default).lock().unwrap_or_else(PoisonError::into_inner);
+    let sub_devices = match splits.entry((info.index, parts)) {
+        Entry::Occupied(existing) => existing.into_mut(),
+        Entry::Vacant(vacant) => vacant.insert(split(whole, info, parts)?),
     };
-    let found = cut.get(part.wrapping_sub(1)).map(|part| Device::new(part.id()));
+    let found = sub_devices.get(part.wrapping_sub(1)).map(|part| Device::new(part.id()));
     let cause = || format!("there is no part {part} among them");
     found.ok_or_else(|| BackendError::NoPart { device: info.name.clone(), parts, cause: cause() })
 }
 
-fn cut(whole: &Device, info: &DeviceInfo, parts: usize) -> Result<Vec<SubDevice>, BackendError> {
+fn split(whole: &Device, info: &DeviceInfo, parts: usize) -> Result<Vec<SubDevice>, BackendError> {
     let (units, most) = (info.compute_units, info.most_parts);
     let refused = |cause| BackendError::NoPart { device: info.name.clone(), parts, cause };
     if most < 2 {
-        return Err(refused("its driver does not offer that".into()));
+        return Err(refused("its driver cannot split it".into()));
     }
     if !(1..=most as usize).contains(&parts) {
         return Err(refused(format!("it has {units} compute units, for at most {most} parts")));
@@ -67,8 +69,8 @@ fn cut(whole: &Device, info: &DeviceInfo, parts: usize) -> Result<Vec<SubDevice>
     let each = (units as usize / parts).cast_signed();
     let found = whole.create_sub_devices(&[CL_DEVICE_PARTITION_EQUALLY, each, 0]);
     let mut found =
-        found.map_err(|e| failed(&info.name, &format!("cut itself into {parts} parts"), &e))?;
-    found.truncate(parts); // units that are left over can make one more
+        found.map_err(|e| failed(&info.name, &format!("split into {parts} parts"), &e))?;
+    found.truncate(parts); // remaining units can form one more part
     Ok(found)
 }
 
@@ -78,17 +80,17 @@ pub struct OpenClDevice {
     pub(crate) info: DeviceInfo,
     pub(crate) context: Context,
     pub(crate) device: Device,
-    /// By form, and by what users' stages add to it.
+    /// By form and the text of users' stages.
     programs: Mutex<HashMap<(Form, String), Program>>,
-    /// Where programs are kept for later processes; `None` where that is left to the driver.
+    /// Cache of programs for later processes; `None` if the driver caches them itself.
     pub(crate) cache: Option<Cache>,
-    /// What the context shares with; declared last, since that must outlive the context.
+    /// The OpenGL context that is shared with. Declared last, since it must outlive the context.
     pub(crate) gl: Option<Arc<dyn GlContext>>,
 }
 
 impl OpenClDevice {
-    /// Makes the device of an index (see [`devices`](crate::devices)) ready. Kernels are built for
-    /// it when they are first asked for.
+    /// Opens the device with an index of [`devices`](crate::devices). Kernels are built on first
+    /// use.
     ///
     /// # Errors
     ///
@@ -98,29 +100,28 @@ impl OpenClDevice {
         Self::open_with(index, None, None)
     }
 
-    /// The same for one of several equal parts of a device, as if it were a device of its own:
-    /// parts work at the same time, each on its own compute units. Units that are left over stay
-    /// idle.
+    /// Opens one of several equal parts of a device as a device of its own. Parts work at the same
+    /// time, each on its own compute units. Remaining units stay idle.
     ///
     /// # Errors
     ///
-    /// As [`open`](Self::open); [`BackendError::NoPart`] where the device cannot be cut so, or has
-    /// no such part.
+    /// As [`open`](Self::open); [`BackendError::NoPart`] if the device cannot be split this way or
+    /// has no such part.
     pub fn open_part(index: usize, part: DevicePart) -> Result<Arc<Self>, BackendError> {
         Self::open_with(index, Some(part), None)
     }
 
-    /// The same for a device or a part of one, with a context that shares buffers with one of
-    /// OpenGL's, so that palettes are written where OpenGL draws from
-    /// ([`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared)). Best called on the
-    /// thread on which the context of OpenGL's is current: some drivers want that.
+    /// Opens a device, or a part of one, with a context that shares buffers with an OpenGL context,
+    /// so that palettes are written where OpenGL draws from
+    /// ([`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared)). Call it on the
+    /// thread on which the OpenGL context is current, because some drivers require that.
     ///
-    /// This has not been run on a graphics processor yet: no driver at hand offers it.
+    /// This has not been run on a graphics processor yet, because no available driver supports it.
     ///
     /// # Errors
     ///
-    /// As [`open`](Self::open); [`BackendError::Failed`] too where the driver does not offer
-    /// `cl_khr_gl_sharing`, or refuses this context.
+    /// As [`open`](Self::open); also [`BackendError::Failed`] if the driver lacks
+    /// `cl_khr_gl_sharing` or refuses this context.
     pub fn open_for_gl(
         index: usize,
         part: Option<DevicePart>,
@@ -149,9 +150,9 @@ impl OpenClDevice {
         }
         let context = match &gl {
             None => Context::from_device(&device)
-                .map_err(|e| failed(&info.name, "make a context", &e))?,
+                .map_err(|e| failed(&info.name, "create a context", &e))?,
             Some(gl) => {
-                let operation = "make a context that shares with OpenGL";
+                let operation = "create a context that shares buffers with OpenGL";
                 if !info.shares_with_gl {
                     let (operation, cause) = (operation.into(), NOT_OFFERED.into());
                     return Err(BackendError::Failed { device: info.name, operation, cause });
@@ -159,13 +160,13 @@ impl OpenClDevice {
                 context_for(&device, &**gl).map_err(|e| failed(&info.name, operation, &e))?
             }
         };
-        // PoCL keeps kernels in a folder of its own. To give a program's binary it compiles each
-        // kernel once more.
+        // PoCL caches kernels in a folder of its own, and compiles each kernel once more to return
+        // a program's binary.
         let cache = if pocl::offers(&device) { None } else { Cache::of_user() };
         Ok(Arc::new(Self { info, context, device, programs: Mutex::default(), cache, gl }))
     }
 
-    /// Builds kernels from their source, or takes them from the cache; an error holds the
+    /// Builds kernels from their source, or loads them from the cache. An error contains the
     /// compiler's log.
     pub(crate) fn build(&self, source: &str) -> Result<Program, BackendError> {
         let options = options(&self.device);
@@ -175,7 +176,7 @@ impl OpenClDevice {
             return Ok(program);
         }
         let program = self.compile(source, &options)?;
-        // A driver that gives no binary costs later processes their time, and nothing else.
+        // Without a binary, later processes build again; nothing else is lost.
         if let Some(entry) = entry
             && let Ok([binary]) = program.get_binaries().as_deref()
         {
@@ -184,8 +185,8 @@ impl OpenClDevice {
         Ok(program)
     }
 
-    /// The place in the cache of a program of this device. What its binary depends on names it: the
-    /// native width of vectors tells apart processors of one name.
+    /// Returns the cache entry of a program for this device, named by everything that the binary
+    /// depends on. The native vector width distinguishes processors with the same name.
     fn cache_entry(&self, source: &str, options: &str) -> Option<CacheEntry> {
         let (cache, device) = (self.cache.as_ref()?, &self.device);
         let platform = Platform::new(device.platform().ok()?);
@@ -201,7 +202,7 @@ impl OpenClDevice {
         Some(cache.entry(parts.chain([options, source])))
     }
 
-    /// A program from its binary; `None` where the driver refuses it.
+    /// Creates a program from its binary; `None` if the driver refuses it.
     fn load(&self, binary: &[u8], options: &str) -> Option<Program> {
         let id = self.device.id();
         // SAFETY: the device belongs to the context, and one device comes with one binary.
@@ -213,7 +214,7 @@ impl OpenClDevice {
 
     fn compile(&self, source: &str, options: &str) -> Result<Program, BackendError> {
         let mut program = Program::create_from_source(&self.context, source)
-            .map_err(|e| self.failed("take the kernels' source", &e))?;
+            .map_err(|e| self.failed("create a program from the kernels' source", &e))?;
         if let Err(error) = program.build(&[self.device.id()], options) {
             let log = program.get_build_log(self.device.id()).unwrap_or_default();
             let (device, operation) = (self.info.name.clone(), "build the kernels".into());
@@ -223,38 +224,42 @@ impl OpenClDevice {
         Ok(program)
     }
 
-    /// What the device is.
+    /// Describes the device.
     #[must_use]
     pub fn info(&self) -> &DeviceInfo {
         &self.info
     }
 
-    /// Why palettes cannot reach a context of OpenGL's in some way, as far as that shows without
-    /// trying.
-    pub(crate) fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        let reason = match (way, &self.gl) {
+    /// Returns why palettes cannot reach an OpenGL context by `transport`, as far as that is known
+    /// without trying.
+    pub(crate) fn refuses(
+        &self,
+        transport: PaletteTransport,
+        context: &dyn GlContext,
+    ) -> Option<String> {
+        let reason = match (transport, &self.gl) {
             (PaletteTransport::Mapped, _) if self.info.kind != DeviceKind::Cpu => {
-                "it does not work in the host's memory"
+                "it does not share the host's memory"
             }
             (PaletteTransport::Shared, Some(gl)) if gl.handles() != context.handles() => {
-                "its OpenCL context was made for another context of OpenGL's"
+                "its OpenCL context was created for another OpenGL context"
             }
             (PaletteTransport::Shared, None) if !self.info.shares_with_gl => NOT_OFFERED,
             (PaletteTransport::Shared, None) => {
-                "its OpenCL context was not made for one of OpenGL's"
+                "its OpenCL context was not created for an OpenGL context"
             }
             _ => return None,
         };
         Some(reason.into())
     }
 
-    /// As many work-items per group as wished for, or as the device allows.
+    /// Returns the work-items in a work-group: `wished`, or as many as the device allows.
     pub(crate) fn group_size(&self, wished: usize) -> usize {
         self.device.max_work_group_size().map_or(1, |most| most.clamp(1, wished))
     }
 
-    /// A kernel of a form's program with users' stages, or without where there are none; it is
-    /// built the first time.
+    /// Returns a kernel of a form's program, built with the text of users' stages, which may be
+    /// empty. The program is built on first use.
     pub(crate) fn kernel(
         &self,
         form: Form,
@@ -263,15 +268,15 @@ impl OpenClDevice {
     ) -> Result<Kernel, BackendError> {
         let mut programs = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
         if !stages.is_empty() && programs.len() >= PROGRAMS_KEPT {
-            // Kernels in use keep theirs.
+            // Kernels in use keep their program alive.
             programs.retain(|(_, stages), _| stages.is_empty());
         }
         let program =
             match programs.entry((form, stages.to_owned())) {
                 Entry::Occupied(built) => built.into_mut(),
-                Entry::Vacant(place) => {
+                Entry::Vacant(vacant) => {
                     let built = self.build(&form.source(stages));
-                    place.insert(built.map_err(|error| {
+                    vacant.insert(built.map_err(|error| {
                         if stages.is_empty() { error } else { in_stages(error) }
                     })?)
                 }
@@ -281,12 +286,12 @@ impl OpenClDevice {
     }
 
     pub(crate) fn queue(&self) -> Result<CommandQueue, BackendError> {
-        // SAFETY: the device belongs to the context, as `open` made the one from the other; the
-        // properties are ones that every device has.
+        // SAFETY: the device belongs to the context, since `open` made the context from the device;
+        // all devices have these properties.
         let queue = unsafe {
             CommandQueue::create(&self.context, self.device.id(), CL_QUEUE_PROFILING_ENABLE)
         };
-        queue.map_err(|e| self.failed("make a command queue", &e))
+        queue.map_err(|e| self.failed("create a command queue", &e))
     }
 
     pub(crate) fn failed(&self, operation: &str, error: &ClError) -> BackendError {
@@ -294,7 +299,7 @@ impl OpenClDevice {
     }
 }
 
-/// What is wrong with a program that is right without users' stages.
+/// Turns a build error into one about users' stages, since the program builds without them.
 fn in_stages(error: BackendError) -> BackendError {
     match error {
         BackendError::Failed { device, cause, .. } => {
@@ -304,23 +309,15 @@ fn in_stages(error: BackendError) -> BackendError {
     }
 }
 
-pub(crate) fn failed(device: &str, operation: &str, error: &ClError) -> BackendError {
-    BackendError::Failed {
-        device: device.into(),
-        operation: operation.into(),
-        cause: error.to_string(),
-    }
-}
-
-/// Correct rounding of `/` and `sqrt`, where the device has it, makes poses equal the native ones
-/// bit for bit too. On CPUs constraints are called, since copies of them would be most of what
-/// there is to compile.
+/// Compiler options. Correct rounding of `/` and `sqrt`, if the device supports it, makes poses
+/// equal the native ones bit for bit. On CPUs, constraints are called, since inlined copies would
+/// dominate compile time.
 fn options(device: &Device) -> String {
     let rounded =
         device.single_fp_config().is_ok_and(|c| c & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0);
     let rounding = if rounded { " -cl-fp32-correctly-rounded-divide-sqrt" } else { "" };
     let is_cpu = device.dev_type().is_ok_and(|kind| kind & CL_DEVICE_TYPE_CPU != 0);
     let calls = if is_cpu { " -D CALLS" } else { "" };
-    // Without -w some compilers print a count of warnings to stderr.
+    // Without -w some compilers print the number of warnings to stderr.
     format!("-w -cl-std=CL1.2 -cl-kernel-arg-info{rounding}{calls}")
 }

@@ -1,4 +1,4 @@
-//! The drivers that the OpenCL loader is told to load, and why some cannot be.
+//! Drivers that the OpenCL loader is configured to load, and why some fail to load.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs, mem};
@@ -8,14 +8,14 @@ use dlopen2::raw::Library;
 
 use crate::DriverFault;
 
-/// Where loaders on Unix look for the files that name drivers.
+/// Folder in which loaders on Unix look for the files that name drivers.
 const FOLDER: &str = "/etc/OpenCL/vendors";
-/// What names another folder, or one file.
+/// Environment variables that name another folder, or one file.
 const VARIABLES: [&str; 2] = ["OCL_ICD_VENDORS", "OPENCL_VENDOR_PATH"];
-/// `RTLD_LAZY`, as loaders do.
+/// `RTLD_LAZY`, as loaders use.
 const LAZY: i32 = 1;
 
-/// The drivers that cannot be loaded. Only Unix names drivers in files.
+/// Returns the drivers that fail to load. Only Unix names drivers in files.
 pub(crate) fn faults() -> Vec<DriverFault> {
     if !cfg!(unix) {
         return Vec::new();
@@ -49,16 +49,16 @@ fn fault(file: &Path) -> Option<DriverFault> {
     };
     match Library::open_with_flags(library, Some(LAZY)) {
         Ok(library) => {
-            // It stays loaded: drivers are not made to be unloaded, and those in use are loaded
-            // anyway.
+            // The library stays loaded: drivers are not made for unloading, and those in use are
+            // loaded anyway.
             mem::forget(library);
             None
         }
         Err(Error::OpeningLibraryError(error)) => {
-            at_fault(library.into(), format!("{name} names it, and it cannot be loaded: {error}"))
+            at_fault(library.into(), format!("{name} names it, but it cannot be loaded: {error}"))
         }
         Err(error) => {
-            at_fault(library.into(), format!("{name} names it, and it cannot be loaded: {error}"))
+            at_fault(library.into(), format!("{name} names it, but it cannot be loaded: {error}"))
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Finding the OpenCL devices of this machine, and why a driver gives none.
+//! Discovery of the OpenCL devices of this machine, and of the reasons why a driver lists none.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -9,11 +9,11 @@ use opencl3::error_codes::ClError;
 use opencl3::platform::get_platforms;
 use populace_core::BackendError;
 
-use crate::device::failed;
-use crate::gl_sharing::is_offered;
+use crate::errors::failed;
+use crate::gl_context::is_offered;
 use crate::{drivers, pocl};
 
-/// What cl3 answers when there is no libOpenCL to load.
+/// Returned by cl3 if there is no libOpenCL to load.
 const NO_LIBRARY: i32 = -2000;
 /// `CL_PLATFORM_NOT_FOUND_KHR`: a loader without any driver.
 const NO_PLATFORM: i32 = -1001;
@@ -22,64 +22,64 @@ const NO_DEVICE: i32 = -1;
 
 const NO_LOADER: &str =
     "this machine has no libOpenCL; install an OpenCL loader and a driver, such as PoCL";
-const NO_DRIVER: &str = "no driver is installed; install that of the graphics processor, or PoCL";
+const NO_DRIVER: &str = "no driver is installed; install the graphics processor's driver, or PoCL";
 
-/// What a device is.
+/// Kind of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DeviceKind {
     /// A graphics processor.
     Gpu,
     /// The host's processor.
     Cpu,
-    /// Anything else.
+    /// Any other kind.
     Other,
 }
 
-/// A device for people to choose from.
+/// Description of a device, for users to choose from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceInfo {
-    /// The number that [`open`](crate::OpenClDevice::open) takes.
+    /// Index for [`open`](crate::OpenClDevice::open).
     pub index: usize,
     /// The device's own name.
     pub name: String,
-    /// The driver and its version.
+    /// Vendor and version of the driver.
     pub driver: String,
-    /// What it is.
+    /// Kind of the device.
     pub kind: DeviceKind,
-    /// Compute units.
+    /// Number of compute units.
     pub compute_units: u32,
-    /// Into how many equal parts the device can be cut at most, for
-    /// [`open_part`](crate::OpenClDevice::open_part); 1 where it cannot be cut.
+    /// Maximum number of equal parts for [`open_part`](crate::OpenClDevice::open_part); 1 if the
+    /// device cannot be split.
     pub most_parts: u32,
     /// Memory in bytes.
     pub memory_bytes: u64,
-    /// The most that can be allocated at once, in bytes.
+    /// Maximum size of one allocation, in bytes.
     pub max_allocation_bytes: u64,
-    /// What the work-items of a group share, in bytes.
+    /// Local memory of a work-group, in bytes.
     pub local_memory_bytes: u64,
-    /// Whether the driver offers `cl_khr_gl_sharing`; see
+    /// True if the driver supports `cl_khr_gl_sharing`; see
     /// [`open_for_gl`](crate::OpenClDevice::open_for_gl).
     pub shares_with_gl: bool,
-    /// Why the device cannot be used on this machine, as far as that shows without building a
-    /// kernel.
+    /// Reason why the device cannot be used on this machine, as far as that is known without
+    /// building a kernel.
     pub fault: Option<String>,
 }
 
-/// A driver that is set up on this machine and gives no device.
+/// A driver that is installed on this machine but lists no device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DriverFault {
-    /// The platform's name, or the driver's library.
+    /// Name of the platform, or of the driver's library.
     pub driver: String,
-    /// What is wrong, and where.
+    /// The fault and its place.
     pub cause: String,
 }
 
-/// All OpenCL devices of this machine, in the order of their platforms. No kernel is built.
+/// Lists all OpenCL devices of this machine, in the order of their platforms. No kernel is built.
 ///
 /// # Errors
 ///
-/// [`BackendError::NoRuntime`] without libOpenCL or without any device; it says why each driver
-/// gives none.
+/// [`BackendError::NoRuntime`] without libOpenCL or without any device. It names the fault of each
+/// driver.
 pub fn devices() -> Result<Vec<DeviceInfo>, BackendError> {
     let found = all_devices()?;
     found
@@ -91,7 +91,7 @@ pub fn devices() -> Result<Vec<DeviceInfo>, BackendError> {
         .collect()
 }
 
-/// The drivers of this machine that give no device, each with its reason: those that the loader
+/// Lists the drivers of this machine that list no device, with reasons: first those that the loader
 /// cannot load, then platforms without a device.
 #[must_use]
 pub fn driver_faults() -> Vec<DriverFault> {
@@ -110,7 +110,7 @@ pub(crate) fn all_devices() -> Result<Vec<Device>, BackendError> {
     Err(BackendError::NoRuntime { cause })
 }
 
-/// What the platforms of this machine offer.
+/// Devices and faults of all platforms.
 #[derive(Default)]
 struct Found {
     devices: Vec<Device>,
@@ -119,8 +119,8 @@ struct Found {
 }
 
 fn find() -> Result<Found, BackendError> {
-    // Two threads that ask for the first time at once can both be told that there is no platform:
-    // the loader's own set-up is not safe against that.
+    // The loader's initialization is not thread-safe: two threads that ask at once for the first
+    // time may both be told that there is no platform.
     static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
     let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
     let platforms = match get_platforms() {

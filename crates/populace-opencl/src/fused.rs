@@ -1,8 +1,8 @@
-//! The fused schedules: one kernel for the whole frame, so that nothing but palettes goes through
-//! global memory.
+//! The fused schedules: one kernel for the whole frame, so that only palettes go through global
+//! memory.
 
-mod reading;
-mod spread;
+mod dispatch;
+mod readback;
 
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
@@ -11,34 +11,42 @@ use populace_core::layout::{Float4, PAGE_ENTRIES};
 use populace_core::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
-use crate::backend::{On, narrow};
 use crate::buffer::Buffer;
-use crate::keeping::Writes;
+use crate::context::FrameContext;
+use crate::history::WriteTarget;
 use crate::launch::Launch;
 use crate::program::Form;
 use crate::tables::DevicePages;
-use reading::{Reading, Sheet};
-use spread::Spread;
+use crate::user_stages::StageKernels;
+use dispatch::Dispatch;
+use readback::{MemberReadback, ScratchOutputs};
 
-/// A matrix in Float4s: a float16 of its own.
+/// `Float4`s of one matrix, which is a float16.
 const MATRIX: usize = 4;
-/// The kernels of a whole frame, and of one member's joints.
+/// The kernels of a whole frame and of one member's joints.
 const WIDE: [&str; 2] = ["fused_wide", "fused_wide_joints"];
 const GROUPED: [&str; 2] = ["fused_grouped", "fused_grouped_joints"];
 
-/// The kernels, and what they keep beside the tables.
+/// A page of palettes and its members.
+struct Page<'a> {
+    index: usize,
+    member_count: usize,
+    palette: &'a Buffer<Float4>,
+}
+
+/// The kernels of a fused schedule and their buffers.
 pub(crate) struct Fused {
-    /// Kernels that run users' stages: those below.
-    pub(crate) stage_kernels: (Form, [&'static str; 2]),
+    /// The names of the two kernels below, which run users' stages.
+    pub(crate) stage_kernels: StageKernels,
     whole: Kernel,
     joints: Kernel,
-    spread: Spread,
+    dispatch: Dispatch,
     /// The members of each page.
     pub(crate) lists: DevicePages,
-    /// Of the last frame's runs.
+    /// Events of the last frame, for each run.
     events: Vec<Vec<Event>>,
     last: Frame,
-    reading: Option<Reading>,
+    readback: Option<MemberReadback>,
 }
 
 impl Fused {
@@ -46,50 +54,51 @@ impl Fused {
     pub(crate) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
         let kernel = |name| device.kernel(Form::Wide, "", name);
         let kernels = [kernel(WIDE[0])?, kernel(WIDE[1])?];
-        Ok(Self::of((Form::Wide, WIDE), kernels, Spread::wide(device)?))
+        Ok(Self::of(
+            StageKernels { form: Form::Wide, names: WIDE },
+            kernels,
+            Dispatch::wide(device)?,
+        ))
     }
 
-    /// For GPUs: so many work-items for each member, or as many as the device allows.
+    /// For GPUs: a work-group of `wished` work-items for each member, or of as many as the device
+    /// allows.
     pub(crate) fn grouped(device: &OpenClDevice, wished: usize) -> Result<Self, BackendError> {
         let group = device.group_size(wished);
         let form = Form::Grouped { group };
         let kernel = |name| device.kernel(form, "", name);
         let kernels = [kernel(GROUPED[0])?, kernel(GROUPED[1])?];
-        let spread = Spread::grouped(device, &kernels[0], group)?;
-        Ok(Self::of((form, GROUPED), kernels, spread))
+        let dispatch = Dispatch::grouped(device, &kernels[0], group)?;
+        Ok(Self::of(StageKernels { form, names: GROUPED }, kernels, dispatch))
     }
 
-    fn of(
-        stage_kernels: (Form, [&'static str; 2]),
-        [whole, joints]: [Kernel; 2],
-        spread: Spread,
-    ) -> Self {
+    fn of(stage_kernels: StageKernels, [whole, joints]: [Kernel; 2], dispatch: Dispatch) -> Self {
         let (lists, events, last) = (DevicePages::new(), Vec::new(), Frame::of_all(0));
-        Self { stage_kernels, whole, joints, spread, lists, events, last, reading: None }
+        Self { stage_kernels, whole, joints, dispatch, lists, events, last, readback: None }
     }
 
-    /// Takes kernels of another program.
+    /// Replaces the kernels by those of another program.
     pub(crate) fn take_stages(&mut self, [whole, joints]: [Kernel; 2]) {
         (self.whole, self.joints) = (whole, joints);
     }
 
-    /// Makes room for the matrices of the largest body.
+    /// Grows scratch memory to the matrices of the largest body.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
         tables: &Tables,
     ) -> Result<(), BackendError> {
-        self.reading = None;
-        self.spread.update(device, tables)
+        self.readback = None;
+        self.dispatch.update(device, tables)
     }
 
-    /// Whether there is room for what the tables hold, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn holds(&self, tables: &Tables) -> bool {
-        self.spread.holds(tables) && self.lists.hold(tables)
+        self.dispatch.holds(tables) && self.lists.hold(tables)
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.spread.bytes() + self.lists.bytes()
+        self.dispatch.bytes() + self.lists.bytes()
     }
 
     pub(crate) fn events(&self) -> &[Vec<Event>] {
@@ -101,23 +110,22 @@ impl Fused {
         self.whole.function_name().unwrap_or_default()
     }
 
-    /// Enqueues a frame's phases.
-    pub(crate) fn run(&mut self, on: &On, frame: Frame) -> Result<(), ClError> {
+    /// Enqueues all phases of a frame.
+    pub(crate) fn run(&mut self, context: &FrameContext, frame: Frame) -> Result<(), ClError> {
         let mut events = Vec::new();
         if frame.begins() {
             self.events.clear();
-            events.extend(on.machines.advance(on, frame)?);
+            events.extend(context.advance(frame)?);
         }
-        (self.last, self.reading) = (frame, None);
-        for phase in frame.phases(on.host) {
-            for (page, palette) in on.pages.iter().enumerate() {
-                let count = on.host.page_members(page).as_slice().len();
-                if count > 0 {
+        (self.last, self.readback) = (frame, None);
+        for phase in frame.phases(context.host) {
+            for (index, palette) in context.pages.iter().enumerate() {
+                let member_count = context.host.page_members(index).as_slice().len();
+                if member_count > 0 {
                     events.push(self.run_page(
-                        on,
+                        context,
                         frame.of_phase(phase),
-                        (page, palette),
-                        count,
+                        &Page { index, member_count, palette },
                     )?);
                 }
             }
@@ -128,34 +136,39 @@ impl Fused {
 
     fn run_page(
         &self,
-        on: &On,
+        context: &FrameContext,
         frame: Frame,
-        (page, palette): (usize, &Buffer<Float4>),
-        count: usize,
+        page: &Page,
     ) -> Result<Event, ClError> {
         let launch = self
-            .launch(on, &self.whole, frame, Writes::Frame)
-            .buffer("page_members", &self.lists.lists[page].buffer)
-            .buffer("entries", &on.tables.entries.buffer)
+            .launch(context, &self.whole, frame, WriteTarget::Frame)
+            .buffer("page_members", &self.lists.lists[page.index].buffer)
+            .buffer("entries", &context.tables.entries.buffer)
             .uint("place_first", frame.place_first)
             .uint("place_end", frame.place_end)
             .uint("phase", frame.phase_first)
-            .uint("page_first", narrow(page * PAGE_ENTRIES as usize))
-            .buffer("palette", palette);
-        let (launch, (global, local)) = self.spread.frame(launch, on.host, count);
-        launch.run(on.queue, global, local)
+            .count("page_first", page.index * PAGE_ENTRIES as usize)
+            .buffer("palette", page.palette);
+        let (launch, size) = self.dispatch.frame(launch, context.host, page.member_count);
+        launch.run(context.queue, size)
     }
 
-    /// What all kernels read.
-    fn launch<'a>(&self, on: &On, kernel: &'a Kernel, frame: Frame, writes: Writes) -> Launch<'a> {
-        let tables = on.tables;
+    /// Sets the arguments that all kernels share.
+    fn launch<'a>(
+        &self,
+        context: &FrameContext,
+        kernel: &'a Kernel,
+        frame: Frame,
+        writes: WriteTarget,
+    ) -> Launch<'a> {
+        let tables = context.tables;
         let launch = Launch::of(kernel)
             .buffer("members", &tables.members.buffer)
             .buffer("bodies", &tables.bodies.buffer)
             .buffer("parents", &tables.parents.buffer)
             .buffer("slots", &tables.slots.buffer)
             .buffer("machine_states", &tables.machine_states.buffer)
-            .buffer("running", &on.machines.running)
+            .buffer("running", &context.machines.running)
             .buffer("layers", &tables.layers.buffer)
             .buffer("bound_clips", &tables.bound_clips.buffer)
             .buffer("bound_blocks", &tables.bound_blocks.buffer)
@@ -167,18 +180,18 @@ impl Fused {
             .buffer("poses", &tables.poses.buffer)
             .buffer("masks", &tables.masks.buffer);
         let launch = self
-            .spread
+            .dispatch
             .tables(launch, tables)
             .ulong("tick", frame.tick)
-            .uint("slots_per_member", narrow(on.host.slots_per_member()))
+            .count("slots_per_member", context.host.slots_per_member())
             .buffer("joint_scales", &tables.joint_scales.buffer);
-        on.keeping.parameters(launch, tables, frame, writes)
+        context.history.parameters(launch, tables, frame, writes)
     }
 
-    /// Reads elements of one member's joints or samples as of the last frame.
+    /// Reads elements of one member's joints or samples, as of the last frame.
     pub(crate) fn read(
         &mut self,
-        on: &On,
+        context: &FrameContext,
         device: &OpenClDevice,
         buffer: StageBuffer,
         first: usize,
@@ -189,28 +202,33 @@ impl Fused {
             operation: format!("read {buffer:?} from element {first} on"),
             cause: "it is past the end of a member".into(),
         };
-        let (place, at) = on.host.place_of(buffer, first).ok_or_else(past_the_end)?;
-        if self.reading.as_ref().is_none_or(|reading| reading.place != place) {
-            let sheet = Sheet::new(device, on.host, place)?;
-            self.run_joints(on, place, &sheet)
+        let (member, at) = context.host.place_of(buffer, first).ok_or_else(past_the_end)?;
+        if self.readback.as_ref().is_none_or(|readback| readback.member != member) {
+            let outputs = ScratchOutputs::new(device, context.host, member)?;
+            self.run_joints(context, member, &outputs)
                 .map_err(|e| device.failed("read a member's joints", &e))?;
-            self.reading = Some(sheet.read(on, device, place)?);
+            self.readback = Some(outputs.read(context, device, member)?);
         }
-        let reading = self.reading.as_ref().ok_or_else(past_the_end)?;
+        let readback = self.readback.as_ref().ok_or_else(past_the_end)?;
         for (offset, element) in into.iter_mut().enumerate() {
-            *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;
+            *element = readback.element(buffer, at + offset).ok_or_else(past_the_end)?;
         }
         Ok(())
     }
 
-    fn run_joints(&self, on: &On, place: u32, sheet: &Sheet) -> Result<Event, ClError> {
+    fn run_joints(
+        &self,
+        context: &FrameContext,
+        member: u32,
+        outputs: &ScratchOutputs,
+    ) -> Result<Event, ClError> {
         let launch = self
-            .launch(on, &self.joints, self.last, Writes::Aside)
-            .uint("owner", place)
-            .buffer("samples", &sheet.samples)
-            .buffer("planes", &sheet.planes)
-            .buffer("matrices", &sheet.matrices);
-        let (launch, (global, local)) = self.spread.member(launch, 1);
-        launch.run(on.queue, global, local)
+            .launch(context, &self.joints, self.last, WriteTarget::Scratch)
+            .uint("owner", member)
+            .buffer("samples", &outputs.samples)
+            .buffer("planes", &outputs.planes)
+            .buffer("matrices", &outputs.matrices);
+        let (launch, size) = self.dispatch.member(launch, 1);
+        launch.run(context.queue, size)
     }
 }

@@ -1,4 +1,4 @@
-//! Kernel launches whose arguments are checked by name and type against the kernel itself.
+//! Kernel launches with arguments that are checked by name and type against the compiled kernel.
 #![expect(
     unsafe_code,
     reason = "the OpenCL API is C; arguments and launches are part of the crate's boundary to it"
@@ -16,10 +16,25 @@ use crate::buffer::{Buffer, Element};
 /// `CL_KERNEL_ARG_INFO_NOT_AVAILABLE`.
 const NO_ARGUMENT_INFO: i32 = -19;
 
-/// A launch in the making: arguments in the kernel's order, then [`run`](Self::run).
+/// The work-items of a launch, and of each of its work-groups, in two dimensions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WorkSize {
+    pub(crate) global: [usize; 2],
+    /// Divides `global` in each dimension.
+    pub(crate) local: [usize; 2],
+}
+
+impl WorkSize {
+    /// One dimension: `count` work-items, padded to whole groups of `group`.
+    pub(crate) fn line(count: usize, group: usize) -> Self {
+        Self { global: [count.next_multiple_of(group), 1], local: [group, 1] }
+    }
+}
+
+/// Builds a launch: arguments in the kernel's order, then [`run`](Self::run).
 ///
-/// Names and types are compared with what the compiled kernel says of itself wherever debug
-/// assertions are on, which is in every test; a wrong one is a bug of this crate.
+/// Debug builds, and so all tests, compare names and types with what the compiled kernel reports. A
+/// mismatch is a bug of this crate.
 pub(crate) struct Launch<'a> {
     kernel: &'a Kernel,
     next: u32,
@@ -36,7 +51,7 @@ impl<'a> Launch<'a> {
         self.set(&buffer.handle())
     }
 
-    /// A buffer of any elements, for a kernel that sees the words they are made of.
+    /// Passes a buffer of any element type to a kernel that sees it as words.
     pub(crate) fn words<T: Element>(self, name: &str, buffer: &mut Buffer<T>) -> Self {
         self.check(name, "uint*");
         self.set(&buffer.handle())
@@ -47,35 +62,43 @@ impl<'a> Launch<'a> {
         self.set(&value)
     }
 
+    /// Passes a count, which tables keep within 32 bits.
+    pub(crate) fn count(self, name: &str, count: usize) -> Self {
+        debug_assert!(u32::try_from(count).is_ok(), "{name} is {count}");
+        #[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
+        let narrowed = count as u32;
+        self.uint(name, narrowed)
+    }
+
     pub(crate) fn ulong(self, name: &str, value: u64) -> Self {
         self.check(name, "ulong");
         self.set(&value)
     }
 
-    /// Local memory for so many elements, at least one, in each work-group.
+    /// Allocates local memory of `len` elements, at least one, for each work-group.
     pub(crate) fn local<T: Element>(self, name: &str, len: usize) -> Self {
         self.check(name, &format!("{}*", T::TYPE_NAME));
         // SAFETY: no address is given, only a size: the driver takes the memory from each group's
         // own, and refuses a place that is no local argument, and launches that ask for more than
         // the device has.
         let result = unsafe { self.kernel.set_arg_local_buffer(self.next, len * size_of::<T>()) };
-        self.took(result)
+        self.record(result)
     }
 
     fn check(&self, name: &str, kind: &str) {
-        if cfg!(debug_assertions) && self.tells_of_arguments() {
-            let has = |what: Result<String, ClError>| {
-                what.unwrap_or_default().trim_end_matches('\0').to_owned()
+        if cfg!(debug_assertions) && self.reports_arguments() {
+            let text = |reported: Result<String, ClError>| {
+                reported.unwrap_or_default().trim_end_matches('\0').to_owned()
             };
-            let (real, place) = (has(self.kernel.get_arg_name(self.next)), self.next);
-            assert_eq!(real, name, "argument {place} of {:?}", self.kernel.function_name());
-            let real = has(self.kernel.get_arg_type_name(self.next));
+            let (real, index) = (text(self.kernel.get_arg_name(self.next)), self.next);
+            assert_eq!(real, name, "argument {index} of {:?}", self.kernel.function_name());
+            let real = text(self.kernel.get_arg_type_name(self.next));
             assert_eq!(real, kind, "type of argument {name} of {:?}", self.kernel.function_name());
         }
     }
 
-    /// Whether the driver knows the arguments; some forget them in a program's binary.
-    fn tells_of_arguments(&self) -> bool {
+    /// Returns whether the driver reports arguments. Some drop them from a program's binary.
+    fn reports_arguments(&self) -> bool {
         self.kernel.get_arg_name(self.next) != Err(ClError(NO_ARGUMENT_INFO))
     }
 
@@ -83,22 +106,17 @@ impl<'a> Launch<'a> {
         // SAFETY: `value` is a memory object, a `u32` or a `u64`, as the callers above have it; the
         // driver copies it and refuses a size or a place that does not fit the kernel.
         let result = unsafe { self.kernel.set_arg(self.next, value) };
-        self.took(result)
+        self.record(result)
     }
 
-    fn took(mut self, result: Result<(), ClError>) -> Self {
+    fn record(mut self, result: Result<(), ClError>) -> Self {
         self.error = self.error.or(result.err());
         self.next += 1;
         self
     }
 
-    /// Enqueues the kernel for `global` work-items in groups of `local`, which divides it.
-    pub(crate) fn run(
-        self,
-        queue: &CommandQueue,
-        global: [usize; 2],
-        local: [usize; 2],
-    ) -> Result<Event, ClError> {
+    /// Enqueues the kernel.
+    pub(crate) fn run(self, queue: &CommandQueue, size: WorkSize) -> Result<Event, ClError> {
         if let Some(error) = self.error {
             return Err(error);
         }
@@ -108,10 +126,10 @@ impl<'a> Launch<'a> {
             "{:?}",
             self.kernel.function_name()
         );
-        let (global, local) = (global.as_ptr(), local.as_ptr());
+        let (global, local) = (size.global.as_ptr(), size.local.as_ptr());
         // SAFETY: both sizes have the two dimensions named; every argument was set just now, and
         // buffers are freed only after the queue is done with them, since the driver counts
-        // references, and `LentPages` waits before it gives back memory that is not the driver's.
+        // references, and `InteropPages` waits before it gives back other memory.
         // Kernels stay inside their buffers: each compares its index with a count given as an
         // argument, the backend refuses to run before its buffers hold what the tables do, and
         // `Tables` takes only indices that point into itself. Users' stages are given a struct of

@@ -1,12 +1,16 @@
-//! The stages of the crowd pipeline as OpenCL C 1.2 kernels, and the schedules that run them.
+//! The stages of the crowd pipeline as OpenCL C 1.2 kernels, and the schedules that enqueue them.
 //!
-//! [`OpenClDevice`] is a device with its context and built program, shared by as many
-//! [`OpenClBackend`]s as there are crowds on it. Its schedules are *staged*, the kernels Pose,
-//! Transform and Write-Back of Lister & Day 2012, section 3, one work-item per joint, through
-//! global memory; and *fused*, one kernel for the whole frame, in two forms: *wide* for CPUs,
-//! sixteen joints at a time in one work-item, and *grouped* for GPUs, a work-group for each member.
+//! An [`OpenClDevice`] is a device with its context and programs. Any number of crowds share it,
+//! each with an [`OpenClBackend`] of its own.
 //!
-//! libOpenCL is loaded at run time; without it [`devices`] says [`BackendError::NoRuntime`].
+//! There are two schedules:
+//!
+//! - *staged*: the kernels Pose, Transform and Write-Back of Lister & Day 2012, section 3, with one
+//!   work-item for each joint, through global memory;
+//! - *fused*: one kernel for the whole frame. Its *wide* form, for CPUs, computes sixteen joints at
+//!   a time in one work-item. Its *grouped* form, for GPUs, has a work-group for each member.
+//!
+//! libOpenCL is loaded at run time. Without it [`devices`] returns [`BackendError::NoRuntime`].
 //!
 //! ```no_run
 //! use populace_core::{Backend, Frame, Schedule, Tables};
@@ -23,12 +27,15 @@
 mod backend;
 mod buffer;
 mod cache;
+mod context;
 mod device;
 mod drivers;
+mod errors;
 mod finding;
 mod fused;
+mod gl_context;
 mod gl_sharing;
-mod keeping;
+mod history;
 mod launch;
 mod machines;
 mod pages;

@@ -1,4 +1,5 @@
-//! State machines: where each is, kept from frame to frame, and the kernel that moves it on.
+//! State machines: the running state of each instance, kept from frame to frame, and the kernel
+//! that advances them.
 
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
@@ -8,12 +9,12 @@ use populace_core::layout::{Float4, RUNNING_ELEMENTS, Running};
 use populace_core::{BackendError, Frame, Tables};
 
 use crate::OpenClDevice;
-use crate::backend::{On, narrow};
 use crate::buffer::{Buffer, INVALID_VALUE};
-use crate::launch::Launch;
+use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
+use crate::tables::DeviceTables;
 
-/// Elements of each machine instance.
+/// Elements of one machine instance.
 const EACH: usize = RUNNING_ELEMENTS as usize;
 
 pub(crate) struct Machines {
@@ -23,7 +24,7 @@ pub(crate) struct Machines {
 }
 
 impl Machines {
-    /// `form` is that of a program that is built anyway.
+    /// Takes the kernel from the program of `form`, which the schedule builds anyway.
     pub(crate) fn new(
         device: &OpenClDevice,
         form: Form,
@@ -33,7 +34,7 @@ impl Machines {
         Ok(Self { advance: device.kernel(form, "", "advance")?, running, group })
     }
 
-    /// Makes room for what the tables hold, and keeps what is there.
+    /// Grows to the size that the tables need, and keeps the contents.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
@@ -41,15 +42,15 @@ impl Machines {
         tables: &Tables,
     ) -> Result<(), BackendError> {
         let count = tables.machine_instances().as_slice().len();
-        self.running.grow(device, queue, count, "where state machines are")
+        self.running.grow(device, queue, count, "state machines")
     }
 
-    /// Whether there is room for what the tables hold, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         tables.machine_instances().as_slice().len() <= self.running.len()
     }
 
-    /// Reads elements of which each machine instance has three, and waits.
+    /// Reads elements, three for each machine instance, and waits.
     pub(crate) fn read(
         &self,
         queue: &CommandQueue,
@@ -63,7 +64,7 @@ impl Machines {
         )
     }
 
-    /// Writes such elements, and waits.
+    /// Writes elements, three for each machine instance, and waits.
     pub(crate) fn write(
         &mut self,
         queue: &CommandQueue,
@@ -77,27 +78,33 @@ impl Machines {
         )
     }
 
-    /// Enqueues a step of all machines; nothing where there are none.
-    pub(crate) fn advance(&self, on: &On, frame: Frame) -> Result<Option<Event>, ClError> {
-        let count = on.host.machine_instances().as_slice().len();
+    /// Enqueues one step of all machines. Enqueues nothing if there are none.
+    pub(crate) fn advance(
+        &self,
+        queue: &CommandQueue,
+        host: &Tables,
+        tables: &DeviceTables,
+        frame: Frame,
+    ) -> Result<Option<Event>, ClError> {
+        let count = host.machine_instances().as_slice().len();
         if count == 0 {
             return Ok(None);
         }
         let launch = Launch::of(&self.advance)
-            .buffer("machine_instances", &on.tables.machine_instances.buffer)
-            .buffer("machine_parameters", &on.tables.machine_parameters.buffer)
-            .buffer("machine_states", &on.tables.machine_states.buffer)
-            .buffer("transitions", &on.tables.transitions.buffer)
-            .buffer("conditions", &on.tables.conditions.buffer)
+            .buffer("machine_instances", &tables.machine_instances.buffer)
+            .buffer("machine_parameters", &tables.machine_parameters.buffer)
+            .buffer("machine_states", &tables.machine_states.buffer)
+            .buffer("transitions", &tables.transitions.buffer)
+            .buffer("conditions", &tables.conditions.buffer)
             .ulong("tick", frame.tick)
-            .uint("machine_instance_count", narrow(count))
+            .count("machine_instance_count", count)
             .buffer("running", &self.running);
-        launch.run(on.queue, [count.next_multiple_of(self.group), 1], [self.group, 1]).map(Some)
+        launch.run(queue, WorkSize::line(count, self.group)).map(Some)
     }
 }
 
-/// The machine instance whose elements begin at `first`; machine instances are read and written
-/// whole.
+/// Returns the machine instance that begins at element `first`. Only whole machine instances are
+/// read and written.
 fn first_machine_instance(first: usize, count: usize) -> Result<usize, ClError> {
     if first.is_multiple_of(EACH) && count.is_multiple_of(EACH) {
         return Ok(first / EACH);

@@ -1,4 +1,4 @@
-//! Where palettes live: in memory of the device's own, or in pages that OpenGL lends.
+//! Memory of the palettes: the device's own, or pages shared with OpenGL.
 
 use std::sync::Arc;
 
@@ -9,21 +9,21 @@ use populace_core::{BackendError, HandedOver, PaletteTarget, Tables, TargetMark}
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
-use crate::gl_sharing::LentPages;
+use crate::gl_sharing::InteropPages;
 
 /// Elements of a whole page.
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
 
 const INVALID_BUFFER: ClError = ClError(-38);
 
-/// The pages of palettes, three elements for each entry.
+/// The pages of all palettes, with three elements for each entry.
 #[derive(Default)]
 pub(crate) struct Pages {
     /// Palette entries in use on each page.
     lengths: Vec<usize>,
-    /// Memory of the device's own; empty while `lent` is not.
+    /// The device's own memory; empty while `interop` is not.
     own: Vec<Buffer<Float4>>,
-    lent: Option<LentPages>,
+    interop: Option<InteropPages>,
     mark: Option<TargetMark>,
 }
 
@@ -33,14 +33,14 @@ impl Pages {
         &self.lengths
     }
 
-    /// Makes room for so many entries on each page. Lent pages that are too small are given back;
-    /// the next frame writes anew what stood there.
+    /// Grows each page to the number of entries in use. Shared pages that are too small are
+    /// released, and the next frame writes all palettes again.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
         tables: &Tables,
     ) -> Result<(), BackendError> {
-        // The usual frame allocates nothing.
+        // Most frames allocate nothing.
         if self.lengths.iter().copied().eq(tables.page_lengths()) {
             return Ok(());
         }
@@ -48,10 +48,10 @@ impl Pages {
     }
 
     fn resize(&mut self, device: &OpenClDevice, lengths: Vec<usize>) -> Result<(), BackendError> {
-        if self.lent.as_mut().is_some_and(|lent| !lent.resize(&lengths)) {
+        if self.interop.as_mut().is_some_and(|interop| !interop.resize(&lengths)) {
             *self = Self::default();
         }
-        if self.lent.is_none() {
+        if self.interop.is_none() {
             for (page, entries) in lengths.iter().enumerate() {
                 if self.own.get(page).is_none_or(|own| own.len() < entries * 3) {
                     let grown = Buffer::new(device, entries * 3, "matrix palettes")?;
@@ -64,35 +64,38 @@ impl Pages {
         Ok(())
     }
 
-    /// Whether there is room for so many entries on each page, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         let lengths = tables.page_lengths();
         lengths.len() <= self.lengths.len() && lengths.zip(&self.lengths).all(|(a, b)| a <= *b)
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.lent.iter().map(LentPages::bytes).chain(self.own.iter().map(Buffer::bytes)).sum()
+        self.interop.iter().map(InteropPages::bytes).chain(self.own.iter().map(Buffer::bytes)).sum()
     }
 
-    /// Makes the pages ready to be written: never those that OpenGL draws from. To be called before
-    /// kernels that write palettes are enqueued.
+    /// Switches to pages that OpenGL does not draw from. Call it before enqueueing kernels that
+    /// write palettes.
     pub(crate) fn begin_frame(&mut self) -> Result<(), ClError> {
-        self.lent.as_mut().map_or(Ok(()), LentPages::begin_frame)
+        self.interop.as_mut().map_or(Ok(()), InteropPages::begin_frame)
     }
 
-    /// The pages that were written last, or are to be written since the frame began.
+    /// Returns the pages of the current frame.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Buffer<Float4>> {
-        self.own.iter().chain(self.lent.iter().flat_map(LentPages::pages)).take(self.lengths.len())
+        self.own
+            .iter()
+            .chain(self.interop.iter().flat_map(InteropPages::pages))
+            .take(self.lengths.len())
     }
 
-    /// Shows a page as it was last written to `reader`, up to the last entry in use.
+    /// Passes a page, as it was last written, to `reader`, up to the last entry in use.
     pub(crate) fn with_page(
         &mut self,
         queue: &CommandQueue,
         page: usize,
         reader: &mut dyn FnMut(&[Float4]),
     ) -> Result<(), ClError> {
-        self.look_at(page, |palettes| palettes.map(queue, reader))
+        self.with_buffer(page, |palettes| palettes.map(queue, reader))
     }
 
     pub(crate) fn read(
@@ -104,13 +107,13 @@ impl Pages {
         while !into.is_empty() {
             let at = first % PAGE_ELEMENTS;
             let (now, later) = into.split_at_mut(into.len().min(PAGE_ELEMENTS - at));
-            self.look_at(first / PAGE_ELEMENTS, |palettes| palettes.read(queue, at, now))?;
+            self.with_buffer(first / PAGE_ELEMENTS, |palettes| palettes.read(queue, at, now))?;
             (first, into) = (first + now.len(), later);
         }
         Ok(())
     }
 
-    /// Writes into what was written last; OpenGL may draw from it.
+    /// Writes into the pages of the last frame. OpenGL may be drawing from them.
     pub(crate) fn write(
         &mut self,
         queue: &CommandQueue,
@@ -120,7 +123,7 @@ impl Pages {
         while !from.is_empty() {
             let at = first % PAGE_ELEMENTS;
             let (now, later) = from.split_at(from.len().min(PAGE_ELEMENTS - at));
-            self.look_at(first / PAGE_ELEMENTS, |palettes| palettes.write(queue, at, now))?;
+            self.with_buffer(first / PAGE_ELEMENTS, |palettes| palettes.write(queue, at, now))?;
             (first, from) = (first + now.len(), later);
         }
         Ok(())
@@ -133,11 +136,11 @@ impl Pages {
         target: PaletteTarget,
         mark: &TargetMark,
     ) -> Result<(), BackendError> {
-        let lent = LentPages::new(device, queue, target)?;
-        let mut next = Self { lent, mark: Some(mark.clone()), ..Self::default() };
-        if next.lent.as_mut().is_some_and(|lent| !lent.resize(&self.lengths)) {
+        let interop = InteropPages::new(device, queue, target)?;
+        let mut next = Self { interop, mark: Some(mark.clone()), ..Self::default() };
+        if next.interop.as_mut().is_some_and(|interop| !interop.resize(&self.lengths)) {
             let cause = "the pages are too few or too small".into();
-            let operation = "write palettes into memory of OpenGL's".into();
+            let operation = "write palettes into OpenGL memory".into();
             return Err(BackendError::Failed {
                 device: device.info.name.clone(),
                 operation,
@@ -145,30 +148,32 @@ impl Pages {
             });
         }
         next.resize(device, self.lengths.clone())?;
-        // Pages that were longer keep their room; past their length is nothing to move.
+        // Pages that were longer keep their capacity, but only entries in use are copied.
         let copied = self.lengths.clone().into_iter().enumerate().try_for_each(|(page, length)| {
-            next.look_at(page, |to| {
-                self.look_at(page, |from| to.copy_first(queue, from, length * 3))
+            next.with_buffer(page, |to| {
+                self.with_buffer(page, |from| to.copy_first(queue, from, length * 3))
             })
         });
-        copied.map_err(|e| device.failed("move its palettes", &e))?;
+        copied.map_err(|e| device.failed("copy palettes to new pages", &e))?;
         *self = next;
         Ok(())
     }
 
     pub(crate) fn hand_over(&mut self) -> Result<Option<HandedOver>, ClError> {
-        let set = self.lent.as_mut().map(LentPages::hand_over).transpose()?;
+        let set = self.interop.as_mut().map(InteropPages::hand_over).transpose()?;
         Ok(self.mark.clone().map(|mark| HandedOver { mark, set }))
     }
 
-    fn look_at<R>(
+    fn with_buffer<R>(
         &mut self,
         page: usize,
         job: impl FnOnce(&mut Buffer<Float4>) -> Result<R, ClError>,
     ) -> Result<R, ClError> {
-        match &mut self.lent {
+        match &mut self.interop {
             _ if page >= self.lengths.len() => Err(INVALID_BUFFER),
-            Some(lent) => lent.look_at(|lent| job(lent.get_mut(page).ok_or(INVALID_BUFFER)?)),
+            Some(interop) => {
+                interop.with_buffer(|interop| job(interop.get_mut(page).ok_or(INVALID_BUFFER)?))
+            }
             None => job(self.own.get_mut(page).ok_or(INVALID_BUFFER)?),
         }
     }

@@ -1,4 +1,4 @@
-//! The way of palettes from a device to OpenGL, found without a crowd.
+//! Palette transport from a device to OpenGL, determined without a crowd.
 
 use std::sync::Arc;
 
@@ -11,23 +11,24 @@ use populace_core::{
 use crate::OpenClDevice;
 use crate::pages::Pages;
 
-/// The palettes of no member on a device: linked to a renderer, it tells how palettes would reach
+/// Palettes of a device without members. Linked to a renderer, it tells how palettes would reach
 /// OpenGL. No kernel is built for it.
 pub struct EmptyPalettes {
     queue: Arc<CommandQueue>,
     pages: Pages,
     not_for_gl: Option<String>,
-    // Declared last: a context of OpenGL's that it was made for must outlive everything above.
+    // Declared last: the OpenGL context that the device may share with must outlive all other
+    // fields.
     device: Arc<OpenClDevice>,
 }
 
 impl EmptyPalettes {
-    /// For a device that is open; `not_for_gl` tells why it could not be opened for the context of
-    /// OpenGL's.
+    /// For an open device. `not_for_gl` is the reason why it could not be opened for the OpenGL
+    /// context, if it could not.
     ///
     /// # Errors
     ///
-    /// [`BackendError::Failed`] where the driver gives no queue.
+    /// [`BackendError::Failed`] if the driver does not create a queue.
     pub fn new(
         device: &Arc<OpenClDevice>,
         not_for_gl: Option<String>,
@@ -42,9 +43,9 @@ impl PaletteSource for EmptyPalettes {
         Vec::new()
     }
 
-    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        let not_for_gl = self.not_for_gl.clone().filter(|_| way == PaletteTransport::Shared);
-        not_for_gl.or_else(|| self.device.refuses(way, context))
+    fn refuses(&self, transport: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        let not_for_gl = self.not_for_gl.clone().filter(|_| transport == PaletteTransport::Shared);
+        not_for_gl.or_else(|| self.device.refuses(transport, context))
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
@@ -52,7 +53,7 @@ impl PaletteSource for EmptyPalettes {
     }
 
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        self.pages.hand_over().map_err(|e| self.device.failed("hand its palettes to OpenGL", &e))
+        self.pages.hand_over().map_err(|e| self.device.failed("release its palettes to OpenGL", &e))
     }
 
     fn with_page(
@@ -61,7 +62,6 @@ impl PaletteSource for EmptyPalettes {
         reader: &mut dyn FnMut(&[Float4]),
     ) -> Result<(), BackendError> {
         let result = self.pages.with_page(&self.queue, page, reader);
-        result
-            .map_err(|e| self.device.failed(&format!("hand over page {page} of the palettes"), &e))
+        result.map_err(|e| self.device.failed(&format!("map page {page} of the palettes"), &e))
     }
 }

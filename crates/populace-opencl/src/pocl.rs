@@ -1,6 +1,6 @@
-//! What PoCL needs beside itself: a folder for its kernels, and a linker. Without the folder it
-//! offers no device or fails to build; without the linker it ends the process at the first kernel
-//! that it has to link.
+//! Requirements of PoCL: a folder for its kernels, and a linker. Without the folder it lists no
+//! device or fails to build. Without the linker it ends the process at the first kernel that it has
+//! to link.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -14,12 +14,12 @@ pub(crate) fn is(platform: &Platform) -> bool {
     platform.name().is_ok_and(|name| name == NAME)
 }
 
-/// Whether a device is one of PoCL's.
+/// Returns whether a device belongs to PoCL.
 pub(crate) fn offers(device: &Device) -> bool {
     device.platform().is_ok_and(|platform| is(&Platform::new(platform)))
 }
 
-/// What PoCL lacks on this machine, and how to mend it.
+/// Returns which requirement this machine does not meet, and the remedy.
 pub(crate) fn fault() -> Option<String> {
     let folder = kernel_folder();
     let written = fs::create_dir_all(&folder).and_then(|()| tempfile::tempfile_in(&folder));
@@ -39,7 +39,7 @@ pub(crate) fn fault() -> Option<String> {
     })
 }
 
-/// Where PoCL keeps kernels, by its own rule.
+/// Returns the folder in which PoCL keeps kernels, by PoCL's own rule.
 fn kernel_folder() -> PathBuf {
     let named = |name| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     let in_cache = |cache: PathBuf| cache.join("pocl/kcache");
@@ -49,7 +49,7 @@ fn kernel_folder() -> PathBuf {
         .unwrap_or_else(|| "/tmp/pocl/kcache".into())
 }
 
-/// Whether a folder holds `ld`, by its plain name or by one that begins with the kind of machine.
+/// Returns whether a folder holds `ld`, by its plain name or prefixed by the target.
 fn has_linker(folder: &Path) -> bool {
     let prefixed = format!("{}-linux-gnu-ld", env::consts::ARCH);
     ["ld", &prefixed].iter().any(|name| folder.join(name).is_file())

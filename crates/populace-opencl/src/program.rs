@@ -1,21 +1,22 @@
-//! The texts of the programs: layouts and constants from `populace-core`, then the kernels.
+//! Source texts of the programs: layouts and constants from `populace-core`, then the kernels.
 
 use populace_core::UserStage;
 
-/// What a program's kernels compute at once, and where the fused ones keep what a member plays.
+/// Variants of the kernels: what a work-item computes at once, and where fused kernels keep a
+/// member's slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Form {
-    /// Changes of tables, which all schedules use.
+    /// Upload of changes, for all schedules.
     Common,
-    /// The floor, which is only measured.
+    /// Lower bound of a schedule's time, for benchmarks.
     Floor,
     /// One joint for each work-item, through global memory.
     Staged,
     /// Sixteen joints at a time.
     Wide,
-    /// One joint for each work-item, and a work-group of that size for each member.
+    /// One joint for each work-item, and a work-group for each member.
     Grouped {
-        /// Work-items.
+        /// Work-items in a work-group.
         group: usize,
     },
 }
@@ -37,66 +38,62 @@ impl Form {
             Self::Common => &[include_str!("../kernels/apply_changes.cl")],
             Self::Floor => &[include_str!("../kernels/floor.cl")],
             Self::Staged => &[
-                include_str!("../kernels/advance.cl"),
                 include_str!("../kernels/evaluate.cl"),
                 include_str!("../kernels/pose.cl"),
                 include_str!("../kernels/transform.cl"),
                 include_str!("../kernels/write_back.cl"),
             ],
-            Self::Wide => &[
-                include_str!("../kernels/advance.cl"),
-                include_str!("../kernels/fused.cl"),
-                include_str!("../kernels/fused_wide.cl"),
-            ],
-            Self::Grouped { .. } => &[
-                include_str!("../kernels/advance.cl"),
-                include_str!("../kernels/fused.cl"),
-                include_str!("../kernels/fused_grouped.cl"),
-            ],
+            Self::Wide => {
+                &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_wide.cl")]
+            }
+            Self::Grouped { .. } => {
+                &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_grouped.cl")]
+            }
         }
     }
 
-    /// OpenCL C as one string: the driver binding crashes when given a list. `stages` is what
-    /// users' stages add to it, if there are any.
+    /// Returns the OpenCL C text as one string, since the driver binding crashes when given a list.
+    /// `stages` is the text that users' stages add, or empty.
     pub(crate) fn source(self, stages: &str) -> String {
-        // A fused product would differ from the native stages in the last bit.
+        // Contraction to a fused multiply-add would differ from the native stages in the last bit.
         let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
         let settings = self.settings();
         let arithmetic = [
+            include_str!("../kernels/constants.cl"),
             include_str!("../kernels/lanes.cl"),
+            include_str!("../kernels/real.cl"),
             include_str!("../kernels/quat.cl"),
+            include_str!("../kernels/vec3.cl"),
+            include_str!("../kernels/local.cl"),
+            include_str!("../kernels/affine.cl"),
+            include_str!("../kernels/angle.cl"),
+            include_str!("../kernels/members.cl"),
             include_str!("../kernels/slot.cl"),
             include_str!("../kernels/machines.cl"),
             include_str!("../kernels/rows.cl"),
-            include_str!("../kernels/turns.cl"),
+            include_str!("../kernels/corrections.cl"),
             include_str!("../kernels/playback.cl"),
-            include_str!("../kernels/stage.cl"),
+            include_str!("../kernels/stages.cl"),
             include_str!("../kernels/joint.cl"),
             include_str!("../kernels/inertialize.cl"),
-            include_str!("../kernels/affine.cl"),
-            include_str!("../kernels/turn.cl"),
-            include_str!("../kernels/angle.cl"),
             include_str!("../kernels/hierarchy.cl"),
             include_str!("../kernels/targets.cl"),
-            include_str!("../kernels/stops.cl"),
+            include_str!("../kernels/kernel_parameters.cl"),
+            include_str!("../kernels/yield_points.cl"),
             include_str!("../kernels/gaze.cl"),
             include_str!("../kernels/limb.cl"),
             include_str!("../kernels/chain.cl"),
             include_str!("../kernels/feet.cl"),
             include_str!("../kernels/motion.cl"),
-            include_str!("../kernels/steps.cl"),
+            include_str!("../kernels/constraints.cl"),
         ];
         let arithmetic =
             if matches!(self, Self::Common | Self::Floor) { &[][..] } else { &arithmetic };
         let prelude = populace_core::layout::opencl_prelude();
-        let (declared, tools) = if stages.is_empty() {
-            ("", "")
-        } else {
-            (UserStage::OPENCL_C, include_str!("../kernels/stage_tools.cl"))
-        };
+        let declared = if stages.is_empty() { "" } else { UserStage::OPENCL_C };
         let switch = if stages.is_empty() { "" } else { "#define USER_STAGES\n" };
         let head = [rules, switch, &settings, &prelude, declared].into_iter();
         let parts = head.chain(arithmetic.iter().copied()).chain(self.kernels().iter().copied());
-        parts.chain([tools, stages]).collect()
+        parts.chain([stages]).collect()
     }
 }

@@ -1,4 +1,4 @@
-//! What stages write and the next ones read, on the device.
+//! Buffers that one stage writes and the next one reads.
 
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
@@ -8,7 +8,7 @@ use populace_core::{BackendError, StageBuffer, Tables};
 use crate::OpenClDevice;
 use crate::buffer::{Buffer, Element};
 
-/// The buffers between stages; those of joints are as long as the joint buffer.
+/// The buffers between stages. Those of joints are as long as the joint buffer.
 pub(crate) struct StageBuffers {
     pub(crate) samples: Buffer<SlotSample>,
     pub(crate) translations: Buffer<Float4>,
@@ -16,7 +16,7 @@ pub(crate) struct StageBuffers {
     pub(crate) scales: Buffer<Float4>,
     /// Rows of `model_from_joint`.
     pub(crate) models: [Buffer<Float4>; 3],
-    /// What steps of members hand down from level to level.
+    /// Rotations that constraint programs hand down from level to level.
     pub(crate) turns: Buffer<Float4>,
 }
 
@@ -33,8 +33,8 @@ impl StageBuffers {
         })
     }
 
-    /// Makes room for what the tables hold. What stood in a buffer that grows is lost: the next
-    /// frame writes it anew.
+    /// Grows to the size that the tables need. A buffer that grows loses its contents, which the
+    /// next frame writes again.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
@@ -57,7 +57,7 @@ impl StageBuffers {
         Ok(())
     }
 
-    /// Whether there is room for what the tables hold, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         let joints =
             [&self.translations, &self.rotations, &self.scales].into_iter().chain(&self.models);
@@ -72,7 +72,7 @@ impl StageBuffers {
         self.samples.bytes() + self.turns.bytes() + all.map(Buffer::bytes).sum::<usize>()
     }
 
-    /// The buffer of a kind, but for samples, and for palettes, which lie elsewhere.
+    /// Returns a buffer of joints; `None` for other kinds.
     fn joints(&mut self, buffer: StageBuffer) -> Option<&mut Buffer<Float4>> {
         match buffer {
             StageBuffer::Translations => Some(&mut self.translations),

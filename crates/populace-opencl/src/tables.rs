@@ -8,7 +8,7 @@ use populace_core::layout::{
 use populace_core::{BackendError, Tables};
 
 use crate::OpenClDevice;
-use crate::upload::{Copies, DeviceTable, Parcel, Route};
+use crate::upload::{BatchUploader, Copies, DeviceTable, UploadBatch};
 
 macro_rules! device_tables {
     ($set:ident; $($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
@@ -19,7 +19,7 @@ macro_rules! device_tables {
                 Ok(Self { $($name: DeviceTable::new(device)?),* })
             }
 
-            /// Whether every table of the host has room here, as it has after an update.
+            /// Returns whether the memory suffices for the tables, as it does after an update.
             pub(crate) fn hold(&self, tables: &Tables) -> bool {
                 true $(&& tables.$name().as_slice().len() <= self.$name.buffer.len())*
             }
@@ -34,31 +34,35 @@ macro_rules! device_tables {
                 &mut self,
                 device: &OpenClDevice,
                 tables: &Tables,
-                parcel: &mut Parcel,
+                batch: &mut UploadBatch,
             ) -> Result<(), BackendError> {
-                $(self.$name.pack(device, tables.$name(), parcel)?;)*
+                $(self.$name.pack(device, tables.$name(), batch)?;)*
                 Ok(())
             }
 
-            fn send(&mut self, tables: &Tables, route: &mut Route) -> Result<(), BackendError> {
-                $(self.$name.send(tables.$name(), route)?;)*
+            fn send(
+                &mut self,
+                tables: &Tables,
+                uploader: &mut BatchUploader,
+            ) -> Result<(), BackendError> {
+                $(self.$name.send(tables.$name(), uploader)?;)*
                 Ok(())
             }
 
-            fn forget(&mut self) {
-                $(self.$name.forget();)*
+            fn discard(&mut self) {
+                $(self.$name.discard();)*
             }
         }
     };
 }
 
-// What every schedule reads.
+// Tables that every schedule reads.
 populace_core::with_tables!(device_tables, DeviceTables);
-// What the staged schedule alone reads.
+// Tables that only the staged schedule reads.
 populace_core::with_block_tables!(device_tables, DeviceBlockTables);
 
-/// The members of each page, for the fused schedules, which walk them. Lists shorten: launches take
-/// the host's count.
+/// The members of each page, over which the fused schedules iterate. Lists may shorten, so launches
+/// take the host's count.
 pub(crate) struct DevicePages {
     pub(crate) lists: Vec<DeviceTable<u32>>,
 }
@@ -68,7 +72,7 @@ impl DevicePages {
         Self { lists: Vec::new() }
     }
 
-    /// Whether the lists of all pages have room here, as they have after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         let pages = tables.page_lengths().len();
         let holds = |(page, list): (usize, &DeviceTable<u32>)| {
@@ -87,27 +91,27 @@ impl Copies for DevicePages {
         &mut self,
         device: &OpenClDevice,
         tables: &Tables,
-        parcel: &mut Parcel,
+        batch: &mut UploadBatch,
     ) -> Result<(), BackendError> {
         for page in 0..tables.page_lengths().len() {
             if self.lists.len() <= page {
                 self.lists.push(DeviceTable::new(device)?);
             }
-            self.lists[page].pack(device, tables.page_members(page), parcel)?;
+            self.lists[page].pack(device, tables.page_members(page), batch)?;
         }
         Ok(())
     }
 
-    fn send(&mut self, tables: &Tables, route: &mut Route) -> Result<(), BackendError> {
+    fn send(&mut self, tables: &Tables, uploader: &mut BatchUploader) -> Result<(), BackendError> {
         let pages = tables.page_lengths().len();
         self.lists
             .iter_mut()
             .enumerate()
             .take(pages)
-            .try_for_each(|(page, list)| list.send(tables.page_members(page), route))
+            .try_for_each(|(page, list)| list.send(tables.page_members(page), uploader))
     }
 
-    fn forget(&mut self) {
-        self.lists.iter_mut().for_each(DeviceTable::forget);
+    fn discard(&mut self) {
+        self.lists.iter_mut().for_each(DeviceTable::discard);
     }
 }

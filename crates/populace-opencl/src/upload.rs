@@ -1,5 +1,4 @@
-//! Bringing a device's copies of the host's tables up to date, without waiting for what the device
-//! is still doing.
+//! Upload of the host's changed tables, without waiting for work that the device is still doing.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -10,74 +9,73 @@ use opencl3::kernel::Kernel;
 use populace_core::{BackendError, Table, Tables};
 
 use crate::OpenClDevice;
-use crate::buffer::{Buffer, Element, Staging};
-use crate::launch::Launch;
+use crate::buffer::{Buffer, Element, StagingWords};
+use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
 
-/// Updates whose memory on the host is kept until the device has read it; a host that is as many
-/// ahead waits for the oldest.
-const RING: usize = 64;
-/// Longer runs of elements are written from the table itself while the host waits: they come with
-/// loading, and a second copy of them would take memory that loading is short of.
+/// Upload batches in flight at most. A host that is further ahead waits for the oldest.
+const BATCHES_MOST: usize = 64;
+/// Runs of more bytes are written from the table itself, and the host waits. They come with
+/// loading, and a second copy would take memory that loading needs.
 const STAGED_BYTES: usize = 32 << 20;
 
-/// Copies of some of the host's tables.
+/// Device copies of some of the host's tables.
 pub(crate) trait Copies {
-    /// Finds out what each copy lacks, makes room for it, and lays it into `parcel`. Copies stay as
-    /// they are.
+    /// Collects the changes of each table into `batch` and allocates larger buffers where needed.
+    /// The copies themselves do not change yet.
     fn pack(
         &mut self,
         device: &OpenClDevice,
         tables: &Tables,
-        parcel: &mut Parcel,
+        batch: &mut UploadBatch,
     ) -> Result<(), BackendError>;
 
-    /// Brings each copy up to date with what was packed just before.
-    fn send(&mut self, tables: &Tables, route: &mut Route) -> Result<(), BackendError>;
+    /// Applies the changes that `pack` collected just before.
+    fn send(&mut self, tables: &Tables, uploader: &mut BatchUploader) -> Result<(), BackendError>;
 
-    /// Frees what was made ready and will not be sent.
-    fn forget(&mut self);
+    /// Drops collected changes that will not be sent.
+    fn discard(&mut self);
 }
 
-/// What one update carries.
+/// The words that one update uploads.
 #[derive(Default)]
-pub(crate) struct Parcel {
-    /// Of each table with a few changes the indices, then the values.
-    changes: Staging,
-    /// Runs of elements.
-    runs: Staging,
+pub(crate) struct UploadBatch {
+    /// For each table with a few changes: their indices, then their values.
+    changes: StagingWords,
+    /// Runs of neighbouring elements.
+    runs: StagingWords,
 }
 
-/// Where in [`Parcel::changes`] the changed elements of one table stand.
+/// Position of one table's changes in [`UploadBatch::changes`].
 struct Scatter {
     index_first: usize,
     value_first: usize,
     end: usize,
 }
 
-/// A run of elements, and where in [`Parcel::runs`] it stands; nowhere where it is to be written
-/// from the table.
+/// A run of elements and its position in [`UploadBatch::runs`]; `None` if it is written from the
+/// table itself.
 #[derive(Default)]
-struct Run {
+struct ElementRun {
     elements: Range<usize>,
     word_first: Option<usize>,
 }
 
-/// How one table's copy will be brought up to date.
-struct Plan<T> {
-    /// Takes the place of the copy once it holds the first of `runs`.
+/// Collected changes of one table.
+struct TableUpdate<T> {
+    /// Replaces the copy once it holds the first of `runs`.
     grown: Option<Buffer<T>>,
     scatter: Option<Scatter>,
-    runs: [Run; 2],
+    runs: [ElementRun; 2],
 }
 
-impl<T> Default for Plan<T> {
+impl<T> Default for TableUpdate<T> {
     fn default() -> Self {
         Self { grown: None, scatter: None, runs: Default::default() }
     }
 }
 
-impl Parcel {
+impl UploadBatch {
     fn empty(&mut self) -> Result<(), ClError> {
         self.changes.words()?.clear();
         self.runs.words()?.clear();
@@ -89,8 +87,8 @@ impl Parcel {
         let index_first = words.len();
         words.extend(table.changed());
         let value_first = words.len();
-        for place in index_first..value_first {
-            let value = table.as_slice()[words[place] as usize];
+        for position in index_first..value_first {
+            let value = table.as_slice()[words[position] as usize];
             words.extend_from_slice(bytemuck::cast_slice(&[value]));
         }
         Ok(Scatter { index_first, value_first, end: words.len() })
@@ -100,115 +98,123 @@ impl Parcel {
         &mut self,
         table: &Table<T>,
         elements: Range<usize>,
-    ) -> Result<Run, ClError> {
+    ) -> Result<ElementRun, ClError> {
         let words = bytemuck::cast_slice(&table.as_slice()[elements.clone()]);
         if size_of_val::<[u32]>(words) > STAGED_BYTES {
-            return Ok(Run { elements, word_first: None });
+            return Ok(ElementRun { elements, word_first: None });
         }
         let staged = self.runs.words()?;
         let word_first = Some(staged.len());
         staged.extend_from_slice(words);
-        Ok(Run { elements, word_first })
+        Ok(ElementRun { elements, word_first })
     }
 }
 
-/// A table's copy on the device, with room to grow.
+/// A table's copy on the device, with capacity to grow.
 pub(crate) struct DeviceTable<T> {
     pub(crate) buffer: Buffer<T>,
-    plan: Plan<T>,
+    pending: TableUpdate<T>,
 }
 
 impl<T: Element> DeviceTable<T> {
     pub(crate) fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
-        Ok(Self { buffer: Buffer::new(device, 0, "an empty table")?, plan: Plan::default() })
+        Ok(Self {
+            buffer: Buffer::new(device, 0, "an empty table")?,
+            pending: TableUpdate::default(),
+        })
     }
 
     pub(crate) fn pack(
         &mut self,
         device: &OpenClDevice,
         table: &Table<T>,
-        parcel: &mut Parcel,
+        batch: &mut UploadBatch,
     ) -> Result<(), BackendError> {
-        let failed = |e| device.failed(&format!("gather changes of {}", table.name()), &e);
+        let failed = |e| device.failed(&format!("collect changes of {}", table.name()), &e);
         let count = table.as_slice().len();
         if count > self.buffer.len() {
-            self.plan.grown = Some(self.larger(device, table)?);
-            self.plan.runs[0] = parcel.add_run(table, 0..count).map_err(failed)?;
+            self.pending.grown = Some(self.larger(device, table)?);
+            self.pending.runs[0] = batch.add_run(table, 0..count).map_err(failed)?;
             return Ok(());
         }
         let changed = table.changed().count();
         if changed > count / 4 {
             let ends = table.changed().fold((u32::MAX, 0), |(a, b), i| (a.min(i), b.max(i)));
-            self.plan.runs[0] =
-                parcel.add_run(table, ends.0 as usize..ends.1 as usize + 1).map_err(failed)?;
+            self.pending.runs[0] =
+                batch.add_run(table, ends.0 as usize..ends.1 as usize + 1).map_err(failed)?;
         } else if changed > 0 {
-            self.plan.scatter = Some(parcel.add_changes(table).map_err(failed)?);
+            self.pending.scatter = Some(batch.add_changes(table).map_err(failed)?);
         }
-        self.plan.runs[1] = parcel.add_run(table, table.tail()).map_err(failed)?;
+        self.pending.runs[1] = batch.add_run(table, table.tail()).map_err(failed)?;
         Ok(())
     }
 
-    /// A buffer with room for as many elements as a table is expected to have, else for half as
-    /// many again as now, so that a growing crowd is not copied at every step; where that is too
-    /// much, for those that there are.
+    /// Allocates a buffer for the expected element count of a table; without one, for half as many
+    /// elements again as now, so that a growing crowd is not copied at every step. Falls back to
+    /// the exact count if that cannot be allocated.
     fn larger(&self, device: &OpenClDevice, table: &Table<T>) -> Result<Buffer<T>, BackendError> {
         let (count, expected) = (table.as_slice().len(), table.expected());
-        let room = if expected < count { count.max(self.buffer.len() * 3 / 2) } else { expected };
-        match Buffer::new(device, room, table.name()) {
-            Err(_) if room > count => Buffer::new(device, count, table.name()),
+        let capacity =
+            if expected < count { count.max(self.buffer.len() * 3 / 2) } else { expected };
+        match Buffer::new(device, capacity, table.name()) {
+            Err(_) if capacity > count => Buffer::new(device, count, table.name()),
             result => result,
         }
     }
 
-    pub(crate) fn send(&mut self, table: &Table<T>, route: &mut Route) -> Result<(), BackendError> {
-        let plan = std::mem::take(&mut self.plan);
-        self.carry_out(plan, table, route)
-            .map_err(|e| route.device.failed(&format!("write {}", table.name()), &e))
-    }
-
-    pub(crate) fn forget(&mut self) {
-        self.plan = Plan::default();
-    }
-
-    fn carry_out(
+    pub(crate) fn send(
         &mut self,
-        plan: Plan<T>,
         table: &Table<T>,
-        route: &mut Route,
+        uploader: &mut BatchUploader,
+    ) -> Result<(), BackendError> {
+        let update = std::mem::take(&mut self.pending);
+        self.apply(update, table, uploader)
+            .map_err(|e| uploader.device.failed(&format!("write {}", table.name()), &e))
+    }
+
+    pub(crate) fn discard(&mut self) {
+        self.pending = TableUpdate::default();
+    }
+
+    fn apply(
+        &mut self,
+        update: TableUpdate<T>,
+        table: &Table<T>,
+        uploader: &mut BatchUploader,
     ) -> Result<(), ClError> {
-        if let Some(mut grown) = plan.grown {
-            route.write(&mut grown, table, &plan.runs[0])?;
-            // Only now: a buffer that could not be filled must not be taken for a full one.
+        if let Some(mut grown) = update.grown {
+            uploader.write(&mut grown, table, &update.runs[0])?;
+            // Only now: a buffer that could not be filled must not count as full.
             self.buffer = grown;
             return Ok(());
         }
-        if let Some(scatter) = plan.scatter {
-            route.scatter(&mut self.buffer, &scatter)?;
+        if let Some(scatter) = update.scatter {
+            uploader.scatter(&mut self.buffer, &scatter)?;
         }
-        plan.runs.iter().try_for_each(|run| route.write(&mut self.buffer, table, run))
+        update.runs.iter().try_for_each(|run| uploader.write(&mut self.buffer, table, run))
     }
 }
 
-/// The way of one parcel to the device.
-pub(crate) struct Route<'a> {
+/// Uploads one batch.
+pub(crate) struct BatchUploader<'a> {
     device: &'a OpenClDevice,
     queue: &'a CommandQueue,
     kernel: &'a Kernel,
     group: usize,
     changes: &'a Buffer<u32>,
-    parcel: Parcel,
+    batch: UploadBatch,
 }
 
-impl Route<'_> {
+impl BatchUploader<'_> {
     fn write<T: Element>(
         &mut self,
         to: &mut Buffer<T>,
         table: &Table<T>,
-        run: &Run,
+        run: &ElementRun,
     ) -> Result<(), ClError> {
         let elements = run.elements.clone();
         match run.word_first {
-            Some(word) => to.write_staged(self.queue, elements, &mut self.parcel.runs, word),
+            Some(word) => to.write_staged(self.queue, elements, &mut self.batch.runs, word),
             None => to.write(self.queue, elements.start, &table.as_slice()[elements]),
         }
     }
@@ -222,29 +228,29 @@ impl Route<'_> {
             .uint("element_words", narrow(size_of::<T>() / size_of::<u32>())?)
             .uint("word_count", narrow(word_count)?)
             .words("table", to)
-            .run(self.queue, [word_count.next_multiple_of(self.group), 1], [self.group, 1])?;
+            .run(self.queue, WorkSize::line(word_count, self.group))?;
         Ok(())
     }
 }
 
-/// Offsets within one update, which is far below 2^32 words, or is not done.
+/// Narrows an offset within one update to 32 bits, or fails.
 fn narrow(count: usize) -> Result<u32, ClError> {
     const INVALID_VALUE: i32 = -30;
     u32::try_from(count).map_err(|_| ClError(INVALID_VALUE))
 }
 
-/// Brings copies up to date.
+/// Uploads changes of tables, and keeps batches until the device has read them.
 pub(crate) struct Uploader {
     kernel: Kernel,
     group: usize,
-    /// Changed elements of all tables on their way to their places.
+    /// The changed elements of all tables, before they are scattered.
     changes: Buffer<u32>,
-    /// Parcels that the device may still be reading, the oldest first.
-    sent: VecDeque<Parcel>,
+    /// Batches that the device may still be reading, the oldest first.
+    sent: VecDeque<UploadBatch>,
 }
 
 impl Uploader {
-    /// `group` is the work-items in a group.
+    /// `group` is the number of work-items in a work-group.
     pub(crate) fn new(device: &OpenClDevice, group: usize) -> Result<Self, BackendError> {
         Ok(Self {
             kernel: device.kernel(Form::Common, "", "apply_changes")?,
@@ -254,8 +260,8 @@ impl Uploader {
         })
     }
 
-    /// Enqueues what brings all copies up to date, or leaves them as they were where there is no
-    /// room.
+    /// Enqueues the upload of all changes. If memory cannot be allocated, all copies stay as they
+    /// were.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
@@ -263,9 +269,9 @@ impl Uploader {
         tables: &Tables,
         copies: &mut [&mut dyn Copies],
     ) -> Result<(), BackendError> {
-        let parcel = self.empty_parcel().map_err(|e| device.failed("take over changes", &e))?;
-        let result = self.dispatch(device, queue, tables, copies, parcel);
-        copies.iter_mut().for_each(|c| c.forget());
+        let batch = self.empty_batch().map_err(|e| device.failed("start an upload", &e))?;
+        let result = self.dispatch(device, queue, tables, copies, batch);
+        copies.iter_mut().for_each(|c| c.discard());
         self.sent.push_back(result?);
         Ok(())
     }
@@ -276,42 +282,42 @@ impl Uploader {
         queue: &CommandQueue,
         tables: &Tables,
         copies: &mut [&mut dyn Copies],
-        mut parcel: Parcel,
-    ) -> Result<Parcel, BackendError> {
-        copies.iter_mut().try_for_each(|c| c.pack(device, tables, &mut parcel))?;
-        self.send_changes(device, queue, &mut parcel)?;
+        mut batch: UploadBatch,
+    ) -> Result<UploadBatch, BackendError> {
+        copies.iter_mut().try_for_each(|c| c.pack(device, tables, &mut batch))?;
+        self.send_changes(device, queue, &mut batch)?;
         let (kernel, group, changes) = (&self.kernel, self.group, &self.changes);
-        let mut route = Route { device, queue, kernel, group, changes, parcel };
-        copies.iter_mut().try_for_each(|c| c.send(tables, &mut route))?;
-        Ok(route.parcel)
+        let mut uploader = BatchUploader { device, queue, kernel, group, changes, batch };
+        copies.iter_mut().try_for_each(|c| c.send(tables, &mut uploader))?;
+        Ok(uploader.batch)
     }
 
-    fn empty_parcel(&mut self) -> Result<Parcel, ClError> {
+    fn empty_batch(&mut self) -> Result<UploadBatch, ClError> {
         let oldest_is_done = match self.sent.front() {
             Some(oldest) => oldest.changes.is_done()? && oldest.runs.is_done()?,
             None => false,
         };
-        let mut parcel = if oldest_is_done || self.sent.len() >= RING {
+        let mut batch = if oldest_is_done || self.sent.len() >= BATCHES_MOST {
             self.sent.pop_front().unwrap_or_default()
         } else {
-            Parcel::default()
+            UploadBatch::default()
         };
-        parcel.empty()?;
-        Ok(parcel)
+        batch.empty()?;
+        Ok(batch)
     }
 
     fn send_changes(
         &mut self,
         device: &OpenClDevice,
         queue: &CommandQueue,
-        parcel: &mut Parcel,
+        batch: &mut UploadBatch,
     ) -> Result<(), BackendError> {
         let failed = |e| device.failed("write changed elements", &e);
-        let count = parcel.changes.words().map_err(failed)?.len();
+        let count = batch.changes.words().map_err(failed)?.len();
         if count > self.changes.len() {
             self.changes = Buffer::new(device, count.next_power_of_two(), "changed elements")?;
         }
-        self.changes.write_staged(queue, 0..count, &mut parcel.changes, 0).map_err(failed)
+        self.changes.write_staged(queue, 0..count, &mut batch.changes, 0).map_err(failed)
     }
 
     pub(crate) fn bytes(&self) -> usize {

@@ -1,4 +1,4 @@
-//! Users' stages: their texts as a part of the kernels' programs, and the kernels built with them.
+//! Users' stages: their part of the kernels' source, and the kernels built with them.
 
 use std::fmt::Write;
 
@@ -8,34 +8,43 @@ use populace_core::{BackendError, UserStage};
 use crate::OpenClDevice;
 use crate::program::Form;
 
-/// The kernels that run users' stages, and those stages by number.
+/// The two kernels of a schedule that run users' stages.
+#[derive(Clone, Copy)]
+pub(crate) struct StageKernels {
+    pub(crate) form: Form,
+    pub(crate) names: [&'static str; 2],
+}
+
+/// The users' stages in the current kernels, by index.
 #[derive(Default)]
 pub(crate) struct UserStages {
     stages: Vec<Option<UserStage>>,
-    /// Built for stages that run from the next update on.
+    /// Kernels with other stages, to be used from the next update on.
     pub(crate) next: Option<[Kernel; 2]>,
 }
 
 impl UserStages {
-    /// Builds two kernels of a form with stages in place of those before, or leaves all as it was.
+    /// Builds both kernels with `stages` in place of the previous ones. On an error nothing
+    /// changes.
     pub(crate) fn set(
         &mut self,
         device: &OpenClDevice,
-        (form, names): (Form, [&str; 2]),
+        kernels: StageKernels,
         stages: &[Option<UserStage>],
     ) -> Result<(), BackendError> {
         let text = text_of(device, stages)?;
-        // Stages that nobody uses any longer harm nobody: what knows them need not be built anew.
-        if !self.knows(stages) || stages.iter().flatten().count() == 0 {
-            let [first, second] = names.map(|name| device.kernel(form, &text, name));
+        // Kernels with additional, unused stages still serve, so they are not rebuilt.
+        if !self.contains(stages) || stages.iter().flatten().count() == 0 {
+            let [first, second] =
+                kernels.names.map(|name| device.kernel(kernels.form, &text, name));
             self.next = Some([first?, second?]);
             self.stages = stages.to_vec();
         }
         Ok(())
     }
 
-    /// Whether each of these stages is among those built, under the same number.
-    fn knows(&self, stages: &[Option<UserStage>]) -> bool {
+    /// Returns whether each of `stages` is part of the current kernels at the same index.
+    fn contains(&self, stages: &[Option<UserStage>]) -> bool {
         let same = |a: &UserStage, b: &UserStage| {
             a.name() == b.name()
                 && a.opencl_c_text().map(str::as_ptr) == b.opencl_c_text().map(str::as_ptr)
@@ -47,7 +56,8 @@ impl UserStages {
     }
 }
 
-/// What stages add to a program: each text once, then what chooses among them; nothing for none.
+/// Returns the text that stages add to a program: each text once, then the function that selects
+/// one by index. Empty without stages.
 fn text_of(device: &OpenClDevice, stages: &[Option<UserStage>]) -> Result<String, BackendError> {
     let (mut texts, mut all, mut cases) = (Vec::new(), String::new(), String::new());
     for (number, stage) in
@@ -59,7 +69,7 @@ fn text_of(device: &OpenClDevice, stages: &[Option<UserStage>]) -> Result<String
         };
         if !texts.contains(&text) {
             texts.push(text);
-            // Errors then name the stage and the user's own line.
+            // Compiler errors then name the stage and the line in the user's text.
             let _never_fails = write!(all, "#line 1 \"stage {}\"\n{text}\n", stage.name());
         }
         cases += &format!("    case {number}: {}(joint); break;\n", stage.name());

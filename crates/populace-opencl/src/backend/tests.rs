@@ -14,9 +14,9 @@ fn device() -> Arc<OpenClDevice> {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn shared_structs_are_laid_out_alike() {
-    // A kernel that returns each struct's size and field offsets, as the device's compiler sees
-    // them.
+fn shared_structs_have_the_same_layout() {
+    // The kernel returns the size and the field offsets of each struct, as the device's compiler
+    // sees them.
     let structs = device_structs();
     let mut body = String::new();
     let mut expected = Vec::new();
@@ -40,7 +40,10 @@ fn shared_structs_are_laid_out_alike() {
     let (kernel, queue) = (Kernel::create(&program, "probe").unwrap(), device.queue().unwrap());
     let out =
         crate::buffer::Buffer::<u32>::new(&device, expected.len(), "the probe's answers").unwrap();
-    Launch::of(&kernel).buffer("out", &out).run(&queue, [1, 1], [1, 1]).unwrap();
+    Launch::of(&kernel)
+        .buffer("out", &out)
+        .run(&queue, crate::launch::WorkSize::line(1, 1))
+        .unwrap();
     let mut answers = vec![0; expected.len()];
     out.read(&queue, 0, &mut answers).unwrap();
     assert_eq!(answers, expected, "{structs:#?}");
@@ -48,7 +51,7 @@ fn shared_structs_are_laid_out_alike() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn past_the_end_is_an_error() {
+fn access_past_the_end_is_an_error() {
     let mut backend = OpenClBackend::new(&device(), Schedule::Staged).unwrap();
     assert!(
         backend.read(&Tables::new(1), StageBuffer::Palette, 0, &mut [Float4::default()]).is_err()
@@ -59,7 +62,7 @@ fn past_the_end_is_an_error() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn more_memory_than_there_is_is_an_error_that_says_how_much() {
+fn failed_allocation_names_its_size() {
     let result = crate::buffer::Buffer::<Float4>::new(&device(), 1 << 50, "a test");
     let Err(error) = result else { panic!("16 PiB were allocated") };
     assert!(error.to_string().contains("18014398509481984 bytes of a test"), "{error}");
@@ -67,31 +70,31 @@ fn more_memory_than_there_is_is_an_error_that_says_how_much() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_kernel_that_does_not_build_gives_the_compilers_words() {
+fn build_error_contains_the_compiler_log() {
     let error = device().build("__kernel void broken(int x) { y = x; }").unwrap_err();
     assert!(error.to_string().contains("build the kernels"), "{error}");
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_device_that_does_not_exist_is_refused() {
+fn unknown_device_index_is_refused() {
     let error = OpenClDevice::open(99).unwrap_err();
     assert!(matches!(error, BackendError::NoDevice { index: 99, .. }), "{error}");
 }
 
-/// A part of PoCL's device with one compute unit of its own.
+/// Opens half of PoCL's device.
 fn half(part: usize) -> Result<Arc<OpenClDevice>, BackendError> {
     OpenClDevice::open_part(0, crate::DevicePart { part, parts: 2 })
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn parts_of_a_device_share_its_compute_units_and_there_are_no_more() {
+fn parts_divide_the_compute_units_equally() {
     let whole = device().info().compute_units;
-    assert_eq!(device().info().most_parts, whole, "PoCL cuts down to single units");
+    assert_eq!(device().info().most_parts, whole, "PoCL splits into single units");
     let [first, second] = [1, 2].map(|part| half(part).unwrap().info().compute_units);
     assert_eq!((first, second), (whole / 2, whole / 2));
-    assert!(half(2).unwrap().info().name.ends_with(", part 2 of 2"), "errors tell parts apart");
+    assert!(half(2).unwrap().info().name.ends_with(", part 2 of 2"), "errors name the part");
     for (part, parts, words) in [
         (1, 9999, "compute units, for at most"),
         (1, 0, "compute units, for at most"),
@@ -106,7 +109,7 @@ fn parts_of_a_device_share_its_compute_units_and_there_are_no_more() {
     }
 }
 
-mod conformance_of_a_part {
+mod conformance_on_a_part {
     populace_testkit::fused_conformance!(
         super::OpenClBackend::new(
             &super::half(2).expect("a second half"),
@@ -117,11 +120,11 @@ mod conformance_of_a_part {
     );
 }
 
-/// Made up: whatever is asked of this context, a driver without the extension must not be.
+/// A context without valid handles. A driver without the extension must refuse it unseen.
 #[derive(Debug)]
 struct NoContext;
 
-#[expect(unsafe_code, reason = "a promise about handles that are refused before anybody uses them")]
+#[expect(unsafe_code, reason = "a promise about handles that are refused before they are used")]
 // SAFETY: `OpenClDevice::open_for_gl` and `OpenClBackend::refuses` use no handle where the
 // extension is missing.
 unsafe impl GlContext for NoContext {
@@ -132,9 +135,9 @@ unsafe impl GlContext for NoContext {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn sharing_with_opengl_is_refused_where_the_driver_does_not_offer_it() {
+fn gl_sharing_is_refused_without_driver_support() {
     let plain = crate::devices().unwrap().into_iter().find(|device| !device.shares_with_gl);
-    let index = plain.expect("a driver that does not offer it, as PoCL").index;
+    let index = plain.expect("a driver without the extension, such as PoCL").index;
     let error = OpenClDevice::open_for_gl(index, None, Arc::new(NoContext)).unwrap_err();
     assert!(error.to_string().contains("does not offer cl_khr_gl_sharing"), "{error}");
     let backend = OpenClBackend::new(&OpenClDevice::open(index).unwrap(), Schedule::Fused).unwrap();
@@ -165,7 +168,7 @@ mod conformance_fused_grouped {
     );
 }
 
-/// Groups smaller than most bodies and levels, so that every loop goes around more than once.
+/// Groups smaller than most bodies and levels, so that every loop runs more than once.
 mod conformance_fused_in_small_groups {
     populace_testkit::fused_conformance!(
         super::OpenClBackend::with_shape(
@@ -178,14 +181,14 @@ mod conformance_fused_in_small_groups {
     );
 }
 
-fn small_groups() -> Shape {
+fn small_groups() -> DispatchShape {
     let mut shape = GPU_SHAPE;
     shape.group = 16;
     shape
 }
 
-/// The shape for GPUs, on whatever device there is.
-mod conformance_of_the_gpu_shape {
+/// The settings for GPUs, on any device.
+mod conformance_with_gpu_shape {
     populace_testkit::backend_conformance!(
         super::OpenClBackend::with_shape(
             &super::device(),
@@ -199,7 +202,7 @@ mod conformance_of_the_gpu_shape {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn tables_that_grew_since_the_update_are_refused() {
+fn run_refuses_tables_that_grew_since_the_update() {
     let joint = populace_core::JointSource {
         name: "root".into(),
         parent: None,
@@ -216,8 +219,8 @@ fn tables_that_grew_since_the_update_are_refused() {
     backend.run(&tables, Frame::of_all(0)).unwrap();
 }
 
-/// A device that says other things of itself than it is.
-fn device_that_claims(claim: impl FnOnce(&mut crate::DeviceInfo)) -> Arc<OpenClDevice> {
+/// Opens a device with a changed description.
+fn device_described_as(claim: impl FnOnce(&mut crate::DeviceInfo)) -> Arc<OpenClDevice> {
     let mut device = OpenClDevice::open(0).unwrap();
     claim(&mut Arc::get_mut(&mut device).unwrap().info);
     device
@@ -225,11 +228,11 @@ fn device_that_claims(claim: impl FnOnce(&mut crate::DeviceInfo)) -> Arc<OpenClD
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn fused_is_grouped_but_on_cpus() {
+fn fused_is_wide_on_cpus_and_grouped_elsewhere() {
     let form = |kind, schedule| {
-        let device = device_that_claims(|info| info.kind = kind);
+        let device = device_described_as(|info| info.kind = kind);
         let backend = OpenClBackend::new(&device, schedule).unwrap();
-        let Plan::Fused(fused) = &backend.plan else { panic!("{schedule} is not fused") };
+        let SchedulePlan::Fused(fused) = &backend.plan else { panic!("{schedule} is not fused") };
         fused.kernel_name()
     };
     for (kind, fused) in [
@@ -243,7 +246,7 @@ fn fused_is_grouped_but_on_cpus() {
     }
 }
 
-/// Tables with a body of so many joints in a chain.
+/// Tables with one member whose body is a chain of `joint_count` joints.
 fn tables_with_chain(joint_count: usize) -> Tables {
     let joint = |n: usize| populace_core::JointSource {
         name: format!("joint {n}"),
@@ -263,7 +266,7 @@ fn tables_with_chain(joint_count: usize) -> Tables {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_frame_of_some_members_leaves_the_others_palettes_alone() {
+fn frame_of_some_members_leaves_other_palettes_unchanged() {
     let mut tables = tables_with_chain(3);
     for _ in 0..3 {
         tables.add_member(populace_core::BodyIndex(0)).unwrap();
@@ -289,12 +292,12 @@ fn a_frame_of_some_members_leaves_the_others_palettes_alone() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_body_past_local_memory_is_an_error_that_names_it_and_the_remedy() {
-    // Three rows of 16 bytes for each joint of the largest body, padded: 64 fit, and what the group
-    // plays and hands down; 80 do not.
+fn body_too_large_for_local_memory_names_the_remedy() {
+    // Three rows of 16 bytes for each joint of the largest body, padded, plus the group's slots and
+    // rotations: 64 joints fit, 80 do not.
     let (rows_of_64, rows_of_80) = (3 * 16 * (64 + 3), 3 * 16 * (80 + 3));
     let available = rows_of_64 + 1000;
-    let device = device_that_claims(|info| info.local_memory_bytes = available);
+    let device = device_described_as(|info| info.local_memory_bytes = available);
     let mut backend = OpenClBackend::new(&device, Schedule::FusedGrouped).unwrap();
     let fits = tables_with_chain(64);
     backend.update(&fits).unwrap();
@@ -308,10 +311,10 @@ fn a_body_past_local_memory_is_an_error_that_names_it_and_the_remedy() {
     let error = backend.update(&too_large).unwrap_err();
     let BackendError::BodyTooLarge { joints: 65, bytes, .. } = error else { panic!("{error}") };
     assert!((rows_of_80..rows_of_80 + 1000).contains(&bytes), "{error}");
-    let said = format!(
+    let expected = format!(
         "has {available} bytes of local memory, and a body of 65 joints takes {bytes} bytes"
     );
-    assert!(error.to_string().contains(&said), "{error}");
+    assert!(error.to_string().contains(&expected), "{error}");
     assert!(error.to_string().contains("--schedule staged"), "{error}");
     let error = backend.run(&too_large, Frame::of_all(0)).unwrap_err();
     assert!(error.to_string().contains("update first"), "{error}");
@@ -322,7 +325,7 @@ fn a_body_past_local_memory_is_an_error_that_names_it_and_the_remedy() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_crowd_without_room_says_so_and_goes_on_once_members_have_left() {
+fn crowd_resumes_after_a_failed_allocation() {
     let joint = |name: &str| populace_core::JointSource {
         name: name.into(),
         parent: None,
@@ -337,13 +340,13 @@ fn a_crowd_without_room_says_so_and_goes_on_once_members_have_left() {
         .add_body(&populace_core::Skeleton::new(&[joint("root")]).unwrap(), &[entry; 6])
         .unwrap();
     let mut backend = OpenClBackend::new(
-        &device_that_claims(|info| info.max_allocation_bytes = 200_000),
+        &device_described_as(|info| info.max_allocation_bytes = 200_000),
         Schedule::Staged,
     )
     .unwrap();
     let frame = Frame::of_all(0);
     let mut taken: Vec<u32> = (0..10).map(|_| tables.add_member(body).unwrap()).collect();
-    // Too much for slots, for what joints need, and for palettes.
+    // Too many members for slots, for the joint buffer, and for palettes.
     for (members, what) in [
         (1100, "211200 bytes of slots"),
         (900, "bytes of joint translations"),
@@ -369,48 +372,53 @@ fn a_crowd_without_room_says_so_and_goes_on_once_members_have_left() {
     }
 }
 
-/// A kernel that writes a number, for the tests of programs kept on disk.
-fn writes(number: u32) -> String {
+/// Returns the source of a kernel that writes `number`, for tests of the program cache.
+fn source_of(number: u32) -> String {
     format!("__kernel void number(__global uint *out) {{ *out = {number}u; }}")
 }
 
-/// Builds the source of a number on a device with a cache in a folder, and asks its kernel for the
-/// number.
+/// Builds `source` on a device with a cache in `folder`, runs its kernel, and returns the number.
 fn number_by(folder: &std::path::Path, source: &str) -> u32 {
     let mut device = Arc::into_inner(OpenClDevice::open(0).unwrap()).unwrap();
     device.cache = Some(crate::cache::Cache::in_folder(folder));
     let program = device.build(source).unwrap();
     let (kernel, queue) = (Kernel::create(&program, "number").unwrap(), device.queue().unwrap());
     let out = crate::buffer::Buffer::<u32>::new(&device, 1, "a number").unwrap();
-    Launch::of(&kernel).buffer("out", &out).run(&queue, [1, 1], [1, 1]).unwrap();
+    Launch::of(&kernel)
+        .buffer("out", &out)
+        .run(&queue, crate::launch::WorkSize::line(1, 1))
+        .unwrap();
     let mut answer = [0];
     out.read(&queue, 0, &mut answer).unwrap();
     answer[0]
 }
 
-/// The files of programs in a folder.
+/// Lists the files in a folder.
 fn programs_in(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
     std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_program_in_the_cache_is_not_built_again() {
+fn cached_program_is_not_rebuilt() {
     let [one, two] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-    assert_eq!((number_by(one.path(), &writes(1)), number_by(two.path(), &writes(2))), (1, 2));
-    // The binary of the second in place of the first: were the first built again, it would say 1.
+    assert_eq!(
+        (number_by(one.path(), &source_of(1)), number_by(two.path(), &source_of(2))),
+        (1, 2)
+    );
+    // Puts the second binary in place of the first: a rebuild of the first would return 1.
     let ([first], [second]) = (&programs_in(one.path())[..], &programs_in(two.path())[..]) else {
         panic!("each program is one file")
     };
     std::fs::copy(second, first).unwrap();
-    assert_eq!(number_by(one.path(), &writes(1)), 2);
+    assert_eq!(number_by(one.path(), &source_of(1)), 2);
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn what_the_driver_refuses_is_built_and_replaced() {
+fn damaged_cache_entry_is_rebuilt_and_replaced() {
     let folder = tempfile::tempdir().unwrap();
-    assert_eq!(number_by(folder.path(), &writes(3)), 3);
+    assert_eq!(number_by(folder.path(), &source_of(3)), 3);
     let file = programs_in(folder.path()).remove(0);
     let good = std::fs::read(&file).unwrap();
     let no_program = {
@@ -421,30 +429,30 @@ fn what_the_driver_refuses_is_built_and_replaced() {
     };
     for bad in [no_program, good[..good.len() / 2].to_vec(), Vec::new()] {
         std::fs::write(&file, &bad).unwrap();
-        assert_eq!(number_by(folder.path(), &writes(3)), 3);
+        assert_eq!(number_by(folder.path(), &source_of(3)), 3);
         assert_ne!(
             std::fs::read(&file).unwrap(),
             bad,
-            "the bad entry of {} bytes stayed",
+            "the bad entry of {} bytes was kept",
             bad.len()
         );
     }
 }
 
-/// Names the folder that a test's other process shares with it.
+/// Environment variable with the folder that a test shares with its child processes.
 const SHARED_FOLDER: &str = "POPULACE_TEST_SHARED_FOLDER";
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn processes_that_build_at_once_leave_one_whole_program() {
+fn concurrent_builds_leave_one_complete_program() {
     if let Some(folder) = std::env::var_os(SHARED_FOLDER) {
         for number in 0..2 {
-            assert_eq!(number_by(folder.as_ref(), &writes(number)), number);
+            assert_eq!(number_by(folder.as_ref(), &source_of(number)), number);
         }
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let this_test = "backend::tests::processes_that_build_at_once_leave_one_whole_program";
+    let this_test = "backend::tests::concurrent_builds_leave_one_complete_program";
     let start = |_| {
         let mut process = std::process::Command::new(std::env::current_exe().unwrap());
         process.args(["--exact", this_test]).env(SHARED_FOLDER, folder.path()).spawn().unwrap()
@@ -454,12 +462,12 @@ fn processes_that_build_at_once_leave_one_whole_program() {
         assert!(process.wait().unwrap().success());
     }
     assert_eq!(programs_in(folder.path()).len(), 2);
-    assert_eq!(number_by(folder.path(), &writes(1)), 1);
+    assert_eq!(number_by(folder.path(), &source_of(1)), 1);
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_buffer_that_grows_keeps_its_elements_and_ends_in_zeros() {
+fn grown_buffer_keeps_elements_and_appends_zeros() {
     let (device, count) = (device(), 150_000);
     let queue = device.queue().unwrap();
     let mut buffer = crate::buffer::Buffer::<u32>::new(&device, 3, "a test").unwrap();

@@ -5,9 +5,9 @@ fn entry(folder: &Path) -> Entry {
 }
 
 #[test]
-fn a_binary_comes_back_as_it_was_written() {
+fn binary_is_read_back_as_written() {
     let folder = tempfile::tempdir().unwrap();
-    // The folder is made where there is none yet.
+    // The folder does not exist yet.
     let entry = entry(&folder.path().join("deep/er"));
     assert_eq!(entry.read(), None);
     for binary in [&b"binary"[..], b"a longer binary", b""] {
@@ -18,7 +18,7 @@ fn a_binary_comes_back_as_it_was_written() {
 }
 
 #[test]
-fn entries_differ_where_any_word_does() {
+fn entry_names_depend_on_every_word() {
     let cache = Cache::in_folder(Path::new("x"));
     let path = |words: &[&str]| cache.entry(words.iter().copied()).path;
     let all = [path(&["ab", "c"]), path(&["a", "bc"]), path(&["abc"]), path(&["ab", "c", ""])];
@@ -29,7 +29,7 @@ fn entries_differ_where_any_word_does() {
 }
 
 #[test]
-fn a_damaged_or_cut_entry_is_not_read() {
+fn damaged_or_truncated_entry_is_not_read() {
     let folder = tempfile::tempdir().unwrap();
     let entry = entry(folder.path());
     entry.write(b"binary");
@@ -49,7 +49,7 @@ fn a_damaged_or_cut_entry_is_not_read() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_no_error() {
+fn unwritable_folder_is_not_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a file");
     fs::write(&file, "kept").unwrap();
@@ -60,7 +60,7 @@ fn a_folder_that_cannot_be_written_is_no_error() {
 }
 
 #[test]
-fn old_entries_are_deleted_and_other_files_are_not() {
+fn old_entries_are_deleted_and_other_files_stay() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let names = ["old.program", "old.txt", "new.program"];
@@ -76,7 +76,7 @@ fn old_entries_are_deleted_and_other_files_are_not() {
 }
 
 #[test]
-fn reading_an_entry_counts_as_its_use() {
+fn reading_an_entry_renews_it() {
     let folder = tempfile::tempdir().unwrap();
     let entry = entry(folder.path());
     entry.write(b"binary");

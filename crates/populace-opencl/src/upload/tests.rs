@@ -9,7 +9,7 @@ use populace_testkit::Rng;
 use super::*;
 use crate::tables::{DeviceBlockTables, DevicePages, DeviceTables};
 
-/// All that a device keeps of the tables.
+/// All tables that a device keeps.
 struct Device {
     device: Arc<OpenClDevice>,
     queue: CommandQueue,
@@ -67,7 +67,7 @@ impl Device {
         device.buffer.read(&self.queue, 0, &mut copy).unwrap();
         let wrong = (0..copy.len())
             .find(|i| bytemuck::bytes_of(&copy[*i]) != bytemuck::bytes_of(&host.as_slice()[*i]));
-        assert_eq!(wrong, None, "element of {} ({} in all)", host.name(), copy.len());
+        assert_eq!(wrong, None, "element of {} (of {} elements)", host.name(), copy.len());
     }
 }
 
@@ -85,7 +85,7 @@ fn add_members(tables: &mut Tables, body: BodyIndex, count: usize) -> Vec<u32> {
     (0..count).map(|_| tables.add_member(body).unwrap()).collect()
 }
 
-/// One random change of any kind.
+/// Makes one random change of any kind.
 fn change(tables: &mut Tables, taken: &mut Vec<u32>, rng: &mut Rng, step: u64) {
     let bodies = u32::try_from(tables.bodies().as_slice().len()).unwrap();
     if taken.is_empty() || rng.below(20) == 0 {
@@ -114,7 +114,7 @@ fn change(tables: &mut Tables, taken: &mut Vec<u32>, rng: &mut Rng, step: u64) {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn what_devices_hold_is_what_the_host_holds_whatever_changes() {
+fn device_tables_follow_random_changes() {
     let mut tables = Tables::new(4);
     for (joints, entries) in [(1, 300_000), (33, 20), (3, 1)] {
         add_body(&mut tables, joints, entries);
@@ -122,7 +122,7 @@ fn what_devices_hold_is_what_the_host_holds_whatever_changes() {
     let (mut taken, mut rng) = (Vec::new(), Rng::new(5));
     let mut devices = [Device::new(), Device::new()];
     for frame in 0..300 {
-        // Few changes, many, and now and then none.
+        // A few changes, many, or none.
         let changes = [1, 5, 40, 600, 0][rng.below(5)];
         (0..changes)
             .for_each(|step| change(&mut tables, &mut taken, &mut rng, frame * 1000 + step));
@@ -132,18 +132,18 @@ fn what_devices_hold_is_what_the_host_holds_whatever_changes() {
         }
         tables.mark_clean();
         if frame == 150 {
-            // A device that comes later.
+            // A device that joins later.
             tables.mark_dirty();
             devices[1] = Device::new();
         }
     }
     devices.iter().for_each(|d| d.assert_holds(&tables));
-    assert!(taken.len() > 30, "{} members are too few to show much", taken.len());
+    assert!(taken.len() > 30, "{} members are too few for this test", taken.len());
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_run_too_long_to_be_staged_arrives_too() {
+fn run_too_long_for_staging_is_uploaded() {
     let mut tables = Tables::new(1);
     add_body(&mut tables, 1, STAGED_BYTES / 64 + 1);
     let mut device = Device::new();
@@ -153,7 +153,7 @@ fn a_run_too_long_to_be_staged_arrives_too() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_crowd_of_known_size_takes_no_more_than_it_needs() {
+fn crowd_of_known_size_allocates_exactly() {
     let mut tables = Tables::with_capacity(4, 3000);
     let body = add_body(&mut tables, 1, 1);
     let mut device = Device::new();
@@ -168,7 +168,7 @@ fn a_crowd_of_known_size_takes_no_more_than_it_needs() {
     }
     device.assert_holds(&tables);
     assert!(device.pages.bytes() <= 3000 * 6);
-    // One more: a crowd may outgrow what was said of it.
+    // One member more than announced.
     tables.add_member(body).unwrap();
     device.update(&tables).unwrap();
     device.assert_holds(&tables);
@@ -176,7 +176,7 @@ fn a_crowd_of_known_size_takes_no_more_than_it_needs() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn no_room_for_what_is_expected_is_no_error_where_there_is_room_for_what_there_is() {
+fn growth_reserve_falls_back_to_exact_size() {
     for members in [1_000_000, usize::MAX] {
         let mut tables = Tables::with_capacity(4, members);
         let body = add_body(&mut tables, 1, 1);
@@ -189,7 +189,7 @@ fn no_room_for_what_is_expected_is_no_error_where_there_is_room_for_what_there_i
         let before = device.tables.bytes();
         let error = device.update(&tables).unwrap_err();
         assert!(error.to_string().contains("20160 bytes of slots"), "{error}");
-        assert_eq!(device.tables.bytes(), before, "nothing is half done");
+        assert_eq!(device.tables.bytes(), before, "all copies stay as they were");
         assert!(!device.tables.hold(&tables));
     }
 }

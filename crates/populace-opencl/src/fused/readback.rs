@@ -1,30 +1,31 @@
-//! What lies between slots and palette of one member, for those who want to read it.
+//! Reading of one member's samples, local transforms and matrices, which the fused schedules do not
+//! store.
 
 use populace_core::layout::{Float4, POSE_PLANES, SlotSample};
 use populace_core::{BackendError, StageBuffer, Tables};
 
 use super::MATRIX;
 use crate::OpenClDevice;
-use crate::backend::On;
 use crate::buffer::Buffer;
+use crate::context::FrameContext;
 
-/// Where a member is evaluated once more, on the device.
-pub(super) struct Sheet {
+/// Buffers into which a member is evaluated once more.
+pub(super) struct ScratchOutputs {
     pub(super) samples: Buffer<SlotSample>,
-    /// Local transforms: ten planes, as in stored poses.
+    /// Local transforms: ten planes in the layout of stored poses.
     pub(super) planes: Buffer<f32>,
     pub(super) matrices: Buffer<Float4>,
     joint_count: usize,
 }
 
-impl Sheet {
+impl ScratchOutputs {
     pub(super) fn new(
         device: &OpenClDevice,
         host: &Tables,
-        place: u32,
+        member: u32,
     ) -> Result<Self, BackendError> {
         let body =
-            host.bodies().as_slice()[host.members().as_slice()[place as usize].body as usize];
+            host.bodies().as_slice()[host.members().as_slice()[member as usize].body as usize];
         let padded = body.padded_count as usize;
         Ok(Self {
             samples: Buffer::new(device, host.slots_per_member(), "a member's samples")?,
@@ -34,38 +35,39 @@ impl Sheet {
         })
     }
 
-    /// Waits until it is written.
+    /// Waits for the evaluation and reads the results.
     pub(super) fn read(
         &self,
-        on: &On,
+        context: &FrameContext,
         device: &OpenClDevice,
-        place: u32,
-    ) -> Result<Reading, BackendError> {
-        let mut reading = Reading {
-            place,
+        member: u32,
+    ) -> Result<MemberReadback, BackendError> {
+        let mut readback = MemberReadback {
+            member,
             samples: vec![SlotSample::default(); self.samples.len()],
             planes: vec![0.0; self.planes.len()],
             matrices: vec![Float4::default(); self.joint_count * MATRIX],
         };
-        let samples = self.samples.read(on.queue, 0, &mut reading.samples);
+        let samples = self.samples.read(context.queue, 0, &mut readback.samples);
         let read = samples
-            .and_then(|()| self.planes.read(on.queue, 0, &mut reading.planes))
-            .and_then(|()| self.matrices.read(on.queue, 0, &mut reading.matrices));
+            .and_then(|()| self.planes.read(context.queue, 0, &mut readback.planes))
+            .and_then(|()| self.matrices.read(context.queue, 0, &mut readback.matrices));
         read.map_err(|e| device.failed("read a member's joints", &e))?;
-        Ok(reading)
+        Ok(readback)
     }
 }
 
-/// The same on the host.
-pub(super) struct Reading {
-    pub(super) place: u32,
+/// The results on the host.
+pub(super) struct MemberReadback {
+    pub(super) member: u32,
     samples: Vec<SlotSample>,
     planes: Vec<f32>,
     matrices: Vec<Float4>,
 }
 
-impl Reading {
-    /// An element as the buffers of the staged schedule hold it; `None` past the member's end.
+impl MemberReadback {
+    /// Returns an element as the buffers of the staged schedule hold it; `None` past the member's
+    /// end.
     pub(super) fn element(&self, buffer: StageBuffer, at: usize) -> Option<Float4> {
         let joint_count = self.matrices.len() / MATRIX;
         if buffer == StageBuffer::Samples {

@@ -1,4 +1,4 @@
-//! What is kept from frame to frame: states of members with controls, and what is watched of
+//! Double-buffered persistent state: the state of members with constraint programs, and watched
 //! joints.
 
 use std::collections::VecDeque;
@@ -9,51 +9,58 @@ use populace_core::layout::Float4;
 use populace_core::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
-use crate::buffer::{Buffer, Landing};
+use crate::buffer::{AsyncRead, Buffer};
 use crate::launch::Launch;
 use crate::tables::DeviceTables;
 
-/// Two of each: what the last frame was evaluated from, and what it left.
-pub(crate) struct Keeping {
+/// Buffers of each kind in pairs: the previous frame's, which a frame is evaluated from, and its
+/// own.
+pub(crate) struct History {
     states: [Buffer<Float4>; 2],
     watched: [Buffer<Float4>; 2],
-    /// States and watched joints that a member writes while it is evaluated once more to be read:
-    /// no frame sees them.
-    aside: [Buffer<Float4>; 2],
-    /// Which of the two the last frame left.
+    /// States and watched joints that a member writes while it is evaluated once more for reading.
+    /// No frame sees them.
+    scratch: [Buffer<Float4>; 2],
+    /// Index of the buffers of the last frame.
     now: usize,
-    /// What was watched, on its way to the host, the oldest first.
-    landings: VecDeque<(u64, Landing<Float4>)>,
-    /// The newest that landed, and the clock when it was so.
-    landed: Option<(u64, Landing<Float4>)>,
+    /// Reads of watched joints that are still in progress, the oldest first.
+    reads: VecDeque<WatchedRead>,
+    /// The newest completed read.
+    newest: Option<WatchedRead>,
 }
 
-/// Where what members keep is written.
+/// A read of the watched joints, as of a clock tick.
+struct WatchedRead {
+    tick: u64,
+    read: AsyncRead<Float4>,
+}
+
+/// Where constraint programs write state and watched joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Writes {
-    /// For the next frame, and for later phases of this one.
+pub(crate) enum WriteTarget {
+    /// Into the history, for the next frame and for later phases of this one.
     Frame,
-    /// Where no frame sees it.
-    Aside,
+    /// Into scratch buffers that no frame sees.
+    Scratch,
 }
 
-/// As many frames as a device may be behind before what it is asked for is left out.
-const LANDINGS: usize = 3;
+/// Reads in progress at most. A device that is further behind skips reads.
+const READS_MOST: usize = 3;
 
-impl Keeping {
+impl History {
     pub(crate) fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
         let empty = || Buffer::new(device, 0, "an empty buffer");
         Ok(Self {
             states: [empty()?, empty()?],
             watched: [empty()?, empty()?],
-            aside: [empty()?, empty()?],
+            scratch: [empty()?, empty()?],
             now: 0,
-            landings: VecDeque::new(),
-            landed: None,
+            reads: VecDeque::new(),
+            newest: None,
         })
     }
 
-    /// Makes room for what the tables hold, and keeps what is there.
+    /// Grows to the size that the tables need, and keeps the contents.
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
@@ -61,28 +68,28 @@ impl Keeping {
         tables: &Tables,
     ) -> Result<(), BackendError> {
         for states in &mut self.states {
-            states.grow(device, queue, tables.state_elements(), "what is kept of members")?;
+            states.grow(device, queue, tables.state_elements(), "states of members")?;
         }
         for watched in &mut self.watched {
-            watched.grow(device, queue, tables.watched_elements(), "what is watched of members")?;
+            watched.grow(device, queue, tables.watched_elements(), "watched joints")?;
         }
         let watched = &mut self.watched[self.now];
         let cleared = tables.new_watched_elements().try_for_each(|run| watched.clear(queue, run));
-        cleared.map_err(|e| device.failed("clear what is watched of members", &e))
+        cleared.map_err(|e| device.failed("clear watched joints", &e))
     }
 
-    /// Whether there is room for what the tables hold, as there is after an update.
+    /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(crate) fn hold(&self, tables: &Tables) -> bool {
         let states = self.states.iter().all(|buffer| tables.state_elements() <= buffer.len());
         states && self.watched.iter().all(|buffer| tables.watched_elements() <= buffer.len())
     }
 
     pub(crate) fn bytes(&self) -> usize {
-        self.states.iter().chain(&self.watched).chain(&self.aside).map(Buffer::bytes).sum()
+        self.states.iter().chain(&self.watched).chain(&self.scratch).map(Buffer::bytes).sum()
     }
 
-    /// Begins a frame: what the last one left is what this one is evaluated from, and stays where
-    /// this one writes nothing.
+    /// Begins a frame: swaps the buffers and copies the last frame's contents, which stay where
+    /// this frame writes nothing.
     pub(crate) fn begin_frame(&mut self, queue: &CommandQueue) -> Result<(), ClError> {
         for [first, second] in [&mut self.states, &mut self.watched] {
             if self.now == 0 {
@@ -95,37 +102,32 @@ impl Keeping {
         Ok(())
     }
 
-    /// Makes room aside for a member that is evaluated once more, with the watched joints of the
-    /// last frame for it to read.
-    pub(crate) fn prepare_aside(
+    /// Grows the scratch buffers for a member that is evaluated once more, and copies the watched
+    /// joints of the last frame into them.
+    pub(crate) fn prepare_scratch(
         &mut self,
         device: &OpenClDevice,
         queue: &CommandQueue,
     ) -> Result<(), BackendError> {
-        let Self { aside: [states, watched], now, .. } = self;
-        states.grow(device, queue, self.states[*now].len(), "states of a member that is read")?;
-        watched.grow(
-            device,
-            queue,
-            self.watched[*now].len(),
-            "watched joints of a member that is read",
-        )?;
+        let Self { scratch: [states, watched], now, .. } = self;
+        states.grow(device, queue, self.states[*now].len(), "scratch states")?;
+        watched.grow(device, queue, self.watched[*now].len(), "scratch watched joints")?;
         let copied = watched.copy_from(queue, &self.watched[*now]);
         copied.map_err(|e| device.failed("read a member's joints", &e))
     }
 
-    /// Sets what the steps of members read and write.
+    /// Sets the arguments declared by `CONSTRAINT_PARAMETERS` in `kernels/kernel_parameters.cl`.
     pub(crate) fn parameters<'a>(
         &self,
         launch: Launch<'a>,
         tables: &DeviceTables,
         frame: Frame,
-        writes: Writes,
+        writes: WriteTarget,
     ) -> Launch<'a> {
         let before = 1 - self.now;
         let [states, watched] = match writes {
-            Writes::Frame => [&self.states[self.now], &self.watched[self.now]],
-            Writes::Aside => [&self.aside[0], &self.aside[1]],
+            WriteTarget::Frame => [&self.states[self.now], &self.watched[self.now]],
+            WriteTarget::Scratch => [&self.scratch[0], &self.scratch[1]],
         };
         launch
             .buffer("controls", &tables.controls.buffer)
@@ -145,40 +147,40 @@ impl Keeping {
             .uint("elapsed_ticks", frame.elapsed_ticks)
     }
 
-    /// Lets what is watched come to the host, as of the last frame; leaves it out where the device
-    /// is too far behind.
+    /// Starts a read of the watched joints, as of the last frame. Skips it if the device is too far
+    /// behind.
     pub(crate) fn fetch(
         &mut self,
         queue: &CommandQueue,
         tick: u64,
         count: usize,
     ) -> Result<(), ClError> {
-        self.land()?;
-        if self.landings.len() < LANDINGS {
-            let mut landing = Landing::default();
-            self.watched[self.now].read_later(queue, count, &mut landing)?;
+        self.collect_reads()?;
+        if self.reads.len() < READS_MOST {
+            let mut read = AsyncRead::default();
+            self.watched[self.now].read_async(queue, count, &mut read)?;
             queue.flush()?;
-            self.landings.push_back((tick, landing));
+            self.reads.push_back(WatchedRead { tick, read });
         }
         Ok(())
     }
 
-    fn land(&mut self) -> Result<(), ClError> {
-        while let Some((_, landing)) = self.landings.front_mut()
-            && landing.is_done()?
+    fn collect_reads(&mut self) -> Result<(), ClError> {
+        while let Some(oldest) = self.reads.front_mut()
+            && oldest.read.is_done()?
         {
-            self.landed = self.landings.pop_front();
+            self.newest = self.reads.pop_front();
         }
         Ok(())
     }
 
-    /// The newest of what was watched that has come to the host, and the clock when it was so.
+    /// Returns the newest watched joints that have been read, and their clock tick.
     pub(crate) fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, ClError> {
-        self.land()?;
-        Ok(self.landed.as_ref().map(|(tick, landing)| (*tick, landing.elements())))
+        self.collect_reads()?;
+        Ok(self.newest.as_ref().map(|newest| (newest.tick, newest.read.elements())))
     }
 
-    /// The buffer of a kind as the last frame left it; `None` for those that are not kept here.
+    /// Returns a buffer as the last frame left it; `None` if it is not part of the history.
     pub(crate) fn buffer(&mut self, buffer: StageBuffer) -> Option<&mut Buffer<Float4>> {
         match buffer {
             StageBuffer::States => Some(&mut self.states[self.now]),

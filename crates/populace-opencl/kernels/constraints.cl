@@ -1,0 +1,152 @@
+// constraints.cl - Runs a member's constraint program on the way down its hierarchy: constraints,
+// overrides in model space, users' stages, watched joints, attachments and root motion.
+//
+// Constraints rotate joints in model space, each about its own origin, once the joint's parent has
+// its final transform. A constraint is solved at the first joint of its chain, from the chain's
+// local transforms, and hands rotations down to the other joints.
+//
+// Twin of populace-native/src/constraints.rs: same arithmetic, same order of operations.
+
+// Returns a column of a transform: the image of an axis.
+INLINE float4 column_of(float16 m, uint column)
+{
+    return column == 0   ? vec(m.s0, m.s4, m.s8)
+           : column == 1 ? vec(m.s1, m.s5, m.s9)
+                         : vec(m.s2, m.s6, m.sa);
+}
+
+// Interpolates two affine transforms: the origin in a straight line, the axes by the shorter
+// rotation, and their lengths in proportion.
+APART_STEP float16 part_of_the_way(float16 from, float16 to, float k)
+{
+    const float4 from_x = unit_or(column_of(from, 0), vec(1.0f, 0.0f, 0.0f)),
+                 to_x = unit_or(column_of(to, 0), vec(1.0f, 0.0f, 0.0f));
+    const float4 from_y = unit_or(across(column_of(from, 1), from_x), any_across(from_x));
+    const float4 to_y = unit_or(across(column_of(to, 1), to_x), any_across(to_x));
+    const float4 first = turn_between(from_x, to_x, from_y);
+    const float4 second = turn_between(turned(first, from_y), to_y, to_x);
+    float16 m = affine_turned(from, part_of(turn_mul(second, first), k));
+    float factors[3];
+    for (uint c = 0; c < 3; c++) {
+        const float old = vec_length(column_of(from, c)), new = vec_length(column_of(to, c));
+        factors[c] = old > 1e-10f ? 1.0f + (new / old - 1.0f) * k : 1.0f;
+    }
+    m *= (float16)((float4)(factors[0], factors[1], factors[2], 1.0f),
+                   (float4)(factors[0], factors[1], factors[2], 1.0f),
+                   (float4)(factors[0], factors[1], factors[2], 1.0f), (float4)(1.0f));
+    m.s3 = from.s3 + (to.s3 - from.s3) * k;
+    m.s7 = from.s7 + (to.s7 - from.s7) * k;
+    m.sb = from.sb + (to.sb - from.sb) * k;
+    return m;
+}
+
+// Returns the matrix of a transform given by the host.
+INLINE float16 given_transform(Override given)
+{
+    const float4 q = given.rotation, t = given.translation_and_weight, s = given.scale;
+    const float x = q.x, y = q.y, z = q.z, w = q.w;
+    const float4 row0 =
+        (float4)((1.0f - 2.0f * (y * y + z * z)) * s.x, (2.0f * (x * y - w * z)) * s.y,
+                 (2.0f * (x * z + w * y)) * s.z, t.x);
+    const float4 row1 =
+        (float4)((2.0f * (x * y + w * z)) * s.x, (1.0f - 2.0f * (x * x + z * z)) * s.y,
+                 (2.0f * (y * z - w * x)) * s.z, t.y);
+    const float4 row2 = (float4)((2.0f * (x * z - w * y)) * s.x, (2.0f * (y * z + w * x)) * s.y,
+                                 (1.0f - 2.0f * (x * x + y * y)) * s.z, t.z);
+    return (float16)(row0, row1, row2, (float4)(0.0f));
+}
+
+INLINE float16 override_model(Override given, float16 own)
+{
+    const float16 to = given_transform(given);
+    const float weight = given.translation_and_weight.w;
+    return weight >= 1.0f ? to : part_of_the_way(own, to, weight);
+}
+
+// Returns the member's placement in the world.
+INLINE float16 world_from_model(const Solver *s)
+{
+    const float4 place = s->control.place;
+    const float sine = s->control.facing.x * place.w, cosine = s->control.facing.y * place.w;
+    const float4 row0 = (float4)(cosine, 0.0f, sine, place.x);
+    const float4 row1 = (float4)(0.0f, place.w, 0.0f, place.y);
+    const float4 row2 = (float4)(-sine, 0.0f, cosine, place.z);
+    return (float16)(row0, row1, row2, (float4)(0.0f));
+}
+
+// Publishes a joint's transform for other members.
+INLINE void keep_watched(const Solver *s, uint watched, float16 joint)
+{
+    __global float4 *rows = s->tables->watched + watched * WATCHED_ELEMENTS;
+    rows[0] = joint.s0123;
+    rows[1] = joint.s4567;
+    rows[2] = joint.s89ab;
+}
+
+// Attaches a root to its parent member's joint, which an earlier phase of this frame published.
+APART_STEP float16 attach(const Solver *s, Step step, float16 own)
+{
+    __global const float4 *rows = s->tables->watched + step.index * WATCHED_ELEMENTS;
+    const float16 parent = (float16)(rows[0], rows[1], rows[2], (float4)(0.0f));
+    return affine_mul(affine_mul(parent, given_transform(s->tables->overrides[step.turn])), own);
+}
+
+// Runs a step that needs no other member's lanes, and returns the joint's new model transform.
+INLINE float16 take_step(const Solver *s, Hierarchy joints, Step step, float16 own)
+{
+    switch (step.kind) {
+    case STEP_TURN: return affine_turned(own, s->turns[step.turn]);
+    case STEP_CHAIN: return chain(s, joints, step, own);
+    case STEP_OVERRIDE: return override_model(s->tables->overrides[step.index], own);
+#ifdef USER_STAGES
+    case STEP_STAGE: {
+        const StageTables tables = { s->tables->steps, s->tables->stage_values, s->tables->tick,
+                                     s->tables->elapsed_secs };
+        return stage_model(tables, step, s->control, own);
+    }
+#endif
+    case STEP_MOTION: return moves(s, step, own);
+    case STEP_WATCH: keep_watched(s, step.index, affine_mul(world_from_model(s), own)); return own;
+    case STEP_CARRY: keep_watched(s, step.index, own); return own;
+    case STEP_ATTACH: return attach(s, step, own);
+    default: return own;
+    }
+}
+
+INLINE bool is_batched(uint kind)
+{
+    return kind == STEP_GAZE || kind == STEP_PELVIS || kind == STEP_REACH || kind == STEP_FOOT;
+}
+
+// Runs steps of one kind for a batch of members.
+INLINE void take_batch(uint kind, YieldPoint *at, uint count)
+{
+    switch (kind) {
+    case STEP_GAZE: gaze(at, count); break;
+    case STEP_PELVIS: pelvis(at, count); break;
+    case STEP_REACH: reach(at, count); break;
+    case STEP_FOOT: foot(at, count); break;
+    }
+}
+
+#if LANES == 1
+
+// Runs all steps of one joint, for schedules that compute the joints of a level side by side.
+INLINE float16 solve_joint(const Solver *s, Hierarchy joints, uint joint, float16 own,
+                           float16 parent, bool has_parent)
+{
+    for (uint i = 0; i < s->control.step_count; i++) {
+        const Step step = s->tables->steps[s->control.step_first + i];
+        if (step.joint != joint) continue;
+        if (is_batched(step.kind)) {
+            YieldPoint alone = { s, joints, step, own, parent, has_parent };
+            take_batch(step.kind, &alone, 1);
+            own = alone.own;
+        } else {
+            own = take_step(s, joints, step, own);
+        }
+    }
+    return own;
+}
+
+#endif

@@ -1,0 +1,43 @@
+// corrections.cl - Retarget corrections of sampled poses; TURN_PLANES in
+// populace-core/src/layout.rs describes their planes.
+//
+// Twin of populace-native/src/corrections.rs: same arithmetic, same order of operations.
+
+// Returns the correction's own rows for two rows of its clip.
+INLINE SlotSample own_rows(const ClipTables *tables, BoundClip bound, SlotSample at)
+{
+    const ClipRows clip = tables->clips[bound.clip];
+    at.row0 = bound.row_first + (at.row0 - clip.row_first) / clip.row_stride * bound.row_stride;
+    at.row1 = bound.row_first + (at.row1 - clip.row_first) / clip.row_stride * bound.row_stride;
+    return at;
+}
+
+// Applies all corrections of a clip to a translation and a rotation, which need not have length 1.
+// Not inlined on CPUs, because most clips have no correction.
+APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint joint, SlotSample at,
+                   Local *posed)
+{
+    Local trs = *posed;
+    const uint padded = body.padded_count;
+    while (bound_block(tables, bound, joint)->flags & BLOCK_TURNED) {
+        bound = tables->bound_clips[bound.next];
+        if (bound.row_stride != 0) at = own_rows(tables, bound, at);
+        const Columns columns = columns_of(tables, bound, joint);
+        __global const float *planes = tables->poses + bound.range_first + joint;
+        if (!(columns.flags & REST_TRANSLATION)) {
+            const Vec3 arm = sample_vector(tables, columns, TRANSLATION, at, planes + 6 * padded,
+                                           planes + 9 * padded, padded);
+            const Quat unit = quat_scale(trs.r, inverse_sqrt(quat_dot(trs.r, trs.r)));
+            trs.t = vec3_add(trs.t, quat_turned(unit, arm));
+        }
+        Quat q = load_quat(planes, padded);
+        if (columns.block.rotation_first != NONE) {
+            const Quat n = rotation_steps(tables, columns, at);
+            const Real step = LOAD(planes + 4 * padded), step_w = LOAD(planes + 5 * padded);
+            const Quat scaled = { n.x * step, n.y * step, n.z * step, n.w * step_w };
+            q = quat_add(scaled, q);
+        }
+        trs.r = quat_mul(quat_mul(trs.r, q), load_quat(planes + 10 * padded, padded));
+    }
+    *posed = trs;
+}

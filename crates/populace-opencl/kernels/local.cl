@@ -1,0 +1,57 @@
+// local.cl - Algebra of local transforms, of one joint or of sixteen. Twin of
+// populace-native/src/local.rs: same arithmetic, same order of operations.
+
+// Translation, rotation and scale, relative to the parent joint.
+typedef struct {
+    Vec3 t;
+    Quat r;
+    Vec3 s;
+} Local;
+
+// Returns the difference that takes `reference` to `value`, with the rotation in the hemisphere of
+// `side`. Scales that are at rest in both are not divided.
+INLINE Local quotient(Local value, Local reference, Quat side, uint at_rest)
+{
+    Local trs = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 1.0f } };
+    trs.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), side);
+    trs.t = vec3_add(value.t, vec3_scale(reference.t, -1.0f));
+    if (at_rest & REST_SCALE) return trs;
+    trs.s.x = reference.s.x == (Real)(0.0f) ? (Real)(1.0f) : value.s.x / reference.s.x;
+    trs.s.y = reference.s.y == (Real)(0.0f) ? (Real)(1.0f) : value.s.y / reference.s.y;
+    trs.s.z = reference.s.z == (Real)(0.0f) ? (Real)(1.0f) : value.s.z / reference.s.z;
+    return trs;
+}
+
+// Subtracts the identity from a difference, so that weighted sums do not depend on the order of
+// their terms.
+INLINE Local change(Local trs)
+{
+    trs.r.w -= 1.0f;
+    trs.s.x -= 1.0f;
+    trs.s.y -= 1.0f;
+    trs.s.z -= 1.0f;
+    return trs;
+}
+
+// Applies a weighted sum of changes to the pose beneath.
+INLINE Local add_layer(Local beneath, Local sum, Real layer_weight)
+{
+    Local trs;
+    const Quat delta = quat_normalize_or(quat_add(quat_identity(), quat_scale(sum.r, layer_weight)),
+                                         quat_identity());
+    trs.t = vec3_add(beneath.t, vec3_scale(sum.t, layer_weight));
+    trs.r = quat_mul(beneath.r, delta);
+    trs.s.x = beneath.s.x * (1.0f + sum.s.x * layer_weight);
+    trs.s.y = beneath.s.y * (1.0f + sum.s.y * layer_weight);
+    trs.s.z = beneath.s.z * (1.0f + sum.s.z * layer_weight);
+    return trs;
+}
+
+// Combines two differences: first one, then the other.
+INLINE Local after(Local first, Local then)
+{
+    const Local both = { vec3_add(first.t, then.t),
+                         quat_mul(first.r, then.r),
+                         { first.s.x * then.s.x, first.s.y * then.s.y, first.s.z * then.s.z } };
+    return both;
+}
