@@ -209,14 +209,18 @@ macro_rules! on_devices {
             $(
                 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
                 #[test]
-                fn $name() { $test(&[populace::Device::native(), populace::Device::opencl(0)].into()); }
+                fn $name() {
+                    $test(&[populace::Device::native(), populace::Device::opencl(0)].into());
+                }
             )*
         }
         mod opencl_and_native {
             $(
                 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
                 #[test]
-                fn $name() { $test(&[populace::Device::opencl(0), populace::Device::native()].into()); }
+                fn $name() {
+                    $test(&[populace::Device::opencl(0), populace::Device::native()].into());
+                }
             )*
         }
         mod opencl {
