@@ -1,4 +1,4 @@
-//! Who lends to whom, in every order of coming and going.
+//! Lifetimes: crowds and renderers are created and dropped in every order.
 
 use std::sync::Arc;
 
@@ -12,11 +12,11 @@ use populace::{Crowd, Device, Devices, Placement, Play};
 use crate::assert_same;
 use crate::stage::{ByCopy, Stage, Troupe, film_by_copy};
 
-pub(crate) fn a_crowd_outlives_its_renderer(device: &Devices) {
+pub(crate) fn crowd_outlives_its_renderer(device: &Devices) {
     let film = film_by_copy(device, 30, 4);
     let mut troupe = Troupe::new(device, 30, &Stage::new());
     for wanted in &film {
-        // Its renderer is gone; the pages are still there to be written and read.
+        // The renderer is gone, but the pages can still be written and read.
         troupe.update();
         troupe
             .crowd
@@ -27,7 +27,7 @@ pub(crate) fn a_crowd_outlives_its_renderer(device: &Devices) {
     }
 }
 
-pub(crate) fn a_renderer_outlives_a_crowd_at_work(device: &Devices) {
+pub(crate) fn renderer_outlives_a_running_crowd(device: &Devices) {
     let film = film_by_copy(device, 30, 3);
     let mut stage = Stage::new();
     for _ in 0..3 {
@@ -42,7 +42,7 @@ pub(crate) fn a_renderer_outlives_a_crowd_at_work(device: &Devices) {
     }
 }
 
-pub(crate) fn a_crowd_ends_on_another_thread(device: &Devices) {
+pub(crate) fn crowd_can_be_dropped_on_another_thread(device: &Devices) {
     let mut stage = Stage::new();
     for renderer_first in [false, true] {
         let mut troupe = Troupe::new(device, 30, &stage);
@@ -63,7 +63,7 @@ pub(crate) fn a_crowd_ends_on_another_thread(device: &Devices) {
     }
 }
 
-pub(crate) fn two_crowds_take_turns_on_one_renderer(device: &Devices) {
+pub(crate) fn two_crowds_share_a_renderer(device: &Devices) {
     let films = [film_by_copy(device, 20, 4), film_by_copy(device, 35, 4)];
     let mut stage = Stage::new();
     let mut troupes = [20, 35].map(|members| Troupe::new(device, members, &stage));
@@ -75,21 +75,21 @@ pub(crate) fn two_crowds_take_turns_on_one_renderer(device: &Devices) {
     }
 }
 
-pub(crate) fn two_renderers_take_turns_on_one_crowd(device: &Devices) {
+pub(crate) fn two_renderers_share_a_crowd(device: &Devices) {
     let film = film_by_copy(device, 20, 4);
     let mut stages = [Stage::new(), Stage::new()];
     let mut troupe = Troupe::new(device, 20, &stages[0]);
     for wanted in &film {
         troupe.update();
         for stage in &mut stages {
-            assert_same(&stage.shoot(&mut troupe.crowd), wanted, "by either");
+            assert_same(&stage.shoot(&mut troupe.crowd), wanted, "by either renderer");
         }
     }
 }
 
 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
 #[test]
-fn a_crowd_moves_to_another_device_under_way() {
+fn connected_crowd_moves_to_another_device() {
     let film = film_by_copy(&Device::native().into(), 30, 4);
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(&Device::native().into(), 30, &stage);
@@ -107,8 +107,8 @@ fn a_crowd_moves_to_another_device_under_way() {
     }
 }
 
-/// A square on a joint that a clip lifts, with so many palette entries that a page holds two
-/// members.
+/// Creates a square on a joint that a clip lifts. It has so many palette entries that a page holds
+/// two members.
 fn large() -> Character {
     let joint = JointSource { name: "base".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint]).unwrap();
@@ -148,7 +148,7 @@ fn large() -> Character {
     .unwrap()
 }
 
-pub(crate) fn palettes_on_the_second_page_are_drawn(device: &Devices) {
+pub(crate) fn second_page_is_drawn(device: &Devices) {
     let character = Arc::new(large());
     let film = |by_copy: bool| -> Vec<Image> {
         let mut stage = Stage::with(&[Arc::clone(&character)]);
@@ -179,5 +179,5 @@ pub(crate) fn palettes_on_the_second_page_are_drawn(device: &Devices) {
     for (members, (found, wanted)) in (1..).zip(found.iter().zip(&wanted)) {
         assert_same(found, wanted, &format!("{members} members"));
     }
-    assert!(wanted[1] != wanted[2], "the third member shows");
+    assert!(wanted[1] != wanted[2], "the third member must be visible");
 }

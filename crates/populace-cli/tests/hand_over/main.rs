@@ -1,6 +1,6 @@
-//! Palettes written straight into OpenGL's memory, seen from both sides: crowds and renderers in
-//! one process. Each picture is held against the one by copies, byte for byte.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+//! Tests of palettes that are written straight into OpenGL's memory, with crowds and renderers in
+//! one process. Each picture must equal the picture by copies, byte for byte.
+#![expect(clippy::unwrap_used, reason = "a failing step fails the test")]
 
 mod loans;
 mod stage;
@@ -16,7 +16,7 @@ fn assert_same(found: &Image, wanted: &Image, what: &str) {
     assert!(found == wanted, "{what}: {different} bytes differ");
 }
 
-fn every_frame_is_the_one_by_copies(device: &Devices) {
+fn frames_equal_those_by_copies(device: &Devices) {
     let film = film_by_copy(device, 60, 5);
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 60, &stage);
@@ -27,9 +27,8 @@ fn every_frame_is_the_one_by_copies(device: &Devices) {
     }
 }
 
-/// The device works on frame N + 1 before OpenGL is told to draw frame N, and again before its
-/// picture is read.
-fn frames_are_drawn_while_the_next_ones_are_computed(device: &Devices) {
+/// The device computes frame N + 1 before OpenGL draws frame N, or before its picture is read.
+fn drawing_overlaps_with_the_next_update(device: &Devices) {
     const FRAMES: usize = 6;
     let film = film_by_copy(device, 300, FRAMES);
     let mut stage = Stage::new();
@@ -53,21 +52,21 @@ fn frames_are_drawn_while_the_next_ones_are_computed(device: &Devices) {
     }
 }
 
-/// Frames that nobody takes, and takes without a frame.
-fn frames_and_takes_need_not_alternate(device: &Devices) {
+/// Some frames are never acquired, and some are acquired several times.
+fn updates_and_acquisitions_need_not_alternate(device: &Devices) {
     let film = film_by_copy(device, 40, 4);
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 40, &stage);
     stage.link(&mut troupe.crowd);
     (0..3).for_each(|_| troupe.update());
     for _ in 0..3 {
-        assert_same(&stage.shoot(&mut troupe.crowd), &film[2], "taken again");
+        assert_same(&stage.shoot(&mut troupe.crowd), &film[2], "acquired again");
     }
     troupe.update();
-    assert_same(&stage.shoot(&mut troupe.crowd), &film[3], "the next");
+    assert_same(&stage.shoot(&mut troupe.crowd), &film[3], "the next frame");
 }
 
-fn a_page_grows_under_way(device: &Devices) {
+fn pages_grow_while_connected(device: &Devices) {
     let (mut stage, mut by_copy) = (Stage::new(), Stage::new());
     let [mut troupe, mut twin] = [&stage, &by_copy].map(|stage| Troupe::new(device, 10, stage));
     stage.link(&mut troupe.crowd);
@@ -81,8 +80,8 @@ fn a_page_grows_under_way(device: &Devices) {
     }
 }
 
-/// What was taken stays to be drawn while the crowd outgrows it.
-fn a_frame_outlives_the_pages_it_was_written_into(device: &Devices) {
+/// An acquired frame can be drawn while the crowd outgrows its pages.
+fn acquired_frame_survives_page_growth(device: &Devices) {
     let film = film_by_copy(device, 20, 1);
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 20, &stage);
@@ -95,7 +94,7 @@ fn a_frame_outlives_the_pages_it_was_written_into(device: &Devices) {
     assert_same(&stage.picture(&instances), &film[0], "20 members");
 }
 
-fn palettes_read_back_wherever_they_stand(device: &Devices) {
+fn palettes_can_be_read_back_from_any_memory(device: &Devices) {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 30, &stage);
     let mut twin = Troupe::new(device, 30, &stage);
@@ -118,20 +117,20 @@ fn palettes_read_back_wherever_they_stand(device: &Devices) {
     };
     [&mut troupe, &mut twin].into_iter().for_each(Troupe::update);
     stage.link(&mut troupe.crowd);
-    same(&mut troupe, &mut twin, "once linked");
+    same(&mut troupe, &mut twin, "once connected");
     for _ in 0..3 {
         [&mut troupe, &mut twin].into_iter().for_each(Troupe::update);
-        same(&mut troupe, &mut twin, "before it is taken");
+        same(&mut troupe, &mut twin, "before acquisition");
         stage.shoot(&mut troupe.crowd);
-        same(&mut troupe, &mut twin, "once it is taken");
+        same(&mut troupe, &mut twin, "after acquisition");
     }
     stage.renderer.take_palettes(&mut troupe.by_copy()).unwrap();
-    same(&mut troupe, &mut twin, "still linked");
+    same(&mut troupe, &mut twin, "still connected");
     stage.renderer.link_palettes(&mut troupe.by_copy()).unwrap();
     same(&mut troupe, &mut twin, "back in the device's own memory");
 }
 
-fn the_way_and_the_reason_are_told(device: &Devices) {
+fn transport_is_reported_with_reasons(device: &Devices) {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, 1, &stage);
     let hand_over = stage.link(&mut troupe.crowd);
@@ -145,16 +144,16 @@ fn the_way_and_the_reason_are_told(device: &Devices) {
         assert_eq!(hand_over.refused, [(PaletteTransport::Shared, reason.to_owned())]);
         assert!(hand_over.to_string().contains(reason), "{hand_over}");
     } else {
-        assert_eq!(hand_over.refused, [], "nothing is better than sharing");
+        assert_eq!(hand_over.refused, [], "sharing is the best transport");
     }
     let copied = stage.renderer.link_palettes(&mut troupe.by_copy()).unwrap();
     assert_eq!((copied.way, copied.refused.len()), (PaletteTransport::Copied, 2));
 }
 
-/// Whoever has the members, and whoever OpenGL is linked to.
+/// The picture does not depend on the shares of devices, or on the device connected to OpenGL.
 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
 #[test]
-fn a_split_crowd_looks_like_an_undivided_one() {
+fn split_crowd_draws_the_same_pictures() {
     let film = film_by_copy(&Device::native().into(), 60, 8);
     let halves = [1, 2].map(|part| Device::opencl_part(0, part, 2));
     let [native, opencl] = [Device::native(), Device::opencl(0)];
@@ -176,10 +175,10 @@ fn a_split_crowd_looks_like_an_undivided_one() {
     }
 }
 
-/// The first device has no member, but the pages that OpenGL draws from.
+/// The first device has no members, but holds the pages that OpenGL draws from.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn what_is_drawn_stays_as_it_is_while_others_palettes_come() {
+fn acquired_frame_is_unaffected_by_other_devices() {
     let threads = |threads| Device::Native { threads };
     let film = film_by_copy(&threads(1).into(), 40, 4);
     let mut stage = Stage::new();
@@ -233,19 +232,18 @@ macro_rules! on_devices {
     };
 }
 on_devices!(
-    crate::every_frame_is_the_one_by_copies as every_frame_is_the_one_by_copies,
-    crate::frames_are_drawn_while_the_next_ones_are_computed
-        as frames_are_drawn_while_the_next_ones_are_computed,
-    crate::frames_and_takes_need_not_alternate as frames_and_takes_need_not_alternate,
-    crate::a_page_grows_under_way as a_page_grows_under_way,
-    crate::a_frame_outlives_the_pages_it_was_written_into
-        as a_frame_outlives_the_pages_it_was_written_into,
-    crate::palettes_read_back_wherever_they_stand as palettes_read_back_wherever_they_stand,
-    crate::the_way_and_the_reason_are_told as the_way_and_the_reason_are_told,
-    crate::loans::a_crowd_outlives_its_renderer as a_crowd_outlives_its_renderer,
-    crate::loans::a_renderer_outlives_a_crowd_at_work as a_renderer_outlives_a_crowd_at_work,
-    crate::loans::a_crowd_ends_on_another_thread as a_crowd_ends_on_another_thread,
-    crate::loans::two_crowds_take_turns_on_one_renderer as two_crowds_take_turns_on_one_renderer,
-    crate::loans::two_renderers_take_turns_on_one_crowd as two_renderers_take_turns_on_one_crowd,
-    crate::loans::palettes_on_the_second_page_are_drawn as palettes_on_the_second_page_are_drawn,
+    crate::frames_equal_those_by_copies as frames_equal_those_by_copies,
+    crate::drawing_overlaps_with_the_next_update as drawing_overlaps_with_the_next_update,
+    crate::updates_and_acquisitions_need_not_alternate
+        as updates_and_acquisitions_need_not_alternate,
+    crate::pages_grow_while_connected as pages_grow_while_connected,
+    crate::acquired_frame_survives_page_growth as acquired_frame_survives_page_growth,
+    crate::palettes_can_be_read_back_from_any_memory as palettes_can_be_read_back_from_any_memory,
+    crate::transport_is_reported_with_reasons as transport_is_reported_with_reasons,
+    crate::loans::crowd_outlives_its_renderer as crowd_outlives_its_renderer,
+    crate::loans::renderer_outlives_a_running_crowd as renderer_outlives_a_running_crowd,
+    crate::loans::crowd_can_be_dropped_on_another_thread as crowd_can_be_dropped_on_another_thread,
+    crate::loans::two_crowds_share_a_renderer as two_crowds_share_a_renderer,
+    crate::loans::two_renderers_share_a_crowd as two_renderers_share_a_crowd,
+    crate::loans::second_page_is_drawn as second_page_is_drawn,
 );

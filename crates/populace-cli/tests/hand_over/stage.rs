@@ -1,4 +1,4 @@
-//! A crowd and what draws it, by the best way or by copies.
+//! A crowd and its renderer, connected by the best transport or by copies.
 
 use std::sync::{Arc, OnceLock};
 
@@ -12,7 +12,7 @@ use populace_render::{Camera, CharacterHandle, HandOver, Instance, Renderer, Sce
 
 pub(crate) const FRAME_SECS: f32 = 0.11;
 
-/// A crowd whose palettes go by copies only.
+/// A palette source that only allows copies.
 pub(crate) struct ByCopy<'a>(pub(crate) &'a mut Crowd);
 
 impl PaletteSource for ByCopy<'_> {
@@ -21,7 +21,7 @@ impl PaletteSource for ByCopy<'_> {
     }
 
     fn refuses(&self, way: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
-        (way != PaletteTransport::Copied).then(|| "copies are wanted".into())
+        (way != PaletteTransport::Copied).then(|| "this test uses copies".into())
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
@@ -48,7 +48,7 @@ fn people() -> Vec<Arc<Character>> {
         .clone()
 }
 
-/// A crowd of people in rows, each running from a moment of its own.
+/// A crowd of people in rows, each running at its own phase.
 pub(crate) struct Troupe {
     pub(crate) crowd: Crowd,
     roles: Vec<CharacterId>,
@@ -56,7 +56,8 @@ pub(crate) struct Troupe {
 }
 
 impl Troupe {
-    /// For the OpenGL of a stage, so that a device that can share with it does.
+    /// Creates the crowd for the OpenGL context of a renderer, so that devices can share memory
+    /// with it.
     pub(crate) fn new(device: &Devices, members: u16, stage: &Stage) -> Self {
         let builder = Crowd::builder().devices(device.clone()).for_gl(stage.renderer.gl_context());
         let mut crowd = builder.capacity(100_000).build().unwrap();
@@ -89,7 +90,7 @@ impl Troupe {
     }
 }
 
-/// A renderer that knows the people.
+/// A renderer with the people loaded.
 pub(crate) struct Stage {
     pub(crate) renderer: Renderer,
     handles: Vec<CharacterHandle>,
@@ -110,14 +111,14 @@ impl Stage {
         Self { renderer, handles, scene: Scene { camera, ..Scene::default() } }
     }
 
-    /// Links a crowd, which must go without copies.
+    /// Connects a crowd's palettes. Fails if they would be copied.
     pub(crate) fn link(&mut self, crowd: &mut Crowd) -> HandOver {
         let hand_over = self.renderer.link_palettes(crowd).unwrap();
         assert_ne!(hand_over.way, PaletteTransport::Copied, "{hand_over}");
         hand_over
     }
 
-    /// What of a crowd is to be drawn.
+    /// Returns the instances of a crowd.
     pub(crate) fn instances(&self, crowd: &Crowd) -> Vec<Instance> {
         let instance = |i: populace::Instance| Instance {
             character: self.handles[i.character.index()],
@@ -138,7 +139,7 @@ impl Stage {
         self.renderer.read_image().unwrap()
     }
 
-    /// Takes a crowd's palettes and draws it.
+    /// Acquires a crowd's palettes and draws it.
     pub(crate) fn shoot(&mut self, crowd: &mut Crowd) -> Image {
         self.renderer.take_palettes(crowd).unwrap();
         let instances = self.instances(crowd);
@@ -152,7 +153,7 @@ impl Stage {
     }
 }
 
-/// The pictures of so many frames, by copies.
+/// Draws frames by copies. Asserts that successive pictures differ.
 pub(crate) fn film_by_copy(device: &Devices, members: u16, frames: usize) -> Vec<Image> {
     let mut stage = Stage::new();
     let mut troupe = Troupe::new(device, members, &stage);
@@ -161,6 +162,6 @@ pub(crate) fn film_by_copy(device: &Devices, members: u16, frames: usize) -> Vec
         stage.shoot_by_copy(&mut troupe)
     };
     let film: Vec<_> = (0..frames).map(shoot).collect();
-    assert!(film.windows(2).all(|pair| pair[0] != pair[1]), "the crowd moves");
+    assert!(film.windows(2).all(|pair| pair[0] != pair[1]), "the crowd must move");
     film
 }
