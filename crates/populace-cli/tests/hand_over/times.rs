@@ -5,25 +5,25 @@ use std::time::Instant;
 
 use populace::{Device, Devices};
 
-use crate::stage::{Stage, Troupe};
+use crate::fixture::{PeopleCrowd, RenderSession};
 
 const MEMBERS: u16 = 10_000;
 const FRAMES: usize = 21;
 
 /// Returns the median milliseconds of a finished update, and of acquiring its palettes.
 fn frame_ms(device: &Devices, by_copy: bool) -> [f64; 2] {
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, MEMBERS, &stage);
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, MEMBERS, &session);
     let mut times = [Vec::new(), Vec::new()];
     for frame in 0..FRAMES + 3 {
         let start = Instant::now();
-        troupe.update();
-        troupe.crowd.finish().unwrap();
+        people.update();
+        people.crowd.finish().unwrap();
         let updated = Instant::now();
         if by_copy {
-            stage.renderer.take_palettes(&mut troupe.by_copy()).unwrap();
+            session.renderer.take_palettes(&mut people.by_copy()).unwrap();
         } else {
-            stage.renderer.take_palettes(&mut troupe.crowd).unwrap();
+            session.renderer.take_palettes(&mut people.crowd).unwrap();
         }
         if frame >= 3 {
             times[0].push((updated - start).as_secs_f64() * 1e3);

@@ -49,23 +49,24 @@ fn people() -> Vec<Arc<Character>> {
 }
 
 /// A crowd of people in rows, each running at its own phase.
-pub(crate) struct Troupe {
+pub(crate) struct PeopleCrowd {
     pub(crate) crowd: Crowd,
     roles: Vec<CharacterId>,
     spawned: u16,
 }
 
-impl Troupe {
+impl PeopleCrowd {
     /// Creates the crowd for the OpenGL context of a renderer, so that devices can share memory
     /// with it.
-    pub(crate) fn new(device: &Devices, members: u16, stage: &Stage) -> Self {
-        let builder = Crowd::builder().devices(device.clone()).for_gl(stage.renderer.gl_context());
+    pub(crate) fn new(device: &Devices, members: u16, session: &RenderSession) -> Self {
+        let builder =
+            Crowd::builder().devices(device.clone()).for_gl(session.renderer.gl_context());
         let mut crowd = builder.capacity(100_000).build().unwrap();
         let roles =
             people().into_iter().map(|person| crowd.add_character(person).unwrap()).collect();
-        let mut troupe = Self { crowd, roles, spawned: 0 };
-        troupe.spawn(members);
-        troupe
+        let mut people = Self { crowd, roles, spawned: 0 };
+        people.spawn(members);
+        people
     }
 
     pub(crate) fn spawn(&mut self, members: u16) {
@@ -91,13 +92,13 @@ impl Troupe {
 }
 
 /// A renderer with the people loaded.
-pub(crate) struct Stage {
+pub(crate) struct RenderSession {
     pub(crate) renderer: Renderer,
     handles: Vec<CharacterHandle>,
     scene: Scene,
 }
 
-impl Stage {
+impl RenderSession {
     pub(crate) fn new() -> Self {
         Self::with(&people())
     }
@@ -140,28 +141,28 @@ impl Stage {
     }
 
     /// Acquires a crowd's palettes and draws it.
-    pub(crate) fn shoot(&mut self, crowd: &mut Crowd) -> Image {
+    pub(crate) fn draw_crowd(&mut self, crowd: &mut Crowd) -> Image {
         self.renderer.take_palettes(crowd).unwrap();
         let instances = self.instances(crowd);
         self.picture(&instances)
     }
 
-    pub(crate) fn shoot_by_copy(&mut self, troupe: &mut Troupe) -> Image {
-        self.renderer.take_palettes(&mut troupe.by_copy()).unwrap();
-        let instances = self.instances(&troupe.crowd);
+    pub(crate) fn draw_crowd_by_copy(&mut self, people: &mut PeopleCrowd) -> Image {
+        self.renderer.take_palettes(&mut people.by_copy()).unwrap();
+        let instances = self.instances(&people.crowd);
         self.picture(&instances)
     }
 }
 
 /// Draws frames by copies. Asserts that successive pictures differ.
-pub(crate) fn film_by_copy(device: &Devices, members: u16, frames: usize) -> Vec<Image> {
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, members, &stage);
-    let shoot = |_| {
-        troupe.update();
-        stage.shoot_by_copy(&mut troupe)
+pub(crate) fn pictures_by_copy(device: &Devices, members: u16, frames: usize) -> Vec<Image> {
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, members, &session);
+    let draw_crowd = |_| {
+        people.update();
+        session.draw_crowd_by_copy(&mut people)
     };
-    let film: Vec<_> = (0..frames).map(shoot).collect();
-    assert!(film.windows(2).all(|pair| pair[0] != pair[1]), "the crowd must move");
-    film
+    let pictures: Vec<_> = (0..frames).map(draw_crowd).collect();
+    assert!(pictures.windows(2).all(|pair| pair[0] != pair[1]), "the crowd must move");
+    pictures
 }

@@ -10,79 +10,83 @@ use populace::core::{
 use populace::{Crowd, Device, Devices, Placement, Play};
 
 use crate::assert_same;
-use crate::stage::{ByCopy, Stage, Troupe, film_by_copy};
+use crate::fixture::{ByCopy, PeopleCrowd, RenderSession, pictures_by_copy};
 
 pub(crate) fn crowd_outlives_its_renderer(device: &Devices) {
-    let film = film_by_copy(device, 30, 4);
-    let mut troupe = Troupe::new(device, 30, &Stage::new());
-    for wanted in &film {
+    let pictures = pictures_by_copy(device, 30, 4);
+    let mut people = PeopleCrowd::new(device, 30, &RenderSession::new());
+    for wanted in &pictures {
         // The renderer is gone, but the pages can still be written and read.
-        troupe.update();
-        troupe
+        people.update();
+        people
             .crowd
             .with_page(0, &mut |page| assert!(page.iter().any(|e| e.0 != [0.0; 4])))
             .unwrap();
-        let mut stage = Stage::new();
-        assert_same(&stage.shoot(&mut troupe.crowd), wanted, "by a new renderer");
+        let mut session = RenderSession::new();
+        assert_same(&session.draw_crowd(&mut people.crowd), wanted, "by a new renderer");
     }
 }
 
 pub(crate) fn renderer_outlives_a_running_crowd(device: &Devices) {
-    let film = film_by_copy(device, 30, 3);
-    let mut stage = Stage::new();
+    let pictures = pictures_by_copy(device, 30, 3);
+    let mut session = RenderSession::new();
     for _ in 0..3 {
-        let mut troupe = Troupe::new(device, 30, &stage);
-        stage.link(&mut troupe.crowd);
-        troupe.update();
-        assert_same(&stage.shoot(&mut troupe.crowd), &film[0], "the first frame");
-        let instances = stage.instances(&troupe.crowd);
-        troupe.update();
-        drop(troupe);
-        assert_same(&stage.picture(&instances), &film[0], "after the crowd is gone");
+        let mut people = PeopleCrowd::new(device, 30, &session);
+        session.link(&mut people.crowd);
+        people.update();
+        assert_same(&session.draw_crowd(&mut people.crowd), &pictures[0], "the first frame");
+        let instances = session.instances(&people.crowd);
+        people.update();
+        drop(people);
+        assert_same(&session.picture(&instances), &pictures[0], "after the crowd is gone");
     }
 }
 
 pub(crate) fn crowd_can_be_dropped_on_another_thread(device: &Devices) {
-    let mut stage = Stage::new();
+    let mut session = RenderSession::new();
     for renderer_first in [false, true] {
-        let mut troupe = Troupe::new(device, 30, &stage);
-        stage.link(&mut troupe.crowd);
-        troupe.update();
-        stage.shoot(&mut troupe.crowd);
+        let mut people = PeopleCrowd::new(device, 30, &session);
+        session.link(&mut people.crowd);
+        people.update();
+        session.draw_crowd(&mut people.crowd);
         if renderer_first {
-            stage = Stage::new();
+            session = RenderSession::new();
         }
         let work = move || {
-            troupe.update();
-            troupe.update();
+            people.update();
+            people.update();
         };
         std::thread::spawn(work).join().unwrap();
-        let mut next = Troupe::new(device, 30, &stage);
+        let mut next = PeopleCrowd::new(device, 30, &session);
         next.update();
-        stage.shoot(&mut next.crowd);
+        session.draw_crowd(&mut next.crowd);
     }
 }
 
 pub(crate) fn two_crowds_share_a_renderer(device: &Devices) {
-    let films = [film_by_copy(device, 20, 4), film_by_copy(device, 35, 4)];
-    let mut stage = Stage::new();
-    let mut troupes = [20, 35].map(|members| Troupe::new(device, members, &stage));
+    let expected = [pictures_by_copy(device, 20, 4), pictures_by_copy(device, 35, 4)];
+    let mut session = RenderSession::new();
+    let mut crowds = [20, 35].map(|members| PeopleCrowd::new(device, members, &session));
     for frame in 0..4 {
-        troupes.iter_mut().for_each(Troupe::update);
-        for (troupe, film) in troupes.iter_mut().zip(&films) {
-            assert_same(&stage.shoot(&mut troupe.crowd), &film[frame], &format!("frame {frame}"));
+        crowds.iter_mut().for_each(PeopleCrowd::update);
+        for (people, pictures) in crowds.iter_mut().zip(&expected) {
+            assert_same(
+                &session.draw_crowd(&mut people.crowd),
+                &pictures[frame],
+                &format!("frame {frame}"),
+            );
         }
     }
 }
 
 pub(crate) fn two_renderers_share_a_crowd(device: &Devices) {
-    let film = film_by_copy(device, 20, 4);
-    let mut stages = [Stage::new(), Stage::new()];
-    let mut troupe = Troupe::new(device, 20, &stages[0]);
-    for wanted in &film {
-        troupe.update();
-        for stage in &mut stages {
-            assert_same(&stage.shoot(&mut troupe.crowd), wanted, "by either renderer");
+    let pictures = pictures_by_copy(device, 20, 4);
+    let mut sessions = [RenderSession::new(), RenderSession::new()];
+    let mut people = PeopleCrowd::new(device, 20, &sessions[0]);
+    for wanted in &pictures {
+        people.update();
+        for session in &mut sessions {
+            assert_same(&session.draw_crowd(&mut people.crowd), wanted, "by either renderer");
         }
     }
 }
@@ -90,20 +94,20 @@ pub(crate) fn two_renderers_share_a_crowd(device: &Devices) {
 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
 #[test]
 fn connected_crowd_moves_to_another_device() {
-    let film = film_by_copy(&Device::native().into(), 30, 4);
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(&Device::native().into(), 30, &stage);
-    stage.link(&mut troupe.crowd);
+    let pictures = pictures_by_copy(&Device::native().into(), 30, 4);
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(&Device::native().into(), 30, &session);
+    session.link(&mut people.crowd);
     for (wanted, device) in
-        film.iter().zip([0, 1, 2, 3].map(|i| [Device::opencl(0), Device::native()][i % 2]))
+        pictures.iter().zip([0, 1, 2, 3].map(|i| [Device::opencl(0), Device::native()][i % 2]))
     {
-        troupe.update();
+        people.update();
         assert_same(
-            &stage.shoot(&mut troupe.crowd),
+            &session.draw_crowd(&mut people.crowd),
             wanted,
             &format!("before it moves to {device}"),
         );
-        troupe.crowd.move_to(device).unwrap();
+        people.crowd.move_to(device).unwrap();
     }
 }
 
@@ -150,11 +154,11 @@ fn large() -> Character {
 
 pub(crate) fn second_page_is_drawn(device: &Devices) {
     let character = Arc::new(large());
-    let film = |by_copy: bool| -> Vec<Image> {
-        let mut stage = Stage::with(&[Arc::clone(&character)]);
+    let pictures = |by_copy: bool| -> Vec<Image> {
+        let mut session = RenderSession::with(&[Arc::clone(&character)]);
         let mut crowd = Crowd::builder()
             .devices(device.clone())
-            .for_gl(stage.renderer.gl_context())
+            .for_gl(session.renderer.gl_context())
             .build()
             .unwrap();
         let id = crowd.add_character(Arc::clone(&character)).unwrap();
@@ -165,17 +169,17 @@ pub(crate) fn second_page_is_drawn(device: &Devices) {
             crowd.play(member, rise, Play::looping()).unwrap();
             crowd.update(0.2).unwrap();
             if by_copy {
-                stage.renderer.take_palettes(&mut ByCopy(&mut crowd)).unwrap();
+                session.renderer.take_palettes(&mut ByCopy(&mut crowd)).unwrap();
             } else {
-                stage.renderer.take_palettes(&mut crowd).unwrap();
+                session.renderer.take_palettes(&mut crowd).unwrap();
             }
-            let instances = stage.instances(&crowd);
-            frames.push(stage.picture(&instances));
+            let instances = session.instances(&crowd);
+            frames.push(session.picture(&instances));
         }
         assert_eq!(crowd.instances().last().unwrap().palette_first, PAGE_ENTRIES);
         frames
     };
-    let (found, wanted) = (film(false), film(true));
+    let (found, wanted) = (pictures(false), pictures(true));
     for (members, (found, wanted)) in (1..).zip(found.iter().zip(&wanted)) {
         assert_same(found, wanted, &format!("{members} members"));
     }
