@@ -84,9 +84,9 @@ fn refused(folder: &Path) -> Result<(), Failed> {
     let clip = crowd.add_clip(id, walk)?;
     let refused = crowd.play(member, clip, Play::looping());
     let text = refused.err().ok_or("a knight walks like a fox")?.to_string();
-    let says = text.contains("\"Walk\" cannot move this skeleton")
+    let explains = text.contains("\"Walk\" cannot move this skeleton")
         && text.contains("which this skeleton has");
-    if says { Ok(()) } else { Err(text.into()) }
+    if explains { Ok(()) } else { Err(text.into()) }
 }
 
 /// A robot whose feet are children of its root walks the same with feet as children of its legs,
@@ -389,8 +389,8 @@ fn people() -> Result<(), Failed> {
 fn by_name(folder: &Path) -> Result<(), Failed> {
     let (knight, mage) = (load(folder, "kaykit_knight")?, load(folder, "kaykit_mage")?);
     let walk = |body: &Character| body.clips.iter().find(|c| c.name() == "Walking_A").cloned();
-    let (own, lent) = (walk(&mage).ok_or("no walk")?, walk(&knight).ok_or("no walk")?);
-    if !lent.is_made_for(&mage.skeleton) {
+    let (own, foreign) = (walk(&mage).ok_or("no walk")?, walk(&knight).ok_or("no walk")?);
+    if !foreign.is_made_for(&mage.skeleton) {
         return Err("the knight's walk is not bound by name".into());
     }
     let (mut crowd, [(id, member), _]) = crowd_of([&mage, &knight])?;
@@ -400,7 +400,7 @@ fn by_name(folder: &Path) -> Result<(), Failed> {
         crowd.update(0.0)?;
         Ok(crowd.model_from_joints(member)?)
     };
-    let (a, b) = (pose(&own)?, pose(&lent)?);
+    let (a, b) = (pose(&own)?, pose(&foreign)?);
     let far = a.iter().zip(&b).any(|(a, b)| {
         a.rows.iter().flatten().zip(b.rows.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-3)
     });
