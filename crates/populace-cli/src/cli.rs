@@ -83,7 +83,8 @@ pub(crate) enum Command {
     ///
     /// Devices, schedules and loads take turns frame by frame, after three warm-up frames. The last
     /// frame is compared with a double-precision reference; the program fails if the error is too
-    /// large. Schedule `floor` writes palettes without computing them, as a lower limit.
+    /// large. Baked palettes are compared but may differ. Schedule `floor` writes palettes without
+    /// computing them, as a lower limit.
     ///
     /// Fields of the JSON document: `joints` counts the joints of all members. `ms_median` and
     /// `ms_min` are times by the device's clock, from profiling events if it has them, and by the
@@ -104,7 +105,8 @@ pub(crate) struct DeviceArgs {
     /// devices --help` [default: the best available]
     #[arg(long, value_name = "DEVICE[+DEVICE]")]
     pub(crate) device: Option<Devices>,
-    /// Distribution of members over several devices: measured, or a share for each, such as 60,40
+    /// Distribution of members over several devices: measured balances them by their times; shares
+    /// such as 60,40 are fixed
     #[arg(
         long,
         value_name = "measured|SHARE,SHARE",
@@ -112,7 +114,8 @@ pub(crate) struct DeviceArgs {
         allow_hyphen_values = true
     )]
     pub(crate) split: Split,
-    /// Mapping of the pipeline's stages to work-items
+    /// Mapping of the pipeline to the device: staged runs one kernel per stage, fused all stages in
+    /// one, as fused-wide for CPUs or fused-grouped for GPUs
     #[arg(
         long,
         value_name = "staged|fused|fused-wide|fused-grouped",
@@ -354,7 +357,8 @@ pub(crate) struct BenchArgs {
     /// native and every OpenCL device]
     #[arg(long, value_name = "DEVICE[+DEVICE]")]
     pub(crate) device: Vec<Devices>,
-    /// Distribution of members over several devices: measured, or a share for each, such as 60,40
+    /// Distribution of members over several devices: measured balances them by their times; shares
+    /// such as 60,40 are fixed
     #[arg(
         long,
         value_name = "measured|SHARE,SHARE",

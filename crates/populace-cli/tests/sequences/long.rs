@@ -19,8 +19,7 @@ fn value(name: &str) -> Option<String> {
 
 fn number(name: &str, default: u64) -> u64 {
     value(name).map_or(default, |text| {
-        text.parse()
-            .unwrap_or_else(|_| panic!("{name} takes a whole number, and \"{text}\" is none"))
+        text.parse().unwrap_or_else(|_| panic!("{name} takes a whole number, not \"{text}\""))
     })
 }
 
