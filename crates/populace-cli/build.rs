@@ -1,14 +1,16 @@
-//! `POPULACE_SKIP=opencl,gl` shows the tests that need a device or GL as ignored; without it a
-//! missing one fails them. Tests that read real characters show as ignored where
-//! `POPULACE_TEST_DATA` names no folder.
+//! Sets the cfgs that ignore tests.
+//!
+//! `POPULACE_SKIP=opencl,gl` ignores the tests that need an OpenCL device or OpenGL; without it
+//! they fail if it is missing. Tests on real characters are ignored unless `POPULACE_TEST_DATA`
+//! names their folder.
 
 fn main() {
     println!("cargo:rerun-if-env-changed=POPULACE_SKIP");
     let skipped = std::env::var("POPULACE_SKIP").unwrap_or_default();
-    for what in ["opencl", "gl"] {
-        println!("cargo:rustc-check-cfg=cfg(skip_{what})");
-        if skipped.split(',').any(|word| word.trim() == what) {
-            println!("cargo:rustc-cfg=skip_{what}");
+    for requirement in ["opencl", "gl"] {
+        println!("cargo:rustc-check-cfg=cfg(skip_{requirement})");
+        if skipped.split(',').any(|word| word.trim() == requirement) {
+            println!("cargo:rustc-cfg=skip_{requirement}");
         }
     }
     println!("cargo:rerun-if-env-changed=POPULACE_TEST_DATA");

@@ -1,10 +1,11 @@
-//! Seven people walk with torches that they hold up, and with hats on which feathers stick: each
-//! torch and each hat is a member of its own, attached to a joint of its bearer, and each feather
-//! to its hat. All of them are where the same frame draws what they hang on.
+//! Seven people walk with raised torches and feathered hats.
+//!
+//! Each torch, hat and feather is a member. Torches and hats are attached to a joint of a person,
+//! and feathers to a hat. Attachments follow their parent within the same frame.
 //!
 //! `cargo run --example attach [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 #[path = "shared/prop.rs"]
 mod prop;
@@ -37,24 +38,24 @@ const HAT: [prop::Piece; 2] = [
 const FEATHER: [prop::Piece; 1] =
     [([0.75, 0.8, 0.85], &[[0.0, 0.0], [0.004, 0.02], [0.018, 0.1], [0.014, 0.2], [0.0, 0.27]])];
 
-/// A hat's offset from the head: on top of it.
-fn on_top(person: &Character, head: JointIndex) -> Trs {
+/// Returns a hat's offset from the head joint.
+fn hat_offset(person: &Character, head: JointIndex) -> Trs {
     let top = person.rest_bounds().map_or(0.0, |bounds| bounds.high[1]);
     let up = top - person.skeleton.rest_model(head).origin()[1] - 0.07;
     Trs { translation: [0.0, up, 0.0], ..Trs::IDENTITY }
 }
 
-/// A bearer, and what is seen of her or him.
+/// A person with a torch.
 struct Walker {
     member: Member,
     hand: JointIndex,
-    /// Where a torch goes, from the hand.
+    /// The torch's position relative to the hand.
     fist: [f32; 3],
     torch: Member,
 }
 
-/// Lets one walk, and gives her or him torch, hat and feather.
-fn walker(
+/// Spawns a walking person with torch, hat and feather.
+fn spawn_walker(
     crowd: &mut Crowd,
     id: CharacterId,
     [torch, hat, feather]: [CharacterId; 3],
@@ -71,8 +72,7 @@ fn walker(
     let up = [-0.42 * size, (1.05 + 0.1 * (nth % 3) as f32) * size, 0.3 * size];
     crowd.reach(member, Reach::with(hand), Target::InModel(up), Weight::FULL)?;
 
-    // A torch lies across the fist, a little towards the fingers: forward while arms hang, up where
-    // they are bent.
+    // The torch lies across the fist: it points forward if the arm hangs, and up if it is bent.
     let fist = person.skeleton.rest(knuckles).translation;
     let across = quat::mul([0.0, -0.3, 0.0, 0.954], [FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2]);
     let here = Placement::at([0.0; 3]);
@@ -84,7 +84,7 @@ fn walker(
         hand,
         Trs { translation: fist, rotation: across, scale: [0.9 * size; 3] },
     )?;
-    crowd.attach(hat, member, head, on_top(&person, head))?;
+    crowd.attach(hat, member, head, hat_offset(&person, head))?;
     let aslant =
         Trs { translation: [0.1, 0.0, 0.0], rotation: [-0.3, 0.0, -0.2, 0.933], ..Trs::IDENTITY };
     crowd.attach(feather, hat, JointIndex(0), aslant)?;
@@ -94,7 +94,7 @@ fn walker(
 fn main() -> Result<(), Box<dyn Error>> {
     let looks = [Look::woman(), Look::heavy_man(), Look::child()];
     let characters = [("torch", &TORCH[..]), ("hat", &HAT), ("feather", &FEATHER)]
-        .map(|(name, of)| prop::turned(name, of));
+        .map(|(name, of)| prop::revolved(name, of));
     let mut characters: Vec<Character> = characters.into_iter().collect::<Result<_, _>>()?;
     for nth in 0..7 {
         characters.push(person(&looks[nth % 3].in_outfit(nth))?);
@@ -107,7 +107,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let props = [ids[0], ids[1], ids[2]];
     let mut walkers = Vec::new();
     for (nth, &id) in ids[3..].iter().enumerate() {
-        walkers.push(walker(&mut crowd, id, props, nth)?);
+        walkers.push(spawn_walker(&mut crowd, id, props, nth)?);
     }
     for _ in 0..60 {
         crowd.update(1.0 / 60.0)?;

@@ -1,9 +1,11 @@
-//! Seven people at seven speeds, from standing to running, out of three clips: a blend space mixes
-//! the two around each speed, in one phase, so that their feet fall together.
+//! Seven people at seven speeds, from standing to running, with three clips.
+//!
+//! A blend space mixes the two clips around each speed. It keeps them in phase, so that their feet
+//! touch the ground at the same time.
 //!
 //! `cargo run --example blend_space [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 mod shared;
 
@@ -16,18 +18,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     let man = person(&Look::man())?;
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(man.clone())?;
-    // Each clip stands at the speed at which the ground passes under its feet.
+    // Each clip is a sample at its own ground speed.
     let mut samples = Vec::new();
     for (clip, motion) in crowd.clips(id)? {
         let speed_m_per_sec = motion.stats().ground_speed_m_per_sec.unwrap_or(0.0).max(0.0);
         if ["Idle", "Walk", "Run"].contains(&motion.name()) {
-            println!("{} stands at {speed_m_per_sec:.2} m/s", motion.name());
+            println!("{}: sample at {speed_m_per_sec:.2} m/s", motion.name());
             samples.push((clip, speed_m_per_sec));
         }
     }
     let gait = crowd.add_space(BlendSpace::line(&samples)?)?;
 
-    // All stand, and change over to a speed of their own within a second.
+    // All begin standing, and change to their speed within a second.
     let mut members = Vec::new();
     for nth in 0..7_u8 {
         let place = Placement::at([f32::from(nth) * 1.2 - 3.6, 0.0, 0.0])

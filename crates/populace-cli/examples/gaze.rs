@@ -1,9 +1,9 @@
-//! Nine people stand in a row and look at a tenth who walks past: at the joint of her head,
-//! wherever it is. Those whom she has passed look after her as far as necks turn.
+//! Nine people in a row look at the head of a woman who walks past. Their heads follow her within
+//! the limits of the neck.
 //!
 //! `cargo run --example gaze [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 mod shared;
 
@@ -14,7 +14,7 @@ use populace_cast::{Look, person};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let woman = person(&Look::woman())?;
-    let head = woman.skeleton.find("head").ok_or("she has a head")?;
+    let head = woman.skeleton.find("head").ok_or("no joint head")?;
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(woman.clone())?;
     let (idle, walk) = (crowd.clip(id, "Idle")?, crowd.clip(id, "Walk")?);
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for nth in 0..9_u8 {
         let member = crowd.spawn(id, Placement::at([f32::from(nth) * 0.75 - 3.0, 0.0, 0.0]))?;
         crowd.play(member, idle, Play::looping().phase(f32::from(nth) / 9.0))?;
-        // Each takes its own time to look.
+        // The look-at weight fades in over a different time for each.
         let weight = Weight::new(1.0)?.over_secs(0.3 + 0.1 * f32::from(nth));
         crowd.look_at(member, Target::Joint { member: passer, joint: head }, weight)?;
         row.push(member);
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     for (nth, &member) in row.iter().enumerate() {
         let facing = crowd.model_from_joints(member)?[head.index()];
-        // Joints of the cast stand upright at rest, so the third column is where the face points.
+        // Rest rotations of these people are upright, so the third column is the facing direction.
         let (x, z) = (facing.rows[0][2], facing.rows[2][2]);
         println!("{nth}: the head is turned by {:.0} degrees", x.atan2(z).to_degrees());
     }

@@ -1,10 +1,12 @@
-//! Three people swing an arm outwards and then hold it up: the first by a cut, the second by a
-//! crossfade, the third by an inertialised transition. Beads show the way of each one's hand, sixty
-//! a second: dark before, red after. Only the third's has no corner.
+//! Three people swing an arm outwards, then raise it: the first with a cut, the second with a
+//! crossfade, the third with an inertialized transition.
+//!
+//! Beads mark the path of each hand, 60 per second: dark before the transition, red after it. Only
+//! the third path has no corner.
 //!
 //! `cargo run --example inertialize [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 #[path = "shared/bead.rs"]
 mod bead;
@@ -18,12 +20,14 @@ use populace::{Crowd, Placement, Play};
 use populace_cast::{Look, person};
 
 const FRAME_SECS: f32 = 1.0 / 60.0;
-/// Frames until they are interrupted, and until the picture.
+/// Number of frames until the transition.
 const SWING: u8 = 14;
+/// Number of frames until the picture.
 const FRAMES: u8 = 38;
+/// Length of the transition.
 const SECS: f32 = 0.3;
 
-/// A clip that turns the right arm, from one rotation to another in 0.6 s.
+/// Creates a clip that rotates the right arm from one rotation to another in 0.6 s.
 fn clip(
     skeleton: &Skeleton,
     name: &str,
@@ -35,31 +39,31 @@ fn clip(
         property: Property::Rotation,
         interpolation: Interpolation::Linear,
         times: vec![0.0, 0.6],
-        values: [from, to].map(|turn| turn.to_array()).concat(),
+        values: [from, to].map(|rotation| rotation.to_array()).concat(),
     };
     Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, skeleton)
 }
 
-/// Level with the shoulder from the front outwards, and straight up.
+/// Creates two clips: one swings the arm outwards at shoulder height, the other holds it up.
 fn clips(skeleton: &Skeleton) -> Result<[Clip; 2], populace::core::Error> {
     let (level, up) = (Quat::from_rotation_z(-0.7), Quat::from_rotation_z(-2.0));
     let [front, side] = [1.7, -0.9].map(|yaw| Quat::from_rotation_y(yaw) * level);
     Ok([clip(skeleton, "Swing", front, side)?, clip(skeleton, "Up", up, up)?])
 }
 
-/// By how much a hand's speed changes from one frame to the next at most, once it is interrupted,
-/// in metres per second.
-fn largest_change(way: &[[f32; 3]]) -> f32 {
-    let step = |frame: usize| Vec3::from(way[frame]) - Vec3::from(way[frame - 1]);
+/// Returns the largest change of a hand's velocity between two frames after the transition, in
+/// metres per second.
+fn largest_change(trail: &[[f32; 3]]) -> f32 {
+    let step = |frame: usize| Vec3::from(trail[frame]) - Vec3::from(trail[frame - 1]);
     let changes =
-        (usize::from(SWING)..way.len()).map(|frame| (step(frame) - step(frame - 1)).length());
+        (usize::from(SWING)..trail.len()).map(|frame| (step(frame) - step(frame - 1)).length());
     changes.fold(0.0, f32::max) / FRAME_SECS
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let woman = person(&Look::woman())?;
     let skeleton = &woman.skeleton;
-    let hand = skeleton.find("r_hand").ok_or("she has no r_hand")?;
+    let hand = skeleton.find("r_hand").ok_or("no joint r_hand")?;
     let [swing, up] = clips(skeleton)?;
 
     let mut crowd = Crowd::builder().build()?;
@@ -80,21 +84,21 @@ fn main() -> Result<(), Box<dyn Error>> {
         crowd.play(member, swing, Play::once())?;
         members.push((name, play, member, place));
     }
-    let mut ways = vec![Vec::new(); members.len()];
+    let mut trails = vec![Vec::new(); members.len()];
     for frame in 0..FRAMES {
         for (_, play, member, _) in members.iter().filter(|_| frame == SWING) {
             crowd.play(*member, up, *play)?;
         }
         crowd.update(FRAME_SECS)?;
-        for ((_, _, member, place), way) in members.iter().zip(&mut ways) {
+        for ((_, _, member, place), trail) in members.iter().zip(&mut trails) {
             let joint = crowd.model_from_joints(*member)?[hand.index()];
-            way.push(place.world_from_model().mul(&joint).origin());
+            trail.push(place.world_from_model().mul(&joint).origin());
         }
     }
-    for ((name, ..), way) in members.iter().zip(&ways) {
-        let change = largest_change(way);
+    for ((name, ..), trail) in members.iter().zip(&trails) {
+        let change = largest_change(trail);
         println!("{name}: the hand changes its speed by up to {change:.1} m/s from frame to frame");
-        for (frame, at) in way.iter().enumerate() {
+        for (frame, at) in trail.iter().enumerate() {
             crowd.spawn(marks[usize::from(frame >= usize::from(SWING))], Placement::at(*at))?;
         }
     }

@@ -1,9 +1,10 @@
-//! Four people walk. The second also waves: a clip on a layer of its own, masked to one arm. The
-//! third bows as well: an additive clip on another. The fourth does both by half.
+//! Four people walk. The second also waves, by a clip in a layer that is masked to one arm. The
+//! third also bows, by an additive clip in another layer. The fourth does both with half the
+//! weight.
 //!
 //! `cargo run --example layers [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 mod shared;
 
@@ -14,7 +15,8 @@ use populace::core::{Clip, ClipSource, Interpolation, Property, Skeleton, Track}
 use populace::{Crowd, LayerMode, LayerSettings, Mask, Placement, Play};
 use populace_cast::{Look, person};
 
-/// A clip that turns joints about one axis: angles in radians at keys a third of a second apart.
+/// Creates a clip that rotates joints about one axis. Angles are in radians, at keys a third of a
+/// second apart.
 fn clip(
     skeleton: &Skeleton,
     name: &str,
@@ -42,14 +44,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let skeleton = &woman.skeleton;
     let arm = [("r_upper_arm", [-1.2; 4]), ("r_forearm", [-1.0, -1.7, -1.0, -1.7])];
     let wave = clip(skeleton, "Wave", Vec3::Z, &arm)?;
-    // An additive clip adds what it moves from its first key on.
+    // An additive clip adds its difference from its first key.
     let bow = clip(
         skeleton,
         "Bow",
         Vec3::X,
         &[("spine", [0.0, 0.35, 0.35, 0.0]), ("chest", [0.0, 0.35, 0.35, 0.0])],
     )?;
-    // The mask fades in over the shoulder, so that no seam shows there.
+    // The falloff smooths the border of the mask at the shoulder.
     let one_arm = Mask::of_subtrees(skeleton, ["r_shoulder"])?.with_falloff(skeleton, 2)?;
 
     let mut crowd = Crowd::builder().build()?;

@@ -1,13 +1,13 @@
-//! A motion-capture stream that comes in while people follow it: poses at about 30 Hz, never quite
-//! on time, into a live clip. The first of five people shows it a tenth of a second late, each of
-//! the others 0.15 s later still.
+//! Five people follow a motion-capture stream: poses at about 30 Hz, with jitter, appended to a
+//! live clip. The first person shows the stream with a delay of 0.1 s, and each other person 0.15 s
+//! later than the one before.
 //!
 //! `cargo run --example live_clip [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 #![expect(
     clippy::disallowed_methods,
-    reason = "a made motion has no need of the same bits on every machine"
+    reason = "this motion need not be identical on every machine"
 )]
 
 mod shared;
@@ -19,20 +19,21 @@ use populace::core::Skeleton;
 use populace::{Crowd, LiveSettings, Placement, Play, Streamed, Trs};
 use populace_cast::{Look, person};
 
-/// What the actor does: the right arm waves high, the left one swings, and the body sways.
+/// Returns the actor's pose: the right arm waves, the left arm swings, and the body sways.
 fn actor(skeleton: &Skeleton, secs: f32) -> Result<Vec<Trs>, populace::core::Error> {
     let mut pose: Vec<Trs> = skeleton.joints().map(|joint| *skeleton.rest(joint)).collect();
     let beat = (secs * 5.0).sin();
-    let turns = [
+    let rotations = [
         ("r_upper_arm", Quat::from_rotation_z(-1.0 + 1.3 * beat)),
         ("r_forearm", Quat::from_rotation_z(-0.4 + 0.4 * beat)),
         ("l_upper_arm", Quat::from_rotation_x(0.9 * beat)),
         ("spine", Quat::from_rotation_z(0.12 * beat)),
     ];
-    for (joint, (_, turn)) in skeleton.find_all(turns.map(|(name, _)| name))?.into_iter().zip(turns)
+    for (joint, (_, rotation)) in
+        skeleton.find_all(rotations.map(|(name, _)| name))?.into_iter().zip(rotations)
     {
         let rest = Quat::from_array(skeleton.rest(joint).rotation);
-        pose[joint.index()].rotation = (turn * rest).to_array();
+        pose[joint.index()].rotation = (rotation * rest).to_array();
     }
     Ok(pose)
 }
@@ -41,8 +42,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let woman = person(&Look::woman())?;
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(woman.clone())?;
-    // Rotations alone: whoever follows keeps their own proportions. Two seconds are kept, older
-    // rows are written over.
+    // Only rotations are streamed, so that the followers keep their proportions. The clip holds two
+    // seconds; older rows are overwritten.
     let settings = LiveSettings {
         rows_per_sec: 60.0,
         secs: 2.0,
@@ -57,7 +58,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         crowd.play(member, live, Play::live(0.1 + 0.15 * nth))?;
         followers.push(member);
     }
-    // Frames of 1/60 s; between them whatever has come in meanwhile, early or late by up to 10 ms.
+    // Before each frame of 1/60 s, the poses that have arrived are appended. They are early or late
+    // by up to 10 ms.
     let (mut poses, mut now) = (0_u16, 0.0_f32);
     for _ in 0..300 {
         loop {

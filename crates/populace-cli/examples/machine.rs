@@ -1,11 +1,11 @@
-//! Seven people of several builds run one state machine, each by parameters of its own. One after
-//! the other they are called: they turn to us, walk up, run if that is far, and stand. The host
-//! moves them and says how fast they go and turn; which clip that takes, and when, is the
-//! machine's.
+//! Seven people share one state machine, each with its own parameters.
+//!
+//! They are called one after the other: they turn to the camera, walk or run towards it, and stand.
+//! The host moves them and sets the parameters `speed` and `turn`. The machine chooses the clips.
 //!
 //! `cargo run --example machine [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 mod shared;
 
@@ -15,34 +15,35 @@ use populace::{ClipId, Condition, Crowd, Member, Placement, Play, StateMachine};
 use populace_cast::{Look, person};
 
 const FRAME_SECS: f32 = 1.0 / 60.0;
+/// Speed at which people turn.
 const TURN_RAD_PER_SEC: f32 = 2.0;
 
-/// Somebody on the way to us.
+/// A person who walks to the camera.
 struct Walker {
     member: Member,
     x: f32,
     z: f32,
     yaw_rad: f32,
     speed_m_per_sec: f32,
-    /// Frames until the call.
-    waits: u16,
+    /// Number of frames until the call.
+    frames_to_call: u16,
 }
 
 impl Walker {
-    /// Where the next frame finds them, and what the machine is told.
+    /// Moves the person by one frame, and sets the machine's parameters.
     fn step(&mut self, crowd: &mut Crowd, [walk, run]: [f32; 2]) -> Result<(), populace::Error> {
-        let called = self.waits == 0;
-        self.waits = self.waits.saturating_sub(1);
+        let called = self.frames_to_call == 0;
+        self.frames_to_call = self.frames_to_call.saturating_sub(1);
         let turn = if called { self.yaw_rad.min(TURN_RAD_PER_SEC * FRAME_SECS) } else { 0.0 };
-        let way = -self.z;
-        let wished = if !called || turn > 0.0 || way < 0.05 {
+        let distance = -self.z;
+        let target_speed = if !called || turn > 0.0 || distance < 0.05 {
             0.0
-        } else if way > 2.5 {
+        } else if distance > 2.5 {
             run
         } else {
             walk
         };
-        self.speed_m_per_sec += (wished - self.speed_m_per_sec).clamp(-0.15, 0.06);
+        self.speed_m_per_sec += (target_speed - self.speed_m_per_sec).clamp(-0.15, 0.06);
         self.yaw_rad -= turn;
         self.z += self.speed_m_per_sec * FRAME_SECS;
         crowd.place(self.member, Placement::at([self.x, 0.0, self.z]).facing(self.yaw_rad))?;
@@ -51,7 +52,7 @@ impl Walker {
     }
 }
 
-/// Standing, turning, walking and running, by speed and turn.
+/// Creates a state machine with states for standing, turning, walking and running.
 fn gait([idle, walk, run]: [ClipId; 3], [walking, running]: [f32; 2]) -> StateMachine {
     let (goes, between) = (Condition::above("speed", 0.2), 0.5 * (walking + running));
     StateMachine::new()
@@ -82,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for one in &people {
         ids.push(crowd.add_character(one.clone())?);
     }
-    // The clips of the first are played on all bodies.
+    // All people play the clips of the first.
     let [idle, walk, run] = ["Idle", "Walk", "Run"].map(|name| crowd.clip(ids[0], name));
     let (idle, walk, run) = (idle?, walk?, run?);
     let mut speeds = [1.4, 3.0];
@@ -101,8 +102,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let yaw_rad = std::f32::consts::FRAC_PI_2;
         let member = crowd.spawn(*id, Placement::at([x, 0.0, z]).facing(yaw_rad))?;
         crowd.run_machine(member, gait, Play::looping())?;
-        let waits = u16::from(nth) * 32;
-        walkers.push(Walker { member, x, z, yaw_rad, speed_m_per_sec: 0.0, waits });
+        let frames_to_call = u16::from(nth) * 32;
+        walkers.push(Walker { member, x, z, yaw_rad, speed_m_per_sec: 0.0, frames_to_call });
     }
     for _ in 0..233 {
         for walker in &mut walkers {

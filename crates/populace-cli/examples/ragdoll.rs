@@ -1,4 +1,4 @@
-//! A row of people walks up; some are pushed over, and one has an arm that hangs limp.
+//! A row of people walks to the camera. Some are pushed over, and one has a limp arm.
 //!
 //! `cargo run --example ragdoll [picture.png [frames]]`
 
@@ -11,7 +11,7 @@ use populace_physics::{RagdollPlan, Ragdolls, State};
 use populace_render::{Camera, CharacterHandle, Instance, Renderer, Scene, write_png};
 
 const DT_SECS: f32 = 1.0 / 60.0;
-/// Who is pushed at the chest, in which frame, and how fast that makes a whole body, in m/s.
+/// Pushes at the chest: index of the person, frame, and the change of the body's velocity in m/s.
 const PUSHES: [(usize, u16, [f32; 3]); 5] = [
     (1, 30, [0.0, 0.3, -2.5]),
     (2, 60, [-0.3, 0.0, 2.0]),
@@ -19,6 +19,7 @@ const PUSHES: [(usize, u16, [f32; 3]); 5] = [
     (6, 12, [0.0, 0.0, 0.0]),
     (7, 78, [0.6, 0.3, -2.2]),
 ];
+/// Index of the person with a limp arm.
 const LIMP_ARM_OF: usize = 3;
 
 fn main() -> Result<()> {
@@ -88,13 +89,13 @@ fn draw(
     Ok(renderer.read_image()?)
 }
 
-/// Side by side, walking towards the camera.
+/// Returns the placement of a person in a row that walks towards the camera.
 fn place(number: usize, frame: u16) -> Placement {
     Placement::at([1.1 * number as f32 - 3.85, 0.0, 1.3 * DT_SECS * f32::from(frame)])
 }
 
-/// The first of two joints that the member has: the cast has two rigs.
+/// Finds a joint by its name in either of the two rigs.
 fn joint(crowd: &Crowd, member: Member, [one, other]: [&str; 2]) -> Result<JointIndex> {
     let skeleton = &crowd.character(crowd.character_of(member)?)?.skeleton;
-    skeleton.find(one).or_else(|| skeleton.find(other)).context("a rig without that joint")
+    skeleton.find(one).or_else(|| skeleton.find(other)).context("the rig has no such joint")
 }

@@ -1,10 +1,9 @@
-//! Five people reach for a ball each that hangs ever farther away: arms straighten as they come to
-//! their full length, and point at what is out of reach. The ground slopes, and their feet stand on
-//! it.
+//! Five people on a slope reach for points at increasing distances. Arms straighten at full length,
+//! and point at targets out of reach. Feet are planted on the slope.
 //!
 //! `cargo run --example reach [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 #[path = "shared/ramp.rs"]
 mod ramp;
@@ -16,19 +15,19 @@ use populace::core::math::vec3;
 use populace::{Crowd, Ground, Placement, Play, Reach, Target, Weight};
 use populace_cast::{Look, person};
 
-/// Metres that the ground rises for each along +X, and its height in the middle.
+/// Slope of the ground along +X.
 const RISE: f32 = 0.2;
+/// Height of the ground at the origin, in metres.
 const HEIGHT: f32 = 0.8;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let man = person(&Look::man())?;
-    let joint = |name: &str| man.skeleton.find(name).ok_or(format!("he has no {name}"));
+    let joint = |name: &str| man.skeleton.find(name).ok_or(format!("no joint {name}"));
     let (hand, shoulder) = (joint("LeftHand")?, joint("LeftUpperArm")?);
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(man.clone())?;
     let idle = crowd.clip(id, "Idle")?;
-    // Up to the right of the picture by a fifth: what feet know of the ground, and a ramp to see it
-    // by.
+    // The ground plane for the feet, and a ramp that shows it.
     let ramp = ramp::ramp(RISE)?;
     let drawn = crowd.add_character(ramp.clone())?;
     crowd.spawn(drawn, Placement::at([0.0, HEIGHT, 0.0]))?;

@@ -1,11 +1,9 @@
-//! One clip on bodies of other builds: a woman's walk on a man, on a tall man with other
-//! proportions, and on a child, whose joints have other names and rests. Bodies keep their own
-//! proportions.
+//! Plays a woman's walk on a man, on a man with longer limbs, and on a child whose joints have
+//! other names and rest poses. All keep their own proportions.
 //!
-//! `cargo run --example retarget [PICTURE.png] [FILE.glb CLIP]`: a clip of a file instead of the
-//! walk.
+//! `cargo run --example retarget [PICTURE.png] [FILE.glb CLIP]` plays a clip of a file instead.
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 mod shared;
 
@@ -25,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         _ => woman.clips.iter().find(|clip| clip.name() == "Walk").map(Arc::clone),
     };
-    let source = source.ok_or("no clip of that name")?;
+    let source = source.ok_or("no clip has that name")?;
 
     let mut crowd = Crowd::builder().build()?;
     let mut people = Vec::new();
@@ -36,12 +34,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.6))?;
         crowd.play(member, clip, Play::looping().phase(0.1))?;
         if nth == 2 {
-            // Long legs, long arms, on a member of its own.
+            // Longer legs and arms for this member alone.
             let lengths =
                 character.skeleton.joints().map(|joint| match character.skeleton.name(joint) {
                     name if name.contains("Shin") || name.contains("Foot") => 1.15,
                     name if name.contains("Forearm") || name.contains("Hand") => 1.15,
-                    // The legs carry it so much higher.
+                    // Raised by the longer legs.
                     "Pelvis" => 1.14,
                     _ => 1.0,
                 });
@@ -57,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .joints()
             .find(|j| ["hips", "Pelvis"].contains(&character.skeleton.name(*j)));
         let height = hips.map_or(0.0, |hips| joints[hips.index()].origin()[1]);
-        println!("{}: roles by names as of {naming}, hips {height:.2} m high", character.name);
+        println!("{}: roles found by {naming} names, hips {height:.2} m high", character.name);
     }
     let path = shared::output("retarget.png");
     shared::draw(

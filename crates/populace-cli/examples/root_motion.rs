@@ -1,10 +1,9 @@
-//! Two files of people set out from one place each: they walk, then run, and their clips carry them
-//! over the ground. The program places nobody after the start. Then one of them is asked where she
-//! is.
+//! Two rows of people walk, then run, moved by the root motion of their clips. The program places
+//! them only at the start, and at the end reads where the first of them is.
 //!
 //! `cargo run --example root_motion [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 mod shared;
 
@@ -14,9 +13,9 @@ use std::sync::Arc;
 use populace::{Crowd, MotionSettings, Placement, Play};
 use populace_cast::{Look, person};
 
-/// Between one who sets out and the next.
+/// Number of frames between the starts of two people.
 const GAP_FRAMES: u16 = 38;
-/// Before each runs.
+/// Number of frames that each walks.
 const WALK_FRAMES: u16 = 150;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -29,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let clip = crowd.clip(id, name)?;
             let (_, plain) =
                 crowd.clips(id)?.into_iter().find(|(known, _)| *known == clip).ok_or("a clip")?;
-            // These clips walk in place: their planted feet tell how fast.
+            // These clips walk in place; their planted feet give the speed.
             let moving = plain.with_root_motion(&MotionSettings::default())?;
             Ok(crowd.add_clip(id, &Arc::new(moving))?)
         };
@@ -37,25 +36,24 @@ fn main() -> Result<(), Box<dyn Error>> {
         for nth in 0..7_u16 {
             let member = crowd.spawn(id, Placement::at([x, 0.0, -2.5 * (x + 4.5)]).facing(1.5))?;
             crowd.move_by_clips(member, true)?;
-            let sets_out = nth * GAP_FRAMES;
-            crowd.play(member, walk, Play::looping().after_secs(f32::from(sets_out) / 60.0))?;
-            people.push((member, run, sets_out + WALK_FRAMES));
+            let start_frame = nth * GAP_FRAMES;
+            crowd.play(member, walk, Play::looping().after_secs(f32::from(start_frame) / 60.0))?;
+            people.push((member, run, start_frame + WALK_FRAMES));
         }
     }
     for frame in 0..250_u16 {
-        for &(member, run, _) in people.iter().filter(|(_, _, runs_at)| *runs_at == frame) {
+        for &(member, run, _) in people.iter().filter(|(_, _, run_frame)| *run_frame == frame) {
             crowd.crossfade(member, run, 0.5)?;
         }
         crowd.update(1.0 / 60.0)?;
     }
-    // Shadows reach as far as members are known to have gone: let the device catch up before what
-    // is to be drawn.
+    // Shadows cover the last known positions, so let the device finish before the drawn frame.
     crowd.finish()?;
     crowd.update(0.0)?;
     let first = people[0].0;
     let (from, now) = (crowd.placement(first)?.position(), crowd.moved(first)?.position());
     let metres = (now[0] - from[0]).hypot(now[2] - from[2]);
-    println!("the first was placed once, and has gone {metres:.2} m");
+    println!("the first was placed once, and has moved {metres:.2} m");
     let path = shared::output("root_motion.png");
     shared::draw(&mut crowd, &[&woman, &man], &[[-5.2, -0.3, 1.5], [4.4, 2.0, 0.0]], &path)?;
     println!("on {}, drawn to {path}", crowd.device_name());

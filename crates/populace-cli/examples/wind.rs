@@ -1,10 +1,10 @@
-//! A field of wheat in a wind of gusts. The wind is a stage of our own that runs after Transform
-//! for every joint of every stalk: in OpenCL C on OpenCL devices, in Rust on the native one, with
+//! A field of wheat in gusts of wind. The wind is a user stage that runs after Transform for every
+//! joint of every stalk: in OpenCL C on OpenCL devices, and in Rust on the native device. Both draw
 //! the same picture.
 //!
 //! `cargo run --release --example wind [PICTURE.png]`
 
-#![expect(clippy::print_stdout, reason = "an example tells what it does")]
+#![expect(clippy::print_stdout, reason = "an example prints its results")]
 
 mod shared;
 
@@ -16,11 +16,13 @@ use populace::core::{
 };
 use populace::{Affine, After, Crowd, Device, Placement, StageJoint, StageUse, Trs, UserStage};
 
+/// Number of joints of a stalk.
 const JOINTS: u16 = 6;
+/// Distance between joints.
 const JOINT_M: f32 = 0.17;
 
-/// A gust is a hump that runs over the field. Parameters: its strength, length in metres and period
-/// in seconds.
+/// Gusts move over the field as waves. Parameters: strength, length in metres and period in
+/// seconds.
 const WIND: &str = "
 void wind(StageJoint *joint)
 {
@@ -43,7 +45,8 @@ fn wind(joint: &mut StageJoint) {
     joint.turn([x, y, z, 1.0 - 0.5 * lean * lean]);
 }
 
-/// A stalk of six joints in a row, with rings of three around it, each of the joint at its height.
+/// Creates a stalk: a chain of joints, and rings of three vertices skinned to the joint at their
+/// height.
 fn stalk() -> Result<Character, populace::core::Error> {
     let joint = |at: u16| JointSource {
         name: format!("node{at}"),

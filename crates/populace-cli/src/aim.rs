@@ -1,4 +1,4 @@
-//! What `populace pose` makes a member look at and reach for, as it is typed.
+//! The --look-at and --reach arguments of `populace pose`.
 
 use std::str::FromStr;
 
@@ -14,7 +14,7 @@ use crate::report::as_typed;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point(pub(crate) [f32; 3]);
 
-/// A joint, and where the limb that ends in it reaches.
+/// The end joint of a limb, and the point that it reaches for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ReachArg {
     pub(crate) joint: String,
@@ -31,7 +31,7 @@ impl FromStr for Point {
         match numbers.as_deref() {
             Some(&[x, y, z]) => Ok(Self([x, y, z])),
             _ => Err(format!(
-                "\"{text}\" is no point; write three numbers of metres, as 0.3,1.2,0.5"
+                "\"{text}\" is not a point; write X,Y,Z in metres, for example 0.3,1.2,0.5"
             )),
         }
     }
@@ -42,9 +42,9 @@ impl FromStr for ReachArg {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (joint, rest) = name_and_rest(text)?;
-        let point = rest.ok_or("write JOINT=X,Y,Z, as hand_l=0.3,1.2,0.5")?.parse()?;
+        let point = rest.ok_or("write JOINT=X,Y,Z, for example hand_l=0.3,1.2,0.5")?.parse()?;
         if joint.is_empty() {
-            Err("the joint has no name".into())
+            Err("the joint's name is empty".into())
         } else {
             Ok(Self { joint, point })
         }
@@ -57,7 +57,7 @@ impl Point {
     }
 }
 
-/// Lets a member look and reach at once; what it does, for the document.
+/// Sets a member's look-at and reach targets at full weight, and describes them as JSON.
 pub(crate) fn apply(
     crowd: &mut Crowd,
     (character, member): (CharacterId, Member),
@@ -69,18 +69,18 @@ pub(crate) fn apply(
         crowd.look_at(member, Target::InModel(point), at_once).map_err(refused)?;
     }
     let skeleton = crowd.character(character)?.skeleton.clone();
-    let mut told = Vec::new();
+    let mut described = Vec::new();
     for ReachArg { joint, point } in reaches {
         let end = names::joint(&skeleton, joint)?;
         crowd
             .reach(member, Reach::with(end), Target::InModel(point.0), at_once)
             .map_err(refused)?;
-        told.push(json!({"joint": joint, "target": point.as_json()}));
+        described.push(json!({"joint": joint, "target": point.as_json()}));
     }
-    Ok([look.map_or(Value::Null, Point::as_json), Value::Array(told)])
+    Ok([look.map_or(Value::Null, Point::as_json), Value::Array(described)])
 }
 
-/// What was asked for cannot be done with this file.
+/// Reports a target that this file's skeleton cannot have as wrong usage.
 fn refused(error: populace::Error) -> Failure {
     Failure::usage(error.to_string())
 }
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_and_joints_are_read_and_what_is_neither_is_refused() {
+    fn valid_points_and_reaches_parse_and_others_are_refused() {
         assert_eq!("1, -2.5,3e-1".parse(), Ok(Point([1.0, -2.5, 0.3])));
         for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,NaN", "1,2,inf"] {
             assert!(bad.parse::<Point>().is_err(), "{bad}");

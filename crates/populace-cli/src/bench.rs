@@ -1,4 +1,4 @@
-//! What `populace bench` measures: its scene, the timing, and the check against the oracle.
+//! The benchmarks of `populace bench`: scenes, timing, and the check against the oracle.
 
 mod baked;
 mod changes;
@@ -6,16 +6,18 @@ mod chart;
 mod check;
 mod constraints;
 mod document;
+mod measurements;
 mod memory;
 mod rigs;
-mod runs;
 mod scene;
+mod spec;
 mod table;
 mod timing;
 
 pub(crate) use chart::as_svg;
 pub(crate) use document::Document;
-pub(crate) use runs::{Run, Way, median};
-pub(crate) use scene::{Load, Scene, Setup};
+pub(crate) use measurements::median;
+pub(crate) use scene::{DeviceSetup, Load, Scene, SceneSettings};
+pub(crate) use spec::{Measurement, Method, Subject};
 pub(crate) use table::as_table;
-pub(crate) use timing::{Subject, measure, ms_since};
+pub(crate) use timing::{measure, ms_since};

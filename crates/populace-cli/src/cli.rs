@@ -1,4 +1,4 @@
-//! Arguments as they are typed.
+//! The command line of the program.
 
 mod values;
 
@@ -8,14 +8,14 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
 
 use crate::aim::{Point, ReachArg};
-use crate::bench::{Load, Way};
+use crate::bench::{Load, Method};
 use crate::failure::Failure;
 use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
 pub(crate) use values::{Size, VertexId, View};
 use values::{frame_rate, height, percent};
 
-/// Animates and draws crowds in which every member has the full character pipeline.
+/// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
 #[command(name = "populace", version, arg_required_else_help = true)]
 pub(crate) struct Cli {
@@ -23,14 +23,14 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
-/// The arguments of this run. Wrong usage, `--help` and `--version` end it here.
+/// Parses the arguments. Wrong usage, `--help` and `--version` end the program here.
 pub(crate) fn parse() -> Cli {
     let matches = command().get_matches();
     Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command()).exit())
 }
 
-/// The command line. What looks like a negative number after a flag is that flag's value, so that
-/// the flag can say what it takes.
+/// Returns the command line. A negative number after an option is its value, so that the message
+/// about a wrong value names the option.
 fn command() -> clap::Command {
     let negative = |arg: clap::Arg| match arg.get_action() {
         clap::ArgAction::Set | clap::ArgAction::Append if !arg.is_positional() => {
@@ -43,96 +43,120 @@ fn command() -> clap::Command {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Draw a crowd of the built-in people, without any file.
+    /// Draw a crowd of the built-in people; needs no file.
     ///
-    /// Evaluates 20 frames of 1/60 s first, to time them. All else is as for `populace render`.
+    /// Before the first picture, 20 frames of 1/60 s are evaluated and timed. Everything else works
+    /// as in `populace render`.
     Demo(DemoArgs),
-    /// Draw a crowd of the characters in FILE... as a PNG or as numbered PNGs, without a window.
+    /// Draw a crowd of characters from files into PNG files, without a window.
     ///
-    /// A humanoid character that has no clips, and is lent none, plays the walk and the idle of the
-    /// built-in people.
+    /// A humanoid character without clips plays the walk and idle clips of the built-in people.
     ///
-    /// The path of the picture, or of the first frame, is the last line on stdout. The JSON
-    /// document gives in its place `frames`, the number of pictures, and medians over them:
-    /// `animate` is from the call that evaluates a frame to its end on the device, `draw` until the
-    /// picture is read back, and `total` until it is written too. `drawn_members` and `triangles`
-    /// are those of the last picture.
+    /// The path of the picture, or of the first of several frames, is printed on stdout. With
+    /// --json, a document is printed instead. Its `frames` is the number of pictures, and
+    /// `ms_median` holds medians of milliseconds per frame: `animate` lasts from the call that
+    /// evaluates the frame until the device has finished, `draw` from then until the picture is
+    /// read back, and `total` until the file is written. `drawn_members` and `triangles` describe
+    /// the last picture.
     ///
-    /// SIGINT and SIGTERM end the program at once. No file is ever half written: each appears under
-    /// its name when it is complete.
+    /// SIGINT and SIGTERM end the program at once. Files are written atomically, so no incomplete
+    /// picture is left behind.
     Render(RenderArgs),
-    /// Show what is in character files.
+    /// Show the contents of character files.
+    ///
+    /// Lists skeletons, skins, humanoid roles, meshes, materials, images and clips, and notes on
+    /// anything that the importer ignored.
     Inspect(InspectArgs),
-    /// Evaluate one member through the real pipeline: joints, palettes, skinned vertices.
+    /// Evaluate one pose of a character: joints, palettes and skinned vertices.
+    ///
+    /// The pose is evaluated on a device, like the members of a crowd.
     Pose(PoseArgs),
-    /// List the devices that can be used, and why not what cannot.
+    /// List the usable devices, and the reasons why others are unusable.
     ///
-    /// --device takes these names: native is the CPU without a driver, on all cores; native:2 the
-    /// same on two threads; opencl:N an OpenCL device by its number, opencl the first of them;
-    /// opencl:N:1/2 the first of two equal parts of one, which CPU drivers offer, each with compute
-    /// units of its own. Several names joined by + share a crowd, as in native:1+opencl:0:1/2; the
-    /// first of them is the one that hands palettes to OpenGL.
+    /// The option --device of other commands takes the following names. `native` is the CPU without
+    /// a driver, using all cores; `native:2` uses two threads. `opencl:N` is the OpenCL device
+    /// number N, `opencl` the first one. `opencl:N:1/2` is the first of two equal parts of a
+    /// device; CPU drivers support this. Several devices joined by + share a crowd, for example
+    /// native:1+opencl:0:1/2; the first of them passes the palettes to OpenGL.
     Devices(DevicesArgs),
-    /// Measure the pipeline on this machine, and check its results against the oracle.
+    /// Measure the animation pipeline on this machine, and check its results.
     ///
-    /// Schedules, devices and loads take turns frame by frame, after three frames to warm up; the
-    /// last frame is held against the oracle.
+    /// Devices, schedules and loads take turns frame by frame, after three warm-up frames. The last
+    /// frame is compared with a double-precision reference; the program fails if the error is too
+    /// large. Baked palettes are compared but may differ. Schedule `floor` writes palettes without
+    /// computing them, as a lower limit.
     ///
-    /// In the JSON document `joints` are those of all members together. `ms_median` and `ms_min`
-    /// are the device's own time, from profiling events where it has them (the native device's is
-    /// that of the host). `wall_ms_median` is the host's from the call to the end, `host_ms_median`
-    /// its part in the call alone, `change_ms_median` that of the calls that change clips, before
-    /// it. `bytes_per_joint` counts what is a member's own, once for each stage that reads or
-    /// writes it, without the tables that all share. `memory_bytes` are the device's;
-    /// `bytes_per_member_beyond_palettes` is how many more it takes for each further member, found
-    /// from crowds of 2,000 and 4,000. `baked` tells what tables of palettes take, and the rows of
-    /// the same clips. The schedule floor writes palettes and computes nothing.
+    /// Fields of the JSON document: `joints` counts the joints of all members. `ms_median` and
+    /// `ms_min` are times by the device's clock, from profiling events if it has them, and by the
+    /// host's clock otherwise. The other times are by the host's clock: `wall_ms_median` lasts from
+    /// the call to the end of the frame, `host_ms_median` is the call alone, and `change_ms_median`
+    /// the preceding calls that change clips. `bytes_per_joint` counts the bytes of per-member data
+    /// that are read and written, once per stage, without shared tables. `memory_bytes` is device
+    /// memory, and `bytes_per_member_beyond_palettes` the device memory per further member, from
+    /// crowds of 2,000 and 4,000. `baked` compares the size of baked palette tables with that of
+    /// the clips.
     Bench(BenchArgs),
 }
 
-/// Where to evaluate.
+/// The choice of devices.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct DeviceArgs {
-    /// Device to evaluate on: native, opencl or opencl:N, or several joined by + [default: the best
-    /// there is]. `populace devices --help` tells more
+    /// Device to evaluate on: native, opencl or opencl:N, or several joined by +; see `populace
+    /// devices --help` [default: the best available]
     #[arg(long, value_name = "DEVICE[+DEVICE]")]
     pub(crate) device: Option<Devices>,
-    /// How several devices share the members: measured, or a share for each as in 60,40
-    #[arg(long, value_name = "measured|SHARE,SHARE", default_value_t = Split::Measured, allow_hyphen_values = true)]
+    /// Distribution of members over several devices: measured balances them by their times; shares
+    /// such as 60,40 are fixed
+    #[arg(
+        long,
+        value_name = "measured|SHARE,SHARE",
+        default_value_t = Split::Measured,
+        allow_hyphen_values = true
+    )]
     pub(crate) split: Split,
-    /// How stages are mapped to work-items
-    #[arg(long, value_name = "staged|fused|fused-wide|fused-grouped", default_value_t = Schedule::Fused)]
+    /// Mapping of the pipeline to the device: staged runs one kernel per stage, fused all stages in
+    /// one, as fused-wide for CPUs or fused-grouped for GPUs
+    #[arg(
+        long,
+        value_name = "staged|fused|fused-wide|fused-grouped",
+        default_value_t = Schedule::Fused
+    )]
     pub(crate) schedule: Schedule,
 }
 
 impl DeviceArgs {
-    /// A crowd to be built there, or on the best device where none is named.
+    /// Returns a builder for a crowd on these devices, or on the best device if none is named.
     pub(crate) fn crowd(&self) -> CrowdBuilder {
         let builder = Crowd::builder().split(self.split.clone()).schedule(self.schedule);
         self.device.iter().cloned().fold(builder, CrowdBuilder::devices)
     }
 }
 
-/// Builds a crowd, and says so where it is on the native device although none was named.
+/// Builds a crowd, and reports if it falls back to the native device.
 pub(crate) fn build(builder: CrowdBuilder) -> Result<Crowd, Failure> {
     let crowd = builder.build()?;
     if let Some(reason) = crowd.fallback() {
-        crate::report::talk!("on the native device: {reason}");
+        crate::report::message!("using the native device: {reason}");
     }
     Ok(crowd)
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
-    /// glTF 2.0 files (.gltf, .glb) with characters; files that hold only clips lend them to the
-    /// others. @people are the built-in people, @woman, @child and so on one of them; - is standard
-    /// input
+    /// Characters: glTF 2.0 files (.gltf, .glb), - for standard input, @people for all built-in
+    /// people, or one of them, such as @woman or @child. The clips of files without meshes are
+    /// added to all characters
     #[arg(required = true, value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// Members of the crowd
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    /// Number of members of the crowd
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1000,
+        value_parser = clap::value_parser!(u32).range(1..=10_000_000)
+    )]
     pub(crate) members: u32,
-    /// The PNG to write; with --frames the name that the frames' numbers are added to
+    /// PNG file to write; with --frames, a number is added to the name of each frame
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
     #[command(flatten)]
@@ -141,30 +165,41 @@ pub(crate) struct RenderArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct DemoArgs {
-    /// Members of the crowd
-    #[arg(long, value_name = "N", default_value_t = 250, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    /// Number of members of the crowd
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 250,
+        value_parser = clap::value_parser!(u32).range(1..=10_000_000)
+    )]
     pub(crate) members: u32,
-    /// The PNG to write; with --frames the name that the frames' numbers are added to
+    /// PNG file to write; with --frames, a number is added to the name of each frame
     #[arg(long, value_name = "FILE", default_value = "populace-demo.png")]
     pub(crate) out: PathBuf,
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 }
 
-/// How a crowd is drawn.
+/// Options for drawing a crowd.
 #[derive(Args, Debug)]
 pub(crate) struct PictureArgs {
-    /// Size of the picture in pixels
+    /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", allow_hyphen_values = true)]
     pub(crate) size: Size,
-    /// Frames of a film to write, as numbered PNGs [default: one picture]
+    /// Write this many frames as numbered PNG files [default: one picture]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub(crate) frames: Option<u32>,
-    /// Frames per second, from 0.001 to 1000
-    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = frame_rate, requires = "frames")]
+    /// Frames per second of --frames, from 0.001 to 1000
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 30.0,
+        value_parser = frame_rate,
+        requires = "frames"
+    )]
     pub(crate) fps: f32,
-    /// From where: crowd shows all members, close one of them, six numbers are the eye and what it
-    /// looks at, in metres
+    /// Camera: crowd shows all members, close shows one, and six numbers are the positions of the
+    /// camera and of its target in metres
     #[arg(
         long,
         value_name = "crowd|close|X,Y,Z,X,Y,Z",
@@ -172,30 +207,30 @@ pub(crate) struct PictureArgs {
         allow_hyphen_values = true
     )]
     pub(crate) camera: View,
-    /// Height of every character in metres [default: its own; sensible ones where characters are
-    /// mixed]
+    /// Scale every character to this height in metres [default: its own height; with several
+    /// characters, implausible heights are scaled to plausible ones]
     #[arg(long, value_name = "METRES", value_parser = height)]
     pub(crate) height: Option<f32>,
-    /// A file that lends its clips and is not drawn, whatever else it holds; can be repeated. They
-    /// are retargeted where skeletons differ. @people lends those of the built-in people, @child
-    /// and so on those of one of them
+    /// Add the clips of this file to all characters, retargeted if skeletons differ. The file is
+    /// not drawn. @people are the clips of the built-in people, @child those of one of them. Can be
+    /// repeated
     #[arg(long, value_name = "FILE")]
     pub(crate) clips: Vec<PathBuf>,
-    /// Clip that all members play [default: a walk or an idle, whichever are found by name, else
-    /// any]
+    /// Clip that all members play [default: walk and idle clips, found by name; all clips if there
+    /// are none]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
-    /// Let the motion of a clip's root carry members on, cycle after cycle. Clips that walk in
-    /// place do so without it
+    /// Move members by the root motion of their clips, cycle after cycle. Members with clips that
+    /// walk in place are always moved
     #[arg(long)]
     pub(crate) root_motion: bool,
-    /// Leave out the parts of a node, by its name; can be repeated
+    /// Hide the meshes of the node with this name; can be repeated
     #[arg(long, value_name = "NODE")]
     pub(crate) hide: Vec<String>,
-    /// Seed of everything random; the same seed gives the same picture
+    /// Seed of the random numbers; the same seed gives the same picture
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
-    /// Print one JSON document in place of the path
+    /// Print one JSON document instead of the path
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
@@ -209,7 +244,8 @@ pub(crate) struct InspectArgs {
     /// glTF 2.0 files (.gltf, .glb); - is standard input
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
-    /// Show only what clips take: rows, their bytes, and those of the files' keys
+    /// Show only the sizes of clips: their rows, the bytes of the rows, and the bytes of the keys
+    /// in the files
     #[arg(long)]
     pub(crate) rows: bool,
     /// Print one JSON document
@@ -224,39 +260,44 @@ pub(crate) struct PoseArgs {
     /// A glTF 2.0 file (.gltf, .glb); - is standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,
-    /// Clip to play, by name or by index [default: none, the rest pose]
+    /// Clip to play, by name or by index [default: none; shows the rest pose]
     #[arg(long, value_name = "CLIP")]
     pub(crate) clip: Option<String>,
-    /// Also find clips of this file, after the file's own; they are retargeted where the skeletons
-    /// differ. @people lends those of the built-in people
+    /// Append the clips of this file to the character's own, retargeted if the skeletons differ.
+    /// @people are the clips of the built-in people
     #[arg(long, value_name = "FILE")]
     pub(crate) clips: Option<PathBuf>,
-    /// Time on the clip's own axis in seconds, not wrapped
+    /// Time of the clip in seconds; not wrapped
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     pub(crate) time: f32,
-    /// Mix this clip, by name or by index, standing at a time on its own axis; can be repeated, up
-    /// to 8 times [weight 1 among the clips of its layer, layer 0]. With "partial" also one that
-    /// hardly fits: names alone bind less than 30 % of the joints that it moves. A backslash quotes
-    /// a comma, an equals sign or a backslash in a name
-    #[arg(long, value_name = "clip=C,time=S,weight=W,layer=L,partial", conflicts_with_all = ["clip", "time"])]
+    /// Blend a clip, by name or by index, held at a time in seconds; can be repeated up to 8 times
+    /// [defaults: time 0, weight 1, layer 0]. Add "partial" to accept a clip of which less than
+    /// 30 % of the joints are found by name. Write a backslash before a comma, an equals sign or a
+    /// backslash in a name
+    #[arg(
+        long,
+        value_name = "clip=C,time=S,weight=W,layer=L,partial",
+        conflicts_with_all = ["clip", "time"]
+    )]
     pub(crate) slot: Vec<SlotArg>,
-    /// Lay layer 1, 2 or 3 over those below it, for this joint and what hangs on it, with its
-    /// weight, replacing them or adding to them; can be repeated [all joints, weight 1]
+    /// Set layer 1, 2 or 3, which overrides the layers below it or, with "additive", adds to them.
+    /// The mask limits it to a joint and its descendants. Can be repeated [defaults: all joints,
+    /// weight 1]
     #[arg(long, value_name = "L,mask=JOINT,additive,weight=W", allow_hyphen_values = true)]
     pub(crate) layer: Vec<LayerArg>,
-    /// Look at a point of model space, in metres: spine, neck, head and eyes share the turn, within
-    /// their limits
+    /// Look at a point of model space, in metres. Spine, neck, head and eyes share the rotation
+    /// within their limits
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) look_at: Option<Point>,
-    /// Reach for a point of model space, in metres, with the limb of two bones that ends in a
-    /// joint; can be repeated. A backslash quotes a comma, an equals sign or a backslash in the
+    /// Reach for a point of model space, in metres, with the two-bone limb that ends in this joint;
+    /// can be repeated. Write a backslash before a comma, an equals sign or a backslash in the
     /// name
     #[arg(long, value_name = "JOINT=X,Y,Z")]
     pub(crate) reach: Vec<ReachArg>,
-    /// Also give skinned vertices, in scene space
+    /// Also print the skinned vertices, in scene space
     #[arg(long)]
     pub(crate) vertices: bool,
-    /// Give this vertex alone, as the file counts them; can be repeated
+    /// Print only this vertex, by the indices in the file; can be repeated
     #[arg(
         long,
         value_name = "NODE,PRIMITIVE,VERTEX",
@@ -282,49 +323,80 @@ pub(crate) struct DevicesArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct BenchArgs {
-    /// Members of the crowd; several sizes as a list or by repeating it
-    #[arg(long, value_name = "N,...", default_value = "10000", value_delimiter = ',', allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    /// Members of the crowd; a list of sizes, or repeated
+    #[arg(
+        long,
+        value_name = "N,...",
+        default_value = "10000",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        value_parser = clap::value_parser!(u32).range(1..=10_000_000)
+    )]
     pub(crate) members: Vec<u32>,
-    /// Joints of the one skeleton that all members share [default: four skeletons of 24 to 128
+    /// Give all members one skeleton with this many joints [default: four skeletons of 24 to 128
     /// joints]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) joints: Option<u32>,
     /// Clips that each member blends
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 2,
+        value_parser = clap::value_parser!(u32).range(1..=8)
+    )]
     pub(crate) slots: u32,
-    /// Frames measured of each
-    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// Frames to measure
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 25,
+        value_parser = clap::value_parser!(u32).range(1..=10_000)
+    )]
     pub(crate) frames: u32,
-    /// Device to measure, or several that share the crowd, joined by +; can be repeated [default:
+    /// Device to measure, or several joined by + that share the crowd; can be repeated [default:
     /// native and every OpenCL device]
     #[arg(long, value_name = "DEVICE[+DEVICE]")]
     pub(crate) device: Vec<Devices>,
-    /// How several devices share the members: measured, or a share for each as in 60,40
-    #[arg(long, value_name = "measured|SHARE,SHARE", default_value_t = Split::Measured, allow_hyphen_values = true)]
+    /// Distribution of members over several devices: measured balances them by their times; shares
+    /// such as 60,40 are fixed
+    #[arg(
+        long,
+        value_name = "measured|SHARE,SHARE",
+        default_value_t = Split::Measured,
+        allow_hyphen_values = true
+    )]
     pub(crate) split: Split,
-    /// Schedule to measure; can be repeated. baked looks palettes of one clip up, natively, and can
-    /// do nothing else [default: staged, fused and baked]
+    /// Schedule to measure; can be repeated. `baked` looks up precomputed palettes of one clip, on
+    /// the native device only [default: staged, fused and baked]
     #[arg(long, value_name = "staged|fused|fused-wide|fused-grouped|baked")]
-    pub(crate) schedule: Vec<Way>,
-    /// Load to measure beside the plain one: constraints lets every member look at something and
-    /// keep both feet to the ground; full adds two layers, one through a mask and one additive,
-    /// with a slot in each. A list, or repeated
+    pub(crate) schedule: Vec<Method>,
+    /// Additional load to measure besides plain: with constraints, every member looks at a target
+    /// and plants both feet; full adds a masked and an additive layer with a slot in each. A list,
+    /// or repeated
     #[arg(long, value_name = "plain|constraints|full", value_delimiter = ',')]
     pub(crate) load: Vec<Load>,
-    /// Also measure with clips from other skeletons: their joints have the same names, another
-    /// order, and more between
+    /// Also measure with clips of other skeletons, whose joints have the same names in another
+    /// order and additional joints between them
     #[arg(long)]
     pub(crate) retarget: bool,
-    /// Also measure while this share of the members, in turn, crossfades to another clip each frame
+    /// Also measure while this percentage of the members, in turn, crossfades to another clip in
+    /// each frame
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) changing: Option<f32>,
-    /// Also draw nanoseconds per joint over members, of whole frames, as an SVG
+    /// Also write a chart of nanoseconds per joint over members as an SVG
     #[arg(long, value_name = "FILE")]
     pub(crate) chart: Option<PathBuf>,
-    /// Measure nothing, and show what an earlier run gave with --json
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["members", "joints", "slots", "frames", "device", "split", "schedule", "load", "retarget", "changing", "seed"])]
+    /// Show the results of an earlier run with --json instead of measuring
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = [
+            "members", "joints", "slots", "frames", "device", "split", "schedule", "load",
+            "retarget", "changing", "seed",
+        ]
+    )]
     pub(crate) from: Option<PathBuf>,
-    /// Seed of everything random
+    /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
     /// Print one JSON document
@@ -337,7 +409,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_command_line_is_consistent() {
+    fn command_line_is_consistent() {
         command().debug_assert();
     }
 }

@@ -1,4 +1,4 @@
-//! One module for each command: arguments to checked values to calls of the library.
+//! The commands, one module each: they check arguments and call the library.
 
 pub(crate) mod bench;
 pub(crate) mod demo;

@@ -1,11 +1,11 @@
-//! What ends the program early, and its exit code.
+//! Failures that end the program, and their exit codes.
 
 use std::fmt::Display;
 use std::process::ExitCode;
 
 use populace::BackendError;
 
-/// Why the program stops.
+/// A failure that ends the program.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// A file or value that was rejected.
@@ -14,9 +14,9 @@ pub(crate) enum Failure {
     Usage(anyhow::Error),
     /// No usable device or GL.
     NoDevice(anyhow::Error),
-    /// Output or run failed.
+    /// An output or the run failed.
     Run(anyhow::Error),
-    /// Whoever reads stdout has gone: nobody is left to tell.
+    /// The reader of stdout is gone. The program ends without a message.
     ClosedPipe,
 }
 
@@ -25,17 +25,25 @@ impl Failure {
         Self::Usage(anyhow::anyhow!("{message}"))
     }
 
-    /// Says what went wrong on stderr and gives the exit code.
-    pub(crate) fn report(self) -> ExitCode {
-        let (error, code) = match self {
-            Self::Input(error) => (error, 1),
-            Self::Usage(error) => (error, 2),
-            Self::NoDevice(error) => (error, 3),
-            Self::Run(error) => (error, 4),
-            Self::ClosedPipe => return ExitCode::SUCCESS,
-        };
-        crate::report::talk!("{error:#}");
-        ExitCode::from(code)
+    /// Returns the error to report, if any.
+    pub(crate) fn error(&self) -> Option<&anyhow::Error> {
+        match self {
+            Self::Input(error) | Self::Usage(error) | Self::NoDevice(error) | Self::Run(error) => {
+                Some(error)
+            }
+            Self::ClosedPipe => None,
+        }
+    }
+
+    /// Returns the exit code of the program.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Input(_) => ExitCode::from(1),
+            Self::Usage(_) => ExitCode::from(2),
+            Self::NoDevice(_) => ExitCode::from(3),
+            Self::Run(_) => ExitCode::from(4),
+            Self::ClosedPipe => ExitCode::SUCCESS,
+        }
     }
 }
 

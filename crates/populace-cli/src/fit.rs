@@ -1,41 +1,41 @@
-//! What the program says of clips that fit a character badly.
+//! Warnings about clips that fit a character badly.
 
 use populace::{BindingMethod, BindingReport};
 use serde_json::{Value, json};
 
-use crate::report::{as_typed, talk};
+use crate::report::{as_typed, message};
 
-/// Names bind less of what a clip moves only where a part of the motion is missing: files whose
+/// A clip bound by joint names fits if at least this share of its joints is bound. Files whose
 /// clips and skeletons belong together have at least 0.89, others at most 0.17.
-const WELL_BOUND: f32 = 0.8;
-/// Names alone bind joints that are turned further from each other at rest only where the rigs
-/// differ, in radians: then 0.8 and more, else nothing.
-const WELL_TURNED_RAD: f32 = 0.3;
+const LEAST_SHARE: f32 = 0.8;
+/// A clip bound by joint names fits if the rest rotations differ by at most this, in radians. The
+/// difference is 0 for the same rig, and 0.8 or more for different rigs.
+const LARGEST_REST_ANGLE_RAD: f32 = 0.3;
 
-/// Warns where names bind a clip badly.
+/// Warns about a clip that is bound by joint names and fits badly.
 pub(crate) fn warn(clip: &str, character: &str, report: &BindingReport) {
     if report.way == BindingMethod::Roles {
         return;
     }
-    let apart = report.rest_turn_rad > WELL_TURNED_RAD;
-    if report.share() >= WELL_BOUND && !apart {
+    let apart = report.rest_turn_rad > LARGEST_REST_ANGLE_RAD;
+    if report.share() >= LEAST_SHARE && !apart {
         return;
     }
-    let turned = if apart {
-        format!(", and rest poses are {:.0} degrees apart", report.rest_turn_rad.to_degrees())
+    let rest = if apart {
+        format!(", and the rest poses differ by {:.0} degrees", report.rest_turn_rad.to_degrees())
     } else {
         String::new()
     };
-    talk!(
-        "warning: the clip \"{clip}\" fits \"{character}\" badly: by name it moves {} of the {} \
-         joints that it is made for{turned}",
+    message!(
+        "warning: the clip \"{clip}\" fits \"{character}\" badly: {} of its {} joints are found by \
+         name{rest}",
         report.bound_joints,
         report.moving_joints
     );
 }
 
-/// How well a clip fits, for documents.
-pub(crate) fn told(report: &BindingReport) -> Value {
+/// Describes how well a clip fits, as JSON.
+pub(crate) fn as_json(report: &BindingReport) -> Value {
     let way = match report.way {
         BindingMethod::SameRest => "same rest",
         BindingMethod::Roles => "roles",

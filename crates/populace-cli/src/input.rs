@@ -1,4 +1,4 @@
-//! Files that are read: what they may refer to, and how much memory they may take.
+//! Input files, and the limits on what they refer to and how much memory they take.
 
 use std::cell::Cell;
 use std::io::Read;
@@ -9,17 +9,22 @@ use populace_assets::{Imported, LoadOptions};
 
 use crate::failure::Failure;
 
-/// Bytes of a text file that are read at most.
+/// The largest text file that is read.
 const TEXT_BYTES: u64 = 64 << 20;
 
-/// What files may refer to, and how much memory they may take.
+/// Limits for input files.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct InputArgs {
-    /// Also read buffers and images that lie outside the folder of the file that names them
+    /// Allow files to refer to buffers and images outside their own folder
     #[arg(long)]
     allow_outside: bool,
-    /// Memory that loading one file may take, in MiB; a file that would take more is refused
-    #[arg(long, value_name = "MIB", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Refuse files that would take more than this much memory to load, in MiB
+    #[arg(
+        long,
+        value_name = "MIB",
+        default_value_t = 1024,
+        value_parser = clap::value_parser!(u32).range(1..)
+    )]
     memory_limit: u32,
     #[arg(skip)]
     stdin_is_read: Cell<bool>,
@@ -36,16 +41,16 @@ impl InputArgs {
             return Ok(populace_assets::load_with(file, &options)?);
         }
         if self.stdin_is_read.replace(true) {
-            return Err(Failure::usage("- can be named once; standard input holds one file"));
+            return Err(Failure::usage("- is given twice; standard input can be read only once"));
         }
         Ok(populace_assets::load_from_reader(std::io::stdin().lock(), "standard input", &options)?)
     }
 }
 
-/// Reads a text file that is a regular file and not too long.
+/// Reads a text file. Refuses files that are not regular or too long.
 pub(crate) fn read_text(file: &Path) -> Result<String, String> {
     let failed = |e: std::io::Error| e.to_string();
-    // Opening a pipe would already wait.
+    // Checked first, because opening a pipe would block.
     if !std::fs::metadata(file).map_err(failed)?.is_file() {
         return Err("it is not a regular file".into());
     }

@@ -1,29 +1,29 @@
-//! The `populace` program: draws crowds of animated characters and shows what is in their files.
+//! The `populace` program: draws crowds of animated characters and inspects their files.
 //!
-//! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 input rejected, 2 usage or unknown
-//! name, 3 no usable device or GL, 4 output or run failed, 130 interrupted by SIGINT, 143 by
-//! SIGTERM.
+//! Results go to stdout, messages to stderr. Exit codes: 0 success, 1 input rejected, 2 wrong usage
+//! or unknown name, 3 no usable device or OpenGL, 4 output or run failed, 130 interrupted by
+//! SIGINT, 143 by SIGTERM.
 
 #[cfg(unix)]
 mod aborts;
 mod aim;
 mod bench;
-mod cast;
 mod cli;
 mod commands;
+mod crowd_renderer;
+mod draw;
 mod failure;
-mod film;
 mod fit;
 mod input;
 mod mix;
 mod names;
 mod output;
 mod placement;
+mod population;
 mod progress;
 mod report;
+mod roles;
 mod skin;
-mod staging;
-mod studio;
 mod unfinished;
 
 use std::process::ExitCode;
@@ -34,15 +34,15 @@ use failure::Failure;
 fn main() -> ExitCode {
     match run(cli::parse().command) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+        Err(failure) => report::failure(&failure),
     }
 }
 
 fn run(command: Command) -> Result<(), Failure> {
     #[cfg(unix)]
     {
-        aborts::end_with_a_code();
-        unfinished::end_on_signals()?;
+        aborts::exit_on_abort();
+        unfinished::exit_on_signals()?;
     }
     match command {
         Command::Demo(args) => commands::demo::run(&args),

@@ -1,4 +1,4 @@
-//! What `populace pose` mixes, as it is typed: slots and layers as `key=value` with commas between.
+//! The --slot and --layer arguments of `populace pose`: comma-separated lists of `key=value`.
 
 use std::str::FromStr;
 
@@ -11,29 +11,29 @@ use crate::fit;
 use crate::names;
 use crate::report::as_typed;
 
-/// A clip that stands at a time.
+/// A clip held at a time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SlotArg {
     pub(crate) clip: String,
     pub(crate) time_secs: f32,
     pub(crate) weight: f32,
     pub(crate) layer: usize,
-    /// Whether a clip of which names alone bind little is played all the same.
+    /// Plays the clip even if joint names bind little of it.
     pub(crate) partial: bool,
 }
 
 impl SlotArg {
-    /// A clip by itself.
+    /// Holds a clip at a time with full weight in layer 0.
     pub(crate) fn alone(clip: &str, time_secs: f32) -> Self {
         Self { clip: clip.to_owned(), time_secs, weight: 1.0, layer: 0, partial: false }
     }
 }
 
-/// How a layer lies over what is beneath it.
+/// The settings of a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LayerArg {
     pub(crate) layer: usize,
-    /// The joint whose subtree the layer takes; all joints where there is none.
+    /// The root of the subtree that the layer affects; all joints if `None`.
     pub(crate) mask: Option<String>,
     pub(crate) settings: LayerSettings,
 }
@@ -68,7 +68,7 @@ impl FromStr for SlotArg {
         if seen.iter().any(|key| key == "clip") {
             Ok(slot)
         } else {
-            Err("clip= is missing; write clip=Walk,time=0.5,weight=1,layer=0".into())
+            Err("clip= is missing; write for example clip=Walk,time=0.5,weight=1,layer=0".into())
         }
     }
 }
@@ -80,7 +80,11 @@ impl FromStr for LayerArg {
         let mut all = fields(text)?.into_iter();
         let layer = match all.next() {
             Some((layer, None)) => layer_index(&layer, 1)?,
-            _ => return Err("write the layer first, as 1,mask=Spine,additive,weight=0.5".into()),
+            _ => {
+                return Err(
+                    "write the layer first, for example 1,mask=Spine,additive,weight=0.5".into()
+                );
+            }
         };
         let mut arg = Self { layer, mask: None, settings: LayerSettings::default() };
         let mut seen = Vec::new();
@@ -100,7 +104,8 @@ impl FromStr for LayerArg {
     }
 }
 
-/// A name up to the first equals sign that no backslash quotes, and what follows that.
+/// Splits a text at the first equals sign that is not escaped. Returns the unescaped name and the
+/// rest.
 pub(crate) fn name_and_rest(text: &str) -> Result<(String, Option<&str>), String> {
     let mut name = String::new();
     let mut letters = text.char_indices();
@@ -111,7 +116,7 @@ pub(crate) fn name_and_rest(text: &str) -> Result<(String, Option<&str>), String
                 Some((_, quoted @ (',' | '=' | '\\'))) => name.push(quoted),
                 _ => {
                     return Err(
-                        "a backslash stands before a comma, an = or another backslash".into()
+                        "a backslash must precede a comma, an = or another backslash".into()
                     );
                 }
             },
@@ -121,7 +126,7 @@ pub(crate) fn name_and_rest(text: &str) -> Result<(String, Option<&str>), String
     Ok((name, None))
 }
 
-/// The fields between commas, each a key and what follows its equals sign.
+/// Splits a text at commas into keys and optional values.
 fn fields(text: &str) -> Result<Vec<(String, Option<String>)>, String> {
     let mut all = Vec::new();
     let (mut key, mut value) = (String::new(), None::<String>);
@@ -130,14 +135,14 @@ fn fields(text: &str) -> Result<Vec<(String, Option<String>)>, String> {
         match letter {
             ',' => all.push((std::mem::take(&mut key), value.take())),
             '=' if value.is_none() => value = Some(String::new()),
-            '=' => return Err("write an = within a name as \\=".into()),
+            '=' => return Err("write an = in a name as \\=".into()),
             '\\' => match letters.next() {
                 Some(quoted @ (',' | '=' | '\\')) => {
                     value.as_mut().unwrap_or(&mut key).push(quoted)
                 }
                 _ => {
                     return Err(
-                        "a backslash stands before a comma, an = or another backslash".into()
+                        "a backslash must precede a comma, an = or another backslash".into()
                     );
                 }
             },
@@ -167,17 +172,17 @@ fn layer_index(text: &str, least: usize) -> Result<usize, String> {
     let most = MAX_LAYERS - 1;
     match text.parse::<usize>() {
         Ok(layer) if (least..=most).contains(&layer) => Ok(layer),
-        Ok(0) => Err("layer 0 lies over the rest pose and is mixed by its slots' weights alone; \
-                      masks, weights and additive are for layers 1 to 3"
+        Ok(0) => Err("layer 0 is mixed by its slots' weights alone; masks, weights and additive \
+                      are for layers 1 to 3"
             .into()),
-        _ => Err(format!("there is no layer {text}; layers are {least} to {most}")),
+        _ => Err(format!("there is no layer {text}; choose one from {least} to {most}")),
     }
 }
 
-/// Refuses what is more than a member has.
+/// Refuses more slots than a member has, and layers that are set twice.
 pub(crate) fn check(slots: &[SlotArg], layers: &[LayerArg]) -> Result<(), Failure> {
     if slots.len() > MAX_SLOTS {
-        let message = format!("there are {} slots; a member has at most {MAX_SLOTS}", slots.len());
+        let message = format!("{} slots are given; a member has at most {MAX_SLOTS}", slots.len());
         return Err(Failure::usage(message));
     }
     let twice = layers
@@ -187,26 +192,28 @@ pub(crate) fn check(slots: &[SlotArg], layers: &[LayerArg]) -> Result<(), Failur
     twice.map_or(Ok(()), |(_, l)| Err(Failure::usage(format!("layer {} is set twice", l.layer))))
 }
 
-/// Lets a member play slots in layers. `find` finds clips by what was typed, and their names. Gives
-/// what is mixed, for the document.
+/// Plays slots in layers on a member, and describes both as JSON. `find` returns a clip and its
+/// name for the text typed.
 pub(crate) fn apply(
     crowd: &mut Crowd,
     (id, member): (CharacterId, Member),
     (slots, layers): (&[SlotArg], &[LayerArg]),
     find: impl Fn(&Crowd, &str) -> Result<(populace::ClipId, String), Failure>,
 ) -> Result<(Vec<Value>, Vec<Value>), Failure> {
-    let mut told = (Vec::new(), Vec::new());
+    let mut described = (Vec::new(), Vec::new());
     for slot in slots {
         let (clip, name) = find(crowd, &slot.clip)?;
         let play = Play::held_at_secs(slot.time_secs).weight(slot.weight).on_layer(slot.layer);
         crowd.blend(member, clip, if slot.partial { play.partial() } else { play })?;
         let report = crowd.binding(id, clip)?;
         fit::warn(&name, &crowd.character(id)?.name, &report);
-        let (time, weight) = (as_typed(slot.time_secs), as_typed(slot.weight));
-        let binding = fit::told(&report);
-        told.0.push(
-            json!({"clip": name, "time": time, "weight": weight, "layer": slot.layer, "binding": binding}),
-        );
+        described.0.push(json!({
+            "clip": name,
+            "time": as_typed(slot.time_secs),
+            "weight": as_typed(slot.weight),
+            "layer": slot.layer,
+            "binding": fit::as_json(&report),
+        }));
     }
     for arg in layers {
         let joint = arg.mask.as_ref();
@@ -221,11 +228,11 @@ pub(crate) fn apply(
         crowd.set_layer(member, arg.layer, arg.settings, mask)?;
         let additive = arg.settings.mode == LayerMode::Additive;
         let weight = as_typed(arg.settings.weight);
-        told.1.push(
+        described.1.push(
             json!({"layer": arg.layer, "mask": joint, "additive": additive, "weight": weight}),
         );
     }
-    Ok(told)
+    Ok(described)
 }
 
 #[cfg(test)]
@@ -244,30 +251,30 @@ mod tests {
     }
 
     #[test]
-    fn slots_are_read() {
+    fn slots_parse_in_any_order() {
         let full =
             SlotArg { weight: 0.25, layer: 3, partial: true, ..SlotArg::alone("Walk", -0.5) };
         assert_eq!(slot("clip=Walk,time=-0.5,weight=0.25,layer=3,partial"), full);
         assert_eq!(slot("partial,layer=3,weight=0.25,time=-.5,clip=Walk"), full);
         assert_eq!(slot("clip=7"), SlotArg::alone("7", 0.0));
-        assert_eq!(slot("clip="), SlotArg::alone("", 0.0), "a clip may have no name");
+        assert_eq!(slot("clip="), SlotArg::alone("", 0.0), "an empty clip name is allowed");
         assert_eq!(slot("clip=a b"), SlotArg::alone("a b", 0.0));
     }
 
     #[test]
-    fn names_are_quoted_by_backslashes() {
+    fn backslash_escapes_names() {
         assert_eq!(slot(r"clip=a\,b\=c\\d,time=1"), SlotArg::alone(r"a,b=c\d", 1.0));
         assert_eq!(slot(r"clip=\\"), SlotArg::alone(r"\", 0.0));
         refused::<SlotArg>("clip=a=b", r"\=");
-        refused::<SlotArg>(r"clip=a\b", "a backslash stands before");
-        refused::<SlotArg>(r"clip=a\", "a backslash stands before");
+        refused::<SlotArg>(r"clip=a\b", "a backslash must precede");
+        refused::<SlotArg>(r"clip=a\", "a backslash must precede");
         refused::<SlotArg>("clip=a,b", "\"b\" is none of");
         let layer: LayerArg = r"1,mask=arm\=l\,r".parse().unwrap();
         assert_eq!(layer.mask.as_deref(), Some("arm=l,r"));
     }
 
     #[test]
-    fn layers_are_read() {
+    fn layers_parse_in_any_order() {
         let additive = LayerSettings { mode: LayerMode::Additive, weight: 0.5 };
         let full = LayerArg { layer: 2, mask: Some("Spine".into()), settings: additive };
         assert_eq!("2,mask=Spine,additive,weight=0.5".parse(), Ok(full.clone()));
@@ -277,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_with_the_reason() {
+    fn invalid_values_are_refused_with_the_reason() {
         for (bad, word) in [
             ("", "none of clip="),
             ("time=1", "clip= is missing"),
@@ -289,7 +296,7 @@ mod tests {
             ("clip=a,weight=1.5", "weight=1.5 is not a number from 0 to 1"),
             ("clip=a,weight=inf", "weight=inf is not a number from 0 to 1"),
             ("clip=a,weight=-0.1", "from 0 to 1"),
-            ("clip=a,layer=4", "there is no layer 4; layers are 0 to 3"),
+            ("clip=a,layer=4", "there is no layer 4; choose one from 0 to 3"),
             ("clip=a,layer=-1", "there is no layer -1"),
             ("clip=a,", "\"\" is none of"),
         ] {
@@ -298,8 +305,8 @@ mod tests {
         for (bad, word) in [
             ("", "there is no layer "),
             ("mask=Spine", "write the layer first"),
-            ("0,mask=Spine", "layer 0 lies over the rest pose"),
-            ("4", "there is no layer 4; layers are 1 to 3"),
+            ("0,mask=Spine", "layer 0 is mixed by its slots"),
+            ("4", "there is no layer 4; choose one from 1 to 3"),
             ("one", "there is no layer one"),
             ("1,additive=yes", "\"additive\" is none of"),
             ("1,mask", "\"mask\" is none of"),

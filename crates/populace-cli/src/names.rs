@@ -1,15 +1,15 @@
-//! Names that do not exist, and which ones do.
+//! Messages for unknown names, with suggestions.
 
 use populace::core::{JointIndex, Skeleton, did_you_mean};
 use populace::nearest_names;
 
 use crate::failure::Failure;
 
-/// Names that are listed where none is like the one that was typed.
-const LISTED: usize = 8;
+/// Names listed if no name is similar to the one typed.
+const MAX_LISTED: usize = 8;
 
-/// The end of a message that refuses `name`: the nearest of `names`, or the first of them where
-/// none is near.
+/// Returns the end of a message that refuses `name`: the most similar of `names`, or the first of
+/// them if none is similar.
 pub(crate) fn hint<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> String {
     let mut known = Vec::new();
     for name in names {
@@ -21,13 +21,13 @@ pub(crate) fn hint<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> 
     if !nearest.is_empty() || known.is_empty() {
         return did_you_mean(&nearest);
     }
-    let quoted: Vec<_> = known.iter().take(LISTED).map(|name| format!("\"{name}\"")).collect();
-    let more = known.len().saturating_sub(LISTED);
+    let quoted: Vec<_> = known.iter().take(MAX_LISTED).map(|name| format!("\"{name}\"")).collect();
+    let more = known.len().saturating_sub(MAX_LISTED);
     let more = if more == 0 { String::new() } else { format!(" and {more} more") };
     format!("; known are {}{more}", quoted.join(", "))
 }
 
-/// A joint by its name.
+/// Finds a joint by its name.
 pub(crate) fn joint(skeleton: &Skeleton, name: &str) -> Result<JointIndex, Failure> {
     skeleton.find(name).ok_or_else(|| {
         let hint = hint(name, skeleton.joints().map(|joint| skeleton.name(joint)));
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn near_names_are_suggested_once_each_and_others_listed() {
+    fn similar_names_are_suggested_once_or_else_all_are_listed() {
         assert_eq!(hint("mehs", ["mesh", "mesh", "rock"]), "; did you mean \"mesh\"?");
         assert_eq!(hint("zz", ["mesh", "rock", "mesh"]), "; known are \"mesh\", \"rock\"");
         let many: Vec<_> = (10..20).map(|n| n.to_string()).collect();

@@ -1,6 +1,6 @@
-//! Where members stand: apart, in loose rows.
+//! Member positions: apart from each other, in loose rows.
 
-/// A small generator of repeatable random numbers: SplitMix (Steele, Lea and Flood, "Fast
+/// A small deterministic random number generator: SplitMix (Steele, Lea and Flood, "Fast
 /// splittable pseudorandom number generators", OOPSLA 2014) with the mixing function of Java's
 /// `SplittableRandom`.
 pub(crate) struct Random(u64);
@@ -10,7 +10,7 @@ impl Random {
         Self(seed)
     }
 
-    /// The generator of one of many that a seed has, by its number.
+    /// Returns the generator number `number` of a seed.
     pub(crate) fn one_of(seed: u64, number: usize) -> Self {
         Self(Self(seed ^ (number as u64).rotate_left(32)).next())
     }
@@ -23,52 +23,52 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Evenly spread over 0 to 1, 1 left out.
+    /// Returns a uniformly distributed number in `0..1`.
     pub(crate) fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 / (1u32 << 24) as f32
     }
 
-    /// Evenly spread over -1 to 1.
+    /// Returns a uniformly distributed number in `-1..1`.
     pub(crate) fn signed(&mut self) -> f32 {
         self.unit() * 2.0 - 1.0
     }
 
-    /// Evenly spread below a count, which is not 0.
+    /// Returns a uniformly distributed number below `count`, which must not be 0.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         usize::try_from(self.next() % count as u64).unwrap_or(0)
     }
 }
 
-/// Half a row's width per metre of its distance from the point that the rows widen from.
+/// Half the width of a row per unit of distance from the apex of the rows.
 const WIDENING: f32 = 0.55;
-/// Distance of the first row from that point, in rows.
+/// Distance of the first row from the apex, in rows.
 const FIRST_ROW: f32 = 4.0;
 
-/// Ground places for `count` members, in staggered rows that widen away from the camera at +Z as
-/// its view does, about `spacing` metres apart; every place is shaken a little, so that it does not
-/// read as a grid. One member stands at the origin.
-pub(crate) fn places(count: usize, spacing: f32, random: &mut Random) -> Vec<[f32; 3]> {
-    let mut places = Vec::with_capacity(count);
+/// Returns ground positions for `count` members, about `spacing` metres apart. The rows widen away
+/// from the camera at +Z, as its view does. Each position is jittered, so that no grid shows. A
+/// single member is placed at the origin.
+pub(crate) fn positions(count: usize, spacing: f32, random: &mut Random) -> Vec<[f32; 3]> {
+    let mut positions = Vec::with_capacity(count);
     let mut row = 0.0;
-    while places.len() < count {
+    while positions.len() < count {
         let distance = FIRST_ROW + row;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a small count, not negative"
         )]
-        let columns = ((2.0 * WIDENING * distance) as usize).clamp(1, count - places.len());
+        let columns = ((2.0 * WIDENING * distance) as usize).clamp(1, count - positions.len());
         for column in 0..columns {
             let across = column as f32 - (columns as f32 - 1.0) / 2.0;
-            let shaken = |at: f32, random: &mut Random| (at + random.signed() * 0.18) * spacing;
-            places.push([shaken(across, random), 0.0, shaken(-row, random)]);
+            let jittered = |at: f32, random: &mut Random| (at + random.signed() * 0.18) * spacing;
+            positions.push([jittered(across, random), 0.0, jittered(-row, random)]);
         }
         row += 1.0;
     }
-    if let [one] = places.as_mut_slice() {
+    if let [one] = positions.as_mut_slice() {
         *one = [0.0; 3];
     }
-    places
+    positions
 }
 
 #[cfg(test)]
@@ -76,12 +76,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn members_stand_apart() {
+    fn members_keep_their_distance() {
         for count in [1, 2, 7, 100, 1000] {
-            let places = places(count, 1.0, &mut Random::new(7));
-            assert_eq!(places.len(), count);
-            for (i, a) in places.iter().enumerate() {
-                for b in &places[..i] {
+            let positions = positions(count, 1.0, &mut Random::new(7));
+            assert_eq!(positions.len(), count);
+            for (i, a) in positions.iter().enumerate() {
+                for b in &positions[..i] {
                     let distance = (a[0] - b[0]).hypot(a[2] - b[2]);
                     assert!(distance > 0.5, "{distance} m between two of {count}");
                 }
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_seed_gives_the_same_numbers() {
+    fn same_seed_gives_the_same_numbers() {
         let run = |seed| {
             (0..5)
                 .map(|_| 0)

@@ -1,7 +1,8 @@
-//! Results on stdout, talk on stderr.
+//! Results on stdout, messages on stderr.
 
 use std::io::Write;
 use std::path::Path;
+use std::process::ExitCode;
 
 use serde_json::Value;
 
@@ -12,12 +13,12 @@ pub(crate) fn json(document: &Value) -> Result<(), Failure> {
     text(&format!("{document}\n"))
 }
 
-/// Prints text; a closed pipe ends the program quietly.
+/// Prints text. A closed pipe is reported as [`Failure::ClosedPipe`].
 pub(crate) fn text(text: &str) -> Result<(), Failure> {
     bytes(text.as_bytes())
 }
 
-/// Prints a path on a line of its own, to the byte.
+/// Prints the exact bytes of a path and a line feed.
 pub(crate) fn path(path: &Path) -> Result<(), Failure> {
     #[cfg(unix)]
     let name = std::os::unix::ffi::OsStrExt::as_bytes(path.as_os_str());
@@ -34,22 +35,29 @@ fn bytes(bytes: &[u8]) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// A number as it was typed, not its nearest f32 written out in full.
+/// Returns the f64 with the shortest decimal form of an f32: 0.3, not 0.300000012.
 pub(crate) fn as_typed(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
 
-/// Says something on stderr, formatted as by `format!`. Where nobody can hear it, that is no reason
-/// to stop.
-macro_rules! talk {
+/// Prints a message on stderr, formatted as by `format!`. Errors of stderr are ignored.
+macro_rules! message {
     ($($text:tt)*) => {
-        crate::report::say(&format!($($text)*))
+        crate::report::print_message(&format!($($text)*))
     };
 }
-pub(crate) use talk;
+pub(crate) use message;
 
-/// See [`talk!`].
-pub(crate) fn say(message: &str) {
+/// Prints the message of a failure on stderr and returns its exit code.
+pub(crate) fn failure(failure: &Failure) -> ExitCode {
+    if let Some(error) = failure.error() {
+        message!("{error:#}");
+    }
+    failure.exit_code()
+}
+
+/// Prints a message on stderr; see [`message!`].
+pub(crate) fn print_message(message: &str) {
     crate::progress::suspended(|| {
         let _ = writeln!(std::io::stderr(), "populace: {message}");
     });

@@ -1,8 +1,8 @@
-//! Vertices as the palettes of a device move them.
+//! CPU skinning with palettes read back from a device.
 
 use populace::core::{Affine, Part};
 
-/// The skinning equation for one vertex, in double precision from the device's palette.
+/// Skins one vertex in double precision with the device's palette.
 pub(crate) fn skinned(part: &Part, vertex: usize, palette: &[Affine]) -> [f64; 3] {
     let influences = &part.mesh.influences;
     let range = vertex * influences.per_vertex..(vertex + 1) * influences.per_vertex;

@@ -1,9 +1,8 @@
-//! Files that are not complete yet, and what becomes of them where the program is told to end.
+//! Temporary output files, and their removal if a signal ends the program.
 //!
-//! SIGINT and SIGTERM end the program at once, wherever it is: loading, waiting for a driver's
-//! compiler or drawing. That is safe because nothing is ever written under its final name. A thread
-//! of its own waits for signals, removes the file that is being written, tells how many are
-//! complete, and exits.
+//! SIGINT and SIGTERM end the program at once, even while it loads, draws or waits for a driver's
+//! compiler. This is safe because no file is written under its final name. A separate thread waits
+//! for the signals, removes the temporary file, reports how many files are complete, and exits.
 
 use std::fs::Permissions;
 use std::io::{self, Write};
@@ -12,39 +11,39 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{NamedTempFile, TempPath};
 
-/// What is being written, and what was.
+/// The file being written, and the number of complete files.
 struct State {
-    /// The file that has not got its name yet. It is removed where the program ends early.
+    /// The temporary file; removed if the program ends early.
     path: Option<PathBuf>,
     complete: u32,
-    /// How many files there will be, where the command knows.
-    wanted: Option<u32>,
+    /// The total number of files, if the command knows it.
+    total: Option<u32>,
 }
 
-static STATE: Mutex<State> = Mutex::new(State { path: None, complete: 0, wanted: None });
+static STATE: Mutex<State> = Mutex::new(State { path: None, complete: 0, total: None });
 
 fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Lets messages say how many of so many pictures are complete.
+/// Sets the total number of pictures, for the message of an interrupted run.
 pub(crate) fn expect_pictures(count: u32) {
-    state().wanted = Some(count);
+    state().total = Some(count);
 }
 
-/// A file that has no name yet. Dropped before it is finished, it is gone.
+/// A temporary file. Dropping it before [`finish`](Self::finish) removes it.
 pub(crate) struct Unfinished(Option<NamedTempFile>);
 
 impl Unfinished {
-    /// An empty file in the folder of `target`, so that it can take its place at once later on.
+    /// Creates an empty file in the folder of `target`, so that it can be renamed to `target`.
     pub(crate) fn beside(target: &Path) -> io::Result<Self> {
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
         let mut builder = tempfile::Builder::new();
         builder.prefix(".populace-").suffix(".tmp");
-        // As any new file: what the user's mask leaves of these.
+        // The default mode of new files; the umask applies to it.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        // Nobody may end the program between the file's making and its place in the list.
+        // Locked first, so that no signal ends the program before the new file is registered.
         let mut state = state();
         let file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
         state.path = Some(file.path().to_owned());
@@ -63,8 +62,8 @@ impl Unfinished {
         self.file()?.as_file().set_permissions(permissions)
     }
 
-    /// Gives the file its name, in place of what had it. Some file systems tell that they are full
-    /// only when asked to sync.
+    /// Renames the file to `target`, replacing an existing file. Syncs first, because some file
+    /// systems report a full disk only then.
     pub(crate) fn finish(mut self, target: &Path) -> io::Result<()> {
         self.file()?.as_file().sync_all()?;
         let mut state = state();
@@ -88,41 +87,43 @@ impl Drop for Unfinished {
     }
 }
 
-/// Longer paths are copied to memory of their own on the way to the system.
+/// The standard library copies longer paths to the heap for system calls.
 #[cfg(unix)]
-const SHORT_PATH: usize = 300;
+const STACK_PATH_BYTES: usize = 300;
 
-/// Removes the file that is being written, where that takes neither waiting nor memory.
+/// Removes the temporary file, unless that would block or allocate.
 #[cfg(unix)]
-pub(crate) fn remove_from_a_handler() {
+pub(crate) fn remove_in_signal_handler() {
     if let Ok(state) = STATE.try_lock()
-        && let Some(path) = state.path.as_ref().filter(|path| path.as_os_str().len() < SHORT_PATH)
+        && let Some(path) = &state.path
+        && path.as_os_str().len() < STACK_PATH_BYTES
     {
         let _ = std::fs::remove_file(path);
     }
 }
 
-/// Ends the program by SIGINT or SIGTERM as said above, with exit code 128 and the signal's number.
+/// Starts the thread that ends the program on SIGINT and SIGTERM, with exit code 128 plus the
+/// signal's number.
 #[cfg(unix)]
-pub(crate) fn end_on_signals() -> io::Result<()> {
+pub(crate) fn exit_on_signals() -> io::Result<()> {
     use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::{iterator::Signals, low_level};
 
-    // A file past its limit is then an error of writing, with its own message, as on a full disk.
+    // Turns a file beyond the size limit into a write error with a message, as on a full disk.
     signal_hook::flag::register(SIGXFSZ, std::sync::Arc::default())?;
     let mut signals = Signals::new([SIGINT, SIGTERM])?;
     std::thread::Builder::new().name("signals".into()).stack_size(256 << 10).spawn(move || {
         if let Some(signal) = signals.forever().next() {
-            // Held to the end, so that nothing gets its name after it was counted.
+            // Held until exit, so that no file is completed after the count.
             let state = state();
             if let Some(path) = &state.path {
                 let _ = std::fs::remove_file(path);
             }
-            let told = state
-                .wanted
-                .map(|wanted| format!("; {} of {wanted} frames are complete", state.complete));
+            let progress = state
+                .total
+                .map(|total| format!("; {} of {total} frames are complete", state.complete));
             crate::progress::clear();
-            crate::report::talk!("interrupted{}", told.unwrap_or_default());
+            crate::report::message!("interrupted{}", progress.unwrap_or_default());
             low_level::exit(128 + signal);
         }
     })?;

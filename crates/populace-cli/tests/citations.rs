@@ -1,13 +1,12 @@
-//! Holds the citations in sources and documents to what can be looked up.
+//! Checks citations in sources and documents.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The one paper that is cited by section, figure and equation. Its first pages alone are known
-/// here.
+/// The paper that is cited by section, figure and equation. Only its first pages were available.
 const PAPER: &str = concat!("Lister & Day", " 2012");
 
-/// What is known of it: words that lead to numbers, and the numbers that may follow.
+/// The known parts of the paper: words that precede numbers, and the valid numbers.
 const KNOWN: [(&[&str], &[&str]); 3] = [
     (&["section", "sections"], &["1", "2", "3", "3.1", "3.2"]),
     (&["fig", "figs"], &["1", "2", "3", "4"]),
@@ -18,22 +17,25 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The files below a folder whose names end like this.
-fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
+/// Returns the files below a folder with one of the given extensions.
+fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         if path.is_dir() && !path.ends_with("target") {
-            found.extend(files(&path, endings));
-        } else if path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending)) {
+            found.extend(files(&path, extensions));
+        } else if path
+            .extension()
+            .is_some_and(|e| extensions.iter().any(|extension| e == *extension))
+        {
             found.push(path);
         }
     }
     found
 }
 
-/// A file's text on one line, without the marks of comments at the start of lines.
-fn flat(path: &Path) -> String {
+/// Returns a file's text as one line, without comment marks.
+fn joined_text(path: &Path) -> String {
     let text =
         fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let lines =
@@ -41,7 +43,7 @@ fn flat(path: &Path) -> String {
     lines.collect::<Vec<_>>().join(" ")
 }
 
-/// The numbers that follow such a word in a citation.
+/// Returns the numbers that follow one of the words in a citation.
 fn numbers<'a>(citation: &'a str, words: &[&str]) -> Vec<&'a str> {
     let mut found = Vec::new();
     let mut follows = false;
@@ -56,13 +58,13 @@ fn numbers<'a>(citation: &'a str, words: &[&str]) -> Vec<&'a str> {
 }
 
 #[test]
-fn the_paper_is_cited_by_sections_that_are_known() {
+fn paper_is_cited_by_known_sections() {
     let endings = ["rs", "cl", "glsl", "md"];
     let mut count = 0;
     for path in
         files(&root().join("crates"), &endings).iter().chain(&files(&root().join("docs"), &endings))
     {
-        for citation in flat(path).split(PAPER).skip(1) {
+        for citation in joined_text(path).split(PAPER).skip(1) {
             let citation: String = citation.chars().take(40).collect();
             let place = format!("{}: {PAPER}{citation}", path.display());
             assert!(!numbers(&citation, KNOWN[0].0).is_empty(), "names no section: {place}");
@@ -77,7 +79,7 @@ fn the_paper_is_cited_by_sections_that_are_known() {
 }
 
 #[test]
-fn kernels_and_rust_files_name_each_other_as_twins() {
+fn twins_name_each_other() {
     let kernels = root().join("crates/populace-opencl/kernels");
     let mut count = 0;
     for path in files(&root().join("crates"), &["rs"]) {
@@ -86,7 +88,8 @@ fn kernels_and_rust_files_name_each_other_as_twins() {
             text.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim).collect();
         for named in head.join(" ").split("twin of `kernels/").skip(1) {
             let kernel = named.split('`').next().expect("a name");
-            let kernel_head = flat(&kernels.join(kernel)).chars().take(1500).collect::<String>();
+            let kernel_head =
+                joined_text(&kernels.join(kernel)).chars().take(1500).collect::<String>();
             let name = path.file_name().expect("a name").to_string_lossy();
             assert!(kernel_head.contains(&*name), "{kernel} does not name {}", path.display());
             count += 1;
@@ -94,13 +97,13 @@ fn kernels_and_rust_files_name_each_other_as_twins() {
     }
     assert!(count > 10, "{count} twins are too few to trust this test");
     for path in files(&kernels, &["cl"]) {
-        for named in flat(&path).split("populace-").skip(1) {
+        for named in joined_text(&path).split("populace-").skip(1) {
             let mut words = named.split([' ', ';', ',', ':', '*']);
             let (of, file) =
                 (words.next().unwrap_or(""), words.next().unwrap_or("").trim_end_matches('.'));
             if file.ends_with(".rs") {
-                let there = root().join(format!("crates/populace-{of}/src")).join(file);
-                assert!(there.exists(), "{} names {}", path.display(), there.display());
+                let file_path = root().join(format!("crates/populace-{of}/src")).join(file);
+                assert!(file_path.exists(), "{} names {}", path.display(), file_path.display());
             }
         }
     }

@@ -1,11 +1,11 @@
-//! The examples run without a window, say something, and draw a picture with somebody in it.
+//! Tests of the examples: they run without a window, print results and draw a picture with people.
 
 use std::path::Path;
 use std::process::Command;
 
 #[track_caller]
 fn runs_and_draws(name: &str, words: &[&str]) {
-    // `cargo test` builds them beside the program; `cargo test --test examples` alone wants
+    // `cargo test` builds the examples. `cargo test --test examples` alone needs
     // `cargo build --examples` first.
     let program = Path::new(env!("CARGO_BIN_EXE_populace"));
     let example = program
@@ -16,20 +16,20 @@ fn runs_and_draws(name: &str, words: &[&str]) {
     let picture = folder.path().join("picture.png");
     let output = Command::new(&example).arg(&picture).current_dir(folder.path()).output();
     let output = output.unwrap_or_else(|error| panic!("{}: {error}", example.display()));
-    let (said, talk) =
+    let (stdout, stderr) =
         (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success(), "{talk}");
+    assert!(output.status.success(), "{stderr}");
     for word in words {
-        assert!(said.contains(word), "no {word:?} in: {said}");
+        assert!(stdout.contains(word), "no {word:?} in: {stdout}");
     }
     let picture = image::open(&picture).expect("a PNG").to_rgb8();
     assert_eq!(picture.dimensions(), (960, 400));
-    // Shirts: far from the grey of the ground and the blue of the sky.
+    // The colours of shirts differ from the grey ground and the blue sky.
     let strong = |p: &&image::Rgb<u8>| {
         i16::from(p.0[0]) > i16::from(p.0[1]) + 40 || p.0.iter().all(|c| *c < 60)
     };
-    let somebody = picture.pixels().filter(strong).count();
-    assert!(somebody > 2000, "{somebody} pixels are somebody's");
+    let people = picture.pixels().filter(strong).count();
+    assert!(people > 2000, "only {people} pixels show people");
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
@@ -61,14 +61,14 @@ fn wind() {
 fn blend_space() {
     runs_and_draws(
         "blend_space",
-        &["Walk stands at 1.", "0.0 m/s: Idle 100 %\n", "3.0 m/s: Run 100 %"],
+        &["Walk: sample at 1.", "0.0 m/s: Idle 100 %\n", "3.0 m/s: Run 100 %"],
     );
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn root_motion() {
-    runs_and_draws("root_motion", &["was placed once, and has gone 7.", "drawn to"]);
+    runs_and_draws("root_motion", &["was placed once, and has moved 7.", "drawn to"]);
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]

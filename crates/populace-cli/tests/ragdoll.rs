@@ -1,17 +1,17 @@
-//! The example `ragdoll` runs, and what it draws has people on the ground in it.
+//! Test of the example `ragdoll`: it draws people who fall.
 #![cfg(not(skip_gl))]
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the example as a reader would, built as it stands now.
+/// Builds and runs the example.
 fn run(file: &Path, frames: &str) -> Output {
     let cargo =
         ["run", "--quiet", "--offline", "--package", "populace-cli", "--example", "ragdoll", "--"];
     Command::new(env!("CARGO")).args(cargo).arg(file).arg(frames).output().expect("cargo runs")
 }
 
-/// How many pixels differ clearly between two pictures.
+/// Counts the pixels that differ clearly between two pictures.
 fn differing(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
     let far = |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| {
         a.0.iter().zip(b.0).map(|(a, b)| u32::from(a.abs_diff(b))).sum::<u32>() > 60
@@ -20,7 +20,7 @@ fn differing(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
 }
 
 #[test]
-fn the_ragdoll_example_draws_people_who_fall() {
+fn ragdoll_example_draws_falling_people() {
     let folder = tempfile::tempdir().unwrap();
     let picture = |name: &str, frames: &str| {
         let file = folder.path().join(name);
@@ -31,6 +31,6 @@ fn the_ragdoll_example_draws_people_who_fall() {
     let lying = picture("a.png", "150");
     let again = picture("b.png", "150");
     let before = picture("c.png", "6");
-    assert_eq!(differing(&lying, &again), 0, "the same twice");
-    assert!(differing(&lying, &before) > 10_000, "they moved");
+    assert_eq!(differing(&lying, &again), 0, "two runs must draw the same picture");
+    assert!(differing(&lying, &before) > 10_000, "the people must have moved");
 }

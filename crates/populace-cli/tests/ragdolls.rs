@@ -1,6 +1,5 @@
-//! Ragdolls on every device and schedule: the same bits, from the walk to the ground and back to
-//! the walk.
-#![expect(clippy::expect_used, reason = "a test that cannot go on fails")]
+//! Ragdolls give the same bits on every device and schedule, through falling and getting up.
+#![expect(clippy::expect_used, reason = "a failing step fails the test")]
 
 use std::sync::Arc;
 
@@ -10,8 +9,8 @@ use populace_physics::{RagdollPlan, Ragdolls, State};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// Palettes of a man who walks, falls and walks on, frame by frame, as bits; and how high his hips
-/// are.
+/// Simulates a man who walks, falls and walks on. Returns the bits of his palettes and the heights
+/// of his hips, sampled every nine frames.
 fn fall(device: Device, schedule: Schedule) -> (Vec<u32>, Vec<f32>) {
     let man = person(&Look::man()).expect("a man");
     let hips = man.skeleton.find("Pelvis").expect("hips");
@@ -48,7 +47,7 @@ fn fall(device: Device, schedule: Schedule) -> (Vec<u32>, Vec<f32>) {
 }
 
 #[test]
-fn members_fall_and_get_up_alike_on_every_device_and_schedule() {
+fn ragdolls_are_identical_on_every_device_and_schedule() {
     let (wanted, heights) = fall(Device::native(), Schedule::Fused);
     let (walking, lying, up) = (heights[0], heights[19], heights[29]);
     assert!(walking > 0.8 && lying < 0.4 && (up - walking).abs() < 0.1, "{heights:?}");

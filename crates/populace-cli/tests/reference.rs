@@ -1,6 +1,8 @@
-//! `populace pose` against vertices that were computed independently from the glTF 2.0 text: one
-//! test for each file of `reference/skinned_vertices.json` below the folder that
-//! `POPULACE_TEST_DATA` names, and for each device.
+//! Compares `populace pose` with vertices that were computed independently from the glTF 2.0
+//! specification.
+//!
+//! There is one test per device and file of `reference/skinned_vertices.json` in the folder that
+//! `POPULACE_TEST_DATA` names.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,8 +11,9 @@ use std::process::{Command, ExitCode};
 use libtest_mimic::{Arguments, Failed, Trial};
 use serde_json::Value;
 
-/// Parts of the model's height, for float data and for 8-bit keys.
+/// Allowed error of float data in units of the model's height.
 const TOLERANCE: f64 = 1e-4;
+/// Allowed error of 8-bit keys in units of the model's height.
 const TOLERANCE_8_BIT: f64 = 2e-3;
 
 fn main() -> ExitCode {
@@ -81,7 +84,7 @@ fn check_pose(path: &PathBuf, pose: &Value, device: &str, allowed: f64) -> Resul
         if off > allowed {
             let at = format!("clip {} at {} s", pose["clip"], pose["t"]);
             return Err(format!(
-                "{at}: {found} is off by {off:.6}, {allowed:.6} are allowed; wanted {wanted}"
+                "{at}: {found} is off by {off:.6}, {allowed:.6} is allowed; expected {wanted}"
             )
             .into());
         }

@@ -1,4 +1,4 @@
-//! A backend that is wrong in one small way, so that every check is seen to fail.
+//! A backend with one wrong number, to test that every check can fail.
 
 use populace_core::layout::{Float4, NONE};
 use populace_core::{
@@ -9,7 +9,7 @@ use populace_core::{
 use crate::single;
 use crate::tolerance::{COARSE, LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
 
-/// What a [`Broken`] backend gets wrong: one number of the last member.
+/// The error of a [`Broken`] backend: one wrong number of the last member.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corruption {
     buffer: StageBuffer,
@@ -20,23 +20,23 @@ pub struct Corruption {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Amount {
     By(f32),
-    OneUnitInACrowd,
+    OneUnitIfManyMembers,
 }
 
 impl Corruption {
-    /// What is off already may be off the other way by as much as allowed, hence more than twice
-    /// the cap.
+    /// Adds more than twice the cap: the correct value itself may be off by up to the cap in the
+    /// other direction.
     fn by(buffer: StageBuffer, component: usize, cap: f64) -> Self {
         Self { buffer, component, amount: Amount::By(single(2.5 * cap)) }
     }
 
-    /// One component of one joint's local rotation, a little beyond what any check allows.
+    /// One component of one joint's local rotation, off by more than any check allows.
     #[must_use]
     pub fn rotation() -> Self {
         Self::by(StageBuffer::Rotations, 1, LOCAL_CAP)
     }
 
-    /// The same, for the check of far turns.
+    /// One component of one joint's local rotation, for checks with wide caps.
     #[must_use]
     pub fn coarse_rotation() -> Self {
         Self::by(StageBuffer::Rotations, 1, COARSE * LOCAL_CAP)
@@ -72,24 +72,25 @@ impl Corruption {
         Self::by(StageBuffer::Palette, 1, MODEL_CAP)
     }
 
-    /// One element of one joint's `model_from_joint`, by far less: for the check of Transform
-    /// alone.
+    /// One element of one joint's `model_from_joint`, off by a rounding error: for the check of
+    /// Transform alone.
     #[must_use]
     pub fn model_rounding() -> Self {
         Self::by(StageBuffer::ModelRow1, 1, ROUNDING_CAP)
     }
 
-    /// One element of one palette entry, by far less: for the check of Write-back alone.
+    /// One element of one palette entry, off by a rounding error: for the check of Write-back
+    /// alone.
     #[must_use]
     pub fn palette_rounding() -> Self {
         Self::by(StageBuffer::Palette, 1, ROUNDING_CAP)
     }
 
-    /// One element of one palette entry by one unit in the last place, where there is more than one
-    /// member.
+    /// One element of one palette entry, off by one unit in the last place, in crowds of more than
+    /// one member.
     #[must_use]
     pub fn palette_bit() -> Self {
-        Self { amount: Amount::OneUnitInACrowd, ..Self::palette() }
+        Self { amount: Amount::OneUnitIfManyMembers, ..Self::palette() }
     }
 
     /// One slot's weight.
@@ -99,7 +100,7 @@ impl Corruption {
     }
 }
 
-/// Forwards everything to a backend, and corrupts what is read back.
+/// A decorator that forwards to a backend and corrupts the data read back.
 pub struct Broken<B> {
     inner: B,
     corruption: Corruption,
@@ -107,30 +108,30 @@ pub struct Broken<B> {
 }
 
 impl<B: Backend> Broken<B> {
-    /// Breaks a backend.
+    /// Wraps a backend.
     pub fn new(inner: B, corruption: Corruption) -> Self {
         Self { inner, corruption, target: None }
     }
 
-    /// The element to corrupt: in the middle of what the last member has.
-    fn aim(&mut self, tables: &Tables) {
+    /// Chooses the element to corrupt: in the middle of the last member's range.
+    fn choose_target(&mut self, tables: &Tables) {
         let members = tables.members().as_slice();
-        let taken = || members.iter().enumerate().filter(|(_, m)| m.body != NONE);
+        let used = || members.iter().enumerate().filter(|(_, m)| m.body != NONE);
         let body = |m: &populace_core::layout::Member| tables.bodies().as_slice()[m.body as usize];
-        let alone = taken().count() < 2;
+        let alone = used().count() < 2;
         let target = match self.corruption.buffer {
             StageBuffer::Samples => {
-                taken().next_back().map(|(place, _)| place * tables.slots_per_member())
+                used().next_back().map(|(place, _)| place * tables.slots_per_member())
             }
-            StageBuffer::Palette => taken()
+            StageBuffer::Palette => used()
                 .rfind(|(_, m)| body(m).entry_count > 0)
                 .map(|(_, m)| 3 * (m.palette_first + body(m).entry_count / 2) as usize + 1),
             _ => {
-                taken().next_back().map(|(_, m)| (m.joint_first + body(m).joint_count / 2) as usize)
+                used().next_back().map(|(_, m)| (m.joint_first + body(m).joint_count / 2) as usize)
             }
         };
         self.target =
-            target.filter(|_| !(alone && self.corruption.amount == Amount::OneUnitInACrowd));
+            target.filter(|_| !(alone && self.corruption.amount == Amount::OneUnitIfManyMembers));
     }
 }
 
@@ -153,12 +154,12 @@ impl<B: Backend> Backend for Broken<B> {
         frame: Frame,
         stage: Stage,
     ) -> Result<(), BackendError> {
-        self.aim(tables);
+        self.choose_target(tables);
         self.inner.run_stage(tables, frame, stage)
     }
 
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
-        self.aim(tables);
+        self.choose_target(tables);
         self.inner.run(tables, frame)
     }
 
@@ -181,7 +182,7 @@ impl<B: Backend> Backend for Broken<B> {
             let value = &mut element.0[self.corruption.component];
             *value = match self.corruption.amount {
                 Amount::By(amount) => *value + amount,
-                Amount::OneUnitInACrowd => f32::from_bits(value.to_bits() ^ 1),
+                Amount::OneUnitIfManyMembers => f32::from_bits(value.to_bits() ^ 1),
             };
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Comparing what a backend computed with what the oracle says.
+//! Comparison of a backend's results with the oracle's.
 
 use glam::DAffine3;
 use populace_core::Backend;
@@ -7,40 +7,41 @@ use crate::expected::Expected;
 use crate::tolerance::{COARSE, LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
 use crate::{MemberReading, TestCrowd};
 
-/// Compares number by number, and keeps count, so that a check that compared nothing fails too.
+/// Compares results number by number. Counts the comparisons, so that a check that compared nothing
+/// fails too.
 pub(crate) struct Judge {
     check: &'static str,
     local_cap: f64,
     model_cap: f64,
     compared: usize,
-    left_out: usize,
+    skipped: usize,
     worst: f64,
 }
 
 impl Judge {
-    /// For whole frames.
+    /// Starts a check of whole frames.
     pub(crate) fn new(check: &'static str) -> Self {
         Self {
             check,
             local_cap: LOCAL_CAP,
             model_cap: MODEL_CAP,
             compared: 0,
-            left_out: 0,
+            skipped: 0,
             worst: 0.0,
         }
     }
 
-    /// For sensitive scenes.
+    /// Starts a check of scenes that magnify errors, with wide caps.
     pub(crate) fn coarse(check: &'static str) -> Self {
         Self { local_cap: COARSE * LOCAL_CAP, model_cap: COARSE * MODEL_CAP, ..Self::new(check) }
     }
 
-    /// For a stage alone, where only rounding is left.
+    /// Starts a check of one stage alone, where the only error is rounding.
     pub(crate) fn of_stage(check: &'static str) -> Self {
         Self { model_cap: ROUNDING_CAP, ..Self::new(check) }
     }
 
-    /// Fails where `got` is further from `wanted` than `bound`; leaves it out where the bound is
+    /// Fails if `got` differs from `wanted` by more than `bound`. Skips the number if the bound is
     /// above `cap`.
     pub(crate) fn number(
         &mut self,
@@ -48,62 +49,63 @@ impl Judge {
         wanted: f64,
         bound: f64,
         cap: f64,
-        place: impl FnOnce() -> String,
+        name: impl FnOnce() -> String,
     ) {
         if bound.is_nan() || bound > cap {
-            self.left_out += 1;
+            self.skipped += 1;
             return;
         }
-        let off = (f64::from(got) - wanted).abs();
-        if off.is_nan() || off > bound {
+        let error = (f64::from(got) - wanted).abs();
+        if error.is_nan() || error > bound {
             panic!(
-                "{}: {} is off by {off:.3e}, where {bound:.3e} is allowed: {got} instead of \
+                "{}: {} is off by {error:.3e}, where {bound:.3e} is allowed: {got} instead of \
                  {wanted}",
                 self.check,
-                place()
+                name()
             );
         }
         self.compared += 1;
         if bound > 0.0 {
-            self.worst = self.worst.max(off / bound);
+            self.worst = self.worst.max(error / bound);
         }
     }
 
-    /// Fails where a bit differs.
-    pub(crate) fn bits(&mut self, got: f32, wanted: f32, place: impl FnOnce() -> String) {
+    /// Fails if any bit differs.
+    pub(crate) fn bits(&mut self, got: f32, wanted: f32, name: impl FnOnce() -> String) {
         if got.to_bits() != wanted.to_bits() {
             let units = i64::from(got.to_bits()) - i64::from(wanted.to_bits());
             panic!(
                 "{}: {} is off by {} units in the last place: {got:e} instead of {wanted:e}",
                 self.check,
-                place(),
+                name(),
                 units.abs()
             );
         }
         self.compared += 1;
     }
 
-    /// Notes that `count` numbers could not be compared.
-    pub(crate) fn leave_out(&mut self, count: usize) {
-        self.left_out += count;
+    /// Counts `count` numbers as skipped.
+    pub(crate) fn skip(&mut self, count: usize) {
+        self.skipped += count;
     }
 
-    /// Ends the check.
+    /// Ends the check. Fails if nothing was compared, or if the skipped numbers are more than a
+    /// fifth of the compared ones.
     pub(crate) fn done(self) {
-        let Self { check, compared, left_out, worst, .. } = self;
+        let Self { check, compared, skipped, worst, .. } = self;
         println!(
-            "{check}: {compared} numbers compared, {left_out} left out, worst at {worst:.2} of \
-             its bound"
+            "{check}: {compared} numbers compared, {skipped} skipped, largest error {worst:.2} \
+             of its bound"
         );
         assert!(compared > 0, "{check}: nothing was compared");
         assert!(
-            left_out * 5 <= compared,
-            "{check}: {left_out} numbers left out beside {compared}; a check that leaves out so \
-             much is none"
+            skipped * 5 <= compared,
+            "{check}: {skipped} numbers skipped and {compared} compared; at most a fifth of the \
+             compared count may be skipped"
         );
     }
 
-    /// Local transforms.
+    /// Compares local transforms.
     pub(crate) fn locals(
         &mut self,
         crowd: &TestCrowd<'_>,
@@ -113,28 +115,27 @@ impl Judge {
     ) {
         let cap = self.local_cap;
         for (joint, (local, bound)) in wanted.pose.locals.iter().zip(&wanted.locals).enumerate() {
-            let place = |what, c: usize| {
-                move || format!("{} {what} {c}", joint_place(crowd, member, joint))
-            };
+            let name =
+                |what, c: usize| move || format!("{} {what} {c}", joint_name(crowd, member, joint));
             for c in 0..3 {
                 let (value, want) = (got.translations[joint][c], local.translation[c]);
-                self.number(value, want, bound.translation, cap, place("translation", c));
+                self.number(value, want, bound.translation, cap, name("translation", c));
                 let (value, want) = (got.scales[joint][c], local.scale[c]);
-                self.number(value, want, bound.scale, cap, place("scale", c));
+                self.number(value, want, bound.scale, cap, name("scale", c));
             }
-            // A quaternion and its negative are one rotation.
+            // A quaternion and its negative are the same rotation.
             let want = local.rotation.to_array();
-            let side: f64 =
+            let cosine: f64 =
                 got.rotations[joint].iter().zip(want).map(|(g, w)| f64::from(*g) * w).sum();
             for c in 0..4 {
-                let want = if side < 0.0 { -want[c] } else { want[c] };
+                let want = if cosine < 0.0 { -want[c] } else { want[c] };
                 let value = got.rotations[joint][c];
-                self.number(value, want, bound.rotation, cap, place("rotation", c));
+                self.number(value, want, bound.rotation, cap, name("rotation", c));
             }
         }
     }
 
-    /// `model_from_joint`.
+    /// Compares `model_from_joint`.
     pub(crate) fn models(
         &mut self,
         crowd: &TestCrowd<'_>,
@@ -152,14 +153,14 @@ impl Judge {
                 self.number(got.models[joint][element], want, bound, cap, || {
                     format!(
                         "{} model_from_joint element {element}",
-                        joint_place(crowd, member, joint)
+                        joint_name(crowd, member, joint)
                     )
                 });
             }
         }
     }
 
-    /// The palette.
+    /// Compares palettes.
     pub(crate) fn palette(&mut self, member: usize, got: &[[f32; 12]], wanted: &Expected) {
         assert_eq!(got.len(), wanted.pose.palette.len(), "{}: palette length", self.check);
         let cap = self.model_cap;
@@ -173,7 +174,7 @@ impl Judge {
         }
     }
 
-    /// Two matrices for each place, bit for bit.
+    /// Compares two lists of matrices bit for bit.
     pub(crate) fn same_matrices(&mut self, what: &str, got: &[[f32; 12]], wanted: &[[f32; 12]]) {
         assert_eq!(got.len(), wanted.len(), "{}: {what} length", self.check);
         for (at, (got, wanted)) in got.iter().zip(wanted).enumerate() {
@@ -185,8 +186,8 @@ impl Judge {
         }
     }
 
-    /// A frame of all members: once stage by stage, where everything is compared, and once as a
-    /// whole.
+    /// Runs a frame stage by stage and compares everything; then runs it as a whole and compares
+    /// the palettes.
     pub(crate) fn frame(
         &mut self,
         backend: &mut dyn Backend,
@@ -204,7 +205,7 @@ impl Judge {
                 self.palette(member, &got.palette, &wanted);
                 all.push((member, wanted));
             } else {
-                self.leave_out(10 * got.rotations.len());
+                self.skip(10 * got.rotations.len());
             }
         }
         crowd.run(backend, tick);
@@ -214,14 +215,14 @@ impl Judge {
     }
 }
 
-/// A joint, for messages.
-pub(crate) fn joint_place(crowd: &TestCrowd<'_>, member: usize, joint: usize) -> String {
+/// Names a joint for messages.
+pub(crate) fn joint_name(crowd: &TestCrowd<'_>, member: usize, joint: usize) -> String {
     let body = crowd.plan(member).body;
     let name = &crowd.scene.bodies[body].joints[joint].name;
     format!("member {member} (body {body}) joint {joint} \"{name}\"")
 }
 
-/// Rows of an affine transform.
+/// Returns an affine transform as 3x4, row-major.
 pub(crate) fn row_major(m: &DAffine3) -> [f64; 12] {
     std::array::from_fn(|element| {
         let row = element / 4;

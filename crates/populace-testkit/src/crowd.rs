@@ -1,5 +1,5 @@
-//! A crowd under test: members planned in plain words, given to a backend as tables and to the
-//! oracle as it is.
+//! The crowd under test: members described by plans, given to backends as tables and to the oracle
+//! as plans.
 
 use std::collections::HashMap;
 
@@ -12,11 +12,11 @@ use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
 use crate::{Inertialization, MemberPlan, Play};
 
-/// Members of a scene, as tables.
+/// Members of a scene, kept as plans and as tables.
 pub struct TestCrowd<'a> {
-    /// What members are made of.
+    /// Bodies and clips of the members.
     pub scene: &'a Scene,
-    /// What backends are given.
+    /// The tables given to backends.
     pub tables: Tables,
     bodies: Vec<BodyIndex>,
     clips: HashMap<usize, u32>,
@@ -25,7 +25,7 @@ pub struct TestCrowd<'a> {
 }
 
 impl<'a> TestCrowd<'a> {
-    /// A crowd of nobody. Clips enter the tables when first played.
+    /// Creates a crowd without members. Clips are added to the tables when first played.
     ///
     /// # Panics
     ///
@@ -36,7 +36,7 @@ impl<'a> TestCrowd<'a> {
         let bodies = scene
             .bodies
             .iter()
-            .map(|b| tables.add_body(&b.skeleton, &b.palette).expect("a body fits"))
+            .map(|b| tables.add_body(&b.skeleton, &b.palette).expect("a body fits in the tables"))
             .collect();
         Self {
             scene,
@@ -48,101 +48,100 @@ impl<'a> TestCrowd<'a> {
         }
     }
 
-    /// Adds a member and returns its number, which stays.
+    /// Adds a member and returns its number, which never changes.
     ///
     /// # Panics
     ///
     /// If the plan does not fit the scene or the tables.
     pub fn add(&mut self, plan: MemberPlan) -> usize {
-        let place = self.tables.add_member(self.bodies[plan.body]).expect("a member fits");
-        self.members.push(Some((place, plan.clone())));
-        self.direct(self.members.len() - 1, plan);
+        let index =
+            self.tables.add_member(self.bodies[plan.body]).expect("a member fits in the tables");
+        self.members.push(Some((index, plan.clone())));
+        self.set_plan(self.members.len() - 1, plan);
         self.members.len() - 1
     }
 
-    /// Gives a member another plan for the same body.
+    /// Replaces a member's plan with another for the same body.
     ///
     /// # Panics
     ///
     /// If the plan does not fit the member, the scene or the tables.
-    pub fn direct(&mut self, member: usize, plan: MemberPlan) {
-        let (place, old) = self.members[member].take().expect("a member of that number");
-        assert_eq!(old.body, plan.body, "members keep their bodies");
-        let slots = self.tables.slot_range(place);
+    pub fn set_plan(&mut self, member: usize, plan: MemberPlan) {
+        let (index, old) = self.members[member].take().expect("the member exists");
+        assert_eq!(old.body, plan.body, "a member keeps its body");
+        let slots = self.tables.slot_range(index);
         let taken = plan.plays.len() + plan.inertialization.len();
-        assert!(taken <= slots.len(), "{} slots are too few", slots.len());
-        for index in 0..slots.len() {
+        assert!(taken <= slots.len(), "{taken} slots are needed, {} exist", slots.len());
+        for slot in 0..slots.len() {
             let inertialization =
-                index.checked_sub(plan.plays.len()).and_then(|nth| plan.inertialization.get(nth));
-            let value = match (plan.plays.get(index), inertialization) {
+                slot.checked_sub(plan.plays.len()).and_then(|nth| plan.inertialization.get(nth));
+            let value = match (plan.plays.get(slot), inertialization) {
                 (Some(play), _) => self.slot(play, plan.body),
                 (None, Some(inertialization)) => {
                     self.inertialization_slot(inertialization, plan.body)
                 }
                 (None, None) => Slot { bound_clip: NONE, ..Slot::default() },
             };
-            self.tables.set_slot(place, index, value).expect("a slot that points at what is there");
+            self.tables.set_slot(index, slot, value).expect("the slot is valid");
         }
-        for (index, layer) in plan.layers.iter().enumerate() {
+        for (nth, layer) in plan.layers.iter().enumerate() {
             let mask = layer.mask.as_ref().map(|mask| self.mask(plan.body, mask));
             let value = Layer::new(LayerSettings { mode: layer.mode, weight: layer.weight }, mask);
-            self.tables
-                .set_layer(place, index, value)
-                .expect("a layer that points at what is there");
+            self.tables.set_layer(index, nth, value).expect("the layer is valid");
         }
-        self.members[member] = Some((place, plan));
+        self.members[member] = Some((index, plan));
     }
 
     /// Removes a member.
     ///
     /// # Panics
     ///
-    /// If there is no such member.
+    /// If existing is no such member.
     pub fn remove(&mut self, member: usize) {
-        let (place, _) = self.members[member].take().expect("a member of that number");
-        self.tables.remove_member(place);
+        let (index, _) = self.members[member].take().expect("the member exists");
+        self.tables.remove_member(index);
     }
 
-    /// The members that are there.
+    /// Returns the number, table index and plan of each existing member.
     pub fn members(&self) -> impl Iterator<Item = (usize, u32, &MemberPlan)> {
-        let there = |(number, member): (usize, &'_ Option<(u32, MemberPlan)>)| {
+        let existing = |(number, member): (usize, &'_ Option<(u32, MemberPlan)>)| {
             member.as_ref().map(|_| number)
         };
-        let numbers: Vec<usize> = self.members.iter().enumerate().filter_map(there).collect();
+        let numbers: Vec<usize> = self.members.iter().enumerate().filter_map(existing).collect();
         numbers.into_iter().filter_map(|number| {
-            let (place, plan) = self.members[number].as_ref()?;
-            Some((number, *place, plan))
+            let (index, plan) = self.members[number].as_ref()?;
+            Some((number, *index, plan))
         })
     }
 
-    /// A member's plan.
+    /// Returns a member's plan.
     ///
     /// # Panics
     ///
-    /// If there is no such member.
+    /// If existing is no such member.
     #[must_use]
     pub fn plan(&self, member: usize) -> &MemberPlan {
-        &self.members[member].as_ref().expect("a member of that number").1
+        &self.members[member].as_ref().expect("the member exists").1
     }
 
-    /// A member's place in the tables.
+    /// Returns a member's index in the tables.
     ///
     /// # Panics
     ///
-    /// If there is no such member.
+    /// If existing is no such member.
     #[must_use]
-    pub fn place(&self, member: usize) -> u32 {
-        self.members[member].as_ref().expect("a member of that number").0
+    pub fn index(&self, member: usize) -> u32 {
+        self.members[member].as_ref().expect("the member exists").0
     }
 
     fn inertialization_slot(&mut self, inertialization: &Inertialization, body: usize) -> Slot {
-        let stands = [inertialization.left, inertialization.taking].map(|play| {
+        let states = [inertialization.outgoing, inertialization.incoming].map(|play| {
             let slot = self.slot(&play, body);
             self.tables.stand(&slot, inertialization.tick)
         });
         let share = [inertialization.share, inertialization.share_per_sec];
-        Slot::inertialization(inertialization.tick, inertialization.ticks, stands, share)
-            .on_layer(inertialization.left.layer)
+        Slot::inertialization(inertialization.tick, inertialization.ticks, states, share)
+            .on_layer(inertialization.outgoing.layer)
     }
 
     fn slot(&mut self, play: &Play, body: usize) -> Slot {
@@ -150,23 +149,24 @@ impl<'a> TestCrowd<'a> {
         self.slot_of(play, bound_clip)
     }
 
-    /// How a clip stands: where, and a row not far from there, in seconds on its own axis.
-    pub(crate) fn stand_secs(&self, play: &Play, body: usize, tick: u64) -> [f64; 2] {
+    /// Returns the time at which a play is sampled and the time of the neighbouring row, in seconds
+    /// on the clip's own axis.
+    pub(crate) fn sampled_secs(&self, play: &Play, body: usize, tick: u64) -> [f64; 2] {
         let bound = self.bound_clips[&(play.clip, body)];
-        let stand = self.tables.stand(&self.slot_of(play, bound), tick);
+        let state = self.tables.stand(&self.slot_of(play, bound), tick);
         let clip = self.tables.clips().as_slice()[self.clips[&play.clip] as usize];
-        let far = far_row(stand.row, clip.row_count - 1);
-        let far_secs = if clip.row_count == 1 {
+        let neighbour = far_row(state.row, clip.row_count - 1);
+        let neighbour_secs = if clip.row_count == 1 {
             f64::from(clip.start_secs)
         } else if clip.rows_per_sec > 0.0 {
-            f64::from(clip.start_secs) + f64::from(far) / f64::from(clip.rows_per_sec)
+            f64::from(clip.start_secs) + f64::from(neighbour) / f64::from(clip.rows_per_sec)
         } else {
-            f64::from(self.tables.row_times().as_slice()[(clip.time_first + far) as usize])
+            f64::from(self.tables.row_times().as_slice()[(clip.time_first + neighbour) as usize])
         };
         let secs = play.timing.time_secs(tick, &self.scene.clips[play.clip].clip);
-        // Where a clip steps, two rows share a time, and the one that is near to what comes before
-        // is meant.
-        [secs, if far_secs > secs { far_secs - 1e-9 } else { far_secs }]
+        // At a STEP key two rows share a time. The earlier row is meant, so the time is moved
+        // slightly before the key.
+        [secs, if neighbour_secs > secs { neighbour_secs - 1e-9 } else { neighbour_secs }]
     }
 
     fn slot_of(&self, play: &Play, bound_clip: u32) -> Slot {
@@ -195,7 +195,7 @@ impl<'a> TestCrowd<'a> {
         let index = *self
             .clips
             .entry(clip)
-            .or_insert_with(|| tables.add_clip(source).expect("a clip fits"));
+            .or_insert_with(|| tables.add_clip(source).expect("a clip fits in the tables"));
         *self.bound_clips.entry((clip, body)).or_insert_with(|| {
             let skeleton = &scene.bodies[body].skeleton;
             let binding = match scene.retargets.contains_key(&(clip, body)) {
@@ -204,27 +204,30 @@ impl<'a> TestCrowd<'a> {
                     let (from, onto) = (&scene.bodies[scene.clips[clip].body], &scene.bodies[body]);
                     let binding =
                         Binding::retarget(source, &from.role_map(), skeleton, &onto.role_map());
-                    binding.expect("both are humanoid")
+                    binding.expect("both bodies are humanoid")
                 }
             };
-            tables.add_bound_clip(index, body_index, &binding).expect("a bound clip fits")
+            tables
+                .add_bound_clip(index, body_index, &binding)
+                .expect("a bound clip fits in the tables")
         })
     }
 
     fn mask(&mut self, body: usize, by_source: &[f32]) -> u32 {
         let skeleton = &self.scene.bodies[body].skeleton;
         let by_level = skeleton.joints().map(|j| by_source[skeleton.source_from_joint(j)]);
-        let mask = Mask::new(skeleton, by_level.collect()).expect("masks fit");
-        self.tables.add_mask(&mask).expect("a mask fits")
+        let mask =
+            Mask::new(skeleton, by_level.collect()).expect("the mask has one weight per joint");
+        self.tables.add_mask(&mask).expect("a mask fits in the tables")
     }
 
-    /// Gives the backend what changed.
+    /// Uploads all changes to the backend.
     ///
     /// # Panics
     ///
     /// If the backend fails.
     pub fn update(&mut self, backend: &mut dyn Backend) {
-        backend.update(&self.tables).expect("the backend takes the tables over");
+        backend.update(&self.tables).expect("the backend accepts the tables");
         self.tables.mark_clean();
     }
 
@@ -238,7 +241,7 @@ impl<'a> TestCrowd<'a> {
         backend.run(&self.tables, Frame::of_all(tick)).expect("the backend runs a frame");
     }
 
-    /// Runs every stage alone, in order; a whole frame where the schedule has no stages.
+    /// Runs every stage alone, in order; runs a whole frame if the schedule is not staged.
     ///
     /// # Panics
     ///

@@ -1,17 +1,17 @@
-//! What the oracle says of a crowd's members.
+//! The oracle's results for members of a crowd, with error bounds.
 
 use populace_core::TICKS_PER_SEC;
 
 use crate::oracle::{
-    OracleInertialization, OracleLayer, OraclePose, OracleSlot, OracleStand, Timing, Weighting,
-    evaluate_inertialization,
+    OracleInertialization, OracleLayer, OraclePose, OracleSampledState, OracleSlot, Timing,
+    Weighting, evaluate_inertialization,
 };
 use crate::tolerance::{
     AffineBound, LocalBound, SampleBound, UNIT, WEIGHT_ERROR, model_bounds, palette_bounds,
 };
 use crate::{Inertialization, LayerPlan, MemberPlan, Play, TestCrowd};
 
-/// What the oracle says of a member, and how far a backend may be off.
+/// The oracle's results for a member, and the bounds that a backend must keep.
 #[derive(Clone, Debug)]
 pub(crate) struct Expected {
     pub(crate) pose: OraclePose,
@@ -21,7 +21,7 @@ pub(crate) struct Expected {
 }
 
 impl<'a> TestCrowd<'a> {
-    /// The slots of a member at a time, for the oracle.
+    /// Returns the slots of a member at a tick, for the oracle.
     #[must_use]
     pub fn oracle_slots(&self, plan: &MemberPlan, tick: u64) -> Vec<OracleSlot<'a>> {
         let scene = self.scene;
@@ -38,7 +38,7 @@ impl<'a> TestCrowd<'a> {
         plan.plays.iter().map(slot).collect()
     }
 
-    /// What still inertializes of a member at a time, for the oracle.
+    /// Returns the transitions of a member at a tick, for the oracle.
     #[must_use]
     pub fn oracle_inertialization(
         &self,
@@ -46,33 +46,33 @@ impl<'a> TestCrowd<'a> {
         tick: u64,
     ) -> Vec<OracleInertialization<'a>> {
         let inertialization = |of: &Inertialization| OracleInertialization {
-            left: self.oracle_stand(&of.left, plan.body, of.tick),
-            taking: self.oracle_stand(&of.taking, plan.body, of.tick),
+            outgoing: self.sampled_state(&of.outgoing, plan.body, of.tick),
+            incoming: self.sampled_state(&of.incoming, plan.body, of.tick),
             start_tick: of.tick,
             elapsed_secs: (tick - of.tick) as f64 / TICKS_PER_SEC as f64,
             secs: of.ticks as f64 / TICKS_PER_SEC as f64,
             share: f64::from(of.share),
             share_per_sec: f64::from(of.share_per_sec),
-            layer: of.left.layer as usize,
+            layer: of.outgoing.layer as usize,
         };
         plan.inertialization.iter().map(inertialization).collect()
     }
 
-    fn oracle_stand(&self, play: &Play, body: usize, tick: u64) -> OracleStand<'a> {
+    fn sampled_state(&self, play: &Play, body: usize, tick: u64) -> OracleSampledState<'a> {
         let clip = &self.scene.clips[play.clip].clip;
-        let [secs, far_secs] = self.stand_secs(play, body, tick);
-        let way = far_secs - secs;
-        OracleStand {
+        let [secs, neighbour_secs] = self.sampled_secs(play, body, tick);
+        let distance = neighbour_secs - secs;
+        OracleSampledState {
             clip: clip.source(),
             secs,
-            far_secs,
-            pace: if way == 0.0 { 0.0 } else { play.timing.speed(tick, clip) / way },
+            neighbour_secs,
+            rate: if distance == 0.0 { 0.0 } else { play.timing.speed(tick, clip) / distance },
             retarget: self.scene.retargets.get(&(play.clip, body)),
         }
     }
 
-    /// What a member must look like; `None` where one of its clips jumps so near that either side
-    /// is right, or where only a clip's own bound holds.
+    /// Returns a member's expected results. `None` if one of its clips jumps so near to the time
+    /// that either side is right, or if only a clip's own bound holds.
     pub(crate) fn expected(&self, member: usize, tick: u64) -> Option<Expected> {
         let plan = self.plan(member);
         let clip = |play: &Play| &self.scene.clips[play.clip];
@@ -93,9 +93,9 @@ impl<'a> TestCrowd<'a> {
         Some(self.expected_within(member, tick, bound))
     }
 
-    /// Widened by what retargeted clips add up for a joint: what each rotation of the source on the
-    /// way is off by, and a product's rounding, 8 units for each of up to four products; places are
-    /// off by that as far as they hang on it.
+    /// Widens a bound by the errors that retargeted clips add for a joint: the error of each source
+    /// rotation on the way, and the rounding of up to four products, 8 units each. Positions are
+    /// off by the rotation error times the lever.
     fn with_retargets(
         &self,
         own: SampleBound,
@@ -119,7 +119,7 @@ impl<'a> TestCrowd<'a> {
                 moved += one.translation;
             }
             if reach > 0.0 {
-                // A quaternion that is off by some part turns by at most twice as much.
+                // A quaternion with an error of `e` rotates by at most `2 e`.
                 bound.translation_size = bound.translation_size.max(reach);
                 bound.translation = 2.0 * bound.rotation * reach + retarget.scale() * moved;
                 bound.translation *= 1.0 / self.least_scale(plan.body);
@@ -129,14 +129,14 @@ impl<'a> TestCrowd<'a> {
         widest
     }
 
-    /// Translations count in units of what is above; the smallest scale of any joint bounds how
-    /// long they are.
+    /// Returns the smallest scale of any joint, at most 1. Translations are in units of the parent,
+    /// so this bounds how much longer than in metres they may be.
     fn least_scale(&self, body: usize) -> f64 {
         let scales = self.scene.bodies[body].joints.iter().flat_map(|joint| joint.rest.scale);
         scales.map(f64::from).fold(1.0, f64::min)
     }
 
-    /// What a member must look like where each slot's sample is within `bound`.
+    /// Returns a member's expected results if each slot's sample is within `bound`.
     pub(crate) fn expected_within(&self, member: usize, tick: u64, bound: SampleBound) -> Expected {
         let plan = self.plan(member);
         let body = &self.scene.bodies[plan.body].oracle;
@@ -169,7 +169,7 @@ impl<'a> TestCrowd<'a> {
     }
 }
 
-/// Whether rows hold the value at a time exactly, as they do outside of all keys.
+/// Returns whether rows are exact at a time: at any of `times`, and before and after all keys.
 fn is_exact(times: &[f32], secs: f32) -> bool {
     let outside =
         times.first().is_none_or(|t| secs <= *t) || times.last().is_none_or(|t| secs >= *t);

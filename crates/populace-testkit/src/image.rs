@@ -1,60 +1,58 @@
-//! Comparison of pictures with references that are kept as PNG files.
+//! Comparison of pictures with references stored as PNG files.
 //!
-//! A missing reference, or one of another size, is a failure. `POPULACE_UPDATE=name` (or several
-//! names with commas between) writes the reference anew. On failure the picture and its difference
-//! from the reference are written beside each other to a folder.
+//! A reference that is missing or has another size is a failure. `POPULACE_UPDATE=name` (or a
+//! comma-separated list of names) rewrites references. On failure, the picture and its difference
+//! from the reference are written to a folder.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use ::image::{Rgba, RgbaImage};
 
-/// The most bytes that a reference may have.
+/// The largest allowed size of a reference file.
 const REFERENCE_BYTES: u64 = 64 * 1024;
-/// The environment variable that names the references to write anew.
+/// The environment variable that names the references to rewrite.
 const UPDATE: &str = "POPULACE_UPDATE";
 
-/// How far a picture may stray from its reference: a class of pictures, each made by a function of
-/// its own.
+/// The allowed difference from a reference, with a constructor for each class of pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// A pixel is bad where a channel differs by more than this.
+    /// A pixel is bad if a channel differs by more than this.
     pub channel_difference: u8,
-    /// The most bad pixels, as a share of all.
+    /// The allowed fraction of bad pixels.
     pub bad_share: f64,
 }
 
 impl Limits {
-    /// Pictures made by the same program on the same machine: every byte.
+    /// For pictures made by the same program on the same machine: every byte must match.
     #[must_use]
     pub const fn exact() -> Self {
         Self { channel_difference: 0, bad_share: 0.0 }
     }
 
-    /// Flat surfaces under plain light, by any version of one rasteriser: shading rounds to one
-    /// step of a channel up or down, and its gamma curve may double that; a few pixels on edges go
-    /// to the other side.
+    /// For untextured surfaces drawn by any version of one rasteriser. Shading may round by one
+    /// step of a channel, which the gamma curve may double, and a few pixels on edges may flip.
     #[must_use]
     pub const fn surfaces() -> Self {
         Self { channel_difference: 2, bad_share: 0.001 }
     }
 
-    /// Textured and far away, or by another rasteriser: filtering weights have as few as 8 bits,
-    /// and every silhouette may move by a fraction of a pixel.
+    /// For distant textured surfaces, or pictures drawn by another rasteriser. Filter weights may
+    /// have as few as 8 bits, and every silhouette may shift by a fraction of a pixel.
     #[must_use]
     pub const fn textures() -> Self {
         Self { channel_difference: 8, bad_share: 0.01 }
     }
 }
 
-/// Why a picture does not pass.
+/// The reason why a picture fails.
 #[derive(Debug)]
 pub enum Mismatch {
-    /// There is no reference.
+    /// The reference is missing.
     NoReference {
-        /// Where it should be.
+        /// The expected path of the reference.
         reference: PathBuf,
-        /// Where the picture was written.
+        /// The path of the written picture.
         actual: PathBuf,
     },
     /// The reference has another size.
@@ -66,21 +64,21 @@ pub enum Mismatch {
     },
     /// Too many bad pixels.
     Pixels {
-        /// How many differ by more than the limit.
+        /// The number of pixels that differ by more than the limit.
         bad: usize,
-        /// How many may.
+        /// The allowed number.
         allowed: usize,
-        /// The largest difference of a channel.
+        /// The largest difference of any channel.
         worst: u8,
-        /// Where the difference was written.
+        /// The path of the written difference picture.
         difference: PathBuf,
     },
-    /// A reference too large to keep.
+    /// A new reference is too large.
     TooLarge {
-        /// Its size.
+        /// Its size in bytes.
         bytes: u64,
     },
-    /// Bytes that are no picture, or a file that could not be read or written.
+    /// Bytes that are not a picture, or a file that could not be read or written.
     File(String),
 }
 
@@ -89,25 +87,22 @@ impl fmt::Display for Mismatch {
         match self {
             Self::NoReference { reference, actual } => write!(
                 f,
-                "there is no reference {}; look at {} and set {UPDATE} to its name to keep it",
+                "the reference {} is missing; check {} and set {UPDATE} to its name to accept it",
                 reference.display(),
                 actual.display()
             ),
             Self::Size { actual, reference } => {
                 let ((w, h), (rw, rh)) = (actual, reference);
-                write!(f, "the picture is {w} x {h} pixels, its reference {rw} x {rh}")
+                write!(f, "the picture has {w} x {h} pixels, its reference {rw} x {rh}")
             }
             Self::Pixels { bad, allowed, worst, difference } => write!(
                 f,
-                "{bad} pixels are off, where {allowed} may be, the worst by {worst} of 255; see {}",
+                "{bad} pixels differ, {allowed} may; the largest difference is {worst} of 255; \
+                 see {}",
                 difference.display()
             ),
             Self::TooLarge { bytes } => {
-                write!(
-                    f,
-                    "a reference of {bytes} bytes is too large to keep; the limit is \
-                     {REFERENCE_BYTES}"
-                )
+                write!(f, "a reference of {bytes} bytes exceeds the limit of {REFERENCE_BYTES}")
             }
             Self::File(what) => f.write_str(what),
         }
@@ -116,21 +111,20 @@ impl fmt::Display for Mismatch {
 
 impl std::error::Error for Mismatch {}
 
-/// Where references are kept and failures go.
+/// The folders of references and of failures.
 #[derive(Clone, Copy, Debug)]
 pub struct Folders<'a> {
     /// References, `name.png`.
     pub references: &'a Path,
-    /// On failure `name.actual.png` and `name.difference.png`.
+    /// Written on failure: `name.actual.png` and `name.difference.png`.
     pub failures: &'a Path,
 }
 
-/// Compares a picture (`width x height x 4` bytes, rows from the top) with the reference of its
-/// name.
+/// Asserts that a picture (`width x height x 4` bytes, rows from the top) matches its reference.
 ///
 /// # Panics
 ///
-/// If it does not pass.
+/// If the comparison fails.
 #[track_caller]
 pub fn assert_picture(
     name: &str,
@@ -145,11 +139,11 @@ pub fn assert_picture(
     }
 }
 
-/// Compares a picture with the reference of its name.
+/// Compares a picture with its reference.
 ///
 /// # Errors
 ///
-/// [`Mismatch`] says what differs and where to look.
+/// [`Mismatch`] states the difference and the files written.
 pub fn compare_picture(
     name: &str,
     width: u32,
@@ -163,7 +157,7 @@ pub fn compare_picture(
     let picture = RgbaImage::from_raw(width, height, rgba.to_vec())
         .filter(|picture| picture.len() == bytes)
         .ok_or_else(|| {
-            Mismatch::File(format!("{bytes} bytes are no {width} x {height} picture"))
+            Mismatch::File(format!("{bytes} bytes are not a picture of {width} x {height} pixels"))
         })?;
     compare(name, &picture, limits, folders, &update)
 }
@@ -177,7 +171,7 @@ fn compare(
 ) -> Result<(), Mismatch> {
     let reference_path = folders.references.join(format!("{name}.png"));
     if update.split(',').any(|wanted| wanted == name) {
-        return keep(actual, &reference_path);
+        return write_reference(actual, &reference_path);
     }
     let actual_path = folders.failures.join(format!("{name}.actual.png"));
     if !reference_path.exists() {
@@ -213,7 +207,7 @@ struct Difference {
     bad: usize,
     allowed: usize,
     worst: u8,
-    /// Bad pixels red, the rest brighter the more they differ.
+    /// Bad pixels are red; the others are gray, brighter the more they differ.
     picture: RgbaImage,
 }
 
@@ -249,8 +243,8 @@ fn save(picture: &RgbaImage, path: &Path) -> Result<(), Mismatch> {
     picture.save(path).map_err(|error| fail(&error))
 }
 
-/// Writes a reference anew.
-fn keep(picture: &RgbaImage, path: &Path) -> Result<(), Mismatch> {
+/// Writes a reference.
+fn write_reference(picture: &RgbaImage, path: &Path) -> Result<(), Mismatch> {
     save(picture, path)?;
     let bytes = std::fs::metadata(path)
         .map_err(|error| Mismatch::File(format!("{}: {error}", path.display())))?
@@ -266,7 +260,7 @@ fn keep(picture: &RgbaImage, path: &Path) -> Result<(), Mismatch> {
 mod tests {
     use super::*;
 
-    /// A folder of its own for each test, gone afterwards.
+    /// A folder per test, removed afterwards.
     struct Scratch(PathBuf);
 
     impl Scratch {
@@ -297,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_reference_fails_and_shows_the_picture() {
+    fn missing_reference_fails_and_writes_the_picture() {
         let scratch = Scratch::new("missing");
         let error = scratch.check(&gray(4, 4), Limits::exact(), "grayish,other").unwrap_err();
         assert!(error.to_string().contains("POPULACE_UPDATE"), "{error}");
@@ -305,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn an_update_by_name_writes_the_reference_which_then_passes() {
+    fn update_by_name_writes_the_reference() {
         let scratch = Scratch::new("update");
         scratch.check(&gray(4, 4), Limits::exact(), "other,gray").unwrap();
         scratch.check(&gray(4, 4), Limits::exact(), "").unwrap();
@@ -313,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn another_size_fails() {
+    fn different_size_fails() {
         let scratch = Scratch::new("size");
         scratch.check(&gray(4, 4), Limits::textures(), "gray").unwrap();
         let error = scratch.check(&gray(4, 5), Limits::textures(), "").unwrap_err();
@@ -321,15 +315,15 @@ mod tests {
     }
 
     #[test]
-    fn both_limits_count() {
+    fn both_limits_are_enforced() {
         let scratch = Scratch::new("limits");
         let mut picture = gray(100, 20);
         scratch.check(&picture, Limits::exact(), "gray").unwrap();
-        // Every pixel a little: within the channel's limit.
+        // Every pixel differs slightly, within the channel limit.
         picture.pixels_mut().for_each(|p| p.0[1] += 2);
         scratch.check(&picture, Limits::surfaces(), "").unwrap();
         assert!(scratch.check(&picture, Limits::exact(), "").is_err());
-        // 2,000 pixels allow for two bad ones.
+        // Of 2,000 pixels two may be bad.
         picture.put_pixel(0, 0, Rgba([0, 0, 0, 255]));
         picture.put_pixel(1, 0, Rgba([0, 0, 0, 255]));
         scratch.check(&picture, Limits::surfaces(), "").unwrap();
@@ -341,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reference_too_large_to_keep_is_refused() {
+    fn oversized_reference_is_refused() {
         let scratch = Scratch::new("large");
         let mut rng = crate::Rng::new(5);
         let mut noise = gray(200, 200);
@@ -353,8 +347,8 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "15 bytes are no 2 x 2 picture")]
-    fn bytes_that_are_no_picture_fail() {
+    #[should_panic(expected = "15 bytes are not a picture of 2 x 2 pixels")]
+    fn wrong_byte_count_fails() {
         let folder = std::env::temp_dir();
         let folders = Folders { references: &folder, failures: &folder };
         assert_picture("gray", 2, 2, &[0; 15], Limits::exact(), folders);

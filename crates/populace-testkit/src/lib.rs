@@ -1,12 +1,12 @@
-//! The judges of Populace: a double-precision [`oracle`], the [`conformance`] suite that every
-//! device and schedule runs against it, and the comparison of [`image`]s.
+//! Test support for Populace: a double-precision [`oracle`], the [`conformance`] suite that
+//! compares every device and schedule with it, and [`image`] comparison.
 //!
-//! The oracle is written from the glTF 2.0 equations and the rules of blending, one character at a
-//! time and recursively. It shares no sampling, blending or hierarchy code with what it judges. How
-//! far a device may stray from it is stated in [`tolerance`], each bound with its derivation.
-//! [`scenes`] makes the skeletons and clips.
+//! The oracle implements the glTF 2.0 equations and the blending rules recursively, one character
+//! at a time. It shares no sampling, blending or hierarchy code with the backends. [`tolerance`]
+//! states the allowed error of each number, with its derivation. [`scenes`] generates the skeletons
+//! and clips.
 //!
-//! A crate that implements a backend runs the whole suite by one line:
+//! A crate that implements a backend runs the whole suite with one macro call:
 //!
 //! ```text
 //! mod conformance {
@@ -16,7 +16,7 @@
 
 #![expect(
     clippy::print_stdout,
-    reason = "the numbers compared are for those who run tests with --nocapture"
+    reason = "each check prints its statistics for runs with --nocapture"
 )]
 
 mod broken;
@@ -38,11 +38,8 @@ pub use plan::{Inertialization, LayerPlan, MemberPlan, Play};
 pub use reading::MemberReading;
 pub use rng::Rng;
 
-/// The nearest single-precision number.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
+/// Rounds to the nearest single-precision number.
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
 pub(crate) fn single(x: f64) -> f32 {
     x as f32
 }

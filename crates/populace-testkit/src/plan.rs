@@ -1,10 +1,10 @@
-//! Members under test, planned in plain words.
+//! Descriptions of the members under test.
 
 use populace_core::{LayerMode, TICKS_PER_SEC};
 
 use crate::oracle::{Timing, Weighting};
 
-/// Ticks of one frame at 60 Hz.
+/// Ticks per frame at 60 Hz.
 pub(crate) const FRAME_TICKS: u64 = TICKS_PER_SEC / 60;
 
 /// A playing clip.
@@ -12,60 +12,60 @@ pub(crate) const FRAME_TICKS: u64 = TICKS_PER_SEC / 60;
 pub struct Play {
     /// Index into [`Scene::clips`](crate::scenes::Scene::clips).
     pub clip: usize,
-    /// When it shows what.
+    /// Clip time by the clock.
     pub timing: Timing,
-    /// How much it weighs.
+    /// Weight by the clock.
     pub weighting: Weighting,
-    /// Its layer.
+    /// Index of the layer.
     pub layer: u32,
 }
 
 impl Play {
-    /// A clip that stands at a time, of weight 1, in layer 0.
+    /// Holds a clip at a time, with weight 1 in layer 0.
     #[must_use]
     pub fn held(clip: usize, secs: f32) -> Self {
         Self { clip, timing: Timing::Held { secs }, weighting: Weighting::Constant(1.0), layer: 0 }
     }
 
-    /// With another weight.
+    /// Replaces the weight.
     #[must_use]
-    pub fn weighing(self, weight: f32) -> Self {
+    pub fn with_weight(self, weight: f32) -> Self {
         let weighting = Weighting::Constant(weight);
         Self { weighting, ..self }
     }
 
-    /// On another layer.
+    /// Replaces the layer.
     #[must_use]
     pub fn on_layer(self, layer: u32) -> Self {
         Self { layer, ..self }
     }
 }
 
-/// A clip that was left at once, and still inertializes.
+/// A transition by inertialization from one clip to another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertialization {
-    /// What was left; it does not play on.
-    pub left: Play,
-    /// What took its place.
-    pub taking: Play,
-    /// The clock then.
+    /// The outgoing clip, held at `tick`.
+    pub outgoing: Play,
+    /// The incoming clip, held at `tick`.
+    pub incoming: Play,
+    /// The clock at the start.
     pub tick: u64,
-    /// In which it inertializes.
+    /// Ticks in which the offset decays.
     pub ticks: u64,
-    /// Its part of what the layer showed.
+    /// The outgoing clip's share of the layer at the start.
     pub share: f32,
-    /// By how much that changed in a second.
+    /// The rate of change of that share.
     pub share_per_sec: f32,
 }
 
 /// A layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerPlan {
-    /// How it meets what lies beneath.
+    /// How the layer is combined with the layers below.
     pub mode: LayerMode,
     /// From 0 to 1.
     pub weight: f32,
-    /// A weight per joint, in the order of the source.
+    /// A weight per joint, in source order.
     pub mask: Option<Vec<f32>>,
 }
 
@@ -82,21 +82,23 @@ pub struct MemberPlan {
     pub body: usize,
     /// Its slots, in order.
     pub plays: Vec<Play>,
-    /// The slots after those, each in the layer of what was left.
+    /// Its slots after `plays`, each in the layer of the outgoing clip.
     pub inertialization: Vec<Inertialization>,
     /// Its layers, at least one.
     pub layers: Vec<LayerPlan>,
 }
 
 impl MemberPlan {
-    /// All of whose clips something shows, and the clock for those whose time stands.
+    /// Returns all plays that affect the pose, each with the tick at which it is sampled.
     pub(crate) fn shown(&self, tick: u64) -> impl Iterator<Item = (&Play, u64)> {
-        let stand =
-            self.inertialization.iter().flat_map(|s| [(&s.left, s.tick), (&s.taking, s.tick)]);
-        self.plays.iter().map(move |play| (play, tick)).chain(stand)
+        let held = self
+            .inertialization
+            .iter()
+            .flat_map(|of| [(&of.outgoing, of.tick), (&of.incoming, of.tick)]);
+        self.plays.iter().map(move |play| (play, tick)).chain(held)
     }
 
-    /// A member with one plain layer.
+    /// Describes a member with one default layer.
     #[must_use]
     pub fn plain(body: usize, plays: Vec<Play>) -> Self {
         let layers = vec![LayerPlan::default()];

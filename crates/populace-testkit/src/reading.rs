@@ -1,11 +1,11 @@
-//! What a backend computed, member by member.
+//! Readback of a member's pose from a backend.
 
 use populace_core::layout::Float4;
 use populace_core::{Backend, StageBuffer};
 
 use crate::TestCrowd;
 
-/// What a backend computed for a member; joints in the order of the source.
+/// The results of a backend for one member; joints in source order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MemberReading {
     /// Local translations, metres.
@@ -28,7 +28,7 @@ impl TestCrowd<'_> {
     /// If the backend fails, or there is no such member.
     pub fn read_palette(&self, backend: &mut dyn Backend, member: usize) -> Vec<[f32; 12]> {
         let plan = self.plan(member);
-        let first = 3 * self.tables.members().as_slice()[self.place(member) as usize].palette_first
+        let first = 3 * self.tables.members().as_slice()[self.index(member) as usize].palette_first
             as usize;
         let mut rows = vec![Float4::default(); 3 * self.scene.bodies[plan.body].palette.len()];
         if !rows.is_empty() {
@@ -39,7 +39,7 @@ impl TestCrowd<'_> {
         rows.chunks(3).map(|r| flat([r[0], r[1], r[2]])).collect()
     }
 
-    /// Reads all that a backend computed for a member.
+    /// Reads all results of a backend for a member.
     ///
     /// # Panics
     ///
@@ -62,7 +62,7 @@ impl TestCrowd<'_> {
         }
     }
 
-    /// A member's elements of a joint-wise buffer, in the order of the source.
+    /// Reads a member's elements of a per-joint buffer, in source order.
     fn read_joints(
         &self,
         backend: &mut dyn Backend,
@@ -71,7 +71,7 @@ impl TestCrowd<'_> {
     ) -> Vec<Float4> {
         let skeleton = &self.scene.bodies[self.plan(member).body].skeleton;
         let first =
-            self.tables.members().as_slice()[self.place(member) as usize].joint_first as usize;
+            self.tables.members().as_slice()[self.index(member) as usize].joint_first as usize;
         let mut by_level = vec![Float4::default(); skeleton.joint_count()];
         backend.read(&self.tables, buffer, first, &mut by_level).expect("joints can be read");
         (0..skeleton.joint_count())
@@ -79,7 +79,7 @@ impl TestCrowd<'_> {
             .collect()
     }
 
-    /// Writes a member's elements of a joint-wise buffer, given in the order of the source.
+    /// Writes a member's elements of a per-joint buffer, given in source order.
     ///
     /// # Panics
     ///
@@ -93,7 +93,7 @@ impl TestCrowd<'_> {
     ) {
         let skeleton = &self.scene.bodies[self.plan(member).body].skeleton;
         let first =
-            self.tables.members().as_slice()[self.place(member) as usize].joint_first as usize;
+            self.tables.members().as_slice()[self.index(member) as usize].joint_first as usize;
         let by_level: Vec<_> =
             skeleton.joints().map(|j| Float4(by_source[skeleton.source_from_joint(j)])).collect();
         backend.write(buffer, first, &by_level).expect("joints can be written");

@@ -1,9 +1,9 @@
-//! How far a device may stray from the oracle, each bound with its derivation.
+//! The allowed error of devices against the oracle, each bound with its derivation.
 //!
-//! `u` is half a unit in the last place of a single-precision 1, 2^-24. Each `+ - *` rounds by at
-//! most `u` of its result, and so do `sqrt` and `/` on a CPU; OpenCL allows 3 and 2.5 units in the
-//! last place (OpenCL 1.2, section 7.4), 6 `u` and 5 `u`. Errors are added up to first order and
-//! constants are rounded up.
+//! `u` is half a unit in the last place of a single-precision 1: 2^-24. Each `+`, `-` and `*`
+//! rounds by at most `u` of its result, and so do `sqrt` and `/` on a CPU. OpenCL allows 3 and 2.5
+//! units in the last place for `sqrt` and `/` (OpenCL 1.2, section 7.4), which are 6 `u` and 5 `u`.
+//! Errors are summed to first order, and constants are rounded up.
 
 mod matrices;
 
@@ -16,61 +16,71 @@ pub use matrices::{AffineBound, model_bounds, palette_bounds};
 /// Half a unit in the last place of 1, in single precision.
 pub const UNIT: f64 = 1.0 / 16_777_216.0;
 
-/// No local transform is compared with a bound above this (quaternion components, factors, metres):
-/// where a bound is wider, for instance since two rotations nearly cancel, the joint is left out,
-/// and a check fails if it leaves out many.
+/// The largest bound for local transforms (quaternion components, factors, metres). A joint with a
+/// wider bound is skipped, for instance where two rotations nearly cancel. A check that skips many
+/// joints fails.
 pub const LOCAL_CAP: f64 = 4e-5;
 
-/// No model matrix or palette is compared with a bound above this (metres and columns alike), other
-/// than where a clip's own bound decides.
+/// The largest bound for model matrices and palettes, in metres and for columns. It does not apply
+/// where a clip's own bound decides.
 pub const MODEL_CAP: f64 = 2e-3;
 
-/// The cap of matrices where Transform or Write-back runs alone, so that only rounding is left.
+/// The largest bound for matrices if Transform or Write-back runs alone, so that the only error is
+/// rounding.
 pub const ROUNDING_CAP: f64 = 1e-4;
 
-/// How much wider both caps are where clips turn far between keys and the layers above magnify
-/// that.
+/// The factor by which both caps are wider for clips with large rotations between keys, which
+/// layers above magnify.
 pub const COARSE: f64 = 25.0;
 
-/// Rounding of rotations in Pose, as four-component vectors: stored rows and rest (1 `u` each, 2),
-/// interpolation between two rows (3), normalising (dot 4, halved by the root; root 6; quotient 5;
-/// product 1: 14), weight and share (3), one product and one sum for each slot (2), normalising the
-/// mix (14), with 4 to spare.
+/// Returns the rounding error of rotations in Pose, as four-component vectors.
+///
+/// In `u`: stored rows and rest (1 each: 2), interpolation between two rows (3), normalising (dot
+/// 4, halved by the root; root 6; quotient 5; product 1: 14), weight and share (3), one product and
+/// one sum for each slot (2), normalising the mix (14), and a margin of 4.
 #[must_use]
 pub fn rotation_rounding(slots: usize) -> f64 {
     (2 * slots + 40) as f64 * UNIT
 }
 
-/// Rounding of translations and scales in Pose, in proportion to the largest value: stored (2),
-/// interpolated (3), a product and a sum for each slot (2), divided by the total, whose own sum
-/// rounds for each slot (1), or a ratio (5), laid over (4), with 4 to spare.
+/// Returns the rounding error of translations and scales in Pose, relative to the largest value.
+///
+/// In `u`: stored (2), interpolated (3), a product and a sum for each slot (2), the total weight's
+/// sum for each slot (1), the division by it or a ratio (5), blending over the layers below (4),
+/// and a margin of 4.
 #[must_use]
 pub fn value_rounding(slots: usize) -> f64 {
     (3 * slots + 18) as f64 * UNIT
 }
 
-/// How far a slot's time may be off. The phase keeps 24 bits, cut off, not rounded: one part in
-/// 2^24 of the duration, 2 `u`; three roundings of times up to the clip's end (3); finding how far
-/// between two rows a time lies subtracts two rounded times (2). The duration itself is taken as
-/// the clip states it.
+/// Returns the largest error of a slot's time.
+///
+/// In `u`: the phase is truncated to 24 bits, one part in 2^24 of the duration (2); three roundings
+/// of times up to the clip's end (3); the fraction between two rows subtracts two rounded times
+/// (2). The duration is taken as the clip states it.
 #[must_use]
 pub fn time_error_secs(clip: &Clip) -> f64 {
     8.0 * UNIT * (f64::from(clip.start_secs()).abs() + f64::from(clip.duration_secs()))
 }
 
-/// How far a held time may be off: it is exact itself, and so are the times of rows; the time
-/// passed since the first row, the rate of evenly spaced rows and their product round once each
-/// (3), and such rows may be a rounding away from an even grid (1).
+/// Returns the largest error of a held time.
+///
+/// The time itself is exact, and so are the times of rows. In `u`: the time since the first row,
+/// the rate of evenly spaced rows and their product round once each (3), and such rows may be one
+/// rounding away from an even grid (1).
 #[must_use]
 pub fn held_time_error_secs(clip: &Clip) -> f64 {
     0.5 * time_error_secs(clip)
 }
 
-/// How far a weight that ramps may be off: the elapsed time rounds three times (3), the rate once
-/// (1), product and sum (2), with ramps between 0 and 1, in `u`; 2 to spare.
+/// The largest error of a weight that ramps between 0 and 1.
+///
+/// In `u`: the elapsed time rounds three times (3), the rate once (1), product and sum (2), and a
+/// margin of 2.
 pub const WEIGHT_ERROR: f64 = 8.0 * UNIT;
 
-/// How far one slot's sampled value may be from the source curves, apart from the rounding in Pose.
+/// The largest distance of a slot's sampled value from the source curves, without the rounding in
+/// Pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampleBound {
     /// Metres.
@@ -86,21 +96,22 @@ pub struct SampleBound {
 }
 
 impl SampleBound {
-    /// Of a clip held at the times of its keys, where rows are exact.
+    /// Returns the bound of a clip held at its key times, where rows are exact.
     #[must_use]
     pub fn at_keys(clip: &Clip) -> Self {
         Self::of_time(clip, held_time_error_secs(clip))
     }
 
-    /// An error in time moves the value by the steepest slope.
+    /// Returns the bound for an error in time, which changes the value by at most the steepest
+    /// slope times that error.
     fn of_time(clip: &Clip, time: f64) -> Self {
         let mut bound = Self::default();
         for track in &clip.source().tracks {
-            let slip = steepest_per_sec(track) * time;
+            let shift = steepest_per_sec(track) * time;
             match track.property {
-                Property::Translation => bound.translation = bound.translation.max(slip),
-                Property::Rotation => bound.rotation = bound.rotation.max(slip),
-                Property::Scale => bound.scale = bound.scale.max(slip),
+                Property::Translation => bound.translation = bound.translation.max(shift),
+                Property::Rotation => bound.rotation = bound.rotation.max(shift),
+                Property::Scale => bound.scale = bound.scale.max(shift),
             }
             let largest = track.values.iter().fold(0.0, |a: f32, v| a.max(v.abs()));
             match track.property {
@@ -114,11 +125,11 @@ impl SampleBound {
         bound
     }
 
-    /// Of a clip at any time; `None` where only the clip's bound in model space holds, since some
-    /// track is a spline or turns far between two keys.
+    /// Returns the bound of a clip at any time. `None` if only the clip's bound in model space
+    /// holds, because a track is a spline or rotates far between two keys.
     ///
-    /// Rows stand at the union of key times, so what is left is a chord in place of an arc:
-    /// normalised linear interpolation over an arc `a` (between the quaternions) lags behind slerp
+    /// Rows are stored at all key times, so the only error is that of a chord in place of an arc:
+    /// normalised linear interpolation over an arc `a` (between the quaternions) differs from slerp
     /// by at most `a^3 t (1 - t) (1 - 2 t) / 6 <= 0.0161 a^3` (series of the tangent formula);
     /// 0.017 covers the next terms.
     #[must_use]
@@ -133,8 +144,8 @@ impl SampleBound {
         Some(bound)
     }
 
-    /// Widened for a joint by the steps that clips store its values in: at most half a step of the
-    /// joint's own range, as the clips' own tests hold them to.
+    /// Widens the bound for a joint by the quantisation of its stored values: at most half a step
+    /// of the joint's own range, which the tests of clips hold.
     #[must_use]
     pub fn with_storage<'a>(mut self, joint: &str, clips: impl Iterator<Item = &'a Clip>) -> Self {
         let mut worst = [0.0; 3];
@@ -149,7 +160,7 @@ impl SampleBound {
         self
     }
 
-    /// The wider of both.
+    /// Returns the wider of two bounds.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -161,9 +172,9 @@ impl SampleBound {
         }
     }
 
-    /// Widened by weights that are off by `error` each, where `slots` of them sum to `total`:
-    /// shares move by at most `slots * error / total`, and with them the mix by that times the
-    /// distance of two values, at most 2 between unit quaternions and twice the largest value
+    /// Widens the bound for weights with an error of `error` each, where `slots` of them sum to
+    /// `total`. Shares change by at most `slots * error / total`, and the mix by that times the
+    /// distance of two values: at most 2 between unit quaternions, twice the largest value
     /// elsewhere.
     #[must_use]
     pub fn with_weight_error(mut self, error: f64, slots: usize, total: f64) -> Self {
@@ -175,8 +186,8 @@ impl SampleBound {
     }
 }
 
-/// The widest arc between two neighbouring rotation keys that are slerped, as angle between the
-/// quaternions; `None` if there are splines.
+/// Returns the widest arc between two neighbouring LINEAR rotation keys, as the angle between the
+/// quaternions. `None` if there are splines.
 fn widest_arc(source: &ClipSource) -> Option<f64> {
     let mut widest: f64 = 0.0;
     for track in &source.tracks {
@@ -193,7 +204,7 @@ fn widest_arc(source: &ClipSource) -> Option<f64> {
     Some(widest)
 }
 
-/// The arc between a rotation key and the one before it.
+/// Returns the arc between a rotation key and the one before it.
 fn arc(track: &Track, key: usize) -> f64 {
     let quat = |key| {
         glam::DVec4::from_array(std::array::from_fn(|c| f64::from(track.value(key)[c]))).normalize()
@@ -201,9 +212,11 @@ fn arc(track: &Track, key: usize) -> f64 {
     quat(key - 1).dot(quat(key)).abs().min(1.0).acos()
 }
 
-/// The steepest slope of a track, per second. For splines: the slopes of the four Hermite
-/// polynomials are at most 1.5, 1.5, 1 and 1, per value and tangent; a rotation's slope grows again
-/// where its length is below 1, by at most 2 here.
+/// Returns the steepest slope of a track, per second.
+///
+/// For splines, the slopes of the four Hermite polynomials are at most 1.5, 1.5, 1 and 1, per value
+/// and tangent. Normalising a rotation whose length is below 1 steepens its slope, by a factor of
+/// at most 2 in the generated clips.
 fn steepest_per_sec(track: &Track) -> f64 {
     let width = track.property.width();
     let mut steepest: f64 = 0.0;
@@ -234,7 +247,7 @@ fn distance(a: &[f32], b: &[f32]) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// How far one joint's local transform may be off.
+/// The largest error of one joint's local transform.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LocalBound {
     /// Metres.
@@ -246,10 +259,9 @@ pub struct LocalBound {
 }
 
 impl LocalBound {
-    /// A joint's bound after Pose has mixed `slots` slots that are each within `sample`.
+    /// Returns a joint's bound after Pose has mixed `slots` slots that are each within `sample`.
     ///
-    /// What is off in a sample, and the rounding on the way, grows by the oracle's gain for that
-    /// joint.
+    /// The error of a sample, and the rounding on the way, grow by the oracle's gain for the joint.
     #[must_use]
     pub fn after_pose(sample: &SampleBound, rest: &Local, gain: &Gain, slots: usize) -> Self {
         let translation_size = sample.translation_size.max(rest.translation.abs().max_element());
@@ -270,7 +282,7 @@ mod tests {
     use crate::oracle::slerp;
 
     #[test]
-    fn a_chord_lags_behind_its_arc_by_no_more_than_stated() {
+    fn chord_stays_within_its_stated_distance_of_the_arc() {
         let mut worst: f64 = 0.0;
         let to = DQuat::from_rotation_x(2.0 * 0.15);
         for step in 0..=1000 {

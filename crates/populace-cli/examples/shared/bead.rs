@@ -1,4 +1,4 @@
-//! Something to mark a place by.
+//! A bead that marks a position.
 
 use populace::core::{
     Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
@@ -6,7 +6,8 @@ use populace::core::{
 };
 use populace::{Affine, JointIndex, Trs};
 
-/// An octahedron as a character of one joint, of so many metres from its middle to each corner.
+/// Creates an octahedron as a character of one joint. `size` is the distance in metres from the
+/// centre to each corner.
 pub(crate) fn bead(
     name: &str,
     size: f32,

@@ -1,4 +1,4 @@
-//! What the examples share: a picture of a crowd.
+//! Drawing of a crowd, shared by the examples.
 
 use std::error::Error;
 
@@ -6,13 +6,15 @@ use populace::Crowd;
 use populace::core::Character;
 use populace_render::{Camera, Instance, Renderer, Scene, write_png};
 
-/// The first argument, or a name of our own in the current folder.
+/// Returns the first argument, or a default name in the current folder.
 pub(crate) fn output(name: &str) -> String {
     std::env::args().nth(1).unwrap_or_else(|| name.to_owned())
 }
 
-/// Draws the crowd as of its last update, framed by the points named, without a window.
-/// `characters` are the crowd's, in the order in which they were added.
+/// Draws the crowd in the state of its last update into a PNG file, without a window.
+///
+/// `characters` are the crowd's, in the order in which they were added. The camera shows all
+/// `points`.
 pub(crate) fn draw(
     crowd: &mut Crowd,
     characters: &[&Character],

@@ -1,4 +1,4 @@
-//! Things to hold and to wear.
+//! Props to hold and to wear.
 
 use std::f32::consts::TAU;
 
@@ -8,15 +8,14 @@ use populace::core::{
 };
 use populace::{Affine, JointIndex, Trs};
 
-/// Corners of a ring.
-const AROUND: u16 = 24;
+/// Number of corners of a ring.
+const RING_CORNERS: u16 = 24;
 
-/// A piece of a prop: its linear colour, and its outline from one end to the other as radius and
-/// height, in metres.
+/// A piece of a prop: its linear colour, and its outline as pairs of radius and height in metres.
 pub(crate) type Piece<'a> = ([f32; 3], &'a [[f32; 2]]);
 
-/// A character of one joint made of pieces that are turned about +Y, as on a lathe.
-pub(crate) fn turned(name: &str, pieces: &[Piece]) -> Result<Character, populace::core::Error> {
+/// Creates a character of one joint from pieces that are surfaces of revolution about +Y.
+pub(crate) fn revolved(name: &str, pieces: &[Piece]) -> Result<Character, populace::core::Error> {
     let joint = JointSource { name: name.into(), parent: None, rest: Trs::IDENTITY };
     let part = |(piece, (_, outline)): (usize, &Piece)| Part {
         node: 0,
@@ -42,15 +41,16 @@ pub(crate) fn turned(name: &str, pieces: &[Piece]) -> Result<Character, populace
     })
 }
 
-/// Each stretch of the outline has two rings of its own, so that edges stay sharp.
+/// Creates the mesh of a piece. Each segment of the outline has two rings of its own, so that edges
+/// stay sharp.
 fn mesh(outline: &[[f32; 2]]) -> Mesh {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
-    for (stretch, ends) in (0_u32..).zip(outline.windows(2)) {
+    for (segment, ends) in (0_u32..).zip(outline.windows(2)) {
         let along = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
         let length = along[0].hypot(along[1]);
         for [radius, height] in [ends[0], ends[1]] {
-            for corner in 0..AROUND {
-                let (sin, cos) = (f32::from(corner) / f32::from(AROUND) * TAU).sin_cos();
+            for corner in 0..RING_CORNERS {
+                let (sin, cos) = (f32::from(corner) / f32::from(RING_CORNERS) * TAU).sin_cos();
                 positions.push([radius * cos, height, radius * sin]);
                 normals.push([
                     along[1] / length * cos,
@@ -59,11 +59,11 @@ fn mesh(outline: &[[f32; 2]]) -> Mesh {
                 ]);
             }
         }
-        let first = stretch * 2 * u32::from(AROUND);
-        for corner in 0..u32::from(AROUND) {
-            let next = (corner + 1) % u32::from(AROUND);
+        let first = segment * 2 * u32::from(RING_CORNERS);
+        for corner in 0..u32::from(RING_CORNERS) {
+            let next = (corner + 1) % u32::from(RING_CORNERS);
             let [a, b] = [first + corner, first + next];
-            let [c, d] = [a, b].map(|low| low + u32::from(AROUND));
+            let [c, d] = [a, b].map(|low| low + u32::from(RING_CORNERS));
             indices.extend([a, c, b, b, c, d]);
         }
     }

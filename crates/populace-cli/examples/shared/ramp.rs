@@ -1,4 +1,4 @@
-//! Something to stand on.
+//! A ramp to stand on.
 
 use populace::core::{
     Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
@@ -6,8 +6,8 @@ use populace::core::{
 };
 use populace::{Affine, JointIndex, Trs};
 
-/// A ramp as a character of one joint: 8 m wide, 3 m deep, rising towards +X by so many metres for
-/// each.
+/// Creates a ramp as a character of one joint: 8 m wide, 3 m deep, rising towards +X by `rise`
+/// metres per metre.
 pub(crate) fn ramp(rise: f32) -> Result<Character, populace::core::Error> {
     let joint = JointSource { name: "ramp".into(), parent: None, rest: Trs::IDENTITY };
     let corner = |x: f32, z: f32| [4.0 * x, 4.0 * x * rise, 1.5 * z];

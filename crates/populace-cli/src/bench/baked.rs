@@ -1,7 +1,7 @@
-//! Palettes looked up instead of computed, as many crowds have them: the price of playback alone,
-//! and the measure of what control costs. A member plays one clip and nothing else: two clips
-//! cannot be blended once hierarchy and binds are in the palettes, nor can a joint be masked or
-//! moved.
+//! Baked palettes: looked up in tables instead of computed, as in many crowd renderers.
+//!
+//! They show the cost of playback alone. A member plays one clip. Baked palettes include the
+//! hierarchy and bind matrices, so clips cannot be blended, and joints cannot be masked or moved.
 
 use populace::core::Affine;
 use populace::{Crowd, Device, Error, Placement, Play, Schedule};
@@ -9,91 +9,94 @@ use rayon::prelude::*;
 
 use super::scene::Scene;
 
+/// Rows per second of clip time.
 const ROWS_PER_SEC: f64 = 30.0;
-/// Members that a thread takes at a time.
-const RUN: usize = 256;
+/// Number of members in a batch of one thread.
+const BATCH_MEMBERS: usize = 256;
 
-/// Palettes of all members, from tables that they share.
+/// The palettes of all members, and the tables that they share.
 pub(crate) struct Baked {
     tables: Vec<Table>,
-    actors: Vec<Actor>,
+    members: Vec<BakedMember>,
     palettes: Vec<Affine>,
-    /// Palette entries of each run of members.
-    run_entries: Vec<usize>,
+    /// Number of palette entries of each batch of members.
+    batch_entries: Vec<usize>,
 }
 
-/// One clip of one character: palettes at evenly spaced times from its start to its end.
+/// The table of one clip of one character: palettes at evenly spaced times from start to end.
 struct Table {
     rows: Vec<Affine>,
     entries: usize,
     duration_secs: f64,
 }
 
-/// What baked palettes cost beside what clips take otherwise.
+/// Sizes of baked tables, and of the same clips as rows.
 #[derive(Clone, Copy)]
 pub(crate) struct TableSizes {
     pub(crate) clips: usize,
-    /// Of all tables; every model needs its own of every clip.
+    /// Bytes of all tables. Each pair of character and clip has its own.
     pub(crate) bytes: usize,
-    /// Of the same clips as rows, which any model can play.
+    /// Bytes of the same clips as rows, which any character can play.
     pub(crate) row_bytes: usize,
 }
 
-/// A member.
-struct Actor {
+/// A member's table and starting phase.
+struct BakedMember {
     table: u32,
     start_phase: f32,
 }
 
 impl Baked {
-    /// Computes the tables with the native device, and lets each member play its first clip.
+    /// Computes the tables on the native device, and plays the first clip of each member.
     pub(crate) fn new(scene: &Scene) -> Result<Self, Error> {
-        let (mut tables, mut firsts) = (Vec::new(), Vec::new());
-        for kind in 0..scene.characters.len() {
-            firsts.push(tables.len());
-            tables.extend(bake(scene, kind)?);
+        let (mut tables, mut first_tables) = (Vec::new(), Vec::new());
+        for index in 0..scene.characters.len() {
+            first_tables.push(tables.len());
+            tables.extend(bake(scene, index)?);
         }
-        let actor = |member: usize| {
-            let slot = scene.played(member).next();
+        let member = |member: usize| {
+            let slot = scene.initial_slots(member).next();
             let (clip, start_phase) = slot.map_or((0, 0.0), |slot| (slot.clip, slot.phase));
-            let table = u32::try_from(firsts[scene.kind(member)] + clip).unwrap_or(0);
-            Actor { table, start_phase }
+            let first = first_tables[scene.character_index(member)];
+            let table = u32::try_from(first + clip).unwrap_or(0);
+            BakedMember { table, start_phase }
         };
-        let actors: Vec<_> = (0..scene.member_count).map(actor).collect();
-        let entries = |actor: &Actor| tables[actor.table as usize].entries;
-        let run_entries: Vec<usize> =
-            actors.chunks(RUN).map(|run| run.iter().map(entries).sum()).collect();
-        let palettes = vec![Affine::IDENTITY; run_entries.iter().sum()];
-        Ok(Self { tables, actors, palettes, run_entries })
+        let members: Vec<_> = (0..scene.member_count).map(member).collect();
+        let entries = |member: &BakedMember| tables[member.table as usize].entries;
+        let batches = members.chunks(BATCH_MEMBERS);
+        let batch_entries: Vec<usize> =
+            batches.map(|batch| batch.iter().map(entries).sum()).collect();
+        let palettes = vec![Affine::IDENTITY; batch_entries.iter().sum()];
+        Ok(Self { tables, members, palettes, batch_entries })
     }
 
     /// Writes all palettes.
     pub(crate) fn update(&mut self, secs: f64) {
-        let (tables, mut left) = (&self.tables, self.palettes.as_mut_slice());
-        let mut runs = Vec::with_capacity(self.run_entries.len());
-        for (actors, entries) in self.actors.chunks(RUN).zip(&self.run_entries) {
-            let (run, rest) = left.split_at_mut(*entries);
-            runs.push((actors, run));
-            left = rest;
+        let (tables, mut remaining) = (&self.tables, self.palettes.as_mut_slice());
+        let mut batches = Vec::with_capacity(self.batch_entries.len());
+        for (members, entries) in self.members.chunks(BATCH_MEMBERS).zip(&self.batch_entries) {
+            let (palettes, rest) = remaining.split_at_mut(*entries);
+            batches.push((members, palettes));
+            remaining = rest;
         }
-        runs.into_par_iter().for_each(|(actors, mut run)| {
-            for actor in actors {
-                let table = &tables[actor.table as usize];
-                let (palette, rest) = run.split_at_mut(table.entries);
-                table.write(f64::from(actor.start_phase), secs, palette);
-                run = rest;
+        batches.into_par_iter().for_each(|(members, mut palettes)| {
+            for member in members {
+                let table = &tables[member.table as usize];
+                let (palette, rest) = palettes.split_at_mut(table.entries);
+                table.write(f64::from(member.start_phase), secs, palette);
+                palettes = rest;
             }
         });
     }
 
-    /// A member's palette after the last update.
+    /// Returns a member's palette after the last update.
     pub(crate) fn palette(&self, member: usize) -> &[Affine] {
-        let entries = |actor: &Actor| self.tables[actor.table as usize].entries;
-        let first: usize = self.actors[..member].iter().map(entries).sum();
-        &self.palettes[first..first + entries(&self.actors[member])]
+        let entries = |member: &BakedMember| self.tables[member.table as usize].entries;
+        let first: usize = self.members[..member].iter().map(entries).sum();
+        &self.palettes[first..first + entries(&self.members[member])]
     }
 
-    /// What the tables take, which all members share.
+    /// Returns the sizes of the tables, which all members share.
     pub(crate) fn table_sizes(&self, scene: &Scene) -> TableSizes {
         let clips = scene.characters.iter().flat_map(|character| &character.clips);
         TableSizes {
@@ -103,24 +106,27 @@ impl Baked {
         }
     }
 
-    /// Bytes of palettes and of what members need to be looked up; without the tables.
+    /// Returns the bytes of palettes and members, without the tables.
     pub(crate) fn member_bytes(&self) -> usize {
-        size_of_val(self.palettes.as_slice()) + size_of_val(self.actors.as_slice())
+        size_of_val(self.palettes.as_slice()) + size_of_val(self.members.as_slice())
     }
 }
 
 impl Table {
-    /// Mixes the two rows around a time, matrix by matrix.
+    /// Interpolates the two rows around a time, element by element.
     fn write(&self, start_phase: f64, secs: f64, palette: &mut [Affine]) {
         let last = self.rows.len() / self.entries - 1;
         let at = (start_phase + secs / self.duration_secs).rem_euclid(1.0) * last as f64;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a row's number"
+            reason = "a row index, not negative"
         )]
         let row = (at as usize).min(last - 1);
-        #[expect(clippy::cast_possible_truncation, reason = "the nearest is what is wanted")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rounding to the nearest f32 is intended"
+        )]
         let share = (at - row as f64) as f32;
         let (from, to) = self.rows[row * self.entries..][..2 * self.entries].split_at(self.entries);
         for ((out, from), to) in palette.iter_mut().zip(from).zip(to) {
@@ -132,14 +138,14 @@ impl Table {
     }
 }
 
-/// The tables of a character's clips: one member stands at the time of each row.
-fn bake(scene: &Scene, kind: usize) -> Result<Vec<Table>, Error> {
-    let character = &scene.characters[kind];
+/// Bakes the tables of a character's clips with one held member per row.
+fn bake(scene: &Scene, character: usize) -> Result<Vec<Table>, Error> {
+    let character = &scene.characters[character];
     let row_counts = character.clips.iter().map(|clip| {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a few hundred"
+            reason = "a few hundred rows, not negative"
         )]
         let steps = (f64::from(clip.duration_secs()) * ROWS_PER_SEC).round().max(1.0) as usize;
         steps + 1

@@ -1,17 +1,16 @@
-//! What was measured, as a picture: nanoseconds per joint over members, both on logarithmic axes,
-//! as SVG.
+//! Draws measurements as an SVG chart: nanoseconds per joint over members, on logarithmic axes.
 
 use populace::{Device, Devices};
 
 use super::document::Document;
-use super::runs::Run;
+use super::spec::Measurement;
 
 const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 540.0;
-/// What the axes enclose: left, top, right, bottom.
+/// The plot area: left, top, right, bottom.
 const FRAME: [f64; 4] = [80.0, 70.0, 690.0, 470.0];
-/// Colours of the schedules and loads: grey for the floor, then those of Okabe and Ito, "Color
-/// Universal Design" (2008), that stay apart for readers who see red and green alike.
+/// Colours of the schedules and loads: grey for the floor, then colours of Okabe and Ito, "Color
+/// Universal Design" (2008), which colour-blind readers can tell apart.
 const COLOURS: [&str; 7] =
     ["#555555", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 
@@ -19,21 +18,21 @@ const COLOURS: [&str; 7] =
 struct Series {
     device: Devices,
     /// Schedule and load.
-    way: String,
+    label: String,
     is_floor: bool,
-    /// Members, and nanoseconds per joint; the fewest members first.
+    /// Members and nanoseconds per joint, in order of members.
     points: Vec<[f64; 2]>,
 }
 
-/// An axis from `low` to `high`, which stand at `start` and `end` of the picture.
+/// A logarithmic axis; the first tick is at `start` and the last at `end` in the picture.
 struct Axis {
     ticks: Vec<f64>,
     start: f64,
     end: f64,
 }
 
-/// A picture of whole frames: a line for each device, schedule and load. Floors are dashed, the
-/// native device's points hollow.
+/// Draws a line of whole-frame times for each device, schedule and load. Floors are dashed; points
+/// of the native device are hollow.
 pub(crate) fn as_svg(document: &Document) -> String {
     let Document { machine, runs } = document;
     let series = series(runs);
@@ -55,24 +54,26 @@ pub(crate) fn as_svg(document: &Document) -> String {
         &format!("{machine}; clips blended: {slots}, palettes written"),
     );
     svg += &axes(&x, &y);
-    let mut ways: Vec<&str> = Vec::new();
+    let mut labels: Vec<&str> = Vec::new();
     for (index, one) in series.iter().enumerate() {
-        let colour = ways.iter().position(|way| *way == one.way).unwrap_or_else(|| {
-            ways.push(&one.way);
-            ways.len() - 1
+        let colour = labels.iter().position(|label| *label == one.label).unwrap_or_else(|| {
+            labels.push(&one.label);
+            labels.len() - 1
         });
         svg += &one.draw(index, COLOURS[colour % COLOURS.len()], &x, &y);
     }
     svg + "</svg>\n"
 }
 
-fn series(runs: &[Run]) -> Vec<Series> {
+fn series(runs: &[Measurement]) -> Vec<Series> {
     let mut all: Vec<Series> = Vec::new();
     for run in runs.iter().filter(|run| run.stage == "all") {
         let load = if run.is_plain() { String::new() } else { format!(", {}", run.load) };
-        let (device, way) = (run.device.clone(), format!("{}{load}", run.schedule));
-        let at = all.iter().position(|s| s.device == device && s.way == way).unwrap_or_else(|| {
-            all.push(Series { device, way, is_floor: run.schedule == "floor", points: Vec::new() });
+        let (device, label) = (run.device.clone(), format!("{}{load}", run.schedule));
+        let same = |s: &Series| s.device == device && s.label == label;
+        let at = all.iter().position(same).unwrap_or_else(|| {
+            let is_floor = run.schedule == "floor";
+            all.push(Series { device, label, is_floor, points: Vec::new() });
             all.len() - 1
         });
         all[at].points.push([run.members as f64, run.ns_per_joint()]);
@@ -82,8 +83,8 @@ fn series(runs: &[Run]) -> Vec<Series> {
 }
 
 impl Axis {
-    /// Ticks at these multiples of the powers of ten, from the last at or below all values to the
-    /// first above them.
+    /// Places ticks at the given multiples of powers of ten. The first tick is at or below all
+    /// values, the last at or above them.
     fn new(values: impl Iterator<Item = f64>, multiples: &[f64], [start, end]: [f64; 2]) -> Self {
         let (low, high) =
             values.fold((f64::INFINITY, 0.0), |(low, high), v| (v.min(low), v.max(high)));
@@ -95,7 +96,8 @@ impl Axis {
         Self { ticks: all[first..=last].to_vec(), start, end }
     }
 
-    fn place(&self, value: f64) -> f64 {
+    /// Returns the coordinate of a value in the picture.
+    fn coordinate(&self, value: f64) -> f64 {
         let (low, high) = (self.ticks[0], self.ticks[self.ticks.len() - 1]);
         self.start + (value / low).ln() / (high / low).ln() * (self.end - self.start)
     }
@@ -111,12 +113,12 @@ fn axes(x: &Axis, y: &Axis) -> String {
     };
     let mut svg = String::new();
     for &tick in &x.ticks {
-        let at = x.place(tick);
+        let at = x.coordinate(tick);
         svg += &line([at, top, at, bottom]);
         svg += &label([at, bottom + 22.0], "middle", 14, &grouped(tick));
     }
     for &tick in &y.ticks {
-        let at = y.place(tick);
+        let at = y.coordinate(tick);
         svg += &line([left, at, right, at]);
         svg += &label([left - 8.0, at + 5.0], "end", 14, &grouped(tick));
     }
@@ -129,19 +131,19 @@ fn axes(x: &Axis, y: &Axis) -> String {
 }
 
 impl Series {
-    /// The line, its points, and its place in the legend.
+    /// Draws the line, its points, and its entry in the legend.
     fn draw(&self, index: usize, colour: &str, x: &Axis, y: &Axis) -> String {
-        let places: Vec<[f64; 2]> =
-            self.points.iter().map(|p| [x.place(p[0]), y.place(p[1])]).collect();
+        let points: Vec<[f64; 2]> =
+            self.points.iter().map(|p| [x.coordinate(p[0]), y.coordinate(p[1])]).collect();
         let [left, middle] = [FRAME[2] + 20.0, FRAME[1] + 12.0 + 24.0 * index as f64];
-        let mut svg = self.line(&places, colour)
+        let mut svg = self.line(&points, colour)
             + &self.line(&[[left, middle], [left + 44.0, middle]], colour);
         let fill = if matches!(self.device.as_slice(), [Device::Native { .. }]) {
             "#ffffff"
         } else {
             colour
         };
-        for [x, y] in places.into_iter().chain([[left + 22.0, middle]]) {
+        for [x, y] in points.into_iter().chain([[left + 22.0, middle]]) {
             svg += &format!(
                 "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\" stroke=\"{colour}\" \
                  stroke-width=\"2\"/>\n"
@@ -151,16 +153,16 @@ impl Series {
             [left + 54.0, middle + 5.0],
             "start",
             14,
-            &format!("{} {}", self.device, self.way),
+            &format!("{} {}", self.device, self.label),
         )
     }
 
-    fn line(&self, places: &[[f64; 2]], colour: &str) -> String {
-        let places: Vec<String> = places.iter().map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
+    fn line(&self, points: &[[f64; 2]], colour: &str) -> String {
+        let points: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
         let dash = if self.is_floor { " stroke-dasharray=\"7 5\"" } else { "" };
         format!(
             "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\"{dash}/>\n",
-            places.join(" L")
+            points.join(" L")
         )
     }
 }
@@ -173,7 +175,7 @@ fn label([x, y]: [f64; 2], anchor: &str, size: u32, text: &str) -> String {
     )
 }
 
-/// A number with a comma between thousands.
+/// Formats a number with commas between thousands.
 fn grouped(value: f64) -> String {
     let text = if value < 1.0 { return value.to_string() } else { format!("{value:.0}") };
     let mut grouped = String::new();
@@ -191,20 +193,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_enclose_their_values_and_spread_decades_evenly() {
+    fn axis_encloses_its_values_and_is_logarithmic() {
         let axis = Axis::new([1000.0, 100_000.0].into_iter(), &[1.0], [0.0, 200.0]);
         assert_eq!(axis.ticks, [1e3, 1e4, 1e5]);
-        assert!((axis.place(1e4) - 100.0).abs() < 1e-9);
+        assert!((axis.coordinate(1e4) - 100.0).abs() < 1e-9);
         assert_eq!(Axis::new([1000.0].into_iter(), &[1.0], [0.0, 1.0]).ticks, [1e3, 1e4]);
         let axis = Axis::new([0.7, 31.0].into_iter(), &[1.0, 2.0, 5.0], [0.0, 1.0]);
         assert_eq!((axis.ticks[0], axis.ticks[axis.ticks.len() - 1]), (0.5, 50.0));
         for value in [0.7, 31.0] {
-            assert!((0.0..=1.0).contains(&axis.place(value)));
+            assert!((0.0..=1.0).contains(&axis.coordinate(value)));
         }
     }
 
     #[test]
-    fn thousands_are_set_apart_and_text_is_escaped() {
+    fn numbers_are_grouped_and_text_is_escaped() {
         assert_eq!([0.5, 20.0, 1e3, 1e6].map(grouped), ["0.5", "20", "1,000", "1,000,000"]);
         assert!(label([0.0; 2], "end", 9, "a<b & c").contains("a&lt;b &amp; c"));
     }

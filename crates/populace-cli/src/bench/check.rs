@@ -1,4 +1,4 @@
-//! The result of a bench, held against the oracle.
+//! Compares the results of a benchmark with the oracle.
 
 use std::collections::BTreeMap;
 
@@ -8,31 +8,31 @@ use populace::core::{Affine, Character};
 use populace::{Crowd, Error};
 use populace_testkit::oracle::{OracleBody, evaluate};
 
-use super::changes::{Changing, Playing};
+use super::changes::{ChangingSlots, SlotState};
 use super::constraints;
 use super::scene::{Load, Scene};
-use super::timing::FRAME_TICKS;
+use super::spec::FRAME_TICKS;
 use crate::placement::Random;
 
-/// Members looked at, beside the first and the last of each page.
-const SAMPLE: usize = 64;
-/// Errors are measured this far from each joint, on a body of 1.8 m.
+/// Number of random members that are compared.
+const SAMPLE_COUNT: usize = 64;
+/// Distance from each joint at which errors are measured, on a body of 1.8 m.
 const PROBE_M: f64 = 0.03;
 
-/// What a bench computed.
-pub(crate) struct Found<'a> {
+/// A comparison of members of a benchmark with the oracle.
+pub(crate) struct OracleCheck<'a> {
     pub(crate) scene: &'a Scene,
-    /// Frames since the start.
+    /// Number of frames since the start.
     pub(crate) frames: u32,
-    /// Which members to look at.
+    /// Indices of the members to compare.
     pub(crate) members: Vec<usize>,
-    /// Slots that were evaluated, the first ones.
+    /// Number of slots that were evaluated; the first ones.
     pub(crate) slots: usize,
 }
 
-impl Found<'_> {
-    /// The largest distance between a probe as it was moved by a member's palette and as the oracle
-    /// moves it.
+impl OracleCheck<'_> {
+    /// Returns the largest distance between probe points moved by a member's palette and by the
+    /// oracle's.
     pub(crate) fn worst_error_m(
         &self,
         mut palette: impl FnMut(usize) -> Result<Vec<Affine>, Error>,
@@ -42,18 +42,18 @@ impl Found<'_> {
             scene.characters.iter().map(|c| OracleBody::from_character(c)).collect();
         let tick = u64::from(self.frames) * FRAME_TICKS;
         let mut worst: f64 = 0.0;
-        for (member, playing) in self.playing() {
-            let kind = scene.kind(member);
-            let character = &scene.characters[kind];
-            let slots: Vec<_> = playing.iter().map(|slot| slot.at(tick, character)).collect();
+        for (member, states) in self.slot_states() {
+            let index = scene.character_index(member);
+            let character = &scene.characters[index];
+            let slots: Vec<_> = states.iter().map(|slot| slot.at(tick, character)).collect();
             let full = scene.load == Load::Full;
             let layers = if full { constraints::oracle_layers(character)? } else { Vec::new() };
-            let wanted = evaluate(&bodies[kind], &slots, &layers);
+            let wanted = evaluate(&bodies[index], &slots, &layers);
             let probe = PROBE_M * f64::from(character.skeleton.size_m()) / 1.8;
             let found = palette(member)?;
-            assert_eq!(found.len(), wanted.palette.len(), "a palette of member {member}");
+            assert_eq!(found.len(), wanted.palette.len(), "palette length of member {member}");
             if scene.load.is_constrained() {
-                let models = models_of(character, &found);
+                let models = models_from_palette(character, &found);
                 let target = scene.target(member);
                 worst = worst
                     .max(constraints::worst_error_m(character, &models, &wanted, target, probe));
@@ -68,51 +68,51 @@ impl Found<'_> {
         Ok(worst)
     }
 
-    /// What members play after all frames.
-    fn playing(&self) -> BTreeMap<usize, Vec<Playing>> {
-        let start =
-            |member: &usize| (*member, Changing::new(self.scene.played(*member).take(self.slots)));
-        let mut playing: BTreeMap<_, _> = self.members.iter().map(start).collect();
+    /// Returns the slots of the members after all frames.
+    fn slot_states(&self) -> BTreeMap<usize, Vec<SlotState>> {
+        let start = |member: &usize| {
+            (*member, ChangingSlots::new(self.scene.initial_slots(*member).take(self.slots)))
+        };
+        let mut changing: BTreeMap<_, _> = self.members.iter().map(start).collect();
         for frame in 0..self.frames {
             let tick = u64::from(frame) * FRAME_TICKS;
             for (member, clip) in self.scene.changes(frame) {
-                if let Some(member) = playing.get_mut(&member) {
-                    member.go_on_to(tick);
-                    member.change_over(clip, tick);
+                if let Some(member) = changing.get_mut(&member) {
+                    member.advance_to(tick);
+                    member.crossfade(clip, tick);
                 }
             }
         }
         let end = u64::from(self.frames) * FRAME_TICKS;
-        playing.values_mut().for_each(|member| member.go_on_to(end));
-        playing.into_iter().map(|(index, member)| (index, member.slots)).collect()
+        changing.values_mut().for_each(|member| member.advance_to(end));
+        changing.into_iter().map(|(index, member)| (index, member.slots)).collect()
     }
 }
 
-/// How far off a crowd may be: twice the clips' own tolerance, since two clips that each stray by
-/// it are blended joint by joint.
+/// Returns the allowed error of a crowd: twice the clips' own tolerance, since two clips with that
+/// error each are blended joint by joint.
 pub(crate) fn allowed_m(scene: &Scene) -> f64 {
     let clips = scene.characters.iter().flat_map(|character| &character.clips);
     2.0 * f64::from(clips.map(|clip| clip.stats().tolerance_m).fold(0.0, f32::max))
 }
 
-/// Random members of a scene, and its first and last.
+/// Returns random members of a scene, and its first and last.
 pub(crate) fn sample(scene: &Scene) -> Vec<usize> {
     let count = scene.member_count;
     let mut random = Random::new(count as u64);
-    let random = (0..SAMPLE.min(count)).map(|_| random.below(count));
+    let random = (0..SAMPLE_COUNT.min(count)).map(|_| random.below(count));
     random.chain([0, count - 1]).collect()
 }
 
-/// The first and last members of each page.
-pub(crate) fn on_page_borders(crowd: &Crowd) -> Vec<usize> {
+/// Returns the members on either side of each page boundary.
+pub(crate) fn at_page_boundaries(crowd: &Crowd) -> Vec<usize> {
     let pages: Vec<u32> = crowd.instances().map(|i| i.palette_first / PAGE_ENTRIES).collect();
-    let borders = (1..pages.len()).filter(|at| pages[at - 1] != pages[*at]);
-    borders.flat_map(|at| [at - 1, at]).collect()
+    let boundaries = (1..pages.len()).filter(|at| pages[at - 1] != pages[*at]);
+    boundaries.flat_map(|at| [at - 1, at]).collect()
 }
 
-/// `model_from_joint` of joints in the order of the source, from a palette that has an entry for
-/// each.
-fn models_of(character: &Character, palette: &[Affine]) -> Vec<DAffine3> {
+/// Computes `model_from_joint` in source order from a palette with an entry for each joint.
+fn models_from_palette(character: &Character, palette: &[Affine]) -> Vec<DAffine3> {
     let mut models = vec![DAffine3::IDENTITY; character.skeleton.joint_count()];
     for (entry, matrix) in character.palette.iter().zip(palette) {
         let source = character.skeleton.source_from_joint(entry.joint);
@@ -126,7 +126,7 @@ fn distance(found: &Affine, wanted: &[f64; 12], joint_from_bind: &Affine, probe:
     let [a, b, c] = found.rows.map(|row| row.map(f64::from));
     let rows = [a, b, c];
     let probes = [DVec3::ZERO, DVec3::X * probe, DVec3::Y * probe, DVec3::Z * probe];
-    let stray = |point: DVec3| {
+    let error = |point: DVec3| {
         let p = bind_from_joint.transform_point3(point);
         let of = |row: usize| {
             let d: [f64; 4] = std::array::from_fn(|i| rows[row][i] - wanted[row * 4 + i]);
@@ -134,7 +134,7 @@ fn distance(found: &Affine, wanted: &[f64; 12], joint_from_bind: &Affine, probe:
         };
         DVec3::new(of(0), of(1), of(2)).length()
     };
-    probes.into_iter().map(stray).fold(0.0, f64::max)
+    probes.into_iter().map(error).fold(0.0, f64::max)
 }
 
 fn wide(m: &Affine) -> DAffine3 {
@@ -146,28 +146,25 @@ fn wide(m: &Affine) -> DAffine3 {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
     use populace::{Device, Schedule, Split};
 
-    use crate::bench::Setup;
+    use crate::bench::{DeviceSetup, SceneSettings};
 
     use super::*;
     use crate::bench::scene::Staging;
-    use crate::cli::{Cli, Command};
 
     const FRAMES: u32 = 45;
 
-    fn scene(load: Load, slots: &str) -> Scene {
-        let cli = Cli::parse_from(["populace", "bench", "--joints", "20", "--slots", slots]);
-        let Command::Bench(args) = cli.command else { unreachable!("it is a bench") };
-        Scene::new(&args, load).unwrap().with_members(12)
+    fn scene(load: Load, slots: usize) -> Scene {
+        let settings = SceneSettings { joints: Some(20), slots, seed: 0 };
+        Scene::new(settings, load).unwrap().with_members(12)
     }
 
-    /// A crowd after some frames, more than a fade has.
+    /// Runs a crowd for more frames than a fade takes.
     fn after_frames(scene: &Scene) -> Staging {
         let mut staging = scene
-            .stage(
-                &Setup { devices: Device::native().into(), split: Split::Measured },
+            .set_up(
+                &DeviceSetup { devices: Device::native().into(), split: Split::Measured },
                 Schedule::Fused,
             )
             .unwrap();
@@ -180,16 +177,15 @@ mod tests {
 
     fn error_m(scene: &Scene, staging: &mut Staging, of: impl Fn(usize) -> usize) -> f64 {
         let members = (0..scene.member_count).collect();
-        let found = Found { scene, frames: FRAMES, members, slots: scene.slot_count };
-        found.worst_error_m(|member| staging.crowd.palette(staging.members[of(member)])).unwrap()
+        let check = OracleCheck { scene, frames: FRAMES, members, slots: scene.slot_count };
+        check.worst_error_m(|member| staging.crowd.palette(staging.members[of(member)])).unwrap()
     }
 
     #[test]
-    fn crowds_are_right_under_every_load() {
+    fn crowds_pass_under_every_load() {
         let changing = Load::Changing { percent: 9.0 };
         let loads = [Load::Plain, Load::Retargeted, changing, Load::Constraints, Load::Full];
-        for (load, slots) in
-            loads.into_iter().flat_map(|load| ["1", "2", "4"].map(|slots| (load, slots)))
+        for (load, slots) in loads.into_iter().flat_map(|load| [1, 2, 4].map(|slots| (load, slots)))
         {
             let scene = scene(load, slots);
             let error = error_m(&scene, &mut after_frames(&scene), |member| member);
@@ -198,18 +194,18 @@ mod tests {
     }
 
     #[test]
-    fn palettes_of_others_and_changes_that_were_not_made_are_found_out() {
-        let plain = scene(Load::Plain, "2");
+    fn check_detects_swapped_and_stale_palettes() {
+        let plain = scene(Load::Plain, 2);
         let error = error_m(&plain, &mut after_frames(&plain), |member| (member + 1) % 12);
         assert!(error > 10.0 * allowed_m(&plain), "{error} m");
-        // Members that look and stand as another one should are found out as well.
-        let full = scene(Load::Full, "2");
+        // Swapped constraints are detected as well.
+        let full = scene(Load::Full, 2);
         let error = error_m(&full, &mut after_frames(&full), |member| (member + 1) % 12);
         assert!(error > 10.0 * allowed_m(&full), "{error} m");
-        let free = scene(Load::Constraints, "2");
+        let free = scene(Load::Constraints, 2);
         let error = error_m(&free, &mut after_frames(&plain), |member| member);
-        assert!(error > 10.0 * allowed_m(&plain), "{error} m where nothing is constrained");
-        let changing = scene(Load::Changing { percent: 9.0 }, "2");
+        assert!(error > 10.0 * allowed_m(&plain), "{error} m without constraints");
+        let changing = scene(Load::Changing { percent: 9.0 }, 2);
         let error = error_m(&changing, &mut after_frames(&plain), |member| member);
         assert!(error > 10.0 * allowed_m(&plain), "{error} m");
     }

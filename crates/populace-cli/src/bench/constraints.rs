@@ -1,4 +1,4 @@
-//! What beside clips moves members under load, and whether they do as they are told.
+//! Layers and constraints of loaded members, and the check of their results.
 
 use glam::{DAffine3, DVec3};
 use populace::core::{Character, Skeleton};
@@ -10,32 +10,32 @@ use populace_testkit::oracle::{OracleLayer, OraclePose};
 
 use super::rigs::{LEGS, TRUNK};
 
-/// How far a foot may be lifted and still count as planted, in parts of its leg's length, less a
+/// The largest height of a foot above rest at which it is fully planted, in leg lengths, less a
 /// margin.
-const PLANTED: f64 = 0.029;
+const PLANTED_HEIGHT: f64 = 0.029;
 
 fn joint(skeleton: &Skeleton, source: usize) -> Result<JointIndex, Error> {
     if source < skeleton.joint_count() {
         return Ok(skeleton.joint_from_source(source));
     }
     let what =
-        format!("constraints take bodies of 11 joints or more, not of {}", skeleton.joint_count());
+        format!("constraints need bodies of at least 11 joints, not {}", skeleton.joint_count());
     Err(populace::core::Error::BadConstraint { what }.into())
 }
 
-/// The upper body.
+/// Returns a mask of the upper body.
 pub(super) fn mask(skeleton: &Skeleton) -> Result<Mask, Error> {
     Ok(Mask::subtree(skeleton, joint(skeleton, TRUNK[0])?))
 }
 
-/// One layer through a mask, and one that adds.
+/// Sets a masked override layer and an additive layer.
 pub(super) fn set_layers(crowd: &mut Crowd, member: Member, mask: MaskId) -> Result<(), Error> {
     let masked = LayerSettings { mode: LayerMode::Override, weight: 0.7 };
     crowd.set_layer(member, 1, masked, Some(mask))?;
     crowd.set_layer(member, 2, LayerSettings { mode: LayerMode::Additive, weight: 0.6 }, None)
 }
 
-/// The same for the oracle.
+/// Returns the same layers for the oracle.
 pub(super) fn oracle_layers(character: &Character) -> Result<Vec<OracleLayer>, Error> {
     let mask = mask(&character.skeleton)?;
     let skeleton = &character.skeleton;
@@ -52,7 +52,7 @@ pub(super) fn oracle_layers(character: &Character) -> Result<Vec<OracleLayer>, E
     Ok(vec![OracleLayer::default(), masked, added])
 }
 
-/// Lets a member look at a point of its model space, and keep both feet to the ground.
+/// Makes a member look at a point in its model space and plant both feet.
 pub(super) fn constrain(
     crowd: &mut Crowd,
     member: Member,
@@ -76,9 +76,11 @@ pub(super) fn constrain(
     crowd.plant_with(member, &Feet { pelvis: joint(skeleton, 0)?, feet, weight: 1.0 })
 }
 
-/// How far a constrained member's joints, in the order of the source, are from what it was told, in
-/// metres: joints that no constraint turns stand to their parents as the clips have them; a point
-/// at `probe` before the head lies towards its target; planted feet are at rest height.
+/// Returns the largest error of a constrained member in metres; `found` is in source order.
+///
+/// Joints without a constraint keep the transform to their parent that the clips give them. A point
+/// `probe` metres in front of the head lies in the direction of the target. Planted feet are at
+/// rest height.
 pub(super) fn worst_error_m(
     character: &Character,
     found: &[DAffine3],
@@ -87,10 +89,10 @@ pub(super) fn worst_error_m(
     probe: f64,
 ) -> f64 {
     let skeleton = &character.skeleton;
-    let turned: Vec<usize> =
+    let constrained: Vec<usize> =
         TRUNK.into_iter().chain(LEGS.into_iter().flatten()).chain([0]).collect();
     let mut worst: f64 = 0.0;
-    for source in (0..found.len()).filter(|source| !turned.contains(source)) {
+    for source in (0..found.len()).filter(|source| !constrained.contains(source)) {
         let parent = skeleton.parent(skeleton.joint_from_source(source));
         let Some(parent) = parent.map(|parent| skeleton.source_from_joint(parent)) else {
             continue;
@@ -103,16 +105,16 @@ pub(super) fn worst_error_m(
     }
     let head = found[TRUNK[3]];
     let wanted = (DVec3::from_array(target.map(f64::from)) - head.translation).normalize();
-    // Rest rotations of the core are none, so the head faces its own +Z.
+    // The rest rotation of the head is the identity, so it faces its own +Z.
     let facing = head.transform_vector3(DVec3::Z).normalize();
     worst = worst.max(facing.distance(wanted) * probe);
     for [hip, knee, ankle] in LEGS {
-        let place = |joint: usize| {
+        let position = |joint: usize| {
             skeleton.rest_model(skeleton.joint_from_source(joint)).origin().map(f64::from)
         };
-        let [hip, knee, rest] = [hip, knee, ankle].map(|joint| DVec3::from_array(place(joint)));
+        let [hip, knee, rest] = [hip, knee, ankle].map(|joint| DVec3::from_array(position(joint)));
         let length = hip.distance(knee) + knee.distance(rest);
-        if clips.model_from_joint[ankle].translation.y - rest.y < PLANTED * length {
+        if clips.model_from_joint[ankle].translation.y - rest.y < PLANTED_HEIGHT * length {
             worst = worst.max((found[ankle].translation.y - rest.y).abs());
         }
     }

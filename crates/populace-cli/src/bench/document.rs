@@ -1,14 +1,14 @@
-//! What was measured, as JSON: written, and read again.
+//! Reads and writes measurements as JSON.
 
 use serde_json::{Value, json};
 
 use super::baked::TableSizes;
-use super::runs::Run;
+use super::spec::Measurement;
 
-/// All lines of a bench, and where they were measured.
+/// All measurements of a benchmark, and the machine they were made on.
 pub(crate) struct Document {
     pub(crate) machine: String,
-    pub(crate) runs: Vec<Run>,
+    pub(crate) runs: Vec<Measurement>,
 }
 
 impl Document {
@@ -17,22 +17,22 @@ impl Document {
         json!({"schema": 1, "machine": self.machine, "runs": runs})
     }
 
-    /// What [`as_json`](Self::as_json) gave, or what is missing in it.
+    /// Reads a document written by [`as_json`](Self::as_json). Errors name the missing field.
     pub(crate) fn from_json(document: &Value) -> Result<Self, String> {
         if document["schema"] != 1 {
-            return Err("it is no document of schema 1".into());
+            return Err("it is not a document of schema 1".into());
         }
-        let whole = Fields { object: document, place: "the document".into() };
+        let whole = Fields { object: document, path: "the document".into() };
         let runs =
             document["runs"].as_array().filter(|runs| !runs.is_empty()).ok_or("it has no runs")?;
         let runs = runs.iter().enumerate().map(|(index, object)| {
-            run_from_json(&Fields { object, place: format!("runs[{index}]") })
+            run_from_json(&Fields { object, path: format!("runs[{index}]") })
         });
         Ok(Self { machine: whole.text("machine")?, runs: runs.collect::<Result<_, _>>()? })
     }
 }
 
-fn run_as_json(run: &Run) -> Value {
+fn run_as_json(run: &Measurement) -> Value {
     json!({
         "device": run.device.to_string(),
         "schedule": run.schedule,
@@ -49,21 +49,25 @@ fn run_as_json(run: &Run) -> Value {
         "ns_per_joint": run.ns_per_joint(),
         "bytes_per_joint": run.bytes_per_joint,
         "memory_bytes": run.memory_bytes,
-        "baked": run.tables.map(|t| json!({"clips": t.clips, "bytes": t.bytes, "row_bytes": t.row_bytes})),
+        "baked": run.tables.map(tables_as_json),
         "bytes_per_member_beyond_palettes": run.bytes_per_member,
         "max_error": run.error_m,
     })
 }
 
-fn run_from_json(fields: &Fields) -> Result<Run, String> {
-    let tables =
-        Fields { object: &fields.object["baked"], place: format!("{}.baked", fields.place) };
+fn tables_as_json(tables: TableSizes) -> Value {
+    let TableSizes { clips, bytes, row_bytes } = tables;
+    json!({"clips": clips, "bytes": bytes, "row_bytes": row_bytes})
+}
+
+fn run_from_json(fields: &Fields) -> Result<Measurement, String> {
+    let tables = Fields { object: &fields.object["baked"], path: format!("{}.baked", fields.path) };
     let sizes = || {
         let (clips, bytes) = (tables.count("clips")?, tables.count("bytes")?);
         Ok::<_, String>(TableSizes { clips, bytes, row_bytes: tables.count("row_bytes")? })
     };
-    Ok(Run {
-        device: fields.text("device")?.parse().map_err(|e| format!("{}: {e}", fields.place))?,
+    Ok(Measurement {
+        device: fields.text("device")?.parse().map_err(|e| format!("{}: {e}", fields.path))?,
         schedule: fields.text("schedule")?,
         stage: fields.text("stage")?,
         load: fields.text("load")?,
@@ -84,10 +88,10 @@ fn run_from_json(fields: &Fields) -> Result<Run, String> {
     })
 }
 
-/// An object, and where it stands.
+/// A JSON object, and its path for messages.
 struct Fields<'a> {
     object: &'a Value,
-    place: String,
+    path: String,
 }
 
 impl Fields<'_> {
@@ -97,18 +101,18 @@ impl Fields<'_> {
 
     fn number(&self, name: &str) -> Result<f64, String> {
         let number = self.optional(name).filter(|number| *number > 0.0);
-        number.ok_or_else(|| format!("{} has no {name} above 0", self.place))
+        number.ok_or_else(|| format!("{} has no {name} above 0", self.path))
     }
 
     fn count(&self, name: &str) -> Result<usize, String> {
         let count = self.object[name].as_u64().and_then(|count| usize::try_from(count).ok());
         count
             .filter(|count| *count > 0)
-            .ok_or_else(|| format!("{} has no {name} above 0", self.place))
+            .ok_or_else(|| format!("{} has no {name} above 0", self.path))
     }
 
     fn text(&self, name: &str) -> Result<String, String> {
         let text = self.object[name].as_str().map(str::to_owned);
-        text.ok_or_else(|| format!("{} has no {name}", self.place))
+        text.ok_or_else(|| format!("{} has no {name}", self.path))
     }
 }

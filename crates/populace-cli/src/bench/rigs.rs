@@ -1,5 +1,5 @@
-//! Characters to measure with: skeletons of random shape, clips in which all joints turn and some
-//! swell, arbitrary inverse binds; and the skeletons that clips to be retargeted come from.
+//! Benchmark characters: random skeletons, clips that rotate all joints and scale some, and
+//! arbitrary inverse bind matrices; and source skeletons for retargeted clips.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -13,15 +13,13 @@ use populace::core::{
 use crate::placement::Random;
 
 const KEYS_PER_SEC: f32 = 30.0;
-/// No deeper than a hand's fingers on a long spine.
+/// Depth of the skeletons, about that of fingers on a long spine.
 const MAX_DEPTH: usize = 14;
-/// Every so many-th joint of a skeleton that clips come from hangs on a joint that the character
-/// lacks.
+/// In a source skeleton, one of this many joints has an additional parent that the character lacks.
 const JOINTS_PER_EXTRA: usize = 3;
 
-/// A character of so many joints and clips. Where `retargeted`, its clips are made on another
-/// skeleton: joints of the same names in another order, with some more between them. The motion is
-/// the same.
+/// Creates a character. If `retargeted`, its clips belong to a source skeleton, with the same joint
+/// names in another order and additional joints between them. The motion is the same.
 pub(crate) fn character(
     joint_count: usize,
     clip_count: usize,
@@ -36,11 +34,10 @@ pub(crate) fn character(
         .map(|joint| PaletteEntry { joint, joint_from_bind: bind(random) })
         .collect();
     let clips: Result<Vec<_>, _> = if retargeted {
-        let (author, extras) = author(&joints, &mut Random::new(joint_count as u64));
-        let author = Skeleton::new(&author)?;
-        let made =
-            sources.into_iter().map(|source| Clip::new(with_extras(source, &extras), &author));
-        made.collect()
+        let (source_joints, extras) = source_joints(&joints, &mut Random::new(joint_count as u64));
+        let source_skeleton = Skeleton::new(&source_joints)?;
+        let clip = |source| Clip::new(with_extras(source, &extras), &source_skeleton);
+        sources.into_iter().map(clip).collect()
     } else {
         sources.into_iter().map(|source| Clip::new(source, &skeleton)).collect()
     };
@@ -56,8 +53,8 @@ pub(crate) fn character(
     })?)
 }
 
-/// What all skeletons begin with, as far as their joints go: parents and bones of a trunk with a
-/// head, and of two legs.
+/// The first joints of all skeletons, as parent index and bone vector in metres: a trunk with a
+/// head, and two legs. Smaller skeletons have only the first of them.
 const CORE: [(usize, [f32; 3]); 11] = [
     (0, [0.0, 0.0, 0.0]), // the pelvis, which is the root
     (0, [0.0, 0.12, -0.01]),
@@ -71,10 +68,10 @@ const CORE: [(usize, [f32; 3]); 11] = [
     (8, [-0.01, -0.40, 0.02]),
     (9, [0.0, -0.38, -0.03]),
 ];
-/// Joints of the core: the trunk from its first joint above the pelvis, and each leg's hip, knee
-/// and ankle.
+/// Core joints of the trunk, from the first joint above the pelvis to the head.
 pub(crate) const TRUNK: [usize; 4] = [1, 2, 3, HEAD];
 const HEAD: usize = 4;
+/// Core joints of each leg: hip, knee and ankle.
 pub(crate) const LEGS: [[usize; 3]; 2] = [[5, 6, 7], [8, 9, 10]];
 /// Height of the root in all clips.
 const PELVIS_M: f32 = 0.9;
@@ -99,7 +96,7 @@ fn joints(joint_count: usize, random: &mut Random) -> Vec<JointSource> {
             parent,
             rest: Trs {
                 translation: bone,
-                rotation: turn(random_axis(random), random.signed() * 0.8),
+                rotation: quat_from_axis_angle(random_axis(random), random.signed() * 0.8),
                 scale: [1.0; 3],
             },
         });
@@ -107,45 +104,46 @@ fn joints(joint_count: usize, random: &mut Random) -> Vec<JointSource> {
     joints
 }
 
-/// Joints of the same names and rests, shuffled, with some more between them and their parents; and
-/// the names of those.
-fn author(joints: &[JointSource], random: &mut Random) -> (Vec<JointSource>, Vec<String>) {
-    let (mut author, mut extras): (Vec<JointSource>, Vec<String>) = (Vec::new(), Vec::new());
-    let mut places = vec![None; joints.len()];
-    let mut waiting: Vec<usize> = (0..joints.len()).collect();
-    while !waiting.is_empty() {
-        let at = random.below(waiting.len());
-        let joint = &joints[waiting[at]];
+/// Returns shuffled joints with the same names and rest transforms, with additional joints between
+/// them and their parents, and the names of the additional joints.
+fn source_joints(joints: &[JointSource], random: &mut Random) -> (Vec<JointSource>, Vec<String>) {
+    let (mut shuffled, mut extras): (Vec<JointSource>, Vec<String>) = (Vec::new(), Vec::new());
+    let mut new_indices = vec![None; joints.len()];
+    let mut remaining: Vec<usize> = (0..joints.len()).collect();
+    while !remaining.is_empty() {
+        let at = random.below(remaining.len());
+        let joint = &joints[remaining[at]];
         let mut parent = match joint.parent {
-            Some(parent) if places[parent].is_none() => continue,
-            Some(parent) => places[parent],
+            Some(parent) if new_indices[parent].is_none() => continue,
+            Some(parent) => new_indices[parent],
             None => None,
         };
-        if waiting[at] % JOINTS_PER_EXTRA == 1 {
+        if remaining[at] % JOINTS_PER_EXTRA == 1 {
             let name = format!("between {} and its parent", joint.name);
             extras.push(name.clone());
-            author.push(JointSource { name, parent, rest: Trs::IDENTITY });
-            parent = Some(author.len() - 1);
+            shuffled.push(JointSource { name, parent, rest: Trs::IDENTITY });
+            parent = Some(shuffled.len() - 1);
         }
-        places[waiting.swap_remove(at)] = Some(author.len());
-        author.push(JointSource { parent, ..joint.clone() });
+        new_indices[remaining.swap_remove(at)] = Some(shuffled.len());
+        shuffled.push(JointSource { parent, ..joint.clone() });
     }
-    (author, extras)
+    (shuffled, extras)
 }
 
-/// The clip with motion of joints that the character lacks, as twist joints have it.
+/// Adds rotation tracks for the additional joints, as for twist joints.
 fn with_extras(mut source: ClipSource, extras: &[String]) -> ClipSource {
     let moving = source.tracks.iter().filter(|track| track.property == Property::Rotation);
-    let lent: Vec<_> = extras
+    let added: Vec<_> = extras
         .iter()
         .zip(moving.cycle())
         .map(|(name, track)| Track { joint: name.clone(), ..track.clone() })
         .collect();
-    source.tracks.extend(lent);
+    source.tracks.extend(added);
     source
 }
 
-/// All joints turn by their own slow waves; the root also moves, and every eighth joint swells.
+/// Creates a clip in which all joints rotate in slow waves, the root moves, and every eighth joint
+/// scales.
 fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
     let duration_secs = 1.0 + random.unit() * 2.0;
     #[expect(
@@ -169,7 +167,9 @@ fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
         let wave = |key: usize| f64::from(angle(key) + shift).sin();
         add(
             Property::Rotation,
-            (0..key_count).flat_map(|k| turn(axis, swing * narrow(wave(k)))).collect(),
+            (0..key_count)
+                .flat_map(|k| quat_from_axis_angle(axis, swing * narrow(wave(k))))
+                .collect(),
         );
         if skeleton.parent(joint).is_none() {
             let sway = |k: usize| {
@@ -190,7 +190,7 @@ fn bind(random: &mut Random) -> Affine {
     let scale = [0.5 + random.unit(), 0.5 + random.unit(), 0.5 + random.unit()];
     Affine::from_trs(&Trs {
         translation,
-        rotation: turn(random_axis(random), random.signed() * 3.0),
+        rotation: quat_from_axis_angle(random_axis(random), random.signed() * 3.0),
         scale,
     })
 }
@@ -201,16 +201,13 @@ fn random_axis(random: &mut Random) -> [f32; 3] {
     [x / length, y / length, z / length]
 }
 
-fn turn([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 4] {
+fn quat_from_axis_angle([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 4] {
     let (sin, cos) = f64::from(angle_rad / 2.0).sin_cos();
     let sin = narrow(sin);
     [x * sin, y * sin, z * sin, narrow(cos)]
 }
 
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
 fn narrow(x: f64) -> f32 {
     x as f32
 }

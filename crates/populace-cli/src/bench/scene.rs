@@ -1,5 +1,5 @@
-//! A crowd that is never one clip in one phase: several skeletons, 32 clips, random phases and
-//! weights, moving scales, arbitrary inverse binds.
+//! Benchmark scenes: several skeletons, 32 clips, random phases and weights, animated scales and
+//! arbitrary inverse bind matrices.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,30 +8,28 @@ use populace::core::Character;
 use populace::{ClipId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split};
 
 use super::{constraints, rigs};
-use crate::cli::BenchArgs;
 use crate::placement::Random;
 
-/// Joints of the four skeletons, unless one number is asked for.
+/// Joint counts of the four default skeletons.
 const JOINT_COUNTS: [usize; 4] = [24, 54, 67, 128];
+/// Number of clips of all characters together.
 const CLIP_COUNT: usize = 32;
-/// No whole number of frames, so that no weight is at its end just when it is looked at.
+/// Not a whole number of frames, so that no ramp ends exactly at a frame.
 pub(crate) const FADE_SECS: f32 = 0.31;
 
-/// What makes a crowd harder than the plain one; all else is equal.
+/// The load of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Load {
+    /// Blended clips only.
     Plain,
-    /// Clips come from other skeletons: joints of the same names in another order, and more between
-    /// them.
+    /// Clips come from other skeletons, with the same joint names in another order and additional
+    /// joints between them.
     Retargeted,
-    /// Each frame so many of a hundred members change over to another clip.
-    Changing {
-        percent: f32,
-    },
-    /// Every member looks at something of its own, and keeps both feet to the ground.
+    /// Each frame, a percentage of the members crossfades to another clip.
+    Changing { percent: f32 },
+    /// Every member looks at a target of its own and plants both feet.
     Constraints,
-    /// The same, with two layers above the first: one through a mask and one additive, a slot in
-    /// each.
+    /// Constraints and two more layers, one masked and one additive, with a slot in each.
     Full,
 }
 
@@ -48,12 +46,12 @@ impl fmt::Display for Load {
 }
 
 impl Load {
-    /// Whether constraints move members.
+    /// Returns whether members have constraints.
     pub(crate) fn is_constrained(self) -> bool {
         matches!(self, Self::Constraints | Self::Full)
     }
 
-    /// Slots above layer 0.
+    /// Returns the number of slots above layer 0.
     pub(crate) fn upper_slots(self) -> usize {
         if self == Self::Full { 2 } else { 0 }
     }
@@ -69,7 +67,17 @@ impl std::str::FromStr for Load {
     }
 }
 
-/// What to build on each device alike.
+/// Settings of a scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SceneSettings {
+    /// Joints of the one skeleton; several default skeletons if `None`.
+    pub(crate) joints: Option<u32>,
+    /// Slots of each member in layer 0.
+    pub(crate) slots: usize,
+    pub(crate) seed: u64,
+}
+
+/// A scene, the same on every device.
 #[derive(Clone)]
 pub(crate) struct Scene {
     pub(crate) load: Load,
@@ -79,88 +87,89 @@ pub(crate) struct Scene {
     seed: u64,
 }
 
-/// What a member plays from the start on.
-pub(crate) struct PlayedSlot {
-    /// Index among the character's clips.
+/// A slot of a member at the start.
+pub(crate) struct InitialSlot {
+    /// Index of one of the character's clips.
     pub(crate) clip: usize,
     pub(crate) phase: f32,
     pub(crate) weight: f32,
     pub(crate) layer: usize,
 }
 
-/// A crowd on a device.
+/// A crowd set up for a scene.
 pub(crate) struct Staging {
     pub(crate) crowd: Crowd,
     pub(crate) members: Vec<Member>,
-    /// Of each character.
+    /// Clips of each character.
     clips: Vec<Vec<ClipId>>,
 }
 
-/// A device to measure on, or several that share each crowd.
+/// The devices of a crowd, and how several share it.
 #[derive(Clone, Debug)]
-pub(crate) struct Setup {
+pub(crate) struct DeviceSetup {
     pub(crate) devices: Devices,
     pub(crate) split: Split,
 }
 
-impl Setup {
-    /// Whether crowds stay in the host's own tables.
+impl DeviceSetup {
+    /// Returns whether all devices are native, so that crowds stay in host memory.
     pub(crate) fn is_native(&self) -> bool {
         self.devices.as_slice().iter().all(|device| matches!(device, Device::Native { .. }))
     }
 
+    /// Returns whether several devices share a crowd.
     pub(crate) fn is_shared(&self) -> bool {
         self.devices.as_slice().len() > 1
     }
 }
 
 impl Scene {
-    /// A scene without members yet.
-    pub(crate) fn new(args: &BenchArgs, load: Load) -> Result<Self, Error> {
-        let mut random = Random::new(args.seed);
-        let counts = args.joints.map_or(JOINT_COUNTS.to_vec(), |n| vec![n as usize]);
+    /// Creates a scene without members.
+    pub(crate) fn new(settings: SceneSettings, load: Load) -> Result<Self, Error> {
+        let mut random = Random::new(settings.seed);
+        let counts = settings.joints.map_or(JOINT_COUNTS.to_vec(), |n| vec![n as usize]);
         let clips_each = CLIP_COUNT / counts.len();
         let retargeted = load == Load::Retargeted;
         let characters = counts
             .into_iter()
             .map(|count| rigs::character(count, clips_each, retargeted, &mut random).map(Arc::new));
         let characters = characters.collect::<Result<_, _>>()?;
-        let slot_count = args.slots as usize + load.upper_slots();
-        Ok(Self { load, characters, member_count: 0, slot_count, seed: args.seed })
+        let slot_count = settings.slots + load.upper_slots();
+        Ok(Self { load, characters, member_count: 0, slot_count, seed: settings.seed })
     }
 
-    /// The same with so many members.
+    /// Copies the scene with another number of members.
     pub(crate) fn with_members(&self, members: usize) -> Self {
         Self { member_count: members, ..self.clone() }
     }
 
-    /// Which character a member is.
-    pub(crate) fn kind(&self, member: usize) -> usize {
+    /// Returns the index of a member's character.
+    pub(crate) fn character_index(&self, member: usize) -> usize {
         member % self.characters.len()
     }
 
-    /// The sum over all members of something that their characters have.
+    /// Sums a property of characters over all members.
     pub(crate) fn total(&self, of: impl Fn(&Character) -> usize) -> usize {
-        let kinds = self.characters.len();
-        let members = |kind: usize| (self.member_count + kinds - 1 - kind) / kinds;
+        let count = self.characters.len();
+        let members = |index: usize| (self.member_count + count - 1 - index) / count;
         self.characters
             .iter()
             .enumerate()
-            .map(|(kind, character)| of(character) * members(kind))
+            .map(|(index, character)| of(character) * members(index))
             .sum()
     }
 
-    /// Joints of all members.
+    /// Returns the number of joints of all members.
     pub(crate) fn joint_count(&self) -> usize {
         self.total(|character| character.skeleton.joint_count())
     }
 
-    /// What a member plays before anything changes.
-    pub(crate) fn played(&self, member: usize) -> impl Iterator<Item = PlayedSlot> + use<> {
-        let clips = self.characters[self.kind(member)].clips.len();
+    /// Returns the slots of a member at the start.
+    pub(crate) fn initial_slots(&self, member: usize) -> impl Iterator<Item = InitialSlot> + use<> {
+        let clips = self.characters[self.character_index(member)].clips.len();
         let mut random = Random::one_of(self.seed, member);
         let lower = self.slot_count - self.load.upper_slots();
-        (0..self.slot_count).map(move |slot| PlayedSlot {
+        (0..self.slot_count).map(move |slot| InitialSlot {
             clip: random.below(clips),
             phase: random.unit(),
             weight: 0.1 + 0.9 * random.unit(),
@@ -168,30 +177,30 @@ impl Scene {
         })
     }
 
-    /// What a member looks at, in its model space.
+    /// Returns a member's look-at target in its model space.
     pub(crate) fn target(&self, member: usize) -> [f32; 3] {
         let mut random = Random::one_of(!self.seed, member);
         [2.0 * random.signed(), 1.2 + random.signed(), 3.0 + random.signed()]
     }
 
-    /// Members that change over to another clip before a frame, and to which; each member in its
-    /// turn.
+    /// Returns the members that crossfade before a frame, each with its new clip. All members take
+    /// turns.
     pub(crate) fn changes(&self, frame: u32) -> impl Iterator<Item = (usize, usize)> + '_ {
         let members = self.member_count;
         let count = match self.load {
-            Load::Changing { percent } => share(members, percent),
+            Load::Changing { percent } => changing_count(members, percent),
             _ => 0,
         };
         (0..count).map(move |index| {
             let member = (index * members / count + frame as usize) % members;
-            let clips = self.characters[self.kind(member)].clips.len();
+            let clips = self.characters[self.character_index(member)].clips.len();
             let mut random = Random::one_of(self.seed ^ (u64::from(frame) + 1), member);
             (member, random.below(clips))
         })
     }
 
-    /// Builds the crowd and lets the device take it over.
-    pub(crate) fn stage(&self, on: &Setup, schedule: Schedule) -> Result<Staging, Error> {
+    /// Builds the crowd and uploads it to the device.
+    pub(crate) fn set_up(&self, on: &DeviceSetup, schedule: Schedule) -> Result<Staging, Error> {
         let builder = Crowd::builder()
             .devices(on.devices.clone())
             .split(on.split.clone())
@@ -200,7 +209,7 @@ impl Scene {
             .slots_per_member(self.slot_count);
         let mut crowd = builder.build()?;
         #[cfg(unix)]
-        crate::aborts::end_with_a_code();
+        crate::aborts::exit_on_abort();
         let (mut ids, mut clips) = (Vec::new(), Vec::<Vec<ClipId>>::new());
         for character in &self.characters {
             let id = crowd.add_character(Arc::clone(character))?;
@@ -214,9 +223,9 @@ impl Scene {
         }
         let mut members = Vec::with_capacity(self.member_count);
         for index in 0..self.member_count {
-            let kind = self.kind(index);
+            let kind = self.character_index(index);
             let member = crowd.spawn(ids[kind], Placement::at([0.0; 3]))?;
-            for slot in self.played(index) {
+            for slot in self.initial_slots(index) {
                 let play =
                     Play::looping().phase(slot.phase).weight(slot.weight).on_layer(slot.layer);
                 crowd.blend(member, clips[kind][slot.clip], play)?;
@@ -240,8 +249,8 @@ impl Scene {
     }
 }
 
-/// That many of a hundred, at least one of any.
-fn share(members: usize, percent: f32) -> usize {
+/// Returns a percentage of the members, rounded, but at least one.
+fn changing_count(members: usize, percent: f32) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -252,10 +261,10 @@ fn share(members: usize, percent: f32) -> usize {
 }
 
 impl Staging {
-    /// Lets members change over to other clips, as the scene has it for a frame.
+    /// Starts the crossfades of a frame.
     pub(crate) fn change(&mut self, scene: &Scene, frame: u32) -> Result<(), Error> {
         for (member, clip) in scene.changes(frame) {
-            let clip = self.clips[scene.kind(member)][clip];
+            let clip = self.clips[scene.character_index(member)][clip];
             self.crowd.crossfade(self.members[member], clip, FADE_SECS)?;
         }
         Ok(())
@@ -267,11 +276,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_member_changes_in_its_turn_and_none_twice_in_a_frame() {
+    fn changes_take_turns_without_repeats_in_a_frame() {
         let scene = |members, percent| Scene {
             load: Load::Changing { percent },
             characters: vec![Arc::new(
-                rigs::character(3, 2, false, &mut Random::new(1)).expect("sound"),
+                rigs::character(3, 2, false, &mut Random::new(1)).expect("valid"),
             )],
             member_count: members,
             slot_count: 2,
@@ -283,7 +292,7 @@ mod tests {
             let scene = scene(members, percent);
             let mut turns = vec![0; members];
             for frame in 0..members {
-                let frame = u32::try_from(frame).expect("few");
+                let frame = u32::try_from(frame).expect("few members");
                 let changing: Vec<_> = scene.changes(frame).collect();
                 assert_eq!(changing.len(), each);
                 let mut different: Vec<_> = changing.iter().map(|(member, _)| *member).collect();
@@ -292,7 +301,7 @@ mod tests {
                 assert_eq!(different.len(), each, "{members} members, {percent} %, frame {frame}");
                 changing.iter().for_each(|(member, _)| turns[*member] += 1);
             }
-            assert_eq!(turns, vec![each; members], "over as many frames all had as many turns");
+            assert_eq!(turns, vec![each; members], "every member changes equally often");
         }
         assert_eq!(Scene { load: Load::Plain, ..scene(9, 1.0) }.changes(3).count(), 0);
     }

@@ -1,7 +1,7 @@
-//! What was measured, for people.
+//! Formats measurements as a Markdown table.
 
 use super::document::Document;
-use super::runs::Run;
+use super::spec::Measurement;
 
 const HEAD: &str = "\
 | members | device | schedule | stage | load | ms, median | ms, least | ns per joint | ms, waited \
@@ -9,22 +9,23 @@ const HEAD: &str = "\
 |--:|---|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|
 ";
 
-/// A table of Markdown, and what follows from it. Of several sizes it leaves single stages out.
+/// Formats a table and notes that compare its lines. Single stages are left out if there are
+/// several crowd sizes.
 pub(crate) fn as_table(document: &Document) -> String {
     let runs = &document.runs;
     let stages = runs.iter().all(|run| run.members == runs[0].members);
-    let shown: Vec<&Run> = runs.iter().filter(|run| stages || run.stage == "all").collect();
+    let shown: Vec<&Measurement> = runs.iter().filter(|run| stages || run.stage == "all").collect();
     let mut text = format!("{}\n\n{HEAD}", document.machine);
     shown.iter().for_each(|run| text += &line(run));
-    let mut notes: Vec<_> = shown.iter().filter_map(|run| against_plain(run, runs)).collect();
-    notes.extend(shown.iter().find_map(|run| baked(run)));
+    let mut notes: Vec<_> = shown.iter().filter_map(|run| ratio_to_plain(run, runs)).collect();
+    notes.extend(shown.iter().find_map(|run| baked_note(run)));
     if !notes.is_empty() {
         text += &format!("\n{}", notes.concat());
     }
     text
 }
 
-fn line(run: &Run) -> String {
+fn line(run: &Measurement) -> String {
     let optional = |value: Option<f64>, digits: usize| {
         value.map_or(String::new(), |value| format!("{value:.digits$}"))
     };
@@ -46,14 +47,15 @@ fn line(run: &Run) -> String {
     )
 }
 
-/// How a load compares with the plain one of the same schedule.
-fn against_plain(run: &Run, runs: &[Run]) -> Option<String> {
-    let alike = |other: &&Run| {
+/// Compares a load with the plain load of the same schedule.
+fn ratio_to_plain(run: &Measurement, runs: &[Measurement]) -> Option<String> {
+    let same_subject = |other: &&Measurement| {
         (other.members, &other.device, &other.schedule, &other.stage)
             == (run.members, &run.device, &run.schedule, &run.stage)
     };
     let whole_and_loaded = run.stage == "all" && !run.is_plain();
-    let plain = runs.iter().filter(alike).find(|other| whole_and_loaded && other.is_plain())?;
+    let plain =
+        runs.iter().filter(same_subject).find(|other| whole_and_loaded && other.is_plain())?;
     let changes = run
         .change_ms_median
         .map_or(String::new(), |ms| format!("; the calls that change clips took {ms:.3} ms"));
@@ -67,7 +69,7 @@ fn against_plain(run: &Run, runs: &[Run]) -> Option<String> {
     ))
 }
 
-fn baked(run: &Run) -> Option<String> {
+fn baked_note(run: &Measurement) -> Option<String> {
     let tables = run.tables?;
     let kib_each = |bytes: usize| bytes as f64 / 1024.0 / tables.clips as f64;
     Some(format!(

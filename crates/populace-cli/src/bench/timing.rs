@@ -1,4 +1,4 @@
-//! Frames, timed on all devices in turn.
+//! Times frames of all subjects in turn.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -7,68 +7,60 @@ use populace::core::{Stage, TICKS_PER_SEC};
 use populace::{BackendError, Error};
 
 use super::baked::Baked;
-use super::check::{Found, allowed_m, on_page_borders, sample};
+use super::check::{OracleCheck, allowed_m, at_page_boundaries, sample};
+use super::measurements::{Samples, SubjectResult, measurements};
 use super::memory;
-use super::runs::{Measured, Run, Samples, Way, runs};
-use super::scene::{Scene, Setup, Staging};
+use super::scene::{Scene, Staging};
+use super::spec::{FRAME_SECS, FRAME_TICKS, Measurement, Method, Subject};
+use crate::crowd_renderer::devices_and_shares;
 use crate::progress::Progress;
-use crate::studio::devices_and_shares;
 
-/// Frames before anything is measured.
-const WARM_UP: u32 = 3;
-/// Frames of no time before those, in which several devices find out how to share the members.
-const FIRST_SHARING: u32 = 30;
-const FRAME_SECS: f32 = 1.0 / 60.0;
-/// The crowd's ticks of one such frame.
-pub(crate) const FRAME_TICKS: u64 = TICKS_PER_SEC / 60;
+/// Number of frames before the first measured frame.
+const WARM_UP_FRAMES: u32 = 3;
+/// Number of frames of zero length before those, in which several devices balance their shares.
+const BALANCING_FRAMES: u32 = 30;
 
-/// A scene to be measured in one way.
-#[derive(Clone, Copy)]
-pub(crate) struct Subject<'a> {
-    pub(crate) scene: &'a Scene,
-    pub(crate) on: &'a Setup,
-    pub(crate) way: Way,
-}
-
-/// A subject that is ready.
-struct Track<'a> {
+/// A subject that is set up.
+struct Session<'a> {
     subject: Subject<'a>,
-    stand: Stand,
+    evaluator: Evaluator,
     samples: Samples,
 }
 
-enum Stand {
+/// The source of palettes.
+enum Evaluator {
     Crowd(Box<Staging>),
     Baked(Baked),
 }
 
-/// Measures `frames` frames of each subject, as many of them as memory holds taking turns, so that
-/// a noisy machine is noisy to all, and holds the last frame against the oracle. Subjects too large
-/// for the memory are left out, and named.
-pub(crate) fn measure(subjects: Vec<Subject>, frames: u32) -> Result<Vec<Run>, Error> {
-    let mut waiting = VecDeque::from(subjects);
-    let mut measured = Vec::new();
-    while !waiting.is_empty() {
-        measured.extend(measure_together(next_group(&mut waiting), frames)?);
+/// Measures `frames` frames of each subject, and compares the last frame with the oracle.
+///
+/// As many subjects as fit in memory take turns frame by frame, so that noise of the machine
+/// affects all of them. Subjects that do not fit in memory are skipped and reported.
+pub(crate) fn measure(subjects: Vec<Subject>, frames: u32) -> Result<Vec<Measurement>, Error> {
+    let mut pending = VecDeque::from(subjects);
+    let mut results = Vec::new();
+    while !pending.is_empty() {
+        results.extend(measure_group(next_group(&mut pending), frames)?);
     }
-    Ok(runs(&measured))
+    Ok(measurements(&results))
 }
 
-/// The next subjects that there is memory for at once.
-fn next_group<'a>(waiting: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
+/// Removes and returns the next subjects that fit in memory together.
+fn next_group<'a>(pending: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
     let (mut group, mut free) = (Vec::new(), memory::free_bytes());
-    while let Some(subject) = waiting.front() {
+    while let Some(subject) = pending.front() {
         let bytes = subject.bytes();
         if bytes <= free {
             free -= bytes;
-            group.extend(waiting.pop_front());
+            group.extend(pending.pop_front());
         } else if group.is_empty() {
-            subject.leave_out(&format!(
-                "it takes about {} MiB, and {} are free",
+            subject.report_skipped(&format!(
+                "it needs about {} MiB, {} are free",
                 bytes >> 20,
                 free >> 20
             ));
-            waiting.pop_front();
+            pending.pop_front();
         } else {
             break;
         }
@@ -76,72 +68,77 @@ fn next_group<'a>(waiting: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
     group
 }
 
-fn measure_together<'a>(group: Vec<Subject<'a>>, frames: u32) -> Result<Vec<Measured<'a>>, Error> {
-    let mut tracks = Vec::new();
+fn measure_group<'a>(
+    group: Vec<Subject<'a>>,
+    frames: u32,
+) -> Result<Vec<SubjectResult<'a>>, Error> {
+    let mut sessions = Vec::new();
     let mut progress = Progress::new("crowds", group.len());
     for subject in group {
-        match subject.stage() {
-            Ok(stand) => tracks.push(Track { subject, stand, samples: Samples::default() }),
+        match subject.set_up() {
+            Ok(evaluator) => {
+                sessions.push(Session { subject, evaluator, samples: Samples::default() });
+            }
             Err(Error::Backend(error @ BackendError::OutOfMemory { .. })) => {
-                subject.leave_out(&error.to_string());
+                subject.report_skipped(&error.to_string());
             }
             Err(error) => return Err(error),
         }
         progress.step();
     }
     drop(progress);
-    let mut progress = Progress::new("frames", (WARM_UP + frames) as usize * tracks.len());
-    for frame in 0..WARM_UP + frames {
-        for track in &mut tracks {
-            if frame == WARM_UP {
-                track.samples = Samples::default();
+    let mut progress = Progress::new("frames", (WARM_UP_FRAMES + frames) as usize * sessions.len());
+    for frame in 0..WARM_UP_FRAMES + frames {
+        for session in &mut sessions {
+            if frame == WARM_UP_FRAMES {
+                session.samples = Samples::default();
             }
-            track.frame(frame)?;
+            session.frame(frame)?;
             progress.step();
         }
     }
     drop(progress);
-    tracks.into_iter().map(|track| track.measured(WARM_UP + frames)).collect()
+    sessions.into_iter().map(|session| session.finish(WARM_UP_FRAMES + frames)).collect()
 }
 
 impl Subject<'_> {
     fn bytes(&self) -> usize {
-        match self.way {
-            Way::Crowd(schedule) => memory::crowd_bytes(self.scene, self.on, schedule),
-            Way::Baked => memory::palette_bytes(self.scene),
+        match self.method {
+            Method::Crowd(schedule) => memory::crowd_bytes(self.scene, self.on, schedule),
+            Method::Baked => memory::palette_bytes(self.scene),
         }
     }
 
-    fn leave_out(&self, reason: &str) {
-        crate::report::talk!(
-            "left out: {} of {} members on {}: {reason}",
-            self.way,
+    fn report_skipped(&self, reason: &str) {
+        crate::report::message!(
+            "skipped: {} of {} members on {}: {reason}",
+            self.method,
             self.scene.member_count,
             self.on.devices
         );
     }
 
-    fn stage(&self) -> Result<Stand, Error> {
-        Ok(match self.way {
-            Way::Crowd(schedule) => {
-                let mut staging = self.scene.stage(self.on, schedule)?;
-                for _ in 0..if self.on.is_shared() { FIRST_SHARING } else { 0 } {
+    fn set_up(&self) -> Result<Evaluator, Error> {
+        Ok(match self.method {
+            Method::Crowd(schedule) => {
+                let mut staging = self.scene.set_up(self.on, schedule)?;
+                for _ in 0..if self.on.is_shared() { BALANCING_FRAMES } else { 0 } {
                     staging.crowd.update(0.0)?;
                     staging.crowd.finish()?;
                 }
-                Stand::Crowd(Box::new(staging))
+                Evaluator::Crowd(Box::new(staging))
             }
-            Way::Baked => Stand::Baked(Baked::new(self.scene)?),
+            Method::Baked => Evaluator::Baked(Baked::new(self.scene)?),
         })
     }
 }
 
-impl<'a> Track<'a> {
+impl<'a> Session<'a> {
     fn frame(&mut self, frame: u32) -> Result<(), Error> {
         let samples = &mut self.samples;
-        match &mut self.stand {
-            Stand::Crowd(staging) => crowd_frame(staging, self.subject.scene, frame, samples)?,
-            Stand::Baked(baked) => {
+        match &mut self.evaluator {
+            Evaluator::Crowd(staging) => crowd_frame(staging, self.subject.scene, frame, samples)?,
+            Evaluator::Baked(baked) => {
                 let secs = f64::from(frame + 1) * FRAME_TICKS as f64 / TICKS_PER_SEC as f64;
                 let start = Instant::now();
                 baked.update(secs);
@@ -153,23 +150,24 @@ impl<'a> Track<'a> {
         Ok(())
     }
 
-    fn measured(self, frames: u32) -> Result<Measured<'a>, Error> {
+    /// Compares the last frame with the oracle and returns the result.
+    fn finish(self, frames: u32) -> Result<SubjectResult<'a>, Error> {
         let Subject { scene, on, .. } = self.subject;
-        let found = |members, slots| Found { scene, frames, members, slots };
+        let check = |members, slots| OracleCheck { scene, frames, members, slots };
         let (subject, samples) = (self.subject, self.samples);
-        match self.stand {
-            Stand::Crowd(mut staging) => {
-                let members = [sample(scene), on_page_borders(&staging.crowd)].concat();
-                let error_m = found(members, scene.slot_count)
+        match self.evaluator {
+            Evaluator::Crowd(mut staging) => {
+                let members = [sample(scene), at_page_boundaries(&staging.crowd)].concat();
+                let error_m = check(members, scene.slot_count)
                     .worst_error_m(|member| staging.crowd.palette(staging.members[member]))?;
                 let (memory_bytes, schedule) =
                     (staging.crowd.device_memory_bytes(), staging.crowd.schedule());
                 if on.is_shared() {
                     let shares = devices_and_shares(&staging.crowd);
-                    crate::report::talk!("at the end {shares} share the members ({schedule})");
+                    crate::report::message!("final shares: {shares} ({schedule})");
                 }
                 drop(staging);
-                Ok(Measured {
+                Ok(SubjectResult {
                     subject,
                     samples,
                     memory_bytes,
@@ -179,15 +177,15 @@ impl<'a> Track<'a> {
                     allowed_m: Some(allowed_m(scene)),
                 })
             }
-            Stand::Baked(baked) => {
+            Evaluator::Baked(baked) => {
                 let tables = baked.table_sizes(scene);
-                Ok(Measured {
+                Ok(SubjectResult {
                     subject,
                     samples,
                     memory_bytes: tables.bytes + baked.member_bytes(),
                     tables: Some(tables),
                     bytes_per_member: None,
-                    error_m: found(sample(scene), 1)
+                    error_m: check(sample(scene), 1)
                         .worst_error_m(|member| Ok(baked.palette(member).to_vec()))?,
                     allowed_m: None,
                 })
@@ -220,7 +218,7 @@ fn crowd_frame(
     Ok(())
 }
 
-/// Milliseconds from `start` until now.
+/// Returns the milliseconds since `start`.
 pub(crate) fn ms_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }

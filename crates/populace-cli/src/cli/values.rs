@@ -1,8 +1,8 @@
-//! Values of arguments, from text.
+//! Parsing of argument values.
 
 use std::str::FromStr;
 
-/// Pixels across and down.
+/// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Size(pub(crate) [u32; 2]);
 
@@ -14,7 +14,7 @@ impl FromStr for Size {
             text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
         match sides {
             Some(sides) if !sides.contains(&0) => Ok(Self(sides)),
-            _ => Err("write width and height in pixels as 1280x720".into()),
+            _ => Err("write width and height in pixels, for example 1280x720".into()),
         }
     }
 }
@@ -26,7 +26,7 @@ pub(super) fn frame_rate(text: &str) -> Result<f32, String> {
     }
 }
 
-/// A length in metres that a body could have.
+/// Parses the height of a character in metres.
 pub(super) fn height(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(metres) if (1e-3..=1e4).contains(&metres) => Ok(metres),
@@ -34,7 +34,7 @@ pub(super) fn height(text: &str) -> Result<f32, String> {
     }
 }
 
-/// A share that is not nothing.
+/// Parses a percentage above 0.
 pub(super) fn percent(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(percent) if percent > 0.0 && percent <= 100.0 => Ok(percent),
@@ -42,14 +42,14 @@ pub(super) fn percent(text: &str) -> Result<f32, String> {
     }
 }
 
-/// From where a picture is taken.
+/// The camera of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum View {
-    /// So that all members are in the picture.
+    /// Shows all members.
     Crowd,
-    /// One member, large.
+    /// Shows one member.
     Close,
-    /// From a place to a place, in metres.
+    /// Looks from a position to a target, in metres.
     At { eye: [f32; 3], target: [f32; 3] },
 }
 
@@ -67,12 +67,14 @@ impl FromStr for View {
             Ok(&[a, b, c, x, y, z]) if [a, b, c, x, y, z].iter().all(|v| v.is_finite()) => {
                 Ok(Self::At { eye: [a, b, c], target: [x, y, z] })
             }
-            _ => Err("write crowd, close, or the eye and what it looks at as 0,1.6,5,0,1,0".into()),
+            _ => Err("write crowd, close, or the positions of camera and target, for example \
+                      0,1.6,5,0,1,0"
+                .into()),
         }
     }
 }
 
-/// A vertex as the file counts them.
+/// A vertex by the indices in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct VertexId {
     pub(crate) node: usize,
@@ -87,7 +89,7 @@ impl FromStr for VertexId {
         let numbers: Result<Vec<usize>, _> = text.split(',').map(|n| n.trim().parse()).collect();
         match numbers.as_deref() {
             Ok(&[node, primitive, vertex]) => Ok(Self { node, primitive, vertex }),
-            _ => Err("write the node, primitive and vertex index as 5,0,17".into()),
+            _ => Err("write the indices of node, primitive and vertex, for example 5,0,17".into()),
         }
     }
 }
@@ -97,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_and_vertices_are_read_or_refused() {
+    fn valid_values_parse_and_others_are_refused() {
         assert_eq!("640x360".parse(), Ok(Size([640, 360])));
         for bad in ["", "640", "0x3", "-1x5", "axb", "5x"] {
             assert!(bad.parse::<Size>().is_err(), "{bad}");

@@ -5,7 +5,10 @@ use std::path::Path;
 use populace::{Devices, Schedule, Split};
 use serde_json::Value;
 
-use crate::bench::{Document, Load, Run, Scene, Setup, Subject, Way, as_svg, as_table, measure};
+use crate::bench::{
+    DeviceSetup, Document, Load, Measurement, Method, Scene, SceneSettings, Subject, as_svg,
+    as_table, measure,
+};
 use crate::cli::BenchArgs;
 use crate::failure::Failure;
 use crate::output::{self, check_inputs, check_kind, check_writable};
@@ -33,14 +36,16 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
 }
 
 fn read(file: &Path) -> Result<Document, Failure> {
-    let wrong = |why: String| Failure::Input(anyhow::anyhow!("{}: {why}", file.display()));
+    let wrong = |reason: String| Failure::Input(anyhow::anyhow!("{}: {reason}", file.display()));
     let text = crate::input::read_text(file).map_err(wrong)?;
     let json: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
     Document::from_json(&json).map_err(wrong)
 }
 
-fn measure_all(args: &BenchArgs) -> Result<Vec<Run>, Failure> {
-    let scenes = loads(args).into_iter().map(|load| Scene::new(args, load));
+fn measure_all(args: &BenchArgs) -> Result<Vec<Measurement>, Failure> {
+    let settings =
+        SceneSettings { joints: args.joints, slots: args.slots as usize, seed: args.seed };
+    let scenes = loads(args).into_iter().map(|load| Scene::new(settings, load));
     let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     let setups = setups(args)?;
     let mut runs = Vec::new();
@@ -49,22 +54,26 @@ fn measure_all(args: &BenchArgs) -> Result<Vec<Run>, Failure> {
             scenes.iter().map(|scene| scene.with_members(members as usize)).collect();
         let subjects = subjects(&scenes, &setups, args);
         if subjects.is_empty() {
-            return Err(Failure::usage("baked is measured on the native device alone"));
+            return Err(Failure::usage(
+                "baked is measured on the native device only; add --device native",
+            ));
         }
-        report::talk!("{members} members, {} ways to measure", subjects.len());
+        report::message!("{members} members, {} subjects to measure", subjects.len());
         runs.extend(measure(subjects, args.frames)?);
     }
     if runs.is_empty() {
-        return Err(Failure::Run(anyhow::anyhow!("nothing was left to measure")));
+        return Err(Failure::Run(anyhow::anyhow!(
+            "all subjects were skipped; measure smaller crowds"
+        )));
     }
     Ok(runs)
 }
 
-fn check(run: &Run) -> Result<(), Failure> {
+fn check(run: &Measurement) -> Result<(), Failure> {
     match (run.error_m, run.allowed_m) {
         (Some(error), Some(allowed)) if error.is_nan() || error > allowed => {
             Err(Failure::Run(anyhow::anyhow!(
-                "{} ({}, {}) is wrong: a joint is {error:.6} m from where the oracle puts it; \
+                "{} ({}, {}) is wrong: a joint is {error:.6} m away from the oracle's result, and \
                  {allowed:.6} m are allowed",
                 run.device,
                 run.schedule,
@@ -85,34 +94,39 @@ fn loads(args: &BenchArgs) -> Vec<Load> {
     loads
 }
 
-/// Everything to measure; the loads of one schedule stand side by side.
-fn subjects<'a>(scenes: &'a [Scene], setups: &'a [Setup], args: &BenchArgs) -> Vec<Subject<'a>> {
-    let usual = [Way::Crowd(Schedule::Staged), Way::Crowd(Schedule::Fused), Way::Baked];
-    let ways = if args.schedule.is_empty() { &usual[..] } else { &args.schedule };
+/// Returns all subjects, with the loads of each schedule side by side.
+fn subjects<'a>(
+    scenes: &'a [Scene],
+    setups: &'a [DeviceSetup],
+    args: &BenchArgs,
+) -> Vec<Subject<'a>> {
+    let defaults = [Method::Crowd(Schedule::Staged), Method::Crowd(Schedule::Fused), Method::Baked];
+    let methods = if args.schedule.is_empty() { &defaults[..] } else { &args.schedule };
     let mut subjects = Vec::new();
     for on in setups {
-        for &way in ways {
-            let measured = |scene: &&Scene| match way {
-                Way::Crowd(_) => true,
-                Way::Baked => scene.load == Load::Plain && on.is_native() && !on.is_shared(),
+        for &method in methods {
+            let measured = |scene: &&Scene| match method {
+                Method::Crowd(_) => true,
+                Method::Baked => scene.load == Load::Plain && on.is_native() && !on.is_shared(),
             };
-            subjects.extend(scenes.iter().filter(measured).map(|scene| Subject { scene, on, way }));
+            let scenes = scenes.iter().filter(measured);
+            subjects.extend(scenes.map(|scene| Subject { scene, on, method }));
         }
     }
     subjects
 }
 
-/// The devices to measure on, with how several share a crowd.
-fn setups(args: &BenchArgs) -> Result<Vec<Setup>, Failure> {
+/// Returns the devices to measure on, and how several share a crowd.
+fn setups(args: &BenchArgs) -> Result<Vec<DeviceSetup>, Failure> {
     let devices = if args.device.is_empty() { all_devices() } else { args.device.clone() };
     let setup = |devices: Devices| {
         let split = if devices.as_slice().len() > 1 { args.split.clone() } else { Split::Measured };
-        Setup { devices, split }
+        DeviceSetup { devices, split }
     };
     let setups: Vec<_> = devices.into_iter().map(setup).collect();
-    if args.split != Split::Measured && !setups.iter().any(Setup::is_shared) {
+    if args.split != Split::Measured && !setups.iter().any(DeviceSetup::is_shared) {
         return Err(Failure::usage(
-            "--split is for several devices; join them by +, as --device native+opencl:0",
+            "--split needs several devices; join them by +, for example --device native+opencl:0",
         ));
     }
     Ok(setups)
@@ -122,7 +136,7 @@ fn all_devices() -> Vec<Devices> {
     populace::devices().into_iter().filter_map(|report| report.device.map(Devices::from)).collect()
 }
 
-/// The processor by name, where the system tells it, and its threads.
+/// Describes the processor by its name, if the system reports it, and its threads.
 fn machine() -> String {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

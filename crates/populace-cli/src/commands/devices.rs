@@ -8,15 +8,15 @@ use crate::cli::DevicesArgs;
 use crate::failure::Failure;
 use crate::report;
 
-/// How a device's palettes reach OpenGL, or why they do not.
-type Palettes = Result<PaletteInterop, String>;
+/// The transport of a device's palettes to OpenGL, or the reason why there is none.
+type PaletteReport = Result<PaletteInterop, String>;
 
 pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
     let best = Device::best();
     let mut renderer = Renderer::headless([16, 16]);
     let devices = populace::devices().into_iter().map(|report| {
         let palettes = match (report.device, &mut renderer) {
-            (Some(device), Ok(renderer)) => Some(tried(device, renderer)),
+            (Some(device), Ok(renderer)) => Some(try_palettes(device, renderer)),
             _ => None,
         };
         (report, palettes)
@@ -34,29 +34,35 @@ pub(crate) fn run(args: &DevicesArgs) -> Result<(), Failure> {
     }
     let mut text = String::new();
     for (d, palettes) in &devices {
-        let device = d.device.map_or("cannot be used".to_owned(), |d| d.to_string());
-        let best = if d.device == Some(best) { ", used unless another is named" } else { "" };
+        let device = d.device.map_or("unusable".to_owned(), |d| d.to_string());
+        let best = if d.device == Some(best) { ", the default" } else { "" };
         text += &format!("{device:<10} {}: {}{best}\n", d.name, d.detail);
         text += &match palettes {
             Some(Ok(way)) => format!("{:<10} palettes {way}\n", ""),
-            Some(Err(reason)) => format!("{:<10} palettes do not reach OpenGL: {reason}\n", ""),
+            Some(Err(reason)) => {
+                format!("{:<10} palettes cannot be passed to OpenGL: {reason}\n", "")
+            }
             None => String::new(),
         };
     }
     text += &match drawing {
         Ok(driver) => format!("{:<10} {driver}\n", "drawing"),
-        Err(error) => format!("{:<10} cannot be used: {error}\n", "drawing"),
+        Err(error) => format!("{:<10} unusable: {error}\n", "drawing"),
     };
     report::text(&text)
 }
 
-/// Tries it without a crowd, since drivers tell the truth only when asked to do it.
-fn tried(device: Device, renderer: &mut Renderer) -> Palettes {
+/// Passes empty palettes to OpenGL, since only a trial shows what drivers can do.
+fn try_palettes(device: Device, renderer: &mut Renderer) -> PaletteReport {
     let palettes = device.empty_palettes(&renderer.gl_context());
     renderer.connect_palettes(&mut *palettes.map_err(|e| e.to_string())?).map_err(|e| e.to_string())
 }
 
-fn as_json(report: &DeviceReport, palettes: &Option<Palettes>, best: Device) -> serde_json::Value {
+fn as_json(
+    report: &DeviceReport,
+    palettes: &Option<PaletteReport>,
+    best: Device,
+) -> serde_json::Value {
     let palettes = palettes.as_ref().map(|palettes| match palettes {
         Ok(PaletteInterop { transport: way, refused }) => {
             let refused: Vec<_> = refused

@@ -2,6 +2,8 @@
 
 mod rows;
 
+use std::path::PathBuf;
+
 use populace::core::{Character, Clip, RoleMap, Skeleton};
 use populace_assets::Imported;
 use serde_json::{Value, json};
@@ -9,23 +11,23 @@ use serde_json::{Value, json};
 use crate::cli::InspectArgs;
 use crate::failure::Failure;
 use crate::report;
-use rows::Taken;
+use rows::ClipSizes;
 
-/// Points looked at between each two rows for the worst error.
+/// Points between two rows at which the error is measured.
 const ERROR_POINTS: usize = 4;
 
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
     if args.rows {
-        let taken = args.files.iter().map(|file| Ok(Taken::of(file, &args.input.load(file)?)));
-        let taken = taken.collect::<Result<Vec<_>, Failure>>()?;
+        let load = |file: &PathBuf| Ok(ClipSizes::new(file, &args.input.load(file)?));
+        let sizes = args.files.iter().map(load).collect::<Result<Vec<_>, Failure>>()?;
         return if args.json {
-            report::json(&rows::as_json(&taken))
+            report::json(&rows::as_json(&sizes))
         } else {
-            report::text(&rows::as_table(&taken))
+            report::text(&rows::as_table(&sizes))
         };
     }
     if args.json && args.files.len() > 1 {
-        return Err(Failure::usage("--json describes one file; only with --rows several"));
+        return Err(Failure::usage("--json describes one file; give several only with --rows"));
     }
     for file in &args.files {
         let document = describe(&args.input.load(file)?, &file.display().to_string());
@@ -56,13 +58,13 @@ fn describe(imported: &Imported, file: &str) -> Value {
         "roles": describe_roles(skeleton),
         "parts": describe_parts(imported),
         "materials": describe_materials(character),
-        "images": character.images.iter().map(|i| json!({"width": i.width, "height": i.height})).collect::<Vec<_>>(),
+        "images": describe_images(character),
         "clips": clips,
         "notes": notes,
     })
 }
 
-/// The naming by which humanoid roles were found, and the joint of each; null where the body is not
+/// Describes the naming convention and the joint of each humanoid role; null if the body is not
 /// humanoid.
 fn describe_roles(skeleton: &Skeleton) -> Value {
     RoleMap::detect(skeleton).map_or(Value::Null, |roles| {
@@ -120,6 +122,11 @@ fn describe_materials(character: &Character) -> Vec<Value> {
     character.materials.iter().map(describe).collect()
 }
 
+fn describe_images(character: &Character) -> Vec<Value> {
+    let images = character.images.iter();
+    images.map(|image| json!({"width": image.width, "height": image.height})).collect()
+}
+
 fn as_text(d: &Value) -> String {
     let list = |name: &str| d[name].as_array().cloned().unwrap_or_default();
     let mut text = format!(
@@ -135,7 +142,7 @@ fn as_text(d: &Value) -> String {
     }
     if let Some(roles) = d["roles"]["joints"].as_object() {
         let naming = d["roles"]["naming"].as_str().unwrap_or_default();
-        text += &format!("  humanoid: {} roles by names as of {naming}\n", roles.len());
+        text += &format!("  humanoid: {} roles found by {naming} names\n", roles.len());
     }
     for p in list("parts") {
         text += &format!(

@@ -8,11 +8,11 @@ use populace_assets::Imported;
 use serde_json::{Value, json};
 
 use crate::aim;
-use crate::cast;
 use crate::cli::{PoseArgs, VertexId, build};
 use crate::failure::Failure;
 use crate::mix::{self, SlotArg};
 use crate::report::{self, as_typed};
+use crate::roles;
 use crate::skin::skinned;
 
 pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
@@ -30,15 +30,15 @@ pub(crate) fn run(args: &PoseArgs) -> Result<(), Failure> {
 
 fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let character = Arc::new(imported.character.clone());
-    // --clip and --time are one slot in other words.
+    // --clip and --time describe one slot.
     let named = args.clip.as_deref().map(|clip| SlotArg::alone(clip, args.time));
     let slots = named.as_ref().map_or(args.slot.as_slice(), std::slice::from_ref);
     let mut crowd = build(args.device.crowd().capacity(1).slots_per_member(slots.len().max(1)))?;
     #[cfg(unix)]
-    crate::aborts::end_with_a_code();
+    crate::aborts::exit_on_abort();
     let id = crowd.add_character(Arc::clone(&character))?;
     if let Some(file) = &args.clips {
-        for clip in cast::lend(&mut cast::Files::new(&args.input), file)? {
+        for clip in roles::load_clips(&mut roles::Loader::new(&args.input), file)? {
             crowd.add_clip(id, &clip)?;
         }
     }
@@ -54,6 +54,11 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
         .iter()
         .map(|skin| skin_palette(skin, &character, &palette, &models))
         .collect();
+    let vertices = if args.vertices {
+        skinned_vertices(imported, &palette, &args.vertex)?
+    } else {
+        Vec::new()
+    };
     Ok(json!({
         "schema": 1,
         "file": args.file.display().to_string(),
@@ -67,17 +72,17 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
         "schedule": crowd.schedule().name(),
         "joints": joints(imported, &models),
         "skins": skins,
-        "vertices": if args.vertices { vertices(imported, &palette, &args.vertex)? } else { Vec::new() },
+        "vertices": vertices,
     }))
 }
 
-/// A clip by name, else by index.
+/// Finds a clip by name or, failing that, by index.
 fn find_clip(
     crowd: &Crowd,
     id: populace::CharacterId,
     name: &str,
 ) -> Result<(ClipId, String), Failure> {
-    let unknown = match cast::clip(crowd, id, name) {
+    let unknown = match roles::clip(crowd, id, name) {
         Ok(clip) => return Ok((clip, name.to_owned())),
         Err(failure) => failure,
     };
@@ -85,7 +90,8 @@ fn find_clip(
     match name.parse::<usize>().ok().map(|index| clips.get(index)) {
         Some(Some((clip, known))) => Ok((*clip, known.name().to_owned())),
         Some(None) => {
-            Err(Failure::usage(format!("there is no clip {name}; the file has {}", clips.len())))
+            let count = clips.len();
+            Err(Failure::usage(format!("there is no clip {name}; the file has {count} clips")))
         }
         None => Err(unknown),
     }
@@ -104,8 +110,8 @@ fn joints(imported: &Imported, models: &[Affine]) -> Vec<Value> {
     skeleton.joints().map(describe).collect()
 }
 
-/// A skin's palette in the order of the file's joints. A joint that moves no vertex has no palette
-/// entry on the device; its matrix is multiplied here.
+/// Returns a skin's palette in the order of the file's joints. A joint that moves no vertex has no
+/// palette entry on the device, so its matrix is computed here.
 fn skin_palette(
     skin: &SkinInstance,
     character: &Character,
@@ -123,8 +129,8 @@ fn skin_palette(
     json!({"skin": skin.skin, "node": skin.node, "palette": rows})
 }
 
-/// Vertices as the file counts them: what follows those of the file in a part is left out.
-fn vertices(
+/// Skins the vertices of the file. Vertices that the importer appended to a part are skipped.
+fn skinned_vertices(
     imported: &Imported,
     palette: &[Affine],
     wanted: &[VertexId],
@@ -144,7 +150,7 @@ fn vertices(
         let (part, _) = part.filter(|(_, count)| id.vertex < **count).ok_or_else(|| {
             let VertexId { node, primitive, vertex } = id;
             Failure::usage(format!(
-                "the file draws no vertex {vertex} of primitive {primitive} of node {node}"
+                "the file has no vertex {vertex} of primitive {primitive} of node {node}"
             ))
         })?;
         Ok(row(part, id.vertex))
@@ -155,11 +161,14 @@ fn vertices(
 fn as_text(d: &Value) -> String {
     let slot = |slot: &Value| {
         let clip = slot["clip"].as_str().unwrap_or_default();
-        let share =
-            if slot["weight"] == 1.0 { String::new() } else { format!(" by {}", slot["weight"]) };
+        let weight = if slot["weight"] == 1.0 {
+            String::new()
+        } else {
+            format!(" with weight {}", slot["weight"])
+        };
         let layer =
             if slot["layer"] == 0 { String::new() } else { format!(" in layer {}", slot["layer"]) };
-        format!("\"{clip}\" at {} s{share}{layer}", slot["time"])
+        format!("\"{clip}\" at {} s{weight}{layer}", slot["time"])
     };
     let slots: Vec<_> = d["slots"].as_array().into_iter().flatten().map(slot).collect();
     let clip = if slots.is_empty() { "rest pose".to_owned() } else { slots.join(", ") };

@@ -1,11 +1,11 @@
 //! `populace render`
 
 use crate::cli::RenderArgs;
+use crate::draw::DrawJob;
 use crate::failure::Failure;
-use crate::film::Film;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let film = Film {
+    let job = DrawJob {
         inputs: &args.inputs,
         members: args.members,
         out: &args.out,
@@ -13,5 +13,5 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         lead_in: 0,
         args: &args.picture,
     };
-    film.make()
+    job.run()
 }

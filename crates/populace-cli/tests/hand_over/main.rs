@@ -1,112 +1,116 @@
-//! Palettes written straight into OpenGL's memory, seen from both sides: crowds and renderers in
-//! one process. Each picture is held against the one by copies, byte for byte.
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+//! Tests of palettes that are written straight into OpenGL's memory, with crowds and renderers in
+//! one process. Each picture must equal the picture by copies, byte for byte.
+#![expect(clippy::unwrap_used, reason = "a failing step fails the test")]
 
-mod loans;
-mod stage;
+mod fixture;
+mod lifetimes;
 mod times;
 
 use populace::core::{Image, PaletteTransport};
 use populace::{Device, Devices, Split};
 
-use stage::{Stage, Troupe, film_by_copy};
+use fixture::{PeopleCrowd, RenderSession, pictures_by_copy};
 
 fn assert_same(found: &Image, wanted: &Image, what: &str) {
     let different = found.rgba.iter().zip(&wanted.rgba).filter(|(a, b)| a != b).count();
     assert!(found == wanted, "{what}: {different} bytes differ");
 }
 
-fn every_frame_is_the_one_by_copies(device: &Devices) {
-    let film = film_by_copy(device, 60, 5);
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, 60, &stage);
-    stage.link(&mut troupe.crowd);
-    for (frame, wanted) in film.iter().enumerate() {
-        troupe.update();
-        assert_same(&stage.shoot(&mut troupe.crowd), wanted, &format!("frame {frame}"));
+fn frames_equal_those_by_copies(device: &Devices) {
+    let pictures = pictures_by_copy(device, 60, 5);
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, 60, &session);
+    session.link(&mut people.crowd);
+    for (frame, wanted) in pictures.iter().enumerate() {
+        people.update();
+        assert_same(&session.draw_crowd(&mut people.crowd), wanted, &format!("frame {frame}"));
     }
 }
 
-/// The device works on frame N + 1 before OpenGL is told to draw frame N, and again before its
-/// picture is read.
-fn frames_are_drawn_while_the_next_ones_are_computed(device: &Devices) {
+/// The device computes frame N + 1 before OpenGL draws frame N, or before its picture is read.
+fn drawing_overlaps_with_the_next_update(device: &Devices) {
     const FRAMES: usize = 6;
-    let film = film_by_copy(device, 300, FRAMES);
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, 300, &stage);
-    stage.link(&mut troupe.crowd);
-    let instances = stage.instances(&troupe.crowd);
-    troupe.update();
-    for (frame, wanted) in film.iter().enumerate() {
-        stage.renderer.acquire_palettes(&mut troupe.crowd).unwrap();
+    let pictures = pictures_by_copy(device, 300, FRAMES);
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, 300, &session);
+    session.link(&mut people.crowd);
+    let instances = session.instances(&people.crowd);
+    people.update();
+    for (frame, wanted) in pictures.iter().enumerate() {
+        session.renderer.acquire_palettes(&mut people.crowd).unwrap();
         let before = frame % 2 == 0;
         if before {
-            troupe.update();
+            people.update();
         }
-        stage.draw(&instances);
+        session.draw(&instances);
         if !before {
-            troupe.update();
+            people.update();
         }
         let what =
             format!("frame {frame}, drawn {} the next", if before { "after" } else { "before" });
-        assert_same(&stage.renderer.read_image().unwrap(), wanted, &what);
+        assert_same(&session.renderer.read_image().unwrap(), wanted, &what);
     }
 }
 
-/// Frames that nobody takes, and takes without a frame.
-fn frames_and_takes_need_not_alternate(device: &Devices) {
-    let film = film_by_copy(device, 40, 4);
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, 40, &stage);
-    stage.link(&mut troupe.crowd);
-    (0..3).for_each(|_| troupe.update());
+/// Some frames are never acquired, and some are acquired several times.
+fn updates_and_acquisitions_need_not_alternate(device: &Devices) {
+    let pictures = pictures_by_copy(device, 40, 4);
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, 40, &session);
+    session.link(&mut people.crowd);
+    (0..3).for_each(|_| people.update());
     for _ in 0..3 {
-        assert_same(&stage.shoot(&mut troupe.crowd), &film[2], "taken again");
+        assert_same(&session.draw_crowd(&mut people.crowd), &pictures[2], "acquired again");
     }
-    troupe.update();
-    assert_same(&stage.shoot(&mut troupe.crowd), &film[3], "the next");
+    people.update();
+    assert_same(&session.draw_crowd(&mut people.crowd), &pictures[3], "the next frame");
 }
 
-fn a_page_grows_under_way(device: &Devices) {
-    let (mut stage, mut by_copy) = (Stage::new(), Stage::new());
-    let [mut troupe, mut twin] = [&stage, &by_copy].map(|stage| Troupe::new(device, 10, stage));
-    stage.link(&mut troupe.crowd);
+fn pages_grow_while_connected(device: &Devices) {
+    let (mut session, mut by_copy) = (RenderSession::new(), RenderSession::new());
+    let [mut people, mut twin] =
+        [&session, &by_copy].map(|session| PeopleCrowd::new(device, 10, session));
+    session.link(&mut people.crowd);
     for more in [0, 3, 200, 1] {
-        for troupe in [&mut troupe, &mut twin] {
-            troupe.spawn(more);
-            troupe.update();
+        for people in [&mut people, &mut twin] {
+            people.spawn(more);
+            people.update();
         }
-        let what = format!("{} members", troupe.crowd.member_count());
-        assert_same(&stage.shoot(&mut troupe.crowd), &by_copy.shoot_by_copy(&mut twin), &what);
+        let what = format!("{} members", people.crowd.member_count());
+        assert_same(
+            &session.draw_crowd(&mut people.crowd),
+            &by_copy.draw_crowd_by_copy(&mut twin),
+            &what,
+        );
     }
 }
 
-/// What was taken stays to be drawn while the crowd outgrows it.
-fn a_frame_outlives_the_pages_it_was_written_into(device: &Devices) {
-    let film = film_by_copy(device, 20, 1);
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, 20, &stage);
-    stage.link(&mut troupe.crowd);
-    troupe.update();
-    stage.renderer.acquire_palettes(&mut troupe.crowd).unwrap();
-    let instances = stage.instances(&troupe.crowd);
-    troupe.spawn(500);
-    troupe.update();
-    assert_same(&stage.picture(&instances), &film[0], "20 members");
+/// An acquired frame can be drawn while the crowd outgrows its pages.
+fn acquired_frame_survives_page_growth(device: &Devices) {
+    let pictures = pictures_by_copy(device, 20, 1);
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, 20, &session);
+    session.link(&mut people.crowd);
+    people.update();
+    session.renderer.acquire_palettes(&mut people.crowd).unwrap();
+    let instances = session.instances(&people.crowd);
+    people.spawn(500);
+    people.update();
+    assert_same(&session.picture(&instances), &pictures[0], "20 members");
 }
 
-fn palettes_read_back_wherever_they_stand(device: &Devices) {
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, 30, &stage);
-    let mut twin = Troupe::new(device, 30, &stage);
-    let same = |troupe: &mut Troupe, twin: &mut Troupe, when: &str| {
+fn palettes_can_be_read_back_from_any_memory(device: &Devices) {
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, 30, &session);
+    let mut twin = PeopleCrowd::new(device, 30, &session);
+    let same = |people: &mut PeopleCrowd, twin: &mut PeopleCrowd, when: &str| {
         let (mut pages, mut wanted) = (Vec::new(), Vec::new());
-        troupe.crowd.with_page(0, &mut |page| pages = page.to_vec()).unwrap();
+        people.crowd.with_page(0, &mut |page| pages = page.to_vec()).unwrap();
         twin.crowd.with_page(0, &mut |page| wanted = page.to_vec()).unwrap();
         let [a, b] =
-            [&*troupe, &*twin].map(|t| t.crowd.instances().map(|i| i.member).collect::<Vec<_>>());
+            [&*people, &*twin].map(|t| t.crowd.instances().map(|i| i.member).collect::<Vec<_>>());
         for (i, (a, b)) in a.into_iter().zip(b).enumerate() {
-            let (a, b) = (troupe.crowd.palette(a).unwrap(), twin.crowd.palette(b).unwrap());
+            let (a, b) = (people.crowd.palette(a).unwrap(), twin.crowd.palette(b).unwrap());
             assert!(a == b, "{when}: member {i}");
         }
         assert!(
@@ -116,25 +120,25 @@ fn palettes_read_back_wherever_they_stand(device: &Devices) {
             wanted.len()
         );
     };
-    [&mut troupe, &mut twin].into_iter().for_each(Troupe::update);
-    stage.link(&mut troupe.crowd);
-    same(&mut troupe, &mut twin, "once linked");
+    [&mut people, &mut twin].into_iter().for_each(PeopleCrowd::update);
+    session.link(&mut people.crowd);
+    same(&mut people, &mut twin, "once connected");
     for _ in 0..3 {
-        [&mut troupe, &mut twin].into_iter().for_each(Troupe::update);
-        same(&mut troupe, &mut twin, "before it is taken");
-        stage.shoot(&mut troupe.crowd);
-        same(&mut troupe, &mut twin, "once it is taken");
+        [&mut people, &mut twin].into_iter().for_each(PeopleCrowd::update);
+        same(&mut people, &mut twin, "before acquisition");
+        session.draw_crowd(&mut people.crowd);
+        same(&mut people, &mut twin, "after acquisition");
     }
-    stage.renderer.acquire_palettes(&mut troupe.by_copy()).unwrap();
-    same(&mut troupe, &mut twin, "still linked");
-    stage.renderer.connect_palettes(&mut troupe.by_copy()).unwrap();
-    same(&mut troupe, &mut twin, "back in the device's own memory");
+    session.renderer.acquire_palettes(&mut people.by_copy()).unwrap();
+    same(&mut people, &mut twin, "still connected");
+    session.renderer.connect_palettes(&mut people.by_copy()).unwrap();
+    same(&mut people, &mut twin, "back in the device's own memory");
 }
 
-fn the_way_and_the_reason_are_told(device: &Devices) {
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, 1, &stage);
-    let hand_over = stage.link(&mut troupe.crowd);
+fn transport_is_reported_with_reasons(device: &Devices) {
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, 1, &session);
+    let hand_over = session.link(&mut people.crowd);
     if hand_over.transport == PaletteTransport::Mapped {
         let native = device.as_slice()[0] == Device::native();
         let reason = if native {
@@ -145,30 +149,30 @@ fn the_way_and_the_reason_are_told(device: &Devices) {
         assert_eq!(hand_over.refused, [(PaletteTransport::Shared, reason.to_owned())]);
         assert!(hand_over.to_string().contains(reason), "{hand_over}");
     } else {
-        assert_eq!(hand_over.refused, [], "nothing is better than sharing");
+        assert_eq!(hand_over.refused, [], "sharing is the best transport");
     }
-    let copied = stage.renderer.connect_palettes(&mut troupe.by_copy()).unwrap();
+    let copied = session.renderer.connect_palettes(&mut people.by_copy()).unwrap();
     assert_eq!((copied.transport, copied.refused.len()), (PaletteTransport::Copied, 2));
 }
 
-/// Whoever has the members, and whoever OpenGL is linked to.
+/// The picture does not depend on the shares of devices, or on the device connected to OpenGL.
 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
 #[test]
-fn a_split_crowd_looks_like_an_undivided_one() {
-    let film = film_by_copy(&Device::native().into(), 60, 8);
+fn split_crowd_draws_the_same_pictures() {
+    let pictures = pictures_by_copy(&Device::native().into(), 60, 8);
     let halves = [1, 2].map(|part| Device::opencl_part(0, part, 2));
     let [native, opencl] = [Device::native(), Device::opencl(0)];
     for devices in [[native, opencl], [opencl, native], halves].map(Devices::from) {
-        let mut stage = Stage::new();
-        let mut troupe = Troupe::new(&devices, 60, &stage);
-        stage.link(&mut troupe.crowd);
-        for (frame, wanted) in film.iter().enumerate() {
+        let mut session = RenderSession::new();
+        let mut people = PeopleCrowd::new(&devices, 60, &session);
+        session.link(&mut people.crowd);
+        for (frame, wanted) in pictures.iter().enumerate() {
             let parts = [[1.0, 0.0], [0.0, 1.0], [0.3, 0.7]].get(frame % 4);
             let split = parts.map_or(Split::Measured, |parts| Split::Fixed(parts.to_vec()));
-            troupe.crowd.set_split(&split).unwrap();
-            troupe.update();
+            people.crowd.set_split(&split).unwrap();
+            people.update();
             assert_same(
-                &stage.shoot(&mut troupe.crowd),
+                &session.draw_crowd(&mut people.crowd),
                 wanted,
                 &format!("{devices}, {split}, frame {frame}"),
             );
@@ -176,23 +180,23 @@ fn a_split_crowd_looks_like_an_undivided_one() {
     }
 }
 
-/// The first device has no member, but the pages that OpenGL draws from.
+/// The first device has no members, but holds the pages that OpenGL draws from.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn what_is_drawn_stays_as_it_is_while_others_palettes_come() {
+fn acquired_frame_is_unaffected_by_other_devices() {
     let threads = |threads| Device::Native { threads };
-    let film = film_by_copy(&threads(1).into(), 40, 4);
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(&[threads(1), threads(2)].into(), 40, &stage);
-    troupe.crowd.set_split(&Split::Fixed(vec![0.0, 1.0])).unwrap();
-    stage.link(&mut troupe.crowd);
-    let instances = stage.instances(&troupe.crowd);
-    troupe.update();
-    for (frame, wanted) in film.iter().enumerate() {
-        stage.renderer.acquire_palettes(&mut troupe.crowd).unwrap();
-        troupe.update();
-        troupe.crowd.with_page(0, &mut |_| ()).unwrap();
-        assert_same(&stage.picture(&instances), wanted, &format!("frame {frame}"));
+    let pictures = pictures_by_copy(&threads(1).into(), 40, 4);
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(&[threads(1), threads(2)].into(), 40, &session);
+    people.crowd.set_split(&Split::Fixed(vec![0.0, 1.0])).unwrap();
+    session.link(&mut people.crowd);
+    let instances = session.instances(&people.crowd);
+    people.update();
+    for (frame, wanted) in pictures.iter().enumerate() {
+        session.renderer.acquire_palettes(&mut people.crowd).unwrap();
+        people.update();
+        people.crowd.with_page(0, &mut |_| ()).unwrap();
+        assert_same(&session.picture(&instances), wanted, &format!("frame {frame}"));
     }
 }
 
@@ -209,14 +213,18 @@ macro_rules! on_devices {
             $(
                 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
                 #[test]
-                fn $name() { $test(&[populace::Device::native(), populace::Device::opencl(0)].into()); }
+                fn $name() {
+                    $test(&[populace::Device::native(), populace::Device::opencl(0)].into());
+                }
             )*
         }
         mod opencl_and_native {
             $(
                 #[cfg_attr(any(skip_gl, skip_opencl), ignore = "POPULACE_SKIP names gl or opencl")]
                 #[test]
-                fn $name() { $test(&[populace::Device::opencl(0), populace::Device::native()].into()); }
+                fn $name() {
+                    $test(&[populace::Device::opencl(0), populace::Device::native()].into());
+                }
             )*
         }
         mod opencl {
@@ -229,19 +237,19 @@ macro_rules! on_devices {
     };
 }
 on_devices!(
-    crate::every_frame_is_the_one_by_copies as every_frame_is_the_one_by_copies,
-    crate::frames_are_drawn_while_the_next_ones_are_computed
-        as frames_are_drawn_while_the_next_ones_are_computed,
-    crate::frames_and_takes_need_not_alternate as frames_and_takes_need_not_alternate,
-    crate::a_page_grows_under_way as a_page_grows_under_way,
-    crate::a_frame_outlives_the_pages_it_was_written_into
-        as a_frame_outlives_the_pages_it_was_written_into,
-    crate::palettes_read_back_wherever_they_stand as palettes_read_back_wherever_they_stand,
-    crate::the_way_and_the_reason_are_told as the_way_and_the_reason_are_told,
-    crate::loans::a_crowd_outlives_its_renderer as a_crowd_outlives_its_renderer,
-    crate::loans::a_renderer_outlives_a_crowd_at_work as a_renderer_outlives_a_crowd_at_work,
-    crate::loans::a_crowd_ends_on_another_thread as a_crowd_ends_on_another_thread,
-    crate::loans::two_crowds_take_turns_on_one_renderer as two_crowds_take_turns_on_one_renderer,
-    crate::loans::two_renderers_take_turns_on_one_crowd as two_renderers_take_turns_on_one_crowd,
-    crate::loans::palettes_on_the_second_page_are_drawn as palettes_on_the_second_page_are_drawn,
+    crate::frames_equal_those_by_copies as frames_equal_those_by_copies,
+    crate::drawing_overlaps_with_the_next_update as drawing_overlaps_with_the_next_update,
+    crate::updates_and_acquisitions_need_not_alternate
+        as updates_and_acquisitions_need_not_alternate,
+    crate::pages_grow_while_connected as pages_grow_while_connected,
+    crate::acquired_frame_survives_page_growth as acquired_frame_survives_page_growth,
+    crate::palettes_can_be_read_back_from_any_memory as palettes_can_be_read_back_from_any_memory,
+    crate::transport_is_reported_with_reasons as transport_is_reported_with_reasons,
+    crate::lifetimes::crowd_outlives_its_renderer as crowd_outlives_its_renderer,
+    crate::lifetimes::renderer_outlives_a_running_crowd as renderer_outlives_a_running_crowd,
+    crate::lifetimes::crowd_can_be_dropped_on_another_thread
+        as crowd_can_be_dropped_on_another_thread,
+    crate::lifetimes::two_crowds_share_a_renderer as two_crowds_share_a_renderer,
+    crate::lifetimes::two_renderers_share_a_crowd as two_renderers_share_a_crowd,
+    crate::lifetimes::second_page_is_drawn as second_page_is_drawn,
 );

@@ -1,29 +1,29 @@
-//! What each way costs; a measurement, so it is run by name: `cargo test --release -p populace-cli
-//! --test hand_over times -- --ignored --nocapture`.
+//! Measures the time of each transport. Run it by `cargo test --release -p populace-cli --test
+//! hand_over times -- --ignored --nocapture`.
 
 use std::time::Instant;
 
 use populace::{Device, Devices};
 
-use crate::stage::{Stage, Troupe};
+use crate::fixture::{PeopleCrowd, RenderSession};
 
 const MEMBERS: u16 = 10_000;
 const FRAMES: usize = 21;
 
-/// Median milliseconds of an update with everything waited for, and of taking its palettes.
+/// Returns the median milliseconds of a finished update, and of acquiring its palettes.
 fn frame_ms(device: &Devices, by_copy: bool) -> [f64; 2] {
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, MEMBERS, &stage);
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, MEMBERS, &session);
     let mut times = [Vec::new(), Vec::new()];
     for frame in 0..FRAMES + 3 {
         let start = Instant::now();
-        troupe.update();
-        troupe.crowd.finish().unwrap();
+        people.update();
+        people.crowd.finish().unwrap();
         let updated = Instant::now();
         if by_copy {
-            stage.renderer.acquire_palettes(&mut troupe.by_copy()).unwrap();
+            session.renderer.acquire_palettes(&mut people.by_copy()).unwrap();
         } else {
-            stage.renderer.acquire_palettes(&mut troupe.crowd).unwrap();
+            session.renderer.acquire_palettes(&mut people.crowd).unwrap();
         }
         if frame >= 3 {
             times[0].push((updated - start).as_secs_f64() * 1e3);
@@ -36,18 +36,18 @@ fn frame_ms(device: &Devices, by_copy: bool) -> [f64; 2] {
     })
 }
 
-#[expect(clippy::print_stdout, reason = "a measurement is for people")]
+#[expect(clippy::print_stdout, reason = "a measurement prints its results")]
 #[ignore = "a measurement, not a test"]
 #[test]
-fn of_each_way() {
+fn times_of_each_transport() {
     let both = [Device::native(), Device::opencl(0)];
     for device in [both[0].into(), both[1].into(), Devices::from(both)] {
         for (name, by_copy) in
             [("copied", true), ("mapped", false), ("copied", true), ("mapped", false)]
         {
-            let [update, take] = frame_ms(&device, by_copy);
+            let [update, acquire] = frame_ms(&device, by_copy);
             println!(
-                "{device}, {MEMBERS} people, {name}: update {update:.2} ms, hand-over {take:.3} ms"
+                "{device}, {MEMBERS} people, {name}: update {update:.2} ms, acquire {acquire:.3} ms"
             );
         }
     }

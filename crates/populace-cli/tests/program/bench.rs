@@ -1,4 +1,4 @@
-//! `populace bench`: its document, its loads, and what it refuses.
+//! Tests of `populace bench`: its document, its loads, and refused arguments.
 
 use std::path::Path;
 
@@ -16,17 +16,17 @@ fn runs_of(args: &[&str]) -> Vec<Value> {
     d["runs"].as_array().expect("runs").clone()
 }
 
-/// The one run whose fields have these values.
+/// Returns the only run with the given field values.
 #[track_caller]
 fn only<'a>(runs: &'a [Value], fields: &[(&str, Value)]) -> &'a Value {
-    let alike = |run: &&Value| fields.iter().all(|(name, value)| run[name] == *value);
-    let found: Vec<_> = runs.iter().filter(alike).collect();
+    let nearly_equal = |run: &&Value| fields.iter().all(|(name, value)| run[name] == *value);
+    let found: Vec<_> = runs.iter().filter(nearly_equal).collect();
     assert_eq!(found.len(), 1, "{fields:?}");
     found[0]
 }
 
 #[test]
-fn bench_checks_what_it_measures() {
+fn bench_reports_times_and_errors() {
     let runs = runs_of(&[&NATIVE[..], &["--members", "40"]].concat());
     let stage = |schedule: &str, stage: &str| {
         only(&runs, &[("schedule", json!(schedule)), ("stage", json!(stage))])
@@ -35,7 +35,7 @@ fn bench_checks_what_it_measures() {
     assert_eq!((&floor["max_error"], &floor["bytes_per_joint"]), (&Value::Null, &json!(48.0)));
     for schedule in ["staged", "fused"] {
         let all = stage(schedule, "all");
-        assert!(all["max_error"].as_f64() > Some(0.0), "single precision is never exactly right");
+        assert!(all["max_error"].as_f64() > Some(0.0), "single precision has some error");
         assert!(
             all["ms_min"].as_f64() > Some(0.0)
                 && all["ms_min"].as_f64() <= all["ms_median"].as_f64()
@@ -56,7 +56,7 @@ fn bench_checks_what_it_measures() {
     let (error, bytes) = (baked["max_error"].as_f64(), baked["baked"]["bytes"].as_u64());
     assert!(
         error > Some(0.0) && error < Some(0.1),
-        "mixed matrices are near the oracle, not right: {error:?}"
+        "interpolated matrices are near the oracle's, not equal: {error:?}"
     );
     assert!(baked["slots"] == 1 && bytes > baked["baked"]["row_bytes"].as_u64(), "{baked}");
 }
@@ -81,7 +81,7 @@ fn bench_measures_every_size_and_load() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_member_of_four_slots_takes_256_bytes_at_most_on_a_device() {
+fn member_with_four_slots_takes_at_most_256_device_bytes() {
     let args = ["bench", "--frames", "2", "--members", "100", "--slots", "4", "--device", "opencl"];
     let runs = runs_of(&[&args[..], &["--schedule", "fused", "--retarget"]].concat());
     for load in ["plain", "retargeted"] {
@@ -93,7 +93,7 @@ fn a_member_of_four_slots_takes_256_bytes_at_most_on_a_device() {
 }
 
 #[test]
-fn wrong_values_are_refused() {
+fn invalid_values_are_refused() {
     for members in ["0", "10,x", "", "10,0", "99999999"] {
         refused(&["bench", "--members", members], 2, &["--members"]);
     }
@@ -105,29 +105,32 @@ fn wrong_values_are_refused() {
         );
     }
     refused(&["bench", "--schedule", "magic"], 2, &["no schedule \"magic\"", "or baked"]);
-    refused(&["bench", "--schedule", "baked", "--device", "opencl"], 2, &["native device alone"]);
+    refused(&["bench", "--schedule", "baked", "--device", "opencl"], 2, &["native device only"]);
     refused(&["bench", "--slots", "9"], 2, &["--slots"]);
     refused(&["bench", "--device", "cuda"], 2, &["native, opencl"]);
 }
 
 #[test]
-fn a_crowd_that_memory_does_not_hold_is_left_out() {
-    // A terabyte of palettes, and one of what stands between stages.
+fn crowds_too_large_for_memory_are_skipped() {
+    // A terabyte of palettes, and another of data between stages.
     let args = [&NATIVE[..], &["--members", "10000000", "--joints", "2000"]].concat();
-    let words =
-        ["left out: staged of 10000000 members on native", "left out: baked", "nothing was left"];
+    let words = [
+        "skipped: staged of 10000000 members on native",
+        "skipped: baked",
+        "all subjects were skipped",
+    ];
     refused(&args, 4, &words);
 }
 
-/// The elements of a document in which each is closed where it should be.
+/// Returns the names of all elements, and asserts that they are nested correctly.
 fn elements(svg: &str) -> Vec<&str> {
     let (mut open, mut elements) = (Vec::new(), Vec::new());
     for tag in svg.split('<').skip(1) {
-        let (tag, text) = tag.split_once('>').expect("a tag ends");
+        let (tag, text) = tag.split_once('>').expect("the end of a tag");
         let name = tag.split([' ', '/']).find(|word| !word.is_empty()).expect("a name");
         assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
         if tag.starts_with('/') {
-            assert_eq!(open.pop(), Some(name), "closed where it was not open");
+            assert_eq!(open.pop(), Some(name), "closed without being open");
         } else {
             elements.push(name);
             open.extend((!tag.ends_with('/')).then_some(name));
@@ -142,7 +145,7 @@ fn elements(svg: &str) -> Vec<&str> {
 }
 
 #[test]
-fn the_chart_shows_every_series() {
+fn chart_shows_every_series() {
     let folder = Folder::new();
     let chart = folder.text("chart.svg");
     let output = populace(
@@ -151,7 +154,7 @@ fn the_chart_shows_every_series() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let table = String::from_utf8(output.stdout).expect("text");
     assert!(table.contains("| 100 | native | fused | all | retargeted |"), "{table}");
-    assert!(!table.contains("write_back"), "of several sizes the table leaves stages out");
+    assert!(!table.contains("write_back"), "with several sizes the table has no stages");
     let svg = std::fs::read_to_string(&chart).expect("a chart");
     let elements = elements(&svg);
     let count = |name: &str| elements.iter().filter(|element| **element == name).count();
@@ -166,38 +169,39 @@ fn the_chart_shows_every_series() {
     for name in names {
         assert!(svg.contains(&format!(">{name}</text>")), "{name}");
     }
-    // A line through three points and one through one in the legend for each, and the floor dashed
-    // in both.
+    // Each series has a line through three points, and one through a point in the legend. Both
+    // lines of the floor are dashed.
     assert_eq!((count("path"), count("circle")), (2 * names.len(), 4 * names.len()));
     assert_eq!(svg.matches("stroke-dasharray").count(), 2);
     for line in svg.split("d=\"M").skip(1) {
-        let places =
+        let numbers =
             line.split('"').next().expect("the end").split([' ', 'L']).filter(|p| !p.is_empty());
         let inside = |place: &str| place.parse::<f64>().is_ok_and(|at| (0.0..1000.0).contains(&at));
-        assert!(places.clone().count() >= 4 && places.into_iter().all(inside), "{line}");
+        assert!(numbers.clone().count() >= 4 && numbers.into_iter().all(inside), "{line}");
     }
     assert!(svg.contains("nanoseconds per joint") && svg.contains(">members"), "axes are labelled");
 }
 
-/// Whether documents say the same, but for the last digits of numbers.
-fn alike(a: &Value, b: &Value) -> bool {
+/// Returns whether documents are equal except for the last digits of numbers.
+fn nearly_equal(a: &Value, b: &Value) -> bool {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => {
             let (a, b) = (a.as_f64().expect("a number"), b.as_f64().expect("a number"));
             (a - b).abs() <= 1e-12 * a.abs()
         }
         (Value::Array(a), Value::Array(b)) => {
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(a, b))
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| nearly_equal(a, b))
         }
         (Value::Object(a), Value::Object(b)) => {
-            a.len() == b.len() && a.iter().all(|(name, a)| b.get(name).is_some_and(|b| alike(a, b)))
+            a.len() == b.len()
+                && a.iter().all(|(name, a)| b.get(name).is_some_and(|b| nearly_equal(a, b)))
         }
         _ => a == b,
     }
 }
 
 #[test]
-fn what_was_measured_is_shown_again_from_its_document() {
+fn saved_document_reproduces_table_and_chart() {
     let folder = Folder::new();
     let (data, chart) = (folder.text("data.json"), folder.text("chart.svg"));
     let args = [&NATIVE[..], &["--members", "20", "--changing", "5", "--json", "--chart", &chart]]
@@ -205,7 +209,10 @@ fn what_was_measured_is_shown_again_from_its_document() {
     let document = json_of(&args);
     let drawn = std::fs::read_to_string(&chart).expect("a chart");
     std::fs::write(&data, document.to_string()).expect("written");
-    assert!(alike(&json_of(&["bench", "--from", &data, "--json", "--chart", &chart]), &document));
+    assert!(nearly_equal(
+        &json_of(&["bench", "--from", &data, "--json", "--chart", &chart]),
+        &document
+    ));
     let again = std::fs::read_to_string(&chart).expect("a chart");
     assert_eq!(elements(&again), elements(&drawn));
     let table = String::from_utf8(populace(&["bench", "--from", &data]).stdout).expect("text");
@@ -227,14 +234,14 @@ fn what_was_measured_is_shown_again_from_its_document() {
 }
 
 #[test]
-fn a_chart_that_cannot_be_written_is_refused_before_the_work() {
+fn unwritable_chart_is_refused() {
     let folder = Folder::new();
     refused(&["bench", "--chart", &folder.text("chart.png")], 2, &["does not end in .svg"]);
     refused(&["bench", "--chart", &folder.text("no/chart.svg")], 4, &["cannot write"]);
 }
 
 #[test]
-fn the_page_of_benchmarks_shows_what_its_data_says() {
+fn benchmarks_page_matches_its_data() {
     let folder = Folder::new();
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let (data, chart) = (docs.join("data/benchmark.json"), folder.text("chart.svg"));
@@ -248,6 +255,6 @@ fn the_page_of_benchmarks_shows_what_its_data_says() {
     }
     assert!(
         read(Path::new(&chart)) == read(&docs.join("pictures/benchmark.svg")),
-        "the chart is another"
+        "the chart differs from docs/pictures/benchmark.svg"
     );
 }

@@ -1,11 +1,11 @@
-//! `render` of characters without clips, and `--clips` of built-in people.
+//! Tests of characters without clips, and of the clips of built-in people.
 
 use serde_json::{Value, json};
 
 use crate::post::{Folder, post};
 use crate::{json_of, numbers, populace};
 
-/// Joints of a humanoid by VRM's names, their parents, and where each stands from its parent.
+/// Joints of a humanoid with VRM names, their parents and local translations.
 const HUMANOID: [(&str, Option<usize>, [f64; 3]); 19] = [
     ("hips", None, [0.0, 0.9, 0.0]),
     ("spine", Some(0), [0.0, 0.15, 0.0]),
@@ -28,13 +28,13 @@ const HUMANOID: [(&str, Option<usize>, [f64; 3]); 19] = [
     ("rightToes", Some(17), [0.0, -0.04, 0.12]),
 ];
 
-/// A humanoid who carries the post's mesh on its arms, without clips.
+/// A humanoid without clips, with the post's mesh on its arms.
 fn humanoid() -> Value {
     let mut file = post();
     let children = |of: usize| {
-        let those =
+        let children =
             HUMANOID.iter().enumerate().filter(move |(_, (_, parent, _))| *parent == Some(of));
-        those.map(|(index, _)| index).collect::<Vec<_>>()
+        children.map(|(index, _)| index).collect::<Vec<_>>()
     };
     let node = |(index, (name, _, at)): (usize, &(&str, Option<usize>, [f64; 3]))| {
         let mut node = json!({"name": name, "translation": at});
@@ -55,7 +55,7 @@ fn humanoid() -> Value {
     file
 }
 
-fn written(folder: &Folder, name: &str, file: &Value) -> String {
+fn write(folder: &Folder, name: &str, file: &Value) -> String {
     std::fs::write(folder.path(name), file.to_string()).expect("written");
     folder.text(name)
 }
@@ -65,55 +65,55 @@ const SMALL: [&str; 8] =
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn a_humanoid_without_clips_walks_as_the_built_in_people() {
+fn humanoid_without_clips_plays_those_of_the_built_in_people() {
     let folder = Folder::new();
-    let file = written(&folder, "golem.gltf", &humanoid());
+    let file = write(&folder, "golem.gltf", &humanoid());
     let out = folder.text("golem.png");
     let output = populace(&[&["render", &file, "--out", &out], &SMALL[..]].concat());
-    let talk = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{talk}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
     let words = "\"golem\" has no clips; it plays Idle and Walk of the built-in people, retargeted";
-    assert!(talk.contains(words), "{talk}");
+    assert!(stderr.contains(words), "{stderr}");
     let frame =
         |index: u32| std::fs::read(folder.path(&format!("golem_000{index}.png"))).expect("a frame");
-    assert!(frame(0) != frame(1), "it moves");
-    // Another way to ask for the same.
-    let lent =
+    assert!(frame(0) != frame(1), "the frames must differ");
+    // The same clips, added explicitly.
+    let added =
         populace(&[&["render", &file, "--clips", "@people", "--out", &out], &SMALL[..]].concat());
-    assert!(!String::from_utf8_lossy(&lent.stderr).contains("no clips"), "it was lent some");
-    assert!(lent.status.success() && frame(0) != frame(1));
+    assert!(!String::from_utf8_lossy(&added.stderr).contains("no clips"), "clips were added");
+    assert!(added.status.success() && frame(0) != frame(1));
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn what_is_no_humanoid_and_has_no_clips_gets_a_warning() {
+fn non_humanoid_without_clips_gets_a_warning() {
     let folder = Folder::new();
     let mut still = post();
     still.as_object_mut().expect("an object").remove("animations");
-    let file = written(&folder, "still.gltf", &still);
+    let file = write(&folder, "still.gltf", &still);
     let output =
         populace(&[&["render", &file, "--out", &folder.text("x.png")], &SMALL[..]].concat());
-    let talk = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{talk}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
     assert!(
-        talk.contains("warning: \"still\" has no clips") && talk.contains("--clips FILE"),
-        "{talk}"
+        stderr.contains("warning: \"still\" has no clips") && stderr.contains("--clips FILE"),
+        "{stderr}"
     );
 }
 
 #[test]
-fn pose_borrows_clips_of_built_in_people() {
+fn pose_plays_clips_of_built_in_people() {
     let folder = Folder::new();
-    let file = written(&folder, "golem.gltf", &humanoid());
-    let hips = |args: &[&str]| {
+    let file = write(&folder, "golem.gltf", &humanoid());
+    let knee = |args: &[&str]| {
         let d = json_of(&[&["pose", &file, "--json", "--device", "native"], args].concat());
         let knee =
             d["joints"].as_array().expect("joints").iter().find(|j| j["name"] == "leftLowerLeg");
         numbers(&knee.expect("a knee")["model_from_joint"])
     };
-    let rest = hips(&[]);
-    for lender in ["@people", "@child"] {
-        let walking = hips(&["--clips", lender, "--clip", "Walk", "--time", "0.3"]);
+    let rest = knee(&[]);
+    for source in ["@people", "@child"] {
+        let walking = knee(&["--clips", source, "--clip", "Walk", "--time", "0.3"]);
         assert!(walking.iter().zip(&rest).any(|(a, b)| (a - b).abs() > 0.05), "{walking:?}");
     }
 }

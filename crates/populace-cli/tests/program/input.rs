@@ -1,4 +1,4 @@
-//! What the program reads: files, standard input, and no more of either than it is allowed to.
+//! Tests of input files and standard input, and of their limits.
 
 use std::io::Write;
 use std::process::{Command, Output, Stdio};
@@ -9,17 +9,17 @@ use super::post::{Folder, post};
 use super::{json_of, populace, refused};
 
 /// Runs the program with bytes on its standard input.
-fn fed(args: &[&str], bytes: &[u8]) -> Output {
+fn run_with_input(args: &[&str], bytes: &[u8]) -> Output {
     let mut program = Command::new(env!("CARGO_BIN_EXE_populace"));
     program.args(args).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut running = program.spawn().expect("the program starts");
-    // A program that has seen enough closes its end.
+    // Fails if the program closes its end early.
     let _ = running.stdin.take().expect("a pipe").write_all(bytes);
     running.wait_with_output().expect("the program ends")
 }
 
 #[test]
-fn files_outside_are_read_only_with_allow_outside() {
+fn outside_files_need_allow_outside() {
     let folder = Folder::new();
     let mut file = post();
     let length = file["buffers"][0]["byteLength"].as_u64().expect("a length");
@@ -36,19 +36,23 @@ fn files_outside_are_read_only_with_allow_outside() {
     ];
     for command in commands {
         std::fs::write(folder.path("secret"), &secret).expect("written");
-        let there = populace(command).stderr;
+        let existing = populace(command).stderr;
         refused(command, 1, &["buffers[0].uri", "\"../secret\"", "--allow-outside"]);
         std::fs::remove_file(folder.path("secret")).expect("removed");
-        assert_eq!(populace(command).stderr, there, "{command:?} tells whether the file is there");
+        assert_eq!(
+            populace(command).stderr,
+            existing,
+            "{command:?} must not reveal whether the file exists"
+        );
         refused(&[command, &["--allow-outside"]].concat(), 1, &["cannot be read"]);
     }
 }
 
 #[test]
-fn what_takes_too_much_memory_is_refused_with_the_flag_that_allows_it() {
+fn files_above_the_memory_limit_are_refused_with_the_flag() {
     let folder = Folder::new();
     let mut file = post();
-    // An accessor without data is zeros, of which a file can claim many.
+    // An accessor without data consists of zeros, so a small file can claim a large one.
     let accessors = file["accessors"].as_array_mut().expect("accessors");
     accessors.push(json!({"componentType": 5125, "count": 16 << 20, "type": "SCALAR"}));
     file["meshes"][0]["primitives"][0]["indices"] = 7.into();
@@ -66,30 +70,32 @@ fn what_takes_too_much_memory_is_refused_with_the_flag_that_allows_it() {
 }
 
 #[test]
-fn standard_input_is_a_file_called_dash() {
+fn dash_reads_standard_input() {
     let file = post().to_string();
-    let inspected = fed(&["inspect", "-", "--json"], file.as_bytes());
+    let inspected = run_with_input(&["inspect", "-", "--json"], file.as_bytes());
     let document: serde_json::Value =
         serde_json::from_slice(&inspected.stdout).expect("a document");
     assert_eq!((&document["joints"], &document["file"]), (&json!(2), &json!("-")));
     let folder = Folder::new();
-    let posed =
-        fed(&["pose", &folder.text("post.gltf"), "--clips", "-", "--clip", "1"], file.as_bytes());
+    let posed = run_with_input(
+        &["pose", &folder.text("post.gltf"), "--clips", "-", "--clip", "1"],
+        file.as_bytes(),
+    );
     assert_eq!(posed.status.code(), Some(0), "{posed:?}");
     for (args, bytes, code, words) in [
         (&["inspect", "-"][..], &b"GIF89a"[..], 1, "standard input is refused"),
-        (&["inspect", "-", "-"], file.as_bytes(), 2, "- can be named once"),
+        (&["inspect", "-", "-"], file.as_bytes(), 2, "- is given twice"),
         (&["pose", "-", "--memory-limit", "1"], &[b' '; 2 << 20], 1, "--memory-limit"),
     ] {
-        let output = fed(args, bytes);
-        let talk = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(code) && talk.contains(words), "{args:?}: {talk}");
+        let output = run_with_input(args, bytes);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(code) && stderr.contains(words), "{args:?}: {stderr}");
     }
 }
 
 #[cfg(unix)]
 #[test]
-fn pipes_and_devices_are_not_waited_for() {
+fn pipes_and_devices_are_refused_without_blocking() {
     let folder = Folder::new();
     let pipe = folder.text("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
@@ -101,11 +107,11 @@ fn pipes_and_devices_are_not_waited_for() {
 }
 
 #[test]
-fn vertices_are_those_of_the_file() {
+fn vertices_use_the_indices_of_the_file() {
     let folder = Folder::new();
     let mut file = post();
-    // Some triangles of this strip are lines, whose normals are others: they get vertices of their
-    // own.
+    // Some triangles of this strip are degenerate and have other normals, so the importer appends
+    // vertices for them.
     file["meshes"][0]["primitives"][0]["mode"] = 5.into();
     file["meshes"][0]["primitives"][0].as_object_mut().expect("an object").remove("indices");
     std::fs::write(folder.path("strip.gltf"), file.to_string()).expect("written");

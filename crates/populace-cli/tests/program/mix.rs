@@ -1,4 +1,4 @@
-//! `populace pose --slot ... --layer ...` against the oracle, on files of our own and on real ones.
+//! Tests of `populace pose --slot ... --layer ...` against the oracle, on generated and real files.
 
 use std::path::Path;
 
@@ -10,13 +10,12 @@ use serde_json::{Value, json};
 use crate::post::{Folder, post};
 use crate::{json_of, numbers, populace, refused};
 
-/// How far a joint may be off, as part of the character's height: what stored rows may, for each of
-/// the clips that add up.
-const OFF: f64 = 2e-5;
+/// The allowed error of stored rows per slot, in units of the character's height.
+const TOLERANCE: f64 = 2e-5;
 
-/// A slot as it is typed, and for the oracle: clip, time, weight, layer.
+/// A slot: clip, time in seconds, weight, layer.
 type Slot<'a> = (&'a str, f32, f32, usize);
-/// A layer as it is typed, and for the oracle: layer, mask, additive, weight.
+/// A layer: index, mask, additive, weight.
 type Layer<'a> = (usize, Option<&'a str>, bool, f32);
 
 struct Mix<'a> {
@@ -24,7 +23,7 @@ struct Mix<'a> {
     layers: Vec<Layer<'a>>,
 }
 
-fn quoted(name: &str) -> String {
+fn escaped(name: &str) -> String {
     name.replace('\\', r"\\").replace(',', r"\,").replace('=', r"\=")
 }
 
@@ -32,20 +31,20 @@ impl Mix<'_> {
     fn arguments(&self) -> Vec<String> {
         let mut all = Vec::new();
         for (clip, secs, weight, layer) in &self.slots {
-            let slot = format!("clip={},time={secs},weight={weight},layer={layer}", quoted(clip));
+            let slot = format!("clip={},time={secs},weight={weight},layer={layer}", escaped(clip));
             all.extend(["--slot".into(), slot]);
         }
         for (layer, mask, additive, weight) in &self.layers {
-            let mask = mask.map_or(String::new(), |joint| format!(",mask={}", quoted(joint)));
+            let mask = mask.map_or(String::new(), |joint| format!(",mask={}", escaped(joint)));
             let additive = if *additive { ",additive" } else { "" };
             all.extend(["--layer".into(), format!("{layer}{mask}{additive},weight={weight}")]);
         }
         all
     }
 
-    /// The document of the program on a device with a schedule, as in "opencl staged".
-    fn run(&self, file: &str, way: &str) -> Value {
-        let (device, schedule) = way.split_once(' ').expect("device and schedule");
+    /// Returns the program's document for a device and schedule, such as "opencl staged".
+    fn run(&self, file: &str, configuration: &str) -> Value {
+        let (device, schedule) = configuration.split_once(' ').expect("device and schedule");
         let mut args = vec!["pose", file, "--json", "--device", device, "--schedule", schedule];
         let mixed = self.arguments();
         args.extend(mixed.iter().map(String::as_str));
@@ -75,9 +74,9 @@ impl Mix<'_> {
     }
 }
 
-/// 1 for each joint that a chain of parents leads from to the one named.
+/// Returns 1 for the named joint and its descendants, 0 for other joints.
 fn subtree(body: &OracleBody, root: &str) -> Vec<f64> {
-    let hangs = |mut joint: usize| loop {
+    let weight = |mut joint: usize| loop {
         if body.joints[joint].name == root {
             return 1.0;
         }
@@ -86,31 +85,30 @@ fn subtree(body: &OracleBody, root: &str) -> Vec<f64> {
             None => return 0.0,
         }
     };
-    (0..body.joints.len()).map(hangs).collect()
+    (0..body.joints.len()).map(weight).collect()
 }
 
 fn load(file: &str) -> Character {
     populace_assets::load(file).expect("the file can be read").character
 }
 
-/// Holds each joint's matrix against the oracle.
-fn assert_as_the_oracle_says(file: &str, mix: &Mix, way: &str) {
+/// Compares each joint's matrix with the oracle's.
+fn assert_matches_oracle(file: &str, mix: &Mix, configuration: &str) {
     let character = load(file);
     let body = OracleBody::from_character(&character);
     let wanted = mix.oracle(&character, &body);
-    let document = mix.run(file, way);
+    let document = mix.run(file, configuration);
     let joints = document["joints"].as_array().expect("joints");
     assert_eq!(joints.len(), body.joints.len());
     let height = f64::from(character.height_m());
-    let allowed = OFF * mix.slots.len() as f64;
+    let allowed = TOLERANCE * mix.slots.len() as f64;
     for joint in joints {
         let name = joint["name"].as_str().expect("a name");
         let at = body.joints.iter().position(|j| j.name == name).expect("a joint of that name");
         let found = numbers(&joint["model_from_joint"]);
         let matrix = glam::DMat4::from(wanted.model_from_joint[at]).to_cols_array();
         for (element, (found, wanted)) in found.iter().zip(matrix).enumerate() {
-            // Columns of directions have no unit: a point as far from the joint as a tenth of the
-            // height is meant.
+            // For direction columns, the error of a point at a tenth of the height counts.
             let allowed = if element >= 12 {
                 allowed * height
             } else {
@@ -119,7 +117,7 @@ fn assert_as_the_oracle_says(file: &str, mix: &Mix, way: &str) {
             let off = (found - wanted).abs();
             assert!(
                 off <= allowed,
-                "{file} on {way}: {name}[{element}] is off by {off}, {allowed} allowed"
+                "{file} on {configuration}: {name}[{element}] is off by {off}, {allowed} is allowed"
             );
         }
     }
@@ -128,8 +126,8 @@ fn assert_as_the_oracle_says(file: &str, mix: &Mix, way: &str) {
 const NATIVE: [&str; 2] = ["native staged", "native fused"];
 const OPENCL: [&str; 3] = ["opencl staged", "opencl fused-wide", "opencl fused-grouped"];
 
-/// A post whose second clip has a name full of what separates, and bends the lower joint; it moves
-/// and scales the upper.
+/// Adds a clip whose name contains separators to the post. It rotates the lower joint and
+/// translates the upper.
 fn awkward_post(folder: &Folder) -> String {
     let mut post = post();
     let rotation = json!({"input": 5, "output": 6});
@@ -160,32 +158,32 @@ fn mixes_of_the_post() -> [Mix<'static>; 4] {
             slots: vec![("Bend", 0.8, 1.0, 0), (odd, 1.4, 0.9, 2), ("Bend", 1.2, 0.3, 2)],
             layers: vec![(2, None, true, 0.8), (3, Some("foot"), false, 1.0)],
         },
-        // No slot at all: layers lie over the rest pose.
+        // Without slots, layers are blended over the rest pose.
         Mix { slots: vec![], layers: vec![(1, Some("foot"), true, 0.5)] },
     ]
 }
 
-fn a_made_file_is_mixed_as_the_oracle_says(ways: &[&str]) {
+fn check_generated_file(configurations: &[&str]) {
     let folder = Folder::new();
     let file = awkward_post(&folder);
-    for way in ways {
-        mixes_of_the_post().iter().for_each(|mix| assert_as_the_oracle_says(&file, mix, way));
+    for configuration in configurations {
+        mixes_of_the_post().iter().for_each(|mix| assert_matches_oracle(&file, mix, configuration));
     }
 }
 
 #[test]
-fn a_made_file_is_mixed_as_the_oracle_says_on_native() {
-    a_made_file_is_mixed_as_the_oracle_says(&NATIVE);
+fn generated_file_matches_the_oracle_on_native() {
+    check_generated_file(&NATIVE);
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_made_file_is_mixed_as_the_oracle_says_on_opencl() {
-    a_made_file_is_mixed_as_the_oracle_says(&OPENCL);
+fn generated_file_matches_the_oracle_on_opencl() {
+    check_generated_file(&OPENCL);
 }
 
-/// Eight slots in four layers of three characters.
-fn real_files_are_mixed_as_the_oracle_says(ways: &[&str]) {
+/// Checks eight slots in four layers on three characters.
+fn check_real_files(configurations: &[&str]) {
     let folder = std::env::var("POPULACE_TEST_DATA").expect("ignored without it");
     let eight = |clips: [&'static str; 4], mask: &'static str, other: &'static str| Mix {
         slots: vec![
@@ -215,43 +213,49 @@ fn real_files_are_mixed_as_the_oracle_says(ways: &[&str]) {
     ];
     for (file, mix) in files {
         let file = Path::new(&folder).join(file).to_string_lossy().into_owned();
-        ways.iter().for_each(|way| assert_as_the_oracle_says(&file, &mix, way));
+        configurations
+            .iter()
+            .for_each(|configuration| assert_matches_oracle(&file, &mix, configuration));
     }
 }
 
 #[cfg_attr(no_test_data, ignore = "POPULACE_TEST_DATA does not name a folder of test data")]
 #[test]
-fn real_files_are_mixed_as_the_oracle_says_on_native() {
-    real_files_are_mixed_as_the_oracle_says(&NATIVE);
+fn real_files_match_the_oracle_on_native() {
+    check_real_files(&NATIVE);
 }
 
 #[cfg_attr(any(skip_opencl, no_test_data), ignore = "no test data, or POPULACE_SKIP names opencl")]
 #[test]
-fn real_files_are_mixed_as_the_oracle_says_on_opencl() {
-    real_files_are_mixed_as_the_oracle_says(&OPENCL);
+fn real_files_match_the_oracle_on_opencl() {
+    check_real_files(&OPENCL);
 }
 
-fn slots_change_nothing_by_their_order_nor_by_a_weight_of_0(ways: &[&str]) {
+fn check_order_and_zero_weights(configurations: &[&str]) {
     let folder = Folder::new();
     let file = awkward_post(&folder);
-    for way in ways {
+    for configuration in configurations {
         for mix in mixes_of_the_post() {
-            let joints = |mix: &Mix| mix.run(&file, way)["joints"].clone();
+            let joints = |mix: &Mix| mix.run(&file, configuration)["joints"].clone();
             let plain = joints(&mix);
-            let mut with_nothing = Mix { slots: mix.slots.clone(), layers: mix.layers.clone() };
-            with_nothing.slots.insert(0, ("Bend", 1.5, 0.0, 0));
-            with_nothing.slots.push(("Bend", 1.1, 0.0, 1));
-            assert_eq!(joints(&with_nothing), plain, "{way}: bit for bit");
+            let mut with_weightless = Mix { slots: mix.slots.clone(), layers: mix.layers.clone() };
+            with_weightless.slots.insert(0, ("Bend", 1.5, 0.0, 0));
+            with_weightless.slots.push(("Bend", 1.1, 0.0, 1));
+            assert_eq!(
+                joints(&with_weightless),
+                plain,
+                "{configuration}: must be equal bit for bit"
+            );
             let backwards =
                 Mix { slots: mix.slots.iter().rev().copied().collect(), layers: mix.layers };
-            let turned = joints(&backwards);
+            let reversed = joints(&backwards);
             for (a, b) in
-                plain.as_array().expect("joints").iter().zip(turned.as_array().expect("joints"))
+                plain.as_array().expect("joints").iter().zip(reversed.as_array().expect("joints"))
             {
                 let (a, b) = (numbers(&a["model_from_joint"]), numbers(&b["model_from_joint"]));
                 assert!(
                     a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-6),
-                    "{way}: {a:?} is not {b:?}"
+                    "{configuration}: {a:?} differs from {b:?}"
                 );
             }
         }
@@ -259,18 +263,18 @@ fn slots_change_nothing_by_their_order_nor_by_a_weight_of_0(ways: &[&str]) {
 }
 
 #[test]
-fn slots_change_nothing_by_their_order_nor_by_a_weight_of_0_on_native() {
-    slots_change_nothing_by_their_order_nor_by_a_weight_of_0(&NATIVE);
+fn slot_order_and_zero_weights_have_no_effect_on_native() {
+    check_order_and_zero_weights(&NATIVE);
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn slots_change_nothing_by_their_order_nor_by_a_weight_of_0_on_opencl() {
-    slots_change_nothing_by_their_order_nor_by_a_weight_of_0(&OPENCL);
+fn slot_order_and_zero_weights_have_no_effect_on_opencl() {
+    check_order_and_zero_weights(&OPENCL);
 }
 
 #[test]
-fn the_document_tells_what_is_mixed() {
+fn document_describes_slots_and_layers() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
     let pose =
@@ -292,7 +296,7 @@ fn the_document_tells_what_is_mixed() {
         mixed["layers"],
         json!([{"layer": 2, "mask": "head", "additive": false, "weight": 1.0}])
     );
-    // --clip and --time are a slot of weight 1.
+    // --clip and --time describe a slot of weight 1.
     let (alone, slot) =
         (pose(&["--clip", "Bend", "--time", "1.2"]), pose(&["--slot", "clip=Bend,time=1.2"]));
     assert_eq!((&alone["clip"], &alone["time"]), (&json!("Bend"), &json!(1.2)));
@@ -306,11 +310,11 @@ fn the_document_tells_what_is_mixed() {
         "native",
     ]);
     let text = String::from_utf8(output.stdout).expect("text");
-    assert!(text.starts_with("\"Bend\" at 0.7 s by 0.5 in layer 1 on native"), "{text}");
+    assert!(text.starts_with("\"Bend\" at 0.7 s with weight 0.5 in layer 1 on native"), "{text}");
 }
 
-/// A file whose clip "Bow" bends the joint "head" and so many others.
-fn lender(folder: &Folder, others: usize) -> String {
+/// Writes a file whose clip "Bow" bends the joint "head" and `others` more joints.
+fn clip_file(folder: &Folder, others: usize) -> String {
     let mut file = post();
     let names = (0..others).map(|nth| format!("tail {nth}"));
     for (node, name) in (3..).zip(names) {
@@ -320,48 +324,51 @@ fn lender(folder: &Folder, others: usize) -> String {
         let channel = json!({"sampler": 0, "target": {"node": node, "path": "rotation"}});
         file["animations"][0]["channels"].as_array_mut().expect("channels").push(channel);
     }
-    // Which would need a matrix for each joint.
+    // Inverse bind matrices would be needed for all joints.
     file["skins"][0].as_object_mut().expect("a skin").remove("inverseBindMatrices");
     file["animations"][0]["name"] = json!("Bow");
-    let name = format!("lender {others}.gltf");
+    let name = format!("clips {others}.gltf");
     std::fs::write(folder.path(&name), file.to_string()).expect("written");
     folder.text(&name)
 }
 
 #[test]
-fn clips_that_share_few_names_are_refused_and_fewer_than_most_warned_of() {
+fn clips_with_few_common_names_are_refused_or_warned_about() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
-    let pose = |lender: &str, slot: &str| {
+    let pose = |clip_file: &str, slot: &str| {
         let args =
-            ["pose", &file, "--clips", lender, "--slot", slot, "--json", "--device", "native"];
+            ["pose", &file, "--clips", clip_file, "--slot", slot, "--json", "--device", "native"];
         let output = populace(&args);
         let document: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
-        let talk = String::from_utf8(output.stderr).expect("text");
-        (output.status.code(), document["slots"][0]["binding"]["share"].clone(), talk)
+        let stderr = String::from_utf8(output.stderr).expect("text");
+        (output.status.code(), document["slots"][0]["binding"]["share"].clone(), stderr)
     };
-    let stray = lender(&folder, 3);
-    let (code, _, talk) = pose(&stray, "clip=Bow,time=1");
-    assert!(code == Some(1) && talk.contains("the names of 1 of the 4 joints"), "{code:?} {talk}");
-    let (code, share, talk) = pose(&stray, "clip=Bow,time=1,partial");
+    let foreign = clip_file(&folder, 3);
+    let (code, _, stderr) = pose(&foreign, "clip=Bow,time=1");
     assert!(
-        code == Some(0) && share == 0.25 && talk.contains("1 of the 4 joints"),
-        "{code:?} {share} {talk}"
+        code == Some(1) && stderr.contains("the names of 1 of the 4 joints"),
+        "{code:?} {stderr}"
     );
-    let (code, share, talk) = pose(&lender(&folder, 1), "clip=Bow,time=1");
+    let (code, share, stderr) = pose(&foreign, "clip=Bow,time=1,partial");
     assert!(
-        code == Some(0) && share == 0.5 && talk.contains("fits \"post\" badly"),
-        "{code:?} {share} {talk}"
+        code == Some(0) && share == 0.25 && stderr.contains("1 of its 4 joints"),
+        "{code:?} {share} {stderr}"
     );
-    let (code, share, talk) = pose(&lender(&folder, 0), "clip=Bow,time=1");
+    let (code, share, stderr) = pose(&clip_file(&folder, 1), "clip=Bow,time=1");
     assert!(
-        code == Some(0) && share == 1.0 && !talk.contains("warning"),
-        "{code:?} {share} {talk}"
+        code == Some(0) && share == 0.5 && stderr.contains("fits \"post\" badly"),
+        "{code:?} {share} {stderr}"
+    );
+    let (code, share, stderr) = pose(&clip_file(&folder, 0), "clip=Bow,time=1");
+    assert!(
+        code == Some(0) && share == 1.0 && !stderr.contains("warning"),
+        "{code:?} {share} {stderr}"
     );
 }
 
 #[test]
-fn mixes_that_make_no_sense_are_exit_code_2() {
+fn invalid_mixes_exit_with_2() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");
     let bad = |args: &[&str], words: &[&str]| {
@@ -374,7 +381,7 @@ fn mixes_that_make_no_sense_are_exit_code_2() {
     bad(&["--slot", "clip=Bend", "--clip", "Bend"], &["cannot be used with"]);
     bad(&["--slot", "clip=Bend", "--time", "1"], &["cannot be used with"]);
     bad(&["--layer", "1,mask=haed"], &["there is no joint \"haed\"", "did you mean \"head\"?"]);
-    bad(&["--layer", "0,mask=head"], &["layer 0 lies over the rest pose"]);
+    bad(&["--layer", "0,mask=head"], &["layer 0 is mixed by its slots"]);
     bad(&["--layer", "2", "--layer", "2,mask=head"], &["layer 2 is set twice"]);
-    bad(&["--slot", "clip=Bend"].repeat(9), &["there are 9 slots; a member has at most 8"]);
+    bad(&["--slot", "clip=Bend"].repeat(9), &["9 slots are given; a member has at most 8"]);
 }

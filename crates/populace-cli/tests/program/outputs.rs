@@ -1,5 +1,5 @@
-//! Where `render`, `demo` and `bench` write: never over what they read, whole files or none, and
-//! what they say of them.
+//! Tests of outputs of `render`, `demo` and `bench`: inputs are never overwritten, and files are
+//! written atomically.
 
 use std::collections::BTreeSet;
 use std::ffi::{OsStr, OsString};
@@ -13,15 +13,15 @@ use crate::{json_of, populace, refused};
 
 const SMALL: [&str; 6] = ["--members", "2", "--size", "64x64", "--device", "native"];
 
-/// Names in a folder.
+/// Returns the names of the files in a folder.
 fn names(folder: &Folder) -> BTreeSet<OsString> {
     let entries = std::fs::read_dir(folder.path("")).expect("a folder");
     entries.map(|entry| entry.expect("a file").file_name()).collect()
 }
 
-/// Refuses to draw `args` and leaves all files as they were.
+/// Asserts that the program refuses `args` and changes no file.
 #[track_caller]
-fn spared(folder: &Folder, args: &[&str], words: &[&str]) {
+fn refused_unchanged(folder: &Folder, args: &[&str], words: &[&str]) {
     let files = || {
         names(folder)
             .into_iter()
@@ -35,9 +35,9 @@ fn spared(folder: &Folder, args: &[&str], words: &[&str]) {
 
 #[cfg(unix)]
 #[test]
-fn an_output_that_is_an_input_is_refused() {
+fn output_that_is_an_input_is_refused() {
     let folder = Folder::new();
-    let model = folder.text("model.png"); // what a file is, its content says
+    let model = folder.text("model.png"); // the content decides the file type
     std::fs::copy(folder.path("post.gltf"), &model).expect("copied");
     let [link, hard, frame, film] =
         ["link.png", "hard.png", "film_0001.png", "film.png"].map(|name| folder.text(name));
@@ -46,16 +46,16 @@ fn an_output_that_is_an_input_is_refused() {
     std::fs::hard_link(&model, &frame).expect("a link");
     let words = ["would destroy", "model.png"];
     for out in [&model, &link, &hard] {
-        spared(&folder, &["render", &model, "--out", out], &words);
-        spared(&folder, &["render", "@child", "--clips", &model, "--out", out], &words);
-        spared(&folder, &["demo", "--clips", &model, "--out", out], &words);
+        refused_unchanged(&folder, &["render", &model, "--out", out], &words);
+        refused_unchanged(&folder, &["render", "@child", "--clips", &model, "--out", out], &words);
+        refused_unchanged(&folder, &["demo", "--clips", &model, "--out", out], &words);
     }
-    spared(&folder, &["render", &model, "--frames", "3", "--out", &film], &words);
+    refused_unchanged(&folder, &["render", &model, "--frames", "3", "--out", &film], &words);
 
     let chart = folder.text("chart.svg");
     std::os::unix::fs::symlink("post.gltf", &chart).expect("a link");
     let data = folder.text("post.gltf");
-    spared(
+    refused_unchanged(
         &folder,
         &["bench", "--from", &data, "--chart", &chart],
         &["would destroy", "post.gltf"],
@@ -63,7 +63,7 @@ fn an_output_that_is_an_input_is_refused() {
 }
 
 #[test]
-fn an_output_that_a_model_names_is_refused() {
+fn output_that_a_model_refers_to_is_refused() {
     let folder = Folder::new();
     let mut model = post();
     model["images"] = json!([{"uri": "skin%201.png"}, {"uri": "data:image/png;base64,AA=="}]);
@@ -80,7 +80,7 @@ fn an_output_that_a_model_names_is_refused() {
     let file = folder.text("model.gltf");
     for name in ["skin 1.png", "data.png"] {
         let args = ["render", &file, "--device", "native", "--out", &folder.text(name)];
-        spared(&folder, &args, &["would destroy", name]);
+        refused_unchanged(&folder, &args, &["would destroy", name]);
     }
 }
 
@@ -95,11 +95,11 @@ fn only_regular_files_are_replaced() {
     }
 }
 
-/// A limit on the size of files stands for a full disk.
+/// A file size limit simulates a full disk.
 #[cfg(unix)]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn a_full_disk_leaves_what_was_there_and_no_half_of_a_picture() {
+fn full_disk_keeps_the_old_file_and_leaves_no_partial_file() {
     let folder = Folder::new();
     std::fs::write(folder.path("film_0000.png"), "good").expect("written");
     let before = names(&folder);
@@ -125,22 +125,22 @@ fn a_full_disk_leaves_what_was_there_and_no_half_of_a_picture() {
         "native",
     ]);
     let output = command.current_dir(folder.path("")).output().expect("a shell");
-    let talk = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(4), "{talk}");
-    assert!(talk.contains("cannot write film_0000.png: "), "{talk}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{stderr}");
+    assert!(stderr.contains("cannot write film_0000.png: "), "{stderr}");
     assert_eq!(std::fs::read(folder.path("film_0000.png")).expect("a file"), b"good");
-    assert_eq!(names(&folder), before, "no other file is left");
+    assert_eq!(names(&folder), before, "no other file remains");
 }
 
 #[cfg(unix)]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn pictures_keep_the_mode_of_what_they_replace_and_links_stay() {
+fn replaced_files_keep_their_mode_and_links_stay() {
     use std::os::unix::fs::{PermissionsExt, symlink};
     let folder = Folder::new();
     let mode =
         |name: &str| folder.path(name).metadata().expect("a file").permissions().mode() & 0o777;
-    std::fs::write(folder.path("plain"), "made as any file").expect("written");
+    std::fs::write(folder.path("plain"), "a file with default permissions").expect("written");
     std::fs::write(folder.path("mine.png"), "old").expect("written");
     std::fs::set_permissions(folder.path("mine.png"), PermissionsExt::from_mode(0o600))
         .expect("a mode");
@@ -161,7 +161,7 @@ fn pictures_keep_the_mode_of_what_they_replace_and_links_stay() {
 #[cfg(unix)]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn paths_need_not_be_utf_8() {
+fn non_utf8_paths_work() {
     use std::os::unix::ffi::OsStrExt;
     let folder = Folder::new();
     let path = |name: &[u8]| folder.path("").join(OsStr::from_bytes(name));
@@ -188,14 +188,14 @@ fn paths_need_not_be_utf_8() {
     assert_eq!(film.stdout, [first.as_os_str().as_bytes(), b"\n"].concat());
 }
 
-/// The names of a document's fields.
+/// Returns the field names of a document.
 fn fields(document: &Value) -> BTreeSet<&str> {
     document.as_object().expect("an object").keys().map(String::as_str).collect()
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn demo_and_render_print_one_document() {
+fn demo_and_render_print_the_same_document() {
     let folder = Folder::new();
     let (file, out) = (folder.text("post.gltf"), folder.text("x.png"));
     let common = [&SMALL[..], &["--json", "--out", &out]].concat();
@@ -224,18 +224,17 @@ fn demo_and_render_print_one_document() {
         );
         match triangles {
             Some(count) => assert_eq!(d["triangles"], json!(count), "{args:?}"),
-            None => assert!(d["triangles"].as_u64() > Some(1000), "people have more than posts"),
+            None => assert!(d["triangles"].as_u64() > Some(1000), "people have many triangles"),
         }
         assert!(Path::new(d["out"].as_str().expect("a path")).exists());
     }
 }
 
-/// A terminal is made by `script`; the film is far too long, and is interrupted once the bar has
-/// shown.
+/// `script` provides a terminal. The run is far too long, and is ended once the bar has shown.
 #[cfg(target_os = "linux")]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn a_terminal_shows_the_time_left() {
+fn terminal_shows_the_remaining_time() {
     use std::io::Read;
     let folder = Folder::new();
     let program = env!("CARGO_BIN_EXE_populace");

@@ -1,5 +1,5 @@
-//! Pictures against references, drawn by Mesa's software driver. `POPULACE_UPDATE=name` writes one
-//! anew.
+//! Comparison of pictures with references drawn by Mesa's software driver. `POPULACE_UPDATE=name`
+//! rewrites a reference.
 
 use std::path::Path;
 
@@ -8,8 +8,8 @@ use populace_testkit::image::{Folders, Limits, assert_picture};
 use crate::populace;
 use crate::post::Folder;
 
-/// Draws by the program and compares with `tests/program/references/name.png`.
-fn drawn_as_ever(name: &str, limits: Limits, args: &[&str]) {
+/// Runs the program and compares the picture with `tests/program/references/name.png`.
+fn assert_unchanged(name: &str, limits: Limits, args: &[&str]) {
     let folder = Folder::new();
     let (file, out) = (folder.text("post.gltf"), folder.text("out.png"));
     let args: Vec<&str> =
@@ -25,27 +25,27 @@ fn drawn_as_ever(name: &str, limits: Limits, args: &[&str]) {
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn a_field_of_posts() {
+fn many_posts() {
     let args = ["render", "POST", "--members", "60", "--size", "240x135"];
-    drawn_as_ever("posts", Limits::surfaces(), &args);
+    assert_unchanged("posts", Limits::surfaces(), &args);
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn a_post_from_close_by() {
+fn close_camera() {
     let args = ["render", "POST", "--members", "3", "--size", "160x160", "--camera", "close"];
-    drawn_as_ever("post_close", Limits::surfaces(), &args);
+    assert_unchanged("post_close", Limits::surfaces(), &args);
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn the_demo() {
-    drawn_as_ever("demo", Limits::surfaces(), &["demo", "--members", "40", "--size", "240x135"]);
+fn demo() {
+    assert_unchanged("demo", Limits::surfaces(), &["demo", "--members", "40", "--size", "240x135"]);
 }
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn all_built_in_people_from_mid_range() {
+fn built_in_people() {
     let args = [
         "render",
         "@people",
@@ -58,5 +58,5 @@ fn all_built_in_people_from_mid_range() {
         "--seed",
         "3",
     ];
-    drawn_as_ever("people", Limits::surfaces(), &args);
+    assert_unchanged("people", Limits::surfaces(), &args);
 }

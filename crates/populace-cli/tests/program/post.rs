@@ -1,4 +1,4 @@
-//! A small character of our own, as a file.
+//! A small generated character file.
 
 use std::path::PathBuf;
 
@@ -6,8 +6,8 @@ use base64::Engine;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A folder with "post.gltf": a post of two joints, 2 m high, whose upper half bends over to +X in
-/// one second.
+/// A temporary folder with "post.gltf": a post of two joints, 2 m high, whose upper half bends
+/// towards +X within one second.
 pub(crate) struct Folder(TempDir);
 
 impl Folder {
@@ -26,10 +26,12 @@ impl Folder {
     }
 }
 
-/// A quad of four vertices for each half, skinned to two joints, with a clip "Bend" of two keys.
+/// Returns the post as glTF: a quad for each half, skinned to two joints, and a clip "Bend" with
+/// two keys.
 pub(crate) fn post() -> Value {
     let (bytes, views) = post_data();
     let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
+    let uri = format!("data:application/octet-stream;base64,{data}");
     let accessor = |view: usize, kind: u32, count: usize, shape: &str| {
         json!({"bufferView": view,
         "componentType": kind, "count": count, "type": shape})
@@ -51,20 +53,26 @@ pub(crate) fn post() -> Value {
         "scenes": [{"nodes": [0, 1]}],
         "nodes": [{"name": "mesh", "mesh": 0, "skin": 0}, {"name": "foot", "children": [2]},
             {"name": "head", "translation": [0.0, 1.0, 0.0]}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}, "indices": 3,
-            "material": 0}]}],
-        "materials": [{"doubleSided": true, "pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.1, 0.1, 1.0]}}],
+        "meshes": [{"primitives": [{
+            "attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2},
+            "indices": 3,
+            "material": 0,
+        }]}],
+        "materials": [{
+            "doubleSided": true,
+            "pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.1, 0.1, 1.0]},
+        }],
         "skins": [{"joints": [1, 2], "inverseBindMatrices": 4}],
         "animations": [{"name": "Bend", "samplers": [{"input": 5, "output": 6}],
             "channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}}]}],
         "accessors": accessors,
         "bufferViews": views,
-        "buffers": [{"byteLength": bytes.len(), "uri": format!("data:application/octet-stream;base64,{data}")}],
+        "buffers": [{"byteLength": bytes.len(), "uri": uri}],
     })
 }
 
-/// Positions, joints, weights, indices, inverse bind matrices, key times and rotations, with a
-/// buffer view for each.
+/// Returns positions, joints, weights, indices, inverse bind matrices, key times and rotations,
+/// with a buffer view for each.
 fn post_data() -> (Vec<u8>, Vec<Value>) {
     let floats = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
     let level = |y: f32| [[-0.2, y, 0.0], [0.2, y, 0.0]];

@@ -1,10 +1,7 @@
-//! Walks of real bodies on each other, of the folder that `POPULACE_TEST_DATA` names, and of
-//! built-in people.
+//! Retargeting of walks between real bodies in the folder that `POPULACE_TEST_DATA` names, and
+//! between built-in people.
 
-#![expect(
-    clippy::print_stdout,
-    reason = "what was measured is for those who run tests with --nocapture"
-)]
+#![expect(clippy::print_stdout, reason = "measurements are printed for runs with --nocapture")]
 
 mod soles;
 
@@ -18,25 +15,24 @@ use populace::{
     CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play,
 };
 use populace_cast::{Look, person};
-use soles::Soles;
+use soles::Feet;
 
+/// Bodies, each with the name of its walk.
 const WALKS: [(&str, &str); 3] = [
     ("kaykit_knight", "Walking_A"),
     ("m2m_human_base", "Walk_Loop"),
     ("quaternius_robot", "Robot_Walking"),
 ];
-/// Of limbs, between the body that the walk was made for and the other.
-const LIMB_DEGREES: f64 = 5.0;
-/// How far ankles and toes, and feet as they are drawn, may sink below where they rest, in parts of
-/// the body's height.
-const SINKS: f64 = 0.01;
-/// How much faster than on its own body a clip may turn feet.
-const FLIPS: f64 = 1.5;
-/// The hips' mean height over that at rest, between bodies.
-const HIPS: f64 = 0.05;
-/// How far toes, or ankles where there are none, of feet that bear a walker slide, in parts of the
-/// way it goes.
-const SLIDES: f64 = 0.12;
+/// Largest angle between limbs of the source and of the target.
+const MAX_LIMB_DEGREES: f64 = 5.0;
+/// Largest sinking of ankles, toes and drawn feet below rest, in units of the body's height.
+const MAX_SINKING: f64 = 0.01;
+/// Largest rotation speed of feet in units of that on the clip's own body.
+const MAX_FOOT_ROTATION: f64 = 1.5;
+/// Largest difference between bodies of the hips' mean height in units of their rest height.
+const MAX_HIPS_DIFFERENCE: f64 = 0.05;
+/// Largest sliding of the supporting foot in units of the distance walked.
+const MAX_SLIDING: f64 = 0.12;
 
 type Check = fn(&Path) -> Result<(), Failed>;
 
@@ -49,29 +45,29 @@ fn main() -> ExitCode {
             vec![Trial::test(name, || Ok(())).with_ignored_flag(true)]
         }
     };
-    trials.push(Trial::test("built-in people on each other", people));
+    trials.push(Trial::test("built-in people retargeted to each other", people));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
 fn trials(folder: &Path) -> Vec<Trial> {
     let mut trials = Vec::new();
     for (from, clip) in WALKS {
-        for (onto, _) in WALKS {
+        for (target_name, _) in WALKS {
             let folder = folder.join("characters");
-            trials.push(Trial::test(format!("{clip} of {from} on {onto}"), move || {
-                if from != onto {
-                    walk(&folder, (from, clip), onto)?;
-                    drawn(&load(&folder, from)?, clip, &load(&folder, onto)?)?;
+            trials.push(Trial::test(format!("{clip} of {from} on {target_name}"), move || {
+                if from != target_name {
+                    walk(&folder, (from, clip), target_name)?;
+                    check_drawn_feet(&load(&folder, from)?, clip, &load(&folder, target_name)?)?;
                 }
-                walk_on(&folder, (from, clip), onto)
+                check_sliding(&folder, (from, clip), target_name)
             }));
         }
     }
     let others: [(&str, Check); 4] = [
-        ("clips of one rig keep their binding by name", by_name),
-        ("clips of no humanoid are refused with what was looked for", refused),
-        ("pose finds clips of another file", pose),
-        ("feet of a rig for IK hang on its legs and stand on a slope", feet_on_legs),
+        ("clips of the same rig are bound by name", by_name),
+        ("non-humanoid clip is refused with the missing joints", refused),
+        ("pose plays clips of another file", pose),
+        ("feet of an IK rig are attached to its legs and follow a slope", feet_on_legs),
     ];
     for (name, check) in others {
         let folder = folder.join("characters");
@@ -80,7 +76,7 @@ fn trials(folder: &Path) -> Vec<Trial> {
     trials
 }
 
-/// A knight cannot walk as a fox does.
+/// The clips of a fox are refused for a knight.
 fn refused(folder: &Path) -> Result<(), Failed> {
     let (knight, fox) = (load(folder, "kaykit_knight")?, load(folder, "../animals/fox")?);
     let (mut crowd, [(id, member), _]) = crowd_of([&knight, &fox])?;
@@ -88,21 +84,21 @@ fn refused(folder: &Path) -> Result<(), Failed> {
     let clip = crowd.add_clip(id, walk)?;
     let refused = crowd.play(member, clip, Play::looping());
     let text = refused.err().ok_or("a knight walks like a fox")?.to_string();
-    let says = text.contains("\"Walk\" cannot move this skeleton")
+    let explains = text.contains("\"Walk\" cannot move this skeleton")
         && text.contains("this skeleton has them");
-    if says { Ok(()) } else { Err(text.into()) }
+    if explains { Ok(()) } else { Err(text.into()) }
 }
 
-/// A robot whose feet hang on its root walks the same with feet on its legs, and these keep to a
-/// slope.
+/// A robot whose feet are children of its root walks the same with feet as children of its legs,
+/// and these follow a slope.
 fn feet_on_legs(folder: &Path) -> Result<(), Failed> {
     const SLOPE: f32 = 0.2;
     let loose = load(folder, "quaternius_robot")?;
     let roles = RoleMap::detect(&loose.skeleton).ok_or("a body without roles")?;
-    let hung = loose.with_feet_on_legs(&roles).map_err(|e| e.to_string())?;
-    let hung_roles = RoleMap::detect(&hung.skeleton).ok_or("a body without roles")?;
+    let attached = loose.with_feet_on_legs(&roles).map_err(|e| e.to_string())?;
+    let attached_roles = RoleMap::detect(&attached.skeleton).ok_or("a body without roles")?;
     let height = f64::from(loose.height_m());
-    let (mut crowd, members) = crowd_of([&loose, &hung])?;
+    let (mut crowd, members) = crowd_of([&loose, &attached])?;
     for (id, member) in members {
         let walk = crowd.clip(id, "Robot_Walking")?;
         crowd.play(member, walk, Play::looping())?;
@@ -114,21 +110,18 @@ fn feet_on_legs(folder: &Path) -> Result<(), Failed> {
             crowd.set_ground(&populace::Ground::plane(0.0, [SLOPE, 0.0])?)?;
             crowd.plant_feet(members[1].1, populace::Weight::FULL)?;
         }
-        for _ in 0..MOMENTS {
+        for _ in 0..SAMPLES {
             crowd.update(0.03)?;
-            let [was, now] = [(members[0].1, &roles), (members[1].1, &hung_roles)];
-            let was = places(&crowd.model_from_joints(was.0)?, was.1);
-            let now = places(&crowd.model_from_joints(now.0)?, now.1);
+            let [was, now] = [(members[0].1, &roles), (members[1].1, &attached_roles)];
+            let was = positions(&crowd.model_from_joints(was.0)?, was.1);
+            let now = positions(&crowd.model_from_joints(now.0)?, now.1);
             for foot in feet {
                 let ground = if planted { f64::from(SLOPE) * now[&foot][0] } else { 0.0 };
                 let off = now[&foot][1] - was[&foot][1] - ground;
                 apart = apart.max(off.abs() / height);
             }
         }
-        println!(
-            "robot, planted {planted}: feet are {apart} of the height from where the clip and \
-             ground have them"
-        );
+        println!("robot, planted {planted}: feet are off by {apart} of the height");
         if apart > 0.02 {
             return Err(format!("feet are off by {apart} of the body's height").into());
         }
@@ -136,8 +129,7 @@ fn feet_on_legs(folder: &Path) -> Result<(), Failed> {
     Ok(())
 }
 
-/// The program's own way, on the native device and, where there is one, on OpenCL: the same
-/// numbers.
+/// Retargeting in the program gives the same numbers on the native device and on OpenCL.
 fn pose(folder: &Path) -> Result<(), Failed> {
     let devices: &[&str] = if cfg!(skip_opencl) { &["native"] } else { &["native", "opencl"] };
     let mut documents = Vec::new();
@@ -165,7 +157,7 @@ fn load(folder: &Path, name: &str) -> Result<Character, Failed> {
     Ok(populace_assets::load(&file).map_err(|e| e.to_string())?.character)
 }
 
-/// A crowd with a member of each body.
+/// Creates a crowd with a member of each body.
 fn crowd_of(bodies: [&Character; 2]) -> Result<(Crowd, [(CharacterId, Member); 2]), Failed> {
     let mut crowd =
         Crowd::builder().device(Device::native()).capacity(2).slots_per_member(1).build()?;
@@ -177,65 +169,67 @@ fn crowd_of(bodies: [&Character; 2]) -> Result<(Crowd, [(CharacterId, Member); 2
     Ok((crowd, members))
 }
 
-/// Places of a body's joints by role.
-fn places(models: &[Affine], roles: &RoleMap) -> BTreeMap<Role, [f64; 3]> {
-    let place = |joint: JointIndex| models[joint.index()].rows.map(|row| f64::from(row[3]));
-    roles.iter().map(|(role, joint)| (role, place(joint))).collect()
+/// Returns the positions of a body's joints by role.
+fn positions(models: &[Affine], roles: &RoleMap) -> BTreeMap<Role, [f64; 3]> {
+    let position = |joint: JointIndex| models[joint.index()].rows.map(|row| f64::from(row[3]));
+    roles.iter().map(|(role, joint)| (role, position(joint))).collect()
 }
 
-/// Between the directions of the limb of a role on two bodies.
+/// Returns the angle between the directions of a limb on two bodies.
 fn angle_degrees(bodies: [&BTreeMap<Role, [f64; 3]>; 2], from: Role, to: Role) -> f64 {
-    let [a, b] = bodies.map(|places| {
-        let v: [f64; 3] = std::array::from_fn(|axis| places[&to][axis] - places[&from][axis]);
+    let [a, b] = bodies.map(|positions| {
+        let v: [f64; 3] = std::array::from_fn(|axis| positions[&to][axis] - positions[&from][axis]);
         let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
         v.map(|c| c / length)
     });
     a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>().clamp(-1.0, 1.0).acos().to_degrees()
 }
 
-/// What a walk was found to do.
+/// Measurements of a walk.
 #[derive(Default)]
-struct Found {
+struct Measured {
     limb_degrees: f64,
-    /// In parts of the height.
-    sinks: f64,
+    /// In units of the height.
+    sinking: f64,
     hips: [f64; 2],
-    /// How far knees lead in front of the line from hip to ankle, at least, in parts of the height.
+    /// The smallest distance of knees in front of the line from hip to ankle, in units of the
+    /// height.
     knees: f64,
 }
 
-const MOMENTS: u32 = 48;
+/// Samples of a walk cycle.
+const SAMPLES: u32 = 48;
 
-fn walk(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Failed> {
-    let (source, target) = (load(folder, from)?, load(folder, onto)?);
+/// Checks limbs, feet, hips and knees of a retargeted walk.
+fn walk(folder: &Path, (from, clip): (&str, &str), target_name: &str) -> Result<(), Failed> {
+    let (source, target) = (load(folder, from)?, load(folder, target_name)?);
     let (mut crowd, members) = crowd_of([&source, &target])?;
     let clip = crowd.clip(members[0].0, clip)?;
     let roles = [source, target].map(|body| RoleMap::detect(&body.skeleton).ok_or("no roles"));
-    let [Ok(from_roles), Ok(onto_roles)] = roles else {
+    let [Ok(source_roles), Ok(target_roles)] = roles else {
         return Err("a body without roles".into());
     };
-    let found = look(&mut crowd, members, clip, [&from_roles, &onto_roles])?;
+    let found = measure(&mut crowd, members, clip, [&source_roles, &target_roles])?;
     println!(
-        "limbs {:.2} degrees, sinks {:.2} %, hips at {:.3} of rest where the source's are at \
-         {:.3}, knees {:.3}",
+        "limbs {:.2} degrees, sinking {:.2} %, hips at {:.3} of rest (source: {:.3}), knees {:.3}",
         found.limb_degrees,
-        100.0 * found.sinks,
+        100.0 * found.sinking,
         found.hips[1],
         found.hips[0],
         found.knees
     );
     let checks = [
         (
-            found.limb_degrees <= LIMB_DEGREES,
+            found.limb_degrees <= MAX_LIMB_DEGREES,
             format!("a limb is {:.2} degrees off", found.limb_degrees),
         ),
         (
-            found.sinks <= SINKS,
-            format!("a foot sinks by {:.2} % of the height", 100.0 * found.sinks),
+            found.sinking <= MAX_SINKING,
+            format!("a foot sinks by {:.2} % of the height", 100.0 * found.sinking),
         ),
         (
-            (found.hips[0] - found.hips[1]).abs() <= HIPS,
-            format!("hips stand at {:?} of their rest", found.hips),
+            (found.hips[0] - found.hips[1]).abs() <= MAX_HIPS_DIFFERENCE,
+            format!("hips are at {:?} of their rest height", found.hips),
         ),
         (
             found.knees > -0.005,
@@ -248,26 +242,26 @@ fn walk(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Fai
     }
 }
 
-fn look(
+fn measure(
     crowd: &mut Crowd,
     members: [(CharacterId, Member); 2],
     clip: ClipId,
     roles: [&RoleMap; 2],
-) -> Result<Found, Failed> {
+) -> Result<Measured, Failed> {
     let height = f64::from(crowd.character(members[1].0)?.height_m());
     crowd.update(0.0)?;
     let at = |crowd: &mut Crowd| -> Result<_, Failed> {
         let mut one = |n: usize| -> Result<_, Failed> {
-            Ok(places(&crowd.model_from_joints(members[n].1)?, roles[n]))
+            Ok(positions(&crowd.model_from_joints(members[n].1)?, roles[n]))
         };
         Ok([one(0)?, one(1)?])
     };
     let rest = at(crowd)?;
     let clips = crowd.clips(members[0].0)?;
     let (_, motion) = clips.iter().find(|(id, _)| *id == clip).ok_or("the clip is gone")?;
-    let mut found = Found { knees: f64::MAX, ..Found::default() };
-    for moment in 0..MOMENTS {
-        let part = moment as f32 / MOMENTS as f32;
+    let mut found = Measured { knees: f64::MAX, ..Measured::default() };
+    for sample in 0..SAMPLES {
+        let part = sample as f32 / SAMPLES as f32;
         for (_, member) in members {
             let secs = motion.start_secs() + part * motion.duration_secs();
             crowd.play(member, clip, Play::held_at_secs(secs))?;
@@ -288,7 +282,7 @@ fn look(
             for role in
                 [Role::Foot(side), Role::Toes(side)].into_iter().filter(|r| now[1].contains_key(r))
             {
-                found.sinks = found.sinks.max((rest[1][&role][1] - now[1][&role][1]) / height);
+                found.sinking = found.sinking.max((rest[1][&role][1] - now[1][&role][1]) / height);
             }
             let [hip, knee, ankle] = [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)]
                 .map(|role| now[1][&role]);
@@ -297,22 +291,25 @@ fn look(
                 found.knees.min((knee[2] - (hip[2] + along * (ankle[2] - hip[2]))) / height);
         }
         for n in 0..2 {
-            found.hips[n] += now[n][&Role::Hips][1] / rest[n][&Role::Hips][1] / f64::from(MOMENTS);
+            found.hips[n] += now[n][&Role::Hips][1] / rest[n][&Role::Hips][1] / f64::from(SAMPLES);
         }
     }
     Ok(found)
 }
 
-/// A body that another's walk carries on by its feet does not slide over the ground: the foot that
-/// bears it stays where it is.
-fn walk_on(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), Failed> {
-    let (source, target) = (load(folder, from)?, load(folder, onto)?);
+/// With root motion from the feet of another body's walk, the supporting foot does not slide.
+fn check_sliding(
+    folder: &Path,
+    (from, clip): (&str, &str),
+    target_name: &str,
+) -> Result<(), Failed> {
+    let (source, target) = (load(folder, from)?, load(folder, target_name)?);
     let roles = RoleMap::detect(&target.skeleton).ok_or("a body without roles")?;
     let walk = source.clips.iter().find(|c| c.name() == clip).ok_or("no walk")?;
     let by_feet = MotionSettings { from: MotionSource::Feet, ..MotionSettings::default() };
     let walk = walk.with_root_motion(&by_feet).map_err(|e| e.to_string())?;
     let (mut crowd, [_, (id, member)]) = crowd_of([&source, &target])?;
-    let step_secs = walk.duration_secs() / MOMENTS as f32;
+    let step_secs = walk.duration_secs() / SAMPLES as f32;
     let clip = crowd.add_clip(id, &walk.into())?;
     crowd.play(member, clip, Play::looping())?;
     crowd.move_by_clips(member, true)?;
@@ -321,76 +318,79 @@ fn walk_on(folder: &Path, (from, clip): (&str, &str), onto: &str) -> Result<(), 
         if roles.joint(Role::Toes(side)).is_some() { Role::Toes(side) } else { Role::Foot(side) }
     };
     let feet = [Side::Left, Side::Right].map(sole);
-    let mut before = places(&crowd.model_from_joints(member)?, &roles);
+    let mut before = positions(&crowd.model_from_joints(member)?, &roles);
     let start = before[&Role::Hips][2];
-    let mut slid = 0.0;
-    for _ in 0..MOMENTS {
+    let mut sliding = 0.0;
+    for _ in 0..SAMPLES {
         crowd.update(step_secs)?;
-        let now = places(&crowd.model_from_joints(member)?, &roles);
-        let bears = |role: &Role| now[role][1] + before[role][1];
+        let now = positions(&crowd.model_from_joints(member)?, &roles);
+        let height = |role: &Role| now[role][1] + before[role][1];
         let foot =
-            feet.into_iter().min_by(|a, b| bears(a).total_cmp(&bears(b))).ok_or("no feet")?;
-        slid += now[&foot][2] - before[&foot][2];
+            feet.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).ok_or("no feet")?;
+        sliding += now[&foot][2] - before[&foot][2];
         before = now;
     }
-    let part = slid / (before[&Role::Hips][2] - start);
-    println!("feet slide by {:.1} % of the way", 100.0 * part);
-    if part.abs() <= SLIDES {
+    let part = sliding / (before[&Role::Hips][2] - start);
+    println!("feet slide by {:.1} % of the distance", 100.0 * part);
+    if part.abs() <= MAX_SLIDING {
         Ok(())
     } else {
-        Err(format!("feet slide by {:.1} % of the way", 100.0 * part).into())
+        Err(format!("feet slide by {:.1} % of the distance", 100.0 * part).into())
     }
 }
 
-/// No foot is drawn in the ground, whatever shoes the body has, and none flips to stay out of it.
-fn drawn(source: &Character, clip: &str, target: &Character) -> Result<(), Failed> {
+/// No foot is drawn below the ground, whatever the shoes, and no foot flips to avoid that.
+fn check_drawn_feet(source: &Character, clip: &str, target: &Character) -> Result<(), Failed> {
     let walk = source.clips.iter().find(|c| c.name() == clip).ok_or("no walk")?;
     let (mut crowd, members) = crowd_of([source, target])?;
     let mut seen = Vec::new();
     for (body, (id, member)) in [source, target].into_iter().zip(members) {
         let roles = RoleMap::detect(&body.skeleton).ok_or("a body without roles")?;
         let clip = crowd.add_clip(id, walk)?;
-        seen.push(Soles::of(body, &roles).watch(&mut crowd, member, (clip, walk))?);
+        seen.push(Feet::new(body, &roles).measure(&mut crowd, member, (clip, walk))?);
     }
-    let [own, lent] = &seen[..] else { return Err("two bodies were watched".into()) };
+    let [own, retargeted] = &seen[..] else { return Err("two bodies were measured".into()) };
     let sunk = format!(
-        "a foot is drawn {:.2} % of the height deep at {:.2} of the cycle, and {:.2} % on its own \
-         body",
-        100.0 * lent.sunk,
-        lent.at,
-        100.0 * own.sunk
+        "a foot sinks by {:.2} % of the height at {:.2} of the cycle, and by {:.2} % on the clip's \
+         own body",
+        100.0 * retargeted.sinking,
+        retargeted.phase,
+        100.0 * own.sinking
     );
     let turned = format!(
-        "feet turn by up to {:.2} radians at once, and {:.2} there",
-        lent.turned, own.turned
+        "feet rotate by up to {:.2} rad per sample, and {:.2} rad there",
+        retargeted.rotation_rad, own.rotation_rad
     );
     println!("{sunk}; {turned}");
-    if lent.sunk > SINKS {
+    if retargeted.sinking > MAX_SINKING {
         return Err(sunk.into());
     }
-    if lent.turned > FLIPS * own.turned { Err(turned.into()) } else { Ok(()) }
+    if retargeted.rotation_rad > MAX_FOOT_ROTATION * own.rotation_rad {
+        Err(turned.into())
+    } else {
+        Ok(())
+    }
 }
 
-/// Built-in people of other builds and rigs.
+/// Checks built-in people of different builds and rigs.
 fn people() -> Result<(), Failed> {
     let looks = [Look::woman(), Look::man(), Look::child()];
     let people =
         looks.iter().map(person).collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string())?;
-    for (from, onto) in [(0, 1), (0, 2), (1, 0), (2, 1)] {
+    for (from, target_name) in [(0, 1), (0, 2), (1, 0), (2, 1)] {
         for clip in ["Walk", "Run"] {
-            drawn(&people[from], clip, &people[onto])?;
+            check_drawn_feet(&people[from], clip, &people[target_name])?;
         }
     }
     Ok(())
 }
 
-/// The mage shares the knight's rig: its members get the same bits as if clips knew nothing of
-/// roles.
+/// The mage has the knight's rig, so the knight's walk is bound by name and looks the same.
 fn by_name(folder: &Path) -> Result<(), Failed> {
     let (knight, mage) = (load(folder, "kaykit_knight")?, load(folder, "kaykit_mage")?);
     let walk = |body: &Character| body.clips.iter().find(|c| c.name() == "Walking_A").cloned();
-    let (own, lent) = (walk(&mage).ok_or("no walk")?, walk(&knight).ok_or("no walk")?);
-    if !lent.is_made_for(&mage.skeleton) {
+    let (own, foreign) = (walk(&mage).ok_or("no walk")?, walk(&knight).ok_or("no walk")?);
+    if !foreign.is_made_for(&mage.skeleton) {
         return Err("the knight's walk is not bound by name".into());
     }
     let (mut crowd, [(id, member), _]) = crowd_of([&mage, &knight])?;
@@ -400,7 +400,7 @@ fn by_name(folder: &Path) -> Result<(), Failed> {
         crowd.update(0.0)?;
         Ok(crowd.model_from_joints(member)?)
     };
-    let (a, b) = (pose(&own)?, pose(&lent)?);
+    let (a, b) = (pose(&own)?, pose(&foreign)?);
     let far = a.iter().zip(&b).any(|(a, b)| {
         a.rows.iter().flatten().zip(b.rows.iter().flatten()).any(|(a, b)| (a - b).abs() > 1e-3)
     });

@@ -1,32 +1,32 @@
-//! Feet as they are drawn: every vertex that a foot carries, over a cycle.
+//! Measures drawn feet: all vertices that are skinned to a foot, over a clip's cycle.
 
 use libtest_mimic::Failed;
 use populace::core::{Affine, Character, Clip, JointIndex, Part, Role, RoleMap, Side};
 use populace::{ClipId, Crowd, Member, Play};
 
-/// Moments of a cycle.
-const MOMENTS: u32 = 96;
+/// Samples of a cycle.
+const SAMPLES: u32 = 96;
 
-/// What the feet of a body were found to do over a cycle.
-pub(crate) struct Seen {
-    /// How far below where they rest they come at most, in parts of the body's height.
-    pub(crate) sunk: f64,
-    /// When, in parts of the cycle.
-    pub(crate) at: f32,
-    /// How far a foot or its toes turn from one moment to the next at most, in radians.
-    pub(crate) turned: f64,
+/// Measurements of a body's feet over a cycle.
+pub(crate) struct FeetMeasurement {
+    /// The largest distance below rest height, in units of the body's height.
+    pub(crate) sinking: f64,
+    /// The phase of that sample, from 0 to 1.
+    pub(crate) phase: f32,
+    /// The largest rotation of a foot or its toes between two samples.
+    pub(crate) rotation_rad: f64,
 }
 
-/// A body's feet, toes included.
-pub(crate) struct Soles<'a> {
+/// A body's feet, including toes.
+pub(crate) struct Feet<'a> {
     body: &'a Character,
     joints: Vec<JointIndex>,
-    /// That they carry.
+    /// Vertices skinned to the feet.
     vertices: Vec<(&'a Part, usize)>,
 }
 
-impl<'a> Soles<'a> {
-    pub(crate) fn of(body: &'a Character, roles: &RoleMap) -> Self {
+impl<'a> Feet<'a> {
+    pub(crate) fn new(body: &'a Character, roles: &RoleMap) -> Self {
         let sides = [Side::Left, Side::Right];
         let feet: Vec<_> = sides.iter().filter_map(|side| roles.joint(Role::Foot(*side))).collect();
         let toes = sides.iter().filter_map(|side| roles.joint(Role::Toes(*side)));
@@ -45,7 +45,7 @@ impl<'a> Soles<'a> {
         Self { body, vertices, joints: feet.iter().copied().chain(toes).collect() }
     }
 
-    /// How high the lowest vertex is.
+    /// Returns the height of the lowest vertex.
     fn lowest(&self, palette: &[Affine]) -> f64 {
         let height = |(part, vertex): &(&Part, usize)| {
             let [x, y, z] = part.mesh.positions[*vertex];
@@ -58,36 +58,38 @@ impl<'a> Soles<'a> {
         self.vertices.iter().map(height).fold(f64::INFINITY, f64::min)
     }
 
-    /// Looks at a member that is at rest, through a cycle of a clip.
-    pub(crate) fn watch(
+    /// Measures a member over a cycle of a clip. The member must be at rest.
+    pub(crate) fn measure(
         &self,
         crowd: &mut Crowd,
         member: Member,
         (clip, motion): (ClipId, &Clip),
-    ) -> Result<Seen, Failed> {
+    ) -> Result<FeetMeasurement, Failed> {
         crowd.update(0.0)?;
         let rest = self.lowest(&crowd.palette(member)?);
-        let mut seen = Seen { sunk: f64::NEG_INFINITY, at: 0.0, turned: 0.0 };
+        let mut result =
+            FeetMeasurement { sinking: f64::NEG_INFINITY, phase: 0.0, rotation_rad: 0.0 };
         let mut before: Option<Vec<Affine>> = None;
-        for moment in 0..=MOMENTS {
-            let part = moment as f32 / MOMENTS as f32;
+        for sample in 0..=SAMPLES {
+            let part = sample as f32 / SAMPLES as f32;
             let secs = motion.start_secs() + part * motion.duration_secs();
             crowd.play(member, clip, Play::held_at_secs(secs))?;
             crowd.update(0.0)?;
-            let sunk =
+            let sinking =
                 (rest - self.lowest(&crowd.palette(member)?)) / f64::from(self.body.height_m());
-            if sunk > seen.sunk {
-                (seen.sunk, seen.at) = (sunk, part);
+            if sinking > result.sinking {
+                (result.sinking, result.phase) = (sinking, part);
             }
             let now = crowd.model_from_joints(member)?;
             for joint in &self.joints {
-                let turned =
-                    before.as_ref().map_or(0.0, |b| turned(&b[joint.index()], &now[joint.index()]));
-                seen.turned = seen.turned.max(turned);
+                let rotation = before
+                    .as_ref()
+                    .map_or(0.0, |b| rotation_rad(&b[joint.index()], &now[joint.index()]));
+                result.rotation_rad = result.rotation_rad.max(rotation);
             }
             before = Some(now);
         }
-        Ok(seen)
+        Ok(result)
     }
 }
 
@@ -97,8 +99,8 @@ fn influences(part: &Part, vertex: usize) -> impl Iterator<Item = (usize, f32)> 
     of.entries[range.clone()].iter().zip(&of.weights[range]).map(|(e, w)| (usize::from(*e), *w))
 }
 
-/// How far the axes of a joint turn, at most.
-fn turned(from: &Affine, to: &Affine) -> f64 {
+/// Returns the largest rotation of a joint's axes.
+fn rotation_rad(from: &Affine, to: &Affine) -> f64 {
     let axis = |m: &Affine, axis: usize| {
         let v = m.rows.map(|row| f64::from(row[axis]));
         let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();

@@ -1,4 +1,4 @@
-//! Calls that add what members play, and play it.
+//! Calls that add masks, blend spaces, machines, live clips and user stages, and play them.
 
 use populace::core::Skeleton;
 use populace::{
@@ -6,13 +6,13 @@ use populace::{
     StateMachine, Trs,
 };
 
-use crate::calls::{how, started};
+use crate::calls::{play_settings, record_play};
 use crate::draw::Draw;
 use crate::fixture::stages;
 use crate::world::{Outcome, World};
 
-/// The most of each kind that is added to a crowd: nothing of it can be removed.
-const ADDED_MOST: usize = 4;
+/// Largest number of assets of each kind in a crowd, since they cannot be removed.
+const MAX_ADDED: usize = 4;
 
 fn skeleton(world: &World, body: usize) -> Skeleton {
     world
@@ -25,7 +25,7 @@ fn skeleton(world: &World, body: usize) -> Skeleton {
 
 pub(crate) fn add_mask(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let body = draw.index("body", world.bodies.len());
-    if world.bodies[body].masks.len() >= ADDED_MOST {
+    if world.bodies[body].masks.len() >= MAX_ADDED {
         return None;
     }
     let joint = draw.index("joint", world.bodies[body].joints);
@@ -38,13 +38,13 @@ pub(crate) fn add_mask(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::of(result))
 }
 
-/// The two clips of a body that have a cycle.
+/// Returns the two clips of a body with a duration.
 fn cycles(world: &World, body: usize) -> [ClipId; 2] {
     [world.bodies[body].clips[0], world.bodies[body].clips[1]]
 }
 
 pub(crate) fn add_space(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
-    if world.spaces.len() >= ADDED_MOST {
+    if world.spaces.len() >= MAX_ADDED {
         return None;
     }
     let [first, second] = cycles(world, draw.index("body", world.bodies.len()));
@@ -70,7 +70,7 @@ pub(crate) fn play_space(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
     let count = world.spaces.len();
     let space = (count > 0).then(|| world.spaces[draw.index("space", count)])?;
     let secs = draw.secs("secs");
-    let (at, play) = (point(draw), how(draw, secs));
+    let (at, play) = (point(draw), play_settings(draw, secs));
     Some(Outcome::of(world.crowd.play_space(member, space, at, play)))
 }
 
@@ -81,7 +81,7 @@ pub(crate) fn steer(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 }
 
 pub(crate) fn add_machine(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
-    if world.machines.len() >= ADDED_MOST {
+    if world.machines.len() >= MAX_ADDED {
         return None;
     }
     let [first, second] = cycles(world, draw.index("body", world.bodies.len()));
@@ -109,7 +109,7 @@ pub(crate) fn run_machine(world: &mut World, draw: &mut Draw) -> Option<Outcome>
     let machine = (count > 0).then(|| world.machines[draw.index("machine", count)])?;
     let play = Play::looping().fade_in_secs(draw.secs("secs")).on_layer(draw.index("layer", 5));
     let result = world.crowd.run_machine(member, machine, play);
-    Some(started(world, result))
+    Some(record_play(world, result))
 }
 
 pub(crate) fn set_parameter(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -118,7 +118,7 @@ pub(crate) fn set_parameter(world: &mut World, draw: &mut Draw) -> Option<Outcom
 }
 
 pub(crate) fn add_live_clip(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
-    if world.live.len() >= ADDED_MOST {
+    if world.live.len() >= MAX_ADDED {
         return None;
     }
     let body = draw.index("body", world.bodies.len());
@@ -157,7 +157,7 @@ pub(crate) fn tie_live(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::of(world.crowd.tie_live(clip, newest - f64::from(draw.number("ago", 0.0, 0.2)))))
 }
 
-/// A few moments are enough: they cannot be removed.
+/// Runs rarely, since moments cannot be removed.
 pub(crate) fn name_moment(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     if !draw.chance("names", 0.01) {
         return None;

@@ -6,27 +6,27 @@ use populace::{
 };
 
 use crate::draw::Draw;
-use crate::world::{MEMBERS_MOST, Outcome, World};
+use crate::world::{MAX_MEMBERS, Outcome, World};
 use crate::{assets, controls, reads};
 
-/// One call: what is called, and where its arguments come from.
+/// A call: its kind, and the seed of its arguments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Call {
-    pub(crate) what: What,
+    pub(crate) kind: CallKind,
     pub(crate) seed: u64,
 }
 
 macro_rules! calls {
     ($($name:ident: $weight:literal => $function:path,)*) => {
-        /// What can be called.
+        /// The kind of a call.
         #[derive(Clone, Copy, Debug, PartialEq)]
-        pub(crate) enum What { $($name),* }
+        pub(crate) enum CallKind { $($name),* }
 
-        /// All that can be called, and how often it is.
-        pub(crate) const ALL: &[(What, usize)] = &[$((What::$name, $weight)),*];
+        /// All kinds of calls, with their relative frequency.
+        pub(crate) const ALL: &[(CallKind, usize)] = &[$((CallKind::$name, $weight)),*];
 
-        impl What {
-            /// Calls it; `None` where there is nothing to call it for.
+        impl CallKind {
+            /// Makes the call. Returns `None` if there is no object for it.
             pub(crate) fn run(self, world: &mut World, draw: &mut Draw) -> Option<Outcome> {
                 match self { $(Self::$name => $function(world, draw)),* }
             }
@@ -102,9 +102,9 @@ calls! {
     SetSplit: 1 => set_split,
 }
 
-/// Simulates ragdolls, then updates.
+/// Simulates ragdolls, then updates the crowd.
 fn update(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
-    // Long steps are rare: ragdolls take many small ones for them.
+    // Long steps are rare, since ragdolls divide them into many small ones.
     const LONG: [f32; 3] = [0.4, 3.0, 1000.0];
     const STEPS: [f32; 5] = [1.0 / 60.0, 1.0 / 60.0, 1.0 / 30.0, 0.0, 1e-5];
     let steps: &[f32] = if draw.chance("is_long", 0.03) { &LONG } else { &STEPS };
@@ -131,7 +131,7 @@ fn spawn(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     if let Ok(member) = result {
         world.members.push((member, body));
     }
-    assert!(world.members.len() <= MEMBERS_MOST);
+    assert!(world.members.len() <= MAX_MEMBERS);
     Some(Outcome::of(result))
 }
 
@@ -139,7 +139,7 @@ fn despawn(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let member = world.member(draw, "member")?;
     let result = world.crowd.despawn(member.0);
     if result.is_ok() {
-        world.left(member);
+        world.retire(member);
     }
     Some(Outcome::of(result))
 }
@@ -149,8 +149,8 @@ fn place(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::of(world.crowd.place(member, placement(draw))))
 }
 
-/// How something plays: mostly looping, on layer 0.
-pub(crate) fn how(draw: &mut Draw, secs: f32) -> Play {
+/// Draws play settings: mostly looping, on layer 0.
+pub(crate) fn play_settings(draw: &mut Draw, secs: f32) -> Play {
     let play = match draw.index("mode", 8) {
         0 => Play::once(),
         1 => Play::held_at_secs(draw.number("at", -0.5, 1.5)),
@@ -180,7 +180,7 @@ pub(crate) fn how(draw: &mut Draw, secs: f32) -> Play {
     if draw.chance("is_layered", 0.3) { play.on_layer(draw.index("layer", 5)) } else { play }
 }
 
-/// A clip: mostly of the member's own body.
+/// Draws a clip: mostly of the member's own body.
 fn clip(world: &World, draw: &mut Draw, own: usize) -> populace::ClipId {
     let others = draw.chance("of_another", 0.15);
     let body = if others { draw.index("body", world.bodies.len()) } else { own };
@@ -191,32 +191,32 @@ fn clip(world: &World, draw: &mut Draw, own: usize) -> populace::ClipId {
 fn play(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (clip, secs) = (clip(world, draw, body), draw.secs("secs"));
-    let result = world.crowd.play(member, clip, how(draw, secs));
-    Some(started(world, result))
+    let result = world.crowd.play(member, clip, play_settings(draw, secs));
+    Some(record_play(world, result))
 }
 
 fn blend(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (clip, secs) = (clip(world, draw, body), draw.secs("secs"));
-    let result = world.crowd.blend(member, clip, how(draw, secs));
-    Some(started(world, result))
+    let result = world.crowd.blend(member, clip, play_settings(draw, secs));
+    Some(record_play(world, result))
 }
 
 fn queue(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (clip, secs) = (clip(world, draw, body), draw.secs("secs"));
-    let result = world.crowd.queue(member, clip, how(draw, secs));
-    Some(started(world, result))
+    let result = world.crowd.queue(member, clip, play_settings(draw, secs));
+    Some(record_play(world, result))
 }
 
 fn crossfade(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (clip, secs) = (clip(world, draw, body), draw.secs("secs"));
     let result = world.crowd.crossfade(member, clip, secs);
-    Some(started(world, result))
+    Some(record_play(world, result))
 }
 
-pub(crate) fn started(
+pub(crate) fn record_play(
     world: &mut World,
     result: Result<populace::PlayId, populace::Error>,
 ) -> Outcome {
@@ -289,7 +289,7 @@ fn release_all(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::of(world.crowd.release_all(member)))
 }
 
-/// Something to look at or to reach for, on a small part of the ways a moving one.
+/// Draws a target for looking or reaching; often a joint of another member.
 pub(crate) fn target(world: &World, draw: &mut Draw) -> Target {
     match draw.index("target", 5) {
         0 => Target::Direction(draw.vector("direction", -1.0, 1.0)),
@@ -334,7 +334,7 @@ fn move_to(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::of(world.crowd.move_to(devices)))
 }
 
-/// Splits unevenly; refused alike where there is one device, for the shares are one too many then.
+/// Sets uneven shares for two devices; does nothing if there is only one.
 fn set_split(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let share = f64::from(draw.number("share", 0.0, 1.0));
     if world.setup.devices[world.device].as_slice().len() < 2 {
@@ -344,7 +344,7 @@ fn set_split(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::Done)
 }
 
-/// The numbers of transforms.
+/// Returns the elements of transforms.
 pub(crate) fn numbers(transforms: Vec<Affine>) -> Vec<f32> {
     transforms.into_iter().flat_map(|m| m.rows).flatten().collect()
 }

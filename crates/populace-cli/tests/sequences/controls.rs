@@ -1,4 +1,4 @@
-//! Calls that move members by more than clips: constraints, attachments, root motion, ragdolls.
+//! Calls for constraints, attachments, root motion and ragdolls.
 
 use std::sync::Arc;
 
@@ -60,7 +60,7 @@ pub(crate) fn plant_feet(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
     Some(Outcome::of(world.crowd.plant_feet(member, weight(draw))))
 }
 
-/// Any three joints in a row as a leg: 1, 2 and 3 below 0, in all bodies.
+/// Uses joints 1, 2 and 3 as a leg; they form a chain below joint 0 in all bodies.
 pub(crate) fn plant_with(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
     let foot = Foot { hip: JointIndex(1), knee: JointIndex(2), ankle: JointIndex(3) };
@@ -82,7 +82,7 @@ pub(crate) fn set_ground(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
     ))
 }
 
-/// One of a few builds.
+/// Scales all bones by one of a few factors.
 pub(crate) fn set_proportions(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let length = [0.8, 1.0, 1.3, f32::NAN][draw.index("length", 4)];

@@ -11,9 +11,9 @@ use populace::core::{
 use populace::{Affine, Device, Devices, Schedule, StageJoint, Trs, UserStage};
 use populace_cast::{Look, person};
 
-/// A body of `joints` joints in one chain with a branch at joint 2, its root at the ground, and
-/// three clips of all joints: one turns, one moves the root and scales joint 1, one lasts no time.
-/// `entries` of its joints have a palette entry.
+/// Creates a body of `joints` joints in a chain with branches at joint 2 and its root on the
+/// ground. Its first `entries` joints have a palette entry. Of its three clips, one rotates all
+/// joints, one moves the root and scales joint 1, and one has a duration of 0.
 pub(crate) fn chain(name: &str, joints: usize, entries: usize) -> Character {
     let joint = |index: usize| JointSource {
         name: format!("{name} {index}"),
@@ -25,9 +25,9 @@ pub(crate) fn chain(name: &str, joints: usize, entries: usize) -> Character {
         rest: Trs { translation: [0.0, 0.2, 0.01 * index as f32], ..Trs::IDENTITY },
     };
     let skeleton =
-        Skeleton::new(&(0..joints).map(joint).collect::<Vec<_>>()).expect("a good skeleton");
+        Skeleton::new(&(0..joints).map(joint).collect::<Vec<_>>()).expect("a valid skeleton");
     let clips =
-        [turning(name, joints, &skeleton), moving(name, &skeleton), instant(name, &skeleton)];
+        [rotating(name, joints, &skeleton), moving(name, &skeleton), instant(name, &skeleton)];
     let palette = skeleton.joints().take(entries);
     let palette =
         palette.map(|joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY }).collect();
@@ -41,29 +41,29 @@ pub(crate) fn chain(name: &str, joints: usize, entries: usize) -> Character {
         skins: vec![],
         clips: clips.into_iter().map(Arc::new).collect(),
     })
-    .expect("a good character")
+    .expect("a valid character")
 }
 
 fn track(joint: String, property: Property, times: &[f32], values: Vec<f32>) -> Track {
     Track { joint, property, interpolation: Interpolation::Linear, times: times.to_vec(), values }
 }
 
-fn turning(name: &str, joints: usize, skeleton: &Skeleton) -> Clip {
-    let turn = |joint: usize| {
+fn rotating(name: &str, joints: usize, skeleton: &Skeleton) -> Clip {
+    let rotation = |joint: usize| {
         let times = [0.0, 0.3, 0.7, 1.1];
         let values = times.iter().flat_map(|secs| {
             let half = 0.4 * f64::sin(f64::from(*secs) / 1.1 * TAU + joint as f64);
-            let turn = if joint.is_multiple_of(2) {
+            let rotation = if joint.is_multiple_of(2) {
                 DQuat::from_rotation_x(2.0 * half)
             } else {
                 DQuat::from_rotation_z(2.0 * half)
             };
-            turn.as_quat().to_array()
+            rotation.as_quat().to_array()
         });
         track(format!("{name} {joint}"), Property::Rotation, &times, values.collect())
     };
-    let source = ClipSource { name: "turn".into(), tracks: (0..joints).map(turn).collect() };
-    Clip::new(source, skeleton).expect("a good clip")
+    let source = ClipSource { name: "turn".into(), tracks: (0..joints).map(rotation).collect() };
+    Clip::new(source, skeleton).expect("a valid clip")
 }
 
 fn moving(name: &str, skeleton: &Skeleton) -> Clip {
@@ -75,18 +75,18 @@ fn moving(name: &str, skeleton: &Skeleton) -> Clip {
         track(format!("{name} 1"), Property::Scale, &times, scale),
     ];
     let clip =
-        Clip::new(ClipSource { name: "move".into(), tracks }, skeleton).expect("a good clip");
+        Clip::new(ClipSource { name: "move".into(), tracks }, skeleton).expect("a valid clip");
     clip.with_root_motion(&MotionSettings::default()).expect("a root that travels")
 }
 
 fn instant(name: &str, skeleton: &Skeleton) -> Clip {
     let values = vec![0.5, 0.0, 0.0, 0.866_025_4];
     let tracks = vec![track(format!("{name} 1"), Property::Rotation, &[0.0], values)];
-    Clip::new(ClipSource { name: "instant".into(), tracks }, skeleton).expect("a good clip")
+    Clip::new(ClipSource { name: "instant".into(), tracks }, skeleton).expect("a valid clip")
 }
 
-/// All characters: a short chain, one of more than a block of joints, a person, and one that
-/// devices never draw.
+/// Returns all characters: a short chain, a chain of more than a block of joints, a person, and a
+/// chain without palette.
 pub(crate) fn characters() -> &'static [Arc<Character>] {
     static ALL: OnceLock<[Arc<Character>; 4]> = OnceLock::new();
     ALL.get_or_init(|| {
@@ -103,7 +103,7 @@ fn stretch(joint: &mut StageJoint) {
     joint.local.translation[1] += joint.parameters[1] * joint.values[0];
 }
 
-/// Two stages of a user's: one after Transform, one after Pose.
+/// Creates two user stages: one after Transform, one after Pose.
 pub(crate) fn stages() -> [UserStage; 2] {
     let lifts =
         "void lift(StageJoint *joint) { joint->row1.w += joint->parameters[0] + joint->values.y; }";
@@ -115,15 +115,15 @@ pub(crate) fn stages() -> [UserStage; 2] {
     ]
 }
 
-/// Where a sequence runs.
+/// The devices and the schedule that a sequence runs on.
 #[derive(Clone, Debug)]
 pub(crate) struct Setup {
     pub(crate) name: String,
-    /// The devices that `move_to` goes through, the first to begin with.
+    /// Devices that `move_to` cycles through, beginning with the first.
     pub(crate) devices: Vec<Devices>,
     pub(crate) schedule: Schedule,
     pub(crate) needs_opencl: bool,
-    /// Whether users' stages are added: OpenCL compilers take seconds for each set of them.
+    /// Whether user stages are added. OpenCL compilers take seconds for each set of stages.
     pub(crate) has_stages: bool,
 }
 
@@ -139,7 +139,7 @@ fn setup(devices: &[Devices], schedule: Schedule) -> Setup {
     }
 }
 
-/// Every device and schedule, and two devices that share a crowd.
+/// Returns set-ups for every device and schedule, and for two devices that share a crowd.
 pub(crate) fn setups() -> Vec<Setup> {
     let one = || Devices::from(Device::Native { threads: 1 });
     let two = || Devices::from(Device::Native { threads: 2 });

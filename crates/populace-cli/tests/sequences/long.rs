@@ -1,4 +1,4 @@
-//! Runs of as many calls as are asked for.
+//! Long runs from the command line.
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -6,39 +6,39 @@ use std::time::Instant;
 use crate::fixture::{Setup, setups};
 use crate::sequence::Sequence;
 
-/// What is asked for by name; each takes a value.
+/// The flags of long runs; each takes a value.
 pub(crate) const FLAGS: [&str; 4] = ["--seed", "--calls", "--length", "--setup"];
 
-/// Calls of a sequence unless `--length` says otherwise.
-const LENGTH: usize = 600;
+/// Default number of calls in a sequence.
+const DEFAULT_LENGTH: usize = 600;
 
 fn value(name: &str) -> Option<String> {
     let mut arguments = std::env::args().skip_while(|argument| argument != name);
     arguments.nth(1)
 }
 
-fn number(name: &str, otherwise: u64) -> u64 {
-    value(name).map_or(otherwise, |text| {
-        text.parse()
-            .unwrap_or_else(|_| panic!("{name} takes a whole number, and \"{text}\" is none"))
+fn number(name: &str, default: u64) -> u64 {
+    value(name).map_or(default, |text| {
+        text.parse().unwrap_or_else(|_| panic!("{name} takes a whole number, not \"{text}\""))
     })
 }
 
-/// Talks to whoever started the run.
-#[expect(clippy::print_stderr, reason = "this is a program, and stderr is where it talks")]
-fn talk(text: &str) {
+/// Prints progress on stderr.
+#[expect(clippy::print_stderr, reason = "a long run reports its progress")]
+fn report(text: &str) {
     eprint!("{text}");
 }
 
-/// Runs sequences of seeds from `--seed` on, until `--calls` calls were made on each set-up whose
+/// Runs sequences with seeds from `--seed` on, until `--calls` calls were made on each set-up whose
 /// name begins with `--setup`.
 pub(crate) fn run() -> ExitCode {
     let (seed, calls) = (number("--seed", 0), number("--calls", 1));
-    let length = usize::try_from(number("--length", LENGTH as u64)).unwrap_or(LENGTH).max(1);
+    let length =
+        usize::try_from(number("--length", DEFAULT_LENGTH as u64)).unwrap_or(DEFAULT_LENGTH).max(1);
     let wanted = value("--setup").unwrap_or_default();
     let setups: Vec<Setup> =
         setups().into_iter().filter(|setup| setup.name.starts_with(&wanted)).collect();
-    assert!(!setups.is_empty(), "there is no set-up \"{wanted}\"");
+    assert!(!setups.is_empty(), "no set-up begins with \"{wanted}\"");
     for setup in &setups {
         let setup = &Setup { has_stages: true, ..setup.clone() };
         let count = calls.div_ceil(length as u64);
@@ -48,18 +48,18 @@ pub(crate) fn run() -> ExitCode {
             if nth == count / 10 {
                 early = resident_mib();
             }
-            // Told before it runs, for a driver that crashes leaves nothing else.
-            talk(&format!("\r{}: seed {} ", setup.name, seed + nth));
+            // Printed first, in case a driver crashes.
+            report(&format!("\r{}: seed {} ", setup.name, seed + nth));
             let sequence = Sequence::new(seed + nth, length);
             if let Err(fault) = sequence.run(setup) {
-                talk(&format!("\n{}\n", sequence.report(setup, &fault)));
+                report(&format!("\n{}\n", sequence.report(setup, &fault)));
                 return ExitCode::FAILURE;
             }
         }
         let secs = start.elapsed().as_secs();
         let made = count * length as u64;
         let now = resident_mib();
-        talk(&format!(
+        report(&format!(
             "\r{}: {made} calls on each of two crowds in {secs} s, {early} MiB resident after a \
              tenth, {now} MiB at the end\n",
             setup.name
@@ -68,7 +68,7 @@ pub(crate) fn run() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Memory of this process, where the system tells; 0 elsewhere.
+/// Returns the memory of this process; 0 if the system does not report it.
 fn resident_mib() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));

@@ -1,11 +1,12 @@
-//! Random sequences of calls to the whole public API of a crowd and of its ragdolls. Two crowds get
-//! the same calls on each device and schedule: neither may panic, and they must agree bit for bit
-//! on all that they draw and on all that they answer. No palette may hold a number that is not
-//! finite, whatever numbers the calls were given.
+//! Random sequences of calls to the whole public API of a crowd and of its ragdolls.
 //!
-//! Fixed seeds run as tests. Others run by `cargo test -p populace-cli --test sequences -- --seed 7
-//! --calls 1000000`, on every device or with `--setup native/fused` on one; a sequence that fails
-//! is shortened and printed.
+//! On each device and schedule, two crowds get the same calls. Neither may panic, and their
+//! palettes and return values must be equal bit for bit. All palettes must be finite, whatever
+//! numbers the calls were given.
+//!
+//! Fixed seeds run as tests. Other seeds run by `cargo test -p populace-cli --test sequences --
+//! --seed 7 --calls 1000000`, on every device or, with `--setup native/fused`, on one. A failing
+//! sequence is shortened and printed.
 
 mod assets;
 mod calls;
@@ -24,8 +25,9 @@ use libtest_mimic::{Arguments, Trial};
 use fixture::{Setup, setups};
 use sequence::Sequence;
 
-/// Sequences of a test for each set-up, and calls of each.
+/// Number of sequences in the test of each set-up.
 const SEQUENCES: u64 = 48;
+/// Number of calls in a sequence.
 const CALLS: usize = 500;
 
 fn main() -> ExitCode {
@@ -33,7 +35,7 @@ fn main() -> ExitCode {
         return long::run();
     }
     let mut arguments = Arguments::from_args();
-    // Set-ups that share an OpenCL device would only wait for each other.
+    // More threads would wait for each other on the same OpenCL device.
     arguments.test_threads.get_or_insert(2);
     let trials = setups().into_iter().map(|setup| {
         let is_skipped = setup.needs_opencl && cfg!(skip_opencl);

@@ -1,4 +1,4 @@
-//! Calls that ask for results.
+//! Calls that read results.
 
 use populace::{Instance, Trs};
 
@@ -30,7 +30,7 @@ pub(crate) fn unwatch(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::Done)
 }
 
-/// Where the joint was depends on how far behind a device is.
+/// The position is not compared on OpenCL, where it depends on how far the device lags behind.
 pub(crate) fn sighting(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let count = world.watches.len();
     let watch = (count > 0).then(|| world.watches[draw.index("watch", count)])?;
@@ -54,7 +54,7 @@ pub(crate) fn ignore(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::Done)
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "near enough to be compared")]
+#[expect(clippy::cast_possible_truncation, reason = "close enough for the comparison")]
 pub(crate) fn events(world: &mut World, _draw: &mut Draw) -> Option<Outcome> {
     let events = world.crowd.events().iter();
     let numbers: Vec<f32> = events.flat_map(|event| [event.at_secs as f32, event.weight]).collect();
@@ -84,7 +84,7 @@ pub(crate) fn local_pose(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
     Some(Outcome::read(pose.map(|pose| pose.into_iter().flat_map(numbers))))
 }
 
-/// The page is read, but not compared: what stands between palettes is of no meaning.
+/// Reads a page without comparing it: the data between palettes is undefined.
 pub(crate) fn page(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let page = draw.index("page", 2);
     let mut count = 0;

@@ -1,66 +1,68 @@
-//! A sequence of calls, run on two crowds and shortened where it fails.
+//! A sequence of calls, run on two crowds, and shortened if it fails.
 
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use populace_testkit::Rng;
 
-use crate::calls::{ALL, Call, What};
+use crate::calls::{ALL, Call, CallKind};
 use crate::draw::Draw;
 use crate::fixture::Setup;
 use crate::world::{Outcome, World};
 
-/// Calls to be made one after the other.
+/// A sequence of calls.
 #[derive(Clone, Debug)]
 pub(crate) struct Sequence {
     seed: u64,
     calls: Vec<Call>,
     slots: usize,
-    /// Whether numbers can be odd.
+    /// Whether numbers may be unusual.
     odd: bool,
 }
 
 impl Sequence {
-    /// The sequence of a seed; every third has odd numbers.
+    /// Creates the sequence of a seed. Every third seed has unusual numbers.
     pub(crate) fn new(seed: u64, count: usize) -> Self {
         let mut rng = Rng::new(seed);
         let total: usize = ALL.iter().map(|(_, weight)| weight).sum();
-        let what = |rng: &mut Rng| {
+        let kind = |rng: &mut Rng| {
             let mut at = rng.below(total);
             let chosen = ALL.iter().find(|(_, weight)| {
                 let is_chosen = at < *weight;
                 at = at.saturating_sub(*weight);
                 is_chosen
             });
-            chosen.map_or(What::Update, |(what, _)| *what)
+            chosen.map_or(CallKind::Update, |(kind, _)| *kind)
         };
-        let calls = (0..count).map(|_| Call { what: what(&mut rng), seed: rng.bits() }).collect();
+        let calls = (0..count).map(|_| Call { kind: kind(&mut rng), seed: rng.bits() }).collect();
         Self { seed, calls, slots: 1 + rng.below(8), odd: seed % 3 == 2 }
     }
 
-    /// Makes the calls on two crowds and compares these. The error says what went wrong.
+    /// Makes the calls on two crowds and compares them. The error describes the fault.
     pub(crate) fn run(&self, setup: &Setup) -> Result<(), String> {
         catch_unwind(AssertUnwindSafe(|| self.compare(setup))).unwrap_or_else(|panic| {
             let text = panic.downcast_ref::<String>().map(String::as_str);
             let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-            Err(format!("it panics: {}", text.unwrap_or("without a message")))
+            Err(format!("panic: {}", text.unwrap_or("without a message")))
         })
     }
 
     fn compare(&self, setup: &Setup) -> Result<(), String> {
-        let world =
-            || World::new(setup, self.slots).map_err(|error| format!("it cannot begin: {error}"));
+        let world = || {
+            World::new(setup, self.slots)
+                .map_err(|error| format!("the crowd cannot be built: {error}"))
+        };
         let mut worlds = [world()?, world()?];
         for (nth, call) in self.calls.iter().enumerate() {
-            let at = |fault: &str| format!("call {nth}, {:?}: {fault}", call.what);
+            let at = |fault: &str| format!("call {nth}, {:?}: {fault}", call.kind);
             let [first, second] = [0, 1].map(|of| {
                 let mut draw = Draw::new(call.seed, self.odd, false);
-                call.what.run(&mut worlds[of], &mut draw)
+                call.kind.run(&mut worlds[of], &mut draw)
             });
             if first != second {
-                return Err(at(&format!("the crowds answer {first:?} and {second:?}")));
+                return Err(at(&format!("the crowds return {first:?} and {second:?}")));
             }
-            if call.what == What::Update && first == Some(Outcome::Done) {
+            if call.kind == CallKind::Update && first == Some(Outcome::Done) {
                 self.compare_palettes(&mut worlds).map_err(|fault| at(&fault))?;
             }
         }
@@ -90,7 +92,7 @@ impl Sequence {
         Ok(())
     }
 
-    /// The shortest sequence found that still fails, by leaving out ever smaller parts.
+    /// Removes ever smaller parts, as long as the sequence still fails.
     fn shortened(&self, setup: &Setup) -> Self {
         let fails =
             |calls: &[Call]| Self { calls: calls.to_vec(), ..self.clone() }.run(setup).is_err();
@@ -112,7 +114,7 @@ impl Sequence {
         Self { calls, ..self.clone() }
     }
 
-    /// A sequence that fails, shortened, as text.
+    /// Shortens a failing sequence and formats it.
     pub(crate) fn report(&self, setup: &Setup, fault: &str) -> String {
         let hook = std::panic::take_hook();
         std::panic::set_hook(Box::new(|_| {}));
@@ -125,26 +127,26 @@ impl Sequence {
             setup.name,
             short.calls.len()
         );
-        text.push_str(&short.told(setup));
+        text.push_str(&short.format_calls(setup));
         text
     }
 
-    /// The calls with their arguments, up to the one that fails.
-    fn told(&self, setup: &Setup) -> String {
+    /// Formats the calls with their arguments and results.
+    fn format_calls(&self, setup: &Setup) -> String {
         let mut text = String::new();
         let Ok(mut world) = World::new(setup, self.slots) else { return text };
         for call in &self.calls {
             let mut draw = Draw::new(call.seed, self.odd, true);
-            let run = catch_unwind(AssertUnwindSafe(|| call.what.run(&mut world, &mut draw)));
+            let run = catch_unwind(AssertUnwindSafe(|| call.kind.run(&mut world, &mut draw)));
             let answer = match run {
                 Ok(Some(Outcome::Done)) => "done".to_owned(),
                 Ok(Some(Outcome::Refused(reason))) => format!("refused: {reason}"),
                 Ok(Some(Outcome::Read(bits))) => format!("{} numbers", bits.len()),
-                Ok(None) => "nothing to do".to_owned(),
+                Ok(None) => "not applicable".to_owned(),
                 Err(_) => "panics".to_owned(),
             };
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "  {:?} {{ {} }}: {answer}", call.what, draw.told());
+            let _ = writeln!(text, "  {:?} {{ {} }}: {answer}", call.kind, draw.recorded());
         }
         text
     }

@@ -1,4 +1,4 @@
-//! A crowd and all that a user keeps beside it, and what the calls leave for the comparison.
+//! A crowd with all handles that its user holds, and the outcomes of calls.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use populace_physics::{RagdollPlan, Ragdolls};
 use crate::draw::Draw;
 use crate::fixture::{Setup, characters};
 
-/// The most members of a crowd.
-pub(crate) const MEMBERS_MOST: usize = 24;
-/// Handles that are kept after their objects left.
-const STALE_MOST: usize = 8;
+/// Largest number of members, and of handles of each kind.
+pub(crate) const MAX_MEMBERS: usize = 24;
+/// Largest number of handles kept after their members were despawned.
+const MAX_STALE: usize = 8;
 
-/// A character with all that was added to it.
+/// A character and the assets added to it.
 pub(crate) struct Body {
     pub(crate) id: CharacterId,
     pub(crate) joints: usize,
@@ -25,12 +25,12 @@ pub(crate) struct Body {
     pub(crate) plan: Arc<RagdollPlan>,
 }
 
-/// A crowd, and the handles that its user has.
+/// A crowd, and the handles that its user holds.
 pub(crate) struct World {
     pub(crate) crowd: Crowd,
     pub(crate) ragdolls: Ragdolls,
     pub(crate) setup: Setup,
-    /// Which of the set-up's devices the crowd is on.
+    /// Index of the current devices in the set-up.
     pub(crate) device: usize,
     pub(crate) bodies: Vec<Body>,
     pub(crate) members: Vec<(Member, usize)>,
@@ -41,16 +41,16 @@ pub(crate) struct World {
     pub(crate) machines: Vec<MachineId>,
     pub(crate) stages: Vec<StageId>,
     pub(crate) watches: Vec<Watch>,
-    /// Which of the two stages are in use.
+    /// The two user stages, if they are added.
     pub(crate) staged: [Option<StageId>; 2],
 }
 
-/// What a call came to: all that two crowds must agree on.
+/// The outcome of a call, on which two crowds must agree.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Outcome {
     Done,
     Refused(String),
-    /// The bits of what was read.
+    /// The bits of the numbers read.
     Read(Vec<u32>),
 }
 
@@ -73,7 +73,7 @@ impl Outcome {
 impl World {
     pub(crate) fn new(setup: &Setup, slots: usize) -> Result<Self, Error> {
         let builder = Crowd::builder().devices(setup.devices[0].clone()).schedule(setup.schedule);
-        let mut crowd = builder.capacity(MEMBERS_MOST).slots_per_member(slots).build()?;
+        let mut crowd = builder.capacity(MAX_MEMBERS).slots_per_member(slots).build()?;
         let mut bodies = Vec::new();
         for character in characters() {
             let id = crowd.add_character(Arc::clone(character))?;
@@ -101,7 +101,7 @@ impl World {
         })
     }
 
-    /// A member and its body's index; now and then one that has left.
+    /// Draws a member and its body's index; sometimes a despawned one.
     pub(crate) fn member(&self, draw: &mut Draw, name: &str) -> Option<(Member, usize)> {
         if !self.stale.is_empty() && draw.chance("stale", 0.02) {
             let index = draw.index(name, self.stale.len());
@@ -111,7 +111,7 @@ impl World {
         (count > 0).then(|| self.members[draw.index(name, count)])
     }
 
-    /// A joint of a body; now and then one past its end.
+    /// Draws a joint of a body; sometimes one out of range.
     pub(crate) fn joint(&self, draw: &mut Draw, name: &str, body: usize) -> JointIndex {
         let count = self.bodies[body].joints;
         let past = usize::from(draw.chance("past", 0.01));
@@ -119,23 +119,24 @@ impl World {
         JointIndex(u32::try_from(index).expect("few joints"))
     }
 
-    pub(crate) fn left(&mut self, member: (Member, usize)) {
+    /// Moves a despawned member to the stale handles.
+    pub(crate) fn retire(&mut self, member: (Member, usize)) {
         self.members.retain(|other| *other != member);
         self.stale.push(member);
-        if self.stale.len() > STALE_MOST {
+        if self.stale.len() > MAX_STALE {
             self.stale.remove(0);
         }
     }
 
-    /// Keeps the newest few of a list of handles.
+    /// Adds a handle to a list, and drops the oldest if there are too many.
     pub(crate) fn keep<T>(list: &mut Vec<T>, handle: T) {
         list.push(handle);
-        if list.len() > MEMBERS_MOST {
+        if list.len() > MAX_MEMBERS {
             list.remove(0);
         }
     }
 
-    /// The bits of every member's palette.
+    /// Returns the bits of every member's palette.
     pub(crate) fn palettes(&mut self) -> Result<Vec<Vec<u32>>, Error> {
         let members = self.members.clone();
         let bits = |palette: Vec<populace::Affine>| {

@@ -1,4 +1,4 @@
-//! Two backends beside each other.
+//! Checks that two backends agree.
 
 use populace_core::{Backend, Stage, ticks_from_secs};
 
@@ -10,8 +10,8 @@ use crate::scenes::Scene;
 use crate::tolerance::{LOCAL_CAP, SampleBound};
 use crate::{MemberPlan, MemberReading, Rng, TestCrowd};
 
-/// Given the same local transforms, Transform and Write-back give the same bits: both only add and
-/// multiply. Pose agrees within what rounding allows each of the two.
+/// Checks that Transform and Write-back return the same bits for the same local transforms, since
+/// both only add and multiply, and that Pose agrees within twice the rounding bound.
 ///
 /// # Panics
 ///
@@ -21,8 +21,8 @@ pub fn check_agreement(a: &mut dyn Backend, b: &mut dyn Backend) {
     same_pose(a, b);
 }
 
-/// Whole frames of all skeletons, clips and layers give the same palettes, bit for bit: schedules
-/// on one device, and devices that round quotients correctly, compute the same in the same order.
+/// Checks that whole frames of all skeletons, clips and layers give the same palettes, bit for bit.
+/// This holds for the schedules of one device, and for devices that round quotients correctly.
 ///
 /// # Panics
 ///
@@ -34,13 +34,13 @@ pub fn check_same_frames(a: &mut dyn Backend, b: &mut dyn Backend) {
     let humanoids = Scene::of_humanoids();
     let plans = retarget::plans(&mut Rng::new(84), &humanoids);
     let rolled = same_frames(a, b, &humanoids.clone().on_soles(), &plans);
-    assert_ne!(same_frames(a, b, &humanoids, &plans), rolled, "no foot rolls");
+    assert_ne!(same_frames(a, b, &humanoids, &plans), rolled, "the scene must make some foot roll");
     let inertialization =
         inertialize::plans(&mut Rng::new(85), &scene, &clips, ticks_from_secs(7.0));
     same_frames(a, b, &scene, &inertialization);
 }
 
-/// The palettes.
+/// Compares whole frames and returns the palettes of `a`.
 fn same_frames(
     a: &mut dyn Backend,
     b: &mut dyn Backend,
@@ -109,20 +109,20 @@ fn same_pose(a: &mut dyn Backend, b: &mut dyn Backend) {
             .shown(tick)
             .any(|(p, tick)| p.timing.is_near_jump(tick, &scene.clips[p.clip].clip));
         if jumps {
-            judge.leave_out(10 * one[member].rotations.len());
+            judge.skip(10 * one[member].rotations.len());
             continue;
         }
-        // Both sample the same rows, so what a clip's rows are off by is the same on both sides.
+        // Both backends sample the same rows, so the error of a clip's rows is the same on both.
         let bounds = plan.plays.iter().map(|p| scene.clips[p.clip].at_keys);
         let bound = bounds.fold(SampleBound::default(), SampleBound::or);
         let wanted = crowd.expected_within(member, tick, bound);
-        pair_up(&mut judge, member, &other[member], &one[member], &wanted);
+        compare_locals(&mut judge, member, &other[member], &one[member], &wanted);
     }
     judge.done();
 }
 
-/// Local transforms of one member from both sides; each side may be off by its bound.
-fn pair_up(
+/// Compares one member's local transforms from both backends. Each may be off by its bound.
+fn compare_locals(
     judge: &mut Judge,
     member: usize,
     got: &MemberReading,
@@ -131,11 +131,11 @@ fn pair_up(
 ) {
     for (joint, bound) in wanted.locals.iter().enumerate() {
         let mut pair = |what: &str, got: &[f32], with: &[f32], bound: f64| {
-            let side: f32 = got.iter().zip(with).map(|(g, w)| g * w).sum();
-            let sign = if got.len() == 4 && side < 0.0 { -1.0 } else { 1.0 };
+            let cosine: f32 = got.iter().zip(with).map(|(g, w)| g * w).sum();
+            let sign = if got.len() == 4 && cosine < 0.0 { -1.0 } else { 1.0 };
             for (c, (got, with)) in got.iter().zip(with).enumerate() {
-                let place = || format!("member {member} joint {joint} {what} {c}");
-                judge.number(sign * got, f64::from(*with), 2.0 * bound, 2.0 * LOCAL_CAP, place);
+                let name = || format!("member {member} joint {joint} {what} {c}");
+                judge.number(sign * got, f64::from(*with), 2.0 * bound, 2.0 * LOCAL_CAP, name);
             }
         };
         pair("rotation", &got.rotations[joint], &with.rotations[joint], bound.rotation);

@@ -1,4 +1,4 @@
-//! Pose: slots mixed within a layer.
+//! Checks of Pose: slots mixed within a layer.
 
 use populace_core::{Backend, ticks_from_secs};
 
@@ -8,11 +8,11 @@ use crate::scenes::{Scene, body, clip};
 use crate::tolerance::LOCAL_CAP;
 use crate::{MemberPlan, Play, Rng, single};
 
-/// A time at which all random plays have begun.
+/// A time at which all random plays have started.
 const LATER_SECS: f64 = 6.125;
 
-/// One to eight clips mixed, on every body; and clips between rows far apart, where a rotation has
-/// lost length and must not lose weight with it.
+/// Checks mixes of one to eight clips on every body. Includes clips between rows far apart, where
+/// an interpolated rotation is shorter than 1 and must not lose weight because of that.
 ///
 /// # Panics
 ///
@@ -39,8 +39,7 @@ pub fn check_blends(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// The same slots in another order give the same pose within rounding, which the oracle's bound is
-/// twice of.
+/// Checks that the same slots in another order give the same pose within twice the oracle's bound.
 ///
 /// # Panics
 ///
@@ -62,16 +61,16 @@ pub fn check_slot_order(backend: &mut dyn Backend) {
     for member in (0..48).step_by(2) {
         let (one, other) = (crowd.read(backend, member), crowd.read(backend, member + 1));
         let Some(wanted) = crowd.expected(member, tick) else {
-            judge.leave_out(10 * one.rotations.len());
+            judge.skip(10 * one.rotations.len());
             continue;
         };
         for (joint, bound) in wanted.locals.iter().enumerate() {
             let mut pair = |got: &[f32], with: &[f32], bound: f64| {
                 for (c, (got, with)) in got.iter().zip(with).enumerate() {
-                    let place = || {
+                    let name = || {
                         format!("member {} joint {joint} number {c} in reversed order", member + 1)
                     };
-                    judge.number(*got, f64::from(*with), 2.0 * bound, 2.0 * LOCAL_CAP, place);
+                    judge.number(*got, f64::from(*with), 2.0 * bound, 2.0 * LOCAL_CAP, name);
                 }
             };
             pair(&other.rotations[joint], &one.rotations[joint], bound.rotation);
@@ -82,8 +81,8 @@ pub fn check_slot_order(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Slots of weight 0, or below, change nothing, bit for bit: first, between and last, on every
-/// layer.
+/// Checks that slots of weight 0 or below, at any index and in any layer, leave the result equal
+/// bit for bit.
 ///
 /// # Panics
 ///
@@ -99,8 +98,8 @@ pub fn check_zero_weights(backend: &mut dyn Backend) {
         let mut with = plan.clone();
         for weight in [0.0, -0.0, -0.5] {
             let layer = u32::try_from(rng.below(with.layers.len())).expect("few layers");
-            let nothing = plans::play(&mut rng, &clips).weighing(weight).on_layer(layer);
-            with.plays.insert(rng.below(with.plays.len() + 1), nothing);
+            let weightless = plans::play(&mut rng, &clips).with_weight(weight).on_layer(layer);
+            with.plays.insert(rng.below(with.plays.len() + 1), weightless);
         }
         crowd.add(plan);
         crowd.add(with);
@@ -116,8 +115,8 @@ pub fn check_zero_weights(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Layer 0 is divided by its total weight however small, down to 1e-3; below that, and with nothing
-/// playing, the rest pose shows.
+/// Checks that layer 0 is divided by its total weight down to 1e-3, and that below that, or with no
+/// slot, the rest pose shows.
 ///
 /// # Panics
 ///
@@ -127,16 +126,16 @@ pub fn check_small_totals(backend: &mut dyn Backend) {
     let mut judge = Judge::new("small totals");
     let mut plans = vec![MemberPlan::plain(body::SMALL, vec![])];
     for weight in [1.0, 0.3, 0.01, 0.001_1, 0.000_9, 0.000_01, 0.0] {
-        let play = Play::held(clip::EVEN, 0.4).weighing(weight);
+        let play = Play::held(clip::EVEN, 0.4).with_weight(weight);
         plans.push(MemberPlan::plain(body::SMALL, vec![play]));
-        // Two that are small alone and enough together, or not.
+        // Two slots, each of half the weight.
         let half = single(f64::from(weight) * 0.5);
-        let two = [play.weighing(half), Play::held(clip::STILL, 0.0).weighing(half)];
+        let two = [play.with_weight(half), Play::held(clip::STILL, 0.0).with_weight(half)];
         plans.push(MemberPlan::plain(body::SMALL, two.to_vec()));
     }
     plans.push(MemberPlan::plain(
         body::SMALL,
-        vec![Play::held(clip::LINEAR_AND_STEPS, 0.8).weighing(0.01)],
+        vec![Play::held(clip::LINEAR_AND_STEPS, 0.8).with_weight(0.01)],
     ));
     let mut crowd = plans::crowd(&scene, 2, plans);
     judge.frame(backend, &mut crowd, 0);

@@ -1,4 +1,4 @@
-//! Evaluate: slots from the clock.
+//! Checks of Evaluate: clip times and weights from the clock.
 
 use populace_core::layout::Float4;
 use populace_core::{Backend, StageBuffer, ticks_from_secs};
@@ -10,12 +10,12 @@ use crate::scenes::{Scene, clip};
 use crate::tolerance::{LOCAL_CAP, WEIGHT_ERROR};
 use crate::{MemberPlan, Play, Rng};
 
-/// Clips whose pose tells the time at any moment.
+/// Clips that have a tight bound at any time.
 const CLOCKS: [usize; 6] =
     [clip::EVEN, clip::UNEVEN, clip::SCALED, clip::STEPS, clip::LINEAR_AND_STEPS, clip::STILL];
 
-/// Loops, single runs and held times, forwards, backwards, slow and fast, at many readings of the
-/// clock.
+/// Checks looping, single and held playback at several speeds, forwards and backwards, at many
+/// ticks.
 ///
 /// # Panics
 ///
@@ -48,8 +48,8 @@ pub fn check_clock(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Weights that stand and that run, up, down and long done; empty slots weigh nothing. The poses of
-/// clips fading into each other follow.
+/// Checks constant weights, and ramps that rise, fall and are over; the weight 0 of empty slots;
+/// and the poses of clips that fade into each other.
 ///
 /// # Panics
 ///
@@ -80,18 +80,18 @@ pub fn check_weights(backend: &mut dyn Backend) {
     while secs < 20.0 {
         let tick = ticks_from_secs(secs);
         judge.frame(backend, &mut crowd, tick);
-        for (member, place, plan) in crowd.members() {
+        for (member, index, plan) in crowd.members() {
             let mut samples = [Float4::default(); 4];
             backend
-                .read(&crowd.tables, StageBuffer::Samples, place as usize * 4, &mut samples)
+                .read(&crowd.tables, StageBuffer::Samples, index as usize * 4, &mut samples)
                 .expect("samples can be read");
             for (slot, sample) in samples.iter().enumerate() {
                 let (wanted, bound) = match plan.plays.get(slot) {
                     Some(play) => (play.weighting.weight(tick), WEIGHT_ERROR),
                     None => (0.0, 0.0),
                 };
-                let place = || format!("member {member} slot {slot} weight at {secs} s");
-                judge.number(sample.0[3], wanted, bound, LOCAL_CAP, place);
+                let name = || format!("member {member} slot {slot} weight at {secs} s");
+                judge.number(sample.0[3], wanted, bound, LOCAL_CAP, name);
             }
         }
         secs *= 1.3;

@@ -1,4 +1,4 @@
-//! Clips that were left at once, and inertialize.
+//! Checks of inertialization.
 
 use populace_core::{Backend, LayerMode, ticks_from_secs};
 
@@ -7,12 +7,12 @@ use crate::compare::Judge;
 use crate::scenes::Scene;
 use crate::{Inertialization, MemberPlan, Play, Rng, single};
 
-/// The clock when the last of them are left.
-const LEFT_SECS: f64 = 6.0;
+/// The clock when the last transitions start.
+const START_SECS: f64 = 6.0;
 
-/// What inertializes in layers of all kinds, of one start and of several that interrupt each other:
-/// at the start, on the way, and when some and all of it is over. It magnifies what samples are off
-/// by, so the caps of this check are wide.
+/// Checks transitions in layers of all kinds, single ones and several that interrupt each other: at
+/// the start, in the middle, and when some and all of them are over. Inertialization magnifies
+/// sampling errors, so the caps of this check are wide.
 ///
 /// # Panics
 ///
@@ -21,7 +21,7 @@ pub fn check_inertialization(backend: &mut dyn Backend) {
     let scene = Scene::new();
     let mut judge = Judge::coarse("inertialization");
     let clips = scene.tight_clips();
-    let tick = ticks_from_secs(LEFT_SECS);
+    let tick = ticks_from_secs(START_SECS);
     let mut crowd = plans::crowd(&scene, 8, plans(&mut Rng::new(44), &scene, &clips, tick));
     for secs in [0.0, 0.05, 0.21, 0.4, 1.0] {
         judge.frame(backend, &mut crowd, tick + ticks_from_secs(secs));
@@ -29,7 +29,7 @@ pub fn check_inertialization(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Members of all bodies in which something was left up to that tick.
+/// Creates members of all bodies with transitions that started at or before `tick`.
 pub(super) fn plans(rng: &mut Rng, scene: &Scene, clips: &[usize], tick: u64) -> Vec<MemberPlan> {
     (0..60).map(|n| plan(rng, scene, clips, (n, tick))).collect()
 }
@@ -40,10 +40,10 @@ fn plan(rng: &mut Rng, scene: &Scene, clips: &[usize], (n, tick): (usize, u64)) 
     let starts = 1 + n as u64 % 2;
     for nth in 0..4 {
         let layer = u32::try_from(rng.below(plan.layers.len())).expect("few layers");
-        let [left, taking] = [(); 2].map(|()| Play { layer, ..plans::play(rng, clips) });
+        let [outgoing, incoming] = [(); 2].map(|()| Play { layer, ..plans::play(rng, clips) });
         plan.inertialization.push(Inertialization {
-            left,
-            taking,
+            outgoing,
+            incoming,
             tick: tick - ticks_from_secs(0.1) * (nth % (1 + starts)),
             ticks: ticks_from_secs(rng.between(0.1, 0.8)),
             share: single(rng.between(0.1, 0.6)),

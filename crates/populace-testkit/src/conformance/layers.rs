@@ -1,4 +1,4 @@
-//! Pose: layers laid over each other.
+//! Checks of Pose: layers over each other.
 
 use populace_core::{Backend, LayerMode, ticks_from_secs};
 
@@ -7,8 +7,8 @@ use crate::compare::Judge;
 use crate::scenes::{Scene, body, clip};
 use crate::{LayerPlan, MemberPlan, Play, Rng, single};
 
-/// Override layers: weights, masks, totals below and above 1, layers without slots; what layer 0
-/// says of itself is not looked at.
+/// Checks override layers: weights, masks, totals below and above 1, and layers without slots. The
+/// settings of layer 0 are ignored.
 ///
 /// # Panics
 ///
@@ -17,7 +17,8 @@ pub fn check_override_layers(backend: &mut dyn Backend) {
     check_layers("override layers", backend, 41, LayerMode::Override);
 }
 
-/// Additive layers: differences from each clip's first pose, by weight and mask, never normalised.
+/// Checks additive layers: differences from each clip's first pose, scaled by weight and mask and
+/// never normalised.
 ///
 /// # Panics
 ///
@@ -32,8 +33,8 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
     let clips = scene.tight_clips();
     let mut rng = Rng::new(seed);
     let mut plans = Vec::new();
-    // The first 60 play up to eight clips; what rows are off by adds up, so of those some joints
-    // are left out.
+    // The first 60 play up to eight clips. The errors of their rows add up, so some joints are
+    // skipped.
     for n in 0..96 {
         let body = n % scene.bodies.len();
         let joints = scene.bodies[body].joints.len();
@@ -41,7 +42,7 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
             (0..1 + n % 4).map(|_| plans::layer(&mut rng, joints)).collect();
         layers.iter_mut().for_each(|layer| layer.mode = mode);
         if n % 5 == 0 {
-            // At the ends of their ranges; layer 0's are not looked at.
+            // Extreme settings; those of layer 0 are ignored.
             layers.iter_mut().for_each(|layer| layer.weight = 1.0);
             layers[0] =
                 LayerPlan { mode: LayerMode::Additive, weight: 0.0, mask: Some(vec![0.0; joints]) };
@@ -50,7 +51,7 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
         let plays = (0..count).map(|_| {
             let layer = u32::try_from(rng.below(layers.len())).expect("few layers");
             let weight = single([0.02, 0.3, 0.9, 1.0][rng.below(4)]);
-            plans::play(&mut rng, &clips).on_layer(layer).weighing(weight)
+            plans::play(&mut rng, &clips).on_layer(layer).with_weight(weight)
         });
         let plays = plays.collect();
         plans.push(MemberPlan { body, plays, inertialization: Vec::new(), layers });
@@ -62,16 +63,16 @@ fn check_layers(name: &'static str, backend: &mut dyn Backend, seed: u64, mode: 
     judge.done();
 }
 
-/// Turns of all widths, which leave the hemisphere of the rest rotation, added and overridden,
-/// beneath a layer that overrides them again. They are sensitive, so the caps of this check are
+/// Checks rotations of all angles, which leave the hemisphere of the rest rotation, in additive and
+/// override layers below another override layer. They magnify errors, so the caps of this check are
 /// wide.
 ///
 /// # Panics
 ///
 /// If the backend is wrong.
-pub fn check_far_turns(backend: &mut dyn Backend) {
+pub fn check_far_rotations(backend: &mut dyn Backend) {
     let scene = Scene::new();
-    let mut judge = Judge::coarse("far turns");
+    let mut judge = Judge::coarse("far rotations");
     let mut rng = Rng::new(43);
     let plans = (0..60).map(|n| far(&mut rng, &scene, n));
     let mut crowd = plans::crowd(&scene, 4, plans);
@@ -79,7 +80,7 @@ pub fn check_far_turns(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Wide turns between a base and an override layer.
+/// Creates a member with wide rotations between a base and an override layer.
 fn far(rng: &mut Rng, scene: &Scene, n: usize) -> MemberPlan {
     let (body, wide) = [(body::SMALL, clip::WIDE), (body::SCALED, clip::WIDE_UNEVEN)][n % 2];
     let mut layers = vec![LayerPlan::default(); 3];

@@ -1,4 +1,4 @@
-//! Many kinds of members in one dispatch.
+//! Checks of different members in one dispatch.
 
 use populace_core::{Backend, ticks_from_secs};
 
@@ -9,7 +9,7 @@ use crate::{MemberPlan, Rng};
 
 type Palette = Vec<[f32; 12]>;
 
-/// What a member gets in a crowd of its own.
+/// Returns the palette of a member that is alone in its crowd.
 fn alone(
     make: &mut dyn FnMut() -> Box<dyn Backend>,
     scene: &Scene,
@@ -27,8 +27,8 @@ fn any_members(seed: u64, scene: &Scene, count: usize) -> Vec<MemberPlan> {
     plans::members(seed, scene, &clips, count, 8)
 }
 
-/// All skeletons, clips and layers in one crowd: every member gets, bit for bit, what it gets
-/// alone, in whatever order the members came.
+/// Checks that every member of a crowd with all skeletons, clips and layers gets the same bits as
+/// alone, in any order of members.
 ///
 /// # Panics
 ///
@@ -38,7 +38,7 @@ pub fn check_mixed_dispatch(make: &mut dyn FnMut() -> Box<dyn Backend>) {
     let mut judge = Judge::new("mixed dispatch");
     let plans = any_members(61, &scene, 25);
     let tick = ticks_from_secs(7.3);
-    let apart: Vec<Palette> = plans.iter().map(|plan| alone(make, &scene, plan, tick)).collect();
+    let expected: Vec<Palette> = plans.iter().map(|plan| alone(make, &scene, plan, tick)).collect();
     for seed in 0..3 {
         let mut order: Vec<usize> = (0..plans.len()).collect();
         if seed > 0 {
@@ -48,14 +48,15 @@ pub fn check_mixed_dispatch(make: &mut dyn FnMut() -> Box<dyn Backend>) {
         let mut crowd = plans::crowd(&scene, 8, order.iter().map(|&n| plans[n].clone()));
         crowd.run(&mut *backend, tick);
         for (member, &n) in order.iter().enumerate() {
-            let place = format!("order {seed} member {member} (plan {n}) palette entry");
-            judge.same_matrices(&place, &crowd.read_palette(&mut *backend, member), &apart[n]);
+            let name = format!("order {seed} member {member} (plan {n}) palette entry");
+            judge.same_matrices(&name, &crowd.read_palette(&mut *backend, member), &expected[n]);
         }
     }
     judge.done();
 }
 
-/// After members went and others took their places, every member still gets what it gets alone.
+/// Checks that every member still gets the same bits as alone after members were removed and others
+/// took their indices.
 ///
 /// # Panics
 ///
@@ -69,14 +70,14 @@ pub fn check_churn(make: &mut dyn FnMut() -> Box<dyn Backend>) {
     for round in 0..4 {
         let tick = ticks_from_secs(6.0 + 0.21 * f64::from(round));
         crowd.run(&mut *backend, tick);
-        let there: Vec<usize> = crowd.members().map(|(member, ..)| member).collect();
-        for member in there {
+        let existing: Vec<usize> = crowd.members().map(|(member, ..)| member).collect();
+        for member in existing {
             if rng.chance(0.4) {
                 crowd.remove(member);
             }
         }
         if round == 2 {
-            // A frame with free places in it.
+            // A frame in which some indices are free.
             crowd.run(&mut *backend, tick);
         }
         for plan in any_members(70 + u64::try_from(round).expect("few rounds"), &scene, 7) {
@@ -86,9 +87,9 @@ pub fn check_churn(make: &mut dyn FnMut() -> Box<dyn Backend>) {
     let tick = ticks_from_secs(8.4);
     crowd.run(&mut *backend, tick);
     for (member, _, plan) in crowd.members() {
-        let place = format!("member {member} palette entry");
+        let name = format!("member {member} palette entry");
         let got = crowd.read_palette(&mut *backend, member);
-        judge.same_matrices(&place, &got, &alone(make, &scene, plan, tick));
+        judge.same_matrices(&name, &got, &alone(make, &scene, plan, tick));
     }
     judge.done();
 }

@@ -1,9 +1,8 @@
-//! The suite that every device and schedule passes, and that is seen to fail on a
-//! [`Broken`](crate::Broken) twin.
+//! The conformance suite: checks that every device and schedule must pass, and must fail if a
+//! number is [`Broken`](crate::Broken).
 //!
-//! Each check panics with a message that says which member, joint and number is off, and by how
-//! much. [`backend_conformance!`](crate::backend_conformance) makes a test of each check and of
-//! each twin.
+//! A failing check panics with the member, joint and number, and its error.
+//! [`backend_conformance!`](crate::backend_conformance) expands to two tests per check.
 
 mod agreement;
 mod blend;
@@ -21,7 +20,7 @@ pub use agreement::{check_agreement, check_same_frames};
 pub use blend::{check_blends, check_slot_order, check_small_totals, check_zero_weights};
 pub use clock::{check_clock, check_weights};
 pub use inertialize::check_inertialization;
-pub use layers::{check_additive_layers, check_far_turns, check_override_layers};
+pub use layers::{check_additive_layers, check_far_rotations, check_override_layers};
 pub use mixed::{check_churn, check_mixed_dispatch};
 pub use retarget::check_retarget;
 pub use running::{check_growth, check_long_run};
@@ -30,25 +29,26 @@ pub use sampling::{
 };
 pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
 
-/// Expands to one `#[test]` for each check of the conformance suite, run on the staged backend that
-/// the expression makes, and one for its twin, which must fail. The expression is evaluated anew
-/// for each test, and for some several times.
+/// Expands to two `#[test]`s per check of the conformance suite: one on a staged backend, which
+/// must pass, and one on its broken copy, which must fail.
 ///
-/// What follows the expression, such as `cfg_attr(no_device, ignore = "why")`, becomes attributes
-/// of all tests.
+/// The first argument is an expression that creates the backend; it is evaluated at least once per
+/// test. Further arguments, such as `cfg_attr(no_device, ignore = "why")`, become attributes of all
+/// tests.
 #[macro_export]
 macro_rules! backend_conformance {
     ($backend:expr $(, $attribute:meta)* $(,)?) => {
         $crate::fused_conformance! { $backend $(, $attribute)* }
         $crate::fused_conformance! { @checks [$($attribute),*] $backend;
             one check_transform_alone transform_alone_holds transform_alone_can_fail model_rounding;
-            one check_write_back_alone write_back_alone_holds write_back_alone_can_fail palette_rounding;
+            one check_write_back_alone
+                write_back_alone_holds write_back_alone_can_fail palette_rounding;
         }
     };
 }
 
-/// The same for a backend of a fused schedule: all checks but those that run one stage alone, which
-/// it does not have.
+/// Expands to the tests of [`backend_conformance!`](crate::backend_conformance) for a backend with
+/// a fused schedule: all checks except those that run one stage alone.
 #[macro_export]
 macro_rules! fused_conformance {
     ($backend:expr $(, $attribute:meta)* $(,)?) => {
@@ -56,17 +56,20 @@ macro_rules! fused_conformance {
             one check_clock clock_holds clock_can_fail rotation;
             one check_weights weights_hold weights_can_fail weight;
             one check_sampling_at_keys sampling_at_keys_holds sampling_at_keys_can_fail translation;
-            one check_sampling_between_keys sampling_between_keys_holds sampling_between_keys_can_fail model;
-            one check_sampling_within_clip_bounds sampling_within_clip_bounds_holds sampling_within_clip_bounds_can_fail position;
+            one check_sampling_between_keys
+                sampling_between_keys_holds sampling_between_keys_can_fail model;
+            one check_sampling_within_clip_bounds
+                sampling_within_clip_bounds_holds sampling_within_clip_bounds_can_fail position;
             one check_blends blends_hold blends_can_fail rotation;
             one check_slot_order slot_order_holds slot_order_can_fail rotation;
             one check_zero_weights zero_weights_hold zero_weights_can_fail palette_bit;
             one check_small_totals small_totals_hold small_totals_can_fail scale;
             one check_override_layers override_layers_hold override_layers_can_fail palette;
             one check_additive_layers additive_layers_hold additive_layers_can_fail rotation;
-            one check_far_turns far_turns_hold far_turns_can_fail coarse_rotation;
+            one check_far_rotations far_rotations_hold far_rotations_can_fail coarse_rotation;
             one check_retarget retarget_holds retarget_can_fail coarse_rotation;
-            one check_inertialization inertialization_holds inertialization_can_fail coarse_rotation;
+            one check_inertialization
+                inertialization_holds inertialization_can_fail coarse_rotation;
             one check_pages pages_hold pages_can_fail palette_bit;
             one check_growth growth_holds growth_can_fail palette;
             one check_long_run long_run_holds long_run_can_fail rotation;
@@ -74,10 +77,14 @@ macro_rules! fused_conformance {
             many check_churn churn_holds churn_can_fail palette_bit;
         }
     };
-    (@checks $attributes:tt $backend:expr; $($kind:ident $check:ident $holds:ident $can_fail:ident $wrong:ident;)*) => {
-        $( $crate::fused_conformance! { @check $attributes $kind $backend, $check $holds $can_fail $wrong } )*
+    (@checks $attributes:tt $backend:expr;
+        $($kind:ident $check:ident $holds:ident $can_fail:ident $wrong:ident;)*) => {
+        $( $crate::fused_conformance! {
+            @check $attributes $kind $backend, $check $holds $can_fail $wrong
+        } )*
     };
-    (@check [$($attribute:meta),*] one $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
+    (@check [$($attribute:meta),*]
+        one $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
         #[test]
         $(#[$attribute])*
         fn $holds() {
@@ -88,10 +95,12 @@ macro_rules! fused_conformance {
         $(#[$attribute])*
         #[should_panic(expected = "off by")]
         fn $can_fail() {
-            $crate::conformance::$check(&mut $crate::Broken::new($backend, $crate::Corruption::$wrong()));
+            let mut broken = $crate::Broken::new($backend, $crate::Corruption::$wrong());
+            $crate::conformance::$check(&mut broken);
         }
     };
-    (@check [$($attribute:meta),*] many $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
+    (@check [$($attribute:meta),*]
+        many $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
         #[test]
         $(#[$attribute])*
         fn $holds() {
@@ -109,8 +118,9 @@ macro_rules! fused_conformance {
     };
 }
 
-/// Expands to a test that two backends, made by the two expressions, agree, and to one that they
-/// are seen to differ where one is broken. What follows becomes attributes of both.
+/// Expands to a test that two backends agree, and to a test that a difference is found if one is
+/// broken. The arguments are two expressions that create the backends, then attributes of both
+/// tests.
 #[macro_export]
 macro_rules! backends_agree {
     ($first:expr, $second:expr $(, $attribute:meta)* $(,)?) => {

@@ -1,4 +1,4 @@
-//! Plans of members by chance.
+//! Random plans of members.
 
 use populace_core::{LayerMode, ticks_from_secs};
 
@@ -6,7 +6,7 @@ use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
 use crate::{LayerPlan, MemberPlan, Play, Rng, TestCrowd, single};
 
-/// Any playing clip out of `clips`, begun before 5 s.
+/// Plays a random clip of `clips`, started before 5 s.
 pub(super) fn play(rng: &mut Rng, clips: &[usize]) -> Play {
     let start_tick = ticks_from_secs(rng.between(0.0, 5.0));
     let speed = single(rng.between(-1.5, 2.0));
@@ -23,15 +23,15 @@ pub(super) fn play(rng: &mut Rng, clips: &[usize]) -> Play {
     }
 }
 
-/// A clip held at a time at which its rows are exact, so that even wide turns can be held to
-/// rounding.
+/// Holds a clip at a time at which its rows are exact, so that the bound of even wide rotations is
+/// rounding alone.
 pub(super) fn held_exactly(rng: &mut Rng, scene: &Scene, clip: usize) -> Play {
     let times = &scene.clips[clip].exact_times;
     let weight = single(rng.between(0.2, 1.0));
-    Play::held(clip, times[rng.below(times.len())]).weighing(weight)
+    Play::held(clip, times[rng.below(times.len())]).with_weight(weight)
 }
 
-/// A layer above layer 0 by chance.
+/// Creates a random layer for use above layer 0.
 pub(super) fn layer(rng: &mut Rng, joints: usize) -> LayerPlan {
     let mode = if rng.chance(0.5) { LayerMode::Override } else { LayerMode::Additive };
     LayerPlan {
@@ -41,12 +41,12 @@ pub(super) fn layer(rng: &mut Rng, joints: usize) -> LayerPlan {
     }
 }
 
-/// Weights of which some are 0 and some 1.
+/// Creates random weights; some are exactly 0 or 1.
 pub(super) fn mask(rng: &mut Rng, joints: usize) -> Vec<f32> {
     (0..joints).map(|_| single(rng.between(-0.3, 1.3).clamp(0.0, 1.0))).collect()
 }
 
-/// A member of a body with up to `most` slots on up to four layers.
+/// Creates a random member with up to `most` slots target up to four layers.
 pub(super) fn member(
     rng: &mut Rng,
     scene: &Scene,
@@ -61,14 +61,14 @@ pub(super) fn member(
     }
     let plays = (0..rng.below(most + 1))
         .map(|_| {
-            let on = rng.below(layers.len());
-            play(rng, clips).on_layer(u32::try_from(on).expect("few layers"))
+            let target = rng.below(layers.len());
+            play(rng, clips).on_layer(u32::try_from(target).expect("few layers"))
         })
         .collect();
     MemberPlan { body, plays, inertialization: Vec::new(), layers }
 }
 
-/// Members of all bodies in turn.
+/// Creates random members, cycling through all bodies.
 pub(super) fn members(
     seed: u64,
     scene: &Scene,
@@ -80,7 +80,7 @@ pub(super) fn members(
     (0..count).map(|n| member(&mut rng, scene, n % scene.bodies.len(), clips, most)).collect()
 }
 
-/// A crowd of these members.
+/// Creates a crowd with the given members.
 pub(super) fn crowd(
     scene: &Scene,
     slots: usize,

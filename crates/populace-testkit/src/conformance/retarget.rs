@@ -1,4 +1,4 @@
-//! Clips on bodies that they were not made for.
+//! Checks of retargeted clips.
 
 use populace_core::{Backend, LayerMode};
 
@@ -7,8 +7,8 @@ use crate::compare::Judge;
 use crate::scenes::Scene;
 use crate::{LayerPlan, MemberPlan, Play, Rng};
 
-/// Every clip on every other body at keys, alone, mixed with the body's own clip, and on an
-/// additive layer above it.
+/// Checks every clip on every other body at key times: alone, mixed with the body's own clip, and
+/// in an additive layer above it.
 ///
 /// # Panics
 ///
@@ -22,7 +22,7 @@ pub fn check_retarget(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Members of all bodies, each with a clip of another.
+/// Creates members of all bodies, each with a clip of another body.
 pub(super) fn plans(rng: &mut Rng, scene: &Scene) -> Vec<MemberPlan> {
     let mut plans = Vec::new();
     for body in 0..scene.bodies.len() {

@@ -1,4 +1,4 @@
-//! Crowds that run for a while.
+//! Checks of crowds over many frames.
 
 use populace_core::{Backend, ticks_from_secs};
 
@@ -8,8 +8,7 @@ use crate::plan::FRAME_TICKS;
 use crate::scenes::{Scene, body};
 use crate::{LayerPlan, MemberPlan, Play, Rng};
 
-/// Clips, members and masks that come while the crowd runs, so that every table grows between
-/// frames.
+/// Checks crowds that get clips, members and masks between frames, so that every table grows.
 ///
 /// # Panics
 ///
@@ -28,14 +27,14 @@ pub fn check_growth(backend: &mut dyn Backend) {
         plan.layers
             .push(LayerPlan { mask: Some(plans::mask(&mut rng, joints)), ..LayerPlan::default() });
         crowd.add(plan);
-        // The first member changes over to the clip just added.
-        crowd.direct(0, MemberPlan::plain(body::SMALL, vec![plans::play(&mut rng, &[clip])]));
+        // The first member changes to the new clip.
+        crowd.set_plan(0, MemberPlan::plain(body::SMALL, vec![plans::play(&mut rng, &[clip])]));
         judge.frame(backend, &mut crowd, tick);
     }
     judge.done();
 }
 
-/// 600 frames at 60 Hz: no drift, every member is where the oracle has it.
+/// Checks 600 frames at 60 Hz: every member agrees with the oracle, without drift.
 ///
 /// # Panics
 ///

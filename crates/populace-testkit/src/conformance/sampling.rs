@@ -1,16 +1,16 @@
-//! Sampling: clips held at a time.
+//! Checks of sampling: clips held at a time.
 
 use glam::DVec3;
 use populace_core::Backend;
 
 use super::plans;
-use crate::compare::{Judge, joint_place};
+use crate::compare::{Judge, joint_name};
 use crate::expected::Expected;
 use crate::scenes::{Scene, SceneClip, body};
 use crate::{MemberPlan, MemberReading, Play, Rng, TestCrowd, single};
 
-/// Every clip exactly at keys (a STEP key's own value counts from its time on), before the first,
-/// after the last and a hair before a key; on its own body and on another.
+/// Checks every clip exactly at keys (a STEP key holds from its own time on), before the first key,
+/// after the last key, and one unit in the last place before a key, on its own and on other bodies.
 ///
 /// # Panics
 ///
@@ -38,8 +38,8 @@ pub fn check_sampling_at_keys(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Clips of STEP tracks, and of LINEAR tracks whose keys are near, at times between their keys,
-/// held to rounding.
+/// Checks clips with STEP tracks, and with LINEAR tracks of small rotations, between their keys,
+/// within rounding.
 ///
 /// # Panics
 ///
@@ -52,12 +52,12 @@ pub fn check_sampling_between_keys(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Every clip at times between its keys, wide turns and splines too, held to the bound that the
-/// clip states, at points around each joint of its own body.
+/// Checks every clip between its keys, including wide rotations and splines, within the bound that
+/// the clip states. Points around each joint of its own body are compared.
 ///
 /// # Panics
 ///
-/// If the backend is wrong, or a clip's own bound is above the one promised.
+/// If the backend is wrong, or a clip's own bound is above the promised bound.
 pub fn check_sampling_within_clip_bounds(backend: &mut dyn Backend) {
     let scene = Scene::new();
     let mut judge = Judge::new("sampling within clip bounds");
@@ -67,7 +67,7 @@ pub fn check_sampling_within_clip_bounds(backend: &mut dyn Backend) {
         let clip = &scene.clips[plan.plays[0].clip];
         let got = crowd.read(backend, member);
         let wanted = crowd.expected_within(member, 0, clip.at_keys);
-        probes(&mut judge, &crowd, member, clip, &got, &wanted);
+        compare_probes(&mut judge, &crowd, member, clip, &got, &wanted);
     }
     judge.done();
 }
@@ -86,8 +86,9 @@ fn between_keys(scene: &Scene, seed: u64, clips: Vec<usize>) -> TestCrowd<'_> {
     crowd
 }
 
-/// Points around each joint, 3 cm away on a body of 1.8 m, as the clip states its bound.
-fn probes(
+/// Compares points around each joint, at a distance of 3 cm on a body of 1.8 m, as in the
+/// definition of the clip's bound.
+fn compare_probes(
     judge: &mut Judge,
     crowd: &TestCrowd<'_>,
     member: usize,
@@ -100,7 +101,7 @@ fn probes(
     let stated = f64::from(clip.clip.stats().error_bound_m);
     assert!(
         stated <= tolerance_m * 1.000_1,
-        "{}: the clip's own bound, {stated} m, is off by more than {tolerance_m} m",
+        "{}: the clip's own bound, {stated} m, is above the promised {tolerance_m} m",
         clip.clip.name()
     );
     let points = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * reach_m);
@@ -110,11 +111,11 @@ fn probes(
             let image = model.transform_point3(point);
             for (axis, row) in got.models[joint].chunks(4).enumerate() {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|i: usize| f64::from(row[i]));
-                let there = single(a * point.x + b * point.y + c * point.z + d);
-                judge.number(there, image[axis], bound, f64::INFINITY, || {
-                    let place = joint_place(crowd, member, joint);
+                let got = single(a * point.x + b * point.y + c * point.z + d);
+                judge.number(got, image[axis], bound, f64::INFINITY, || {
+                    let joint = joint_name(crowd, member, joint);
                     let (name, time) = (clip.clip.name(), crowd.plan(member).plays[0].timing);
-                    format!("{place}, clip \"{name}\" {time:?}, point {point} axis {axis}")
+                    format!("{joint}, clip \"{name}\" {time:?}, point {point} axis {axis}")
                 });
             }
         }

@@ -1,4 +1,4 @@
-//! Transform and Write-back alone, on numbers that no clip would give, and pages as a whole.
+//! Checks of Transform and Write-back alone, on arbitrary numbers, and of whole palette pages.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_core::layout::Float4;
@@ -12,13 +12,13 @@ use crate::scenes::Scene;
 use crate::tolerance::{AffineBound, LocalBound, model_bounds, palette_bounds};
 use crate::{MemberPlan, Rng, TestCrowd, single};
 
-/// Two members of each body, so that neighbours are of all kinds.
+/// Creates two members of each body, with different neighbours.
 pub(super) fn two_of_each(scene: &Scene) -> TestCrowd<'_> {
     let bodies = (0..scene.bodies.len()).chain((0..scene.bodies.len()).rev());
     plans::crowd(scene, 1, bodies.map(|body| MemberPlan::plain(body, vec![])))
 }
 
-/// Writes any local transforms for a member, and returns what the stage is then given.
+/// Writes random local transforms for a member and returns them.
 pub(super) fn write_locals(
     rng: &mut Rng,
     backend: &mut dyn Backend,
@@ -49,7 +49,7 @@ pub(super) fn write_locals(
         .collect()
 }
 
-/// Any local transforms through Transform alone, on every body.
+/// Checks Transform alone with random local transforms on every body.
 ///
 /// # Panics
 ///
@@ -74,7 +74,7 @@ pub fn check_transform_alone(backend: &mut dyn Backend) {
     judge.done();
 }
 
-/// Any matrices through Write-back alone, on every body.
+/// Checks Write-back alone with random matrices on every body.
 ///
 /// # Panics
 ///
@@ -140,7 +140,7 @@ fn expected(
     }
 }
 
-/// Whole pages hold what single reads give, up to the last entry in use.
+/// Checks that whole pages equal single reads, up to the last entry in use.
 ///
 /// # Panics
 ///
@@ -157,22 +157,23 @@ pub fn check_pages(backend: &mut dyn Backend) {
         backend.with_page(page, &mut |elements| copy = elements.to_vec()).expect("the page exists");
         assert!(
             copy.len() >= 3 * length,
-            "page {page} is off by {} elements",
+            "page {page} has {} elements, off by {}",
+            copy.len(),
             3 * length - copy.len()
         );
         copy.truncate(3 * length);
         pages.push(copy);
     }
     let all = pages.concat();
-    for (member, place, _) in crowd.members() {
-        let first = 3 * crowd.tables.members().as_slice()[place as usize].palette_first as usize;
+    for (member, index, _) in crowd.members() {
+        let first = 3 * crowd.tables.members().as_slice()[index as usize].palette_first as usize;
         for (entry, matrix) in crowd.read_palette(backend, member).iter().enumerate() {
             for (element, value) in matrix.iter().enumerate() {
                 let in_page = all[first + 3 * entry + element / 4].0[element % 4];
-                let place = || {
+                let name = || {
                     format!("member {member} palette entry {entry} element {element} in its page")
                 };
-                judge.bits(in_page, *value, place);
+                judge.bits(in_page, *value, name);
             }
         }
     }

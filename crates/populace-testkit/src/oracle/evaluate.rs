@@ -1,4 +1,4 @@
-//! Evaluate: what time a slot shows and how much it weighs, from how it was started.
+//! Evaluate: a slot's clip time and weight, from the clock and the way it was started.
 
 use populace_core::{Clip, TICKS_PER_SEC};
 
@@ -7,41 +7,41 @@ use crate::tolerance;
 /// How a clip is played.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Timing {
-    /// Again and again.
+    /// Loops.
     Loop {
-        /// The clock when it began.
+        /// The clock at the start.
         start_tick: u64,
-        /// Where in the clip it began, from 0 to 1.
+        /// The starting point in the clip, from 0 to 1.
         phase: f64,
-        /// 1 is the clip's own pace, negative is backwards.
+        /// 1 is the clip's own speed; negative plays backwards.
         speed: f32,
     },
-    /// From one end to the other, then holding that.
+    /// Plays from one end to the other, then holds the last pose.
     Once {
-        /// The clock when it began.
+        /// The clock at the start.
         start_tick: u64,
-        /// 1 is the clip's own pace; negative begins at the end.
+        /// 1 is the clip's own speed; negative begins at the end.
         speed: f32,
     },
-    /// Standing at a time on the clip's own axis.
+    /// Holds one time.
     Held {
-        /// That time.
+        /// Time on the clip's own axis.
         secs: f32,
     },
 }
 
-/// Seconds between two readings of the clock.
+/// Returns the seconds between two ticks.
 fn elapsed_secs(from: u64, to: u64) -> f64 {
-    assert!(from <= to, "a slot is looked at before it began");
+    assert!(from <= to, "tick {to} is before the slot's start at {from}");
     (to - from) as f64 / TICKS_PER_SEC as f64
 }
 
 impl Timing {
-    /// The time on the clip's own axis at a time of the clock.
+    /// Returns the time on the clip's own axis at a tick.
     ///
     /// # Panics
     ///
-    /// If the clock stands before the start.
+    /// If the tick is before the start.
     #[must_use]
     pub fn time_secs(&self, tick: u64, clip: &Clip) -> f64 {
         let (start, duration) = (f64::from(clip.start_secs()), f64::from(clip.duration_secs()));
@@ -52,34 +52,35 @@ impl Timing {
                 start + (cycles - cycles.floor()) * duration
             }
             Self::Once { start_tick, speed } => {
-                let gone = elapsed_secs(start_tick, tick) * f64::from(speed.abs());
-                let gone = gone.min(duration);
-                if speed < 0.0 { start + duration - gone } else { start + gone }
+                let played = elapsed_secs(start_tick, tick) * f64::from(speed.abs());
+                let played = played.min(duration);
+                if speed < 0.0 { start + duration - played } else { start + played }
             }
             Self::Held { secs } => f64::from(secs),
         }
     }
 
-    /// Seconds of the clip in a second of the clock: 0 for one that has come to its end.
+    /// Returns the clip seconds per clock second; 0 once the clip has reached its end.
     #[must_use]
     pub fn speed(&self, tick: u64, clip: &Clip) -> f64 {
         match *self {
             Self::Loop { speed, .. } => f64::from(speed),
             Self::Once { start_tick, speed } => {
-                let goes = elapsed_secs(start_tick, tick) * f64::from(speed.abs())
+                let runs = elapsed_secs(start_tick, tick) * f64::from(speed.abs())
                     < f64::from(clip.duration_secs());
-                if goes { f64::from(speed) } else { 0.0 }
+                if runs { f64::from(speed) } else { 0.0 }
             }
             Self::Held { .. } => 0.0,
         }
     }
 
-    /// Whether the value jumps so near to that time that single precision may see the other side:
-    /// at the seam of a loop and at STEP keys. A held time is exact, so it never is.
+    /// Returns whether the value jumps so near to the time that single precision may fall on the
+    /// other side: at the seam of a loop or at a STEP key. Always false for a held time, which is
+    /// exact.
     ///
     /// # Panics
     ///
-    /// If the clock stands before the start.
+    /// If the tick is before the start.
     #[must_use]
     pub fn is_near_jump(&self, tick: u64, clip: &Clip) -> bool {
         if matches!(self, Self::Held { .. }) {
@@ -97,30 +98,30 @@ impl Timing {
     }
 }
 
-/// How a slot's weight runs.
+/// A slot's weight over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Weighting {
-    /// Always the same.
+    /// A constant weight.
     Constant(f32),
-    /// From one weight to another, straight.
+    /// A linear ramp.
     Ramp {
-        /// The clock when it began.
+        /// The clock at the start.
         tick: u64,
         /// The first weight.
         from: f32,
         /// The last weight.
         to: f32,
-        /// How long it takes; at once where not above 0.
+        /// The ramp's length; at 0 or below the last weight holds at once.
         secs: f32,
     },
 }
 
 impl Weighting {
-    /// The weight at a time of the clock.
+    /// Returns the weight at a tick.
     ///
     /// # Panics
     ///
-    /// If the clock stands before the start.
+    /// If the tick is before the start.
     #[must_use]
     pub fn weight(&self, now: u64) -> f64 {
         match *self {

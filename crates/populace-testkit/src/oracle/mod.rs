@@ -1,12 +1,14 @@
-//! The oracle: what a character looks like at a time, in double precision, from source curves and
-//! equations.
+//! The oracle: evaluates one character at one time in double precision, from its source curves and
+//! the equations of glTF 2.0.
 //!
-//! One file per stage, named after it: `evaluate.rs`, `pose.rs` (with `sample.rs`, the curves),
-//! `transform.rs` and `write_back.rs`. Joints are in the order of the source list, not in level
-//! order; nothing is flattened or packed.
+//! Each stage has a file of its name: `evaluate.rs`, `pose.rs`, `transform.rs` and
+//! `write_back.rs`. `pose.rs` relies on `sample.rs` for curves, `inertialize.rs` for transitions
+//! and `retarget.rs` for clips of other bodies. Joints are in source order, not in level order, and
+//! no data is flattened or packed.
 
 mod evaluate;
 mod inertialize;
+mod local;
 mod pose;
 mod retarget;
 mod sample;
@@ -19,35 +21,24 @@ use glam::{DAffine3, DQuat, DVec3};
 use populace_core::{Character, ClipSource, JointSource, LayerMode, PaletteEntry, Skeleton};
 
 pub use evaluate::{Timing, Weighting};
-pub use inertialize::{OracleInertialization, OracleStand};
-pub use pose::Gain;
+pub use inertialize::{OracleInertialization, OracleSampledState};
+pub use local::{Gain, Local};
 pub use retarget::OracleRetarget;
 pub use sample::{slerp, track_value};
 pub use transform::model_from_joints;
 pub use write_back::palettes;
 
-/// A local transform in double precision.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Local {
-    /// Metres.
-    pub translation: DVec3,
-    /// Unit quaternion.
-    pub rotation: DQuat,
-    /// Factors along the joint's own axes.
-    pub scale: DVec3,
-}
-
-/// A skeleton and its palette entries, as the source lists them.
+/// A skeleton and its palette entries in source order.
 #[derive(Clone, Debug)]
 pub struct OracleBody {
-    /// Joints in the order of the source, parents anywhere.
+    /// Joints in source order; a parent may come after its children.
     pub joints: Vec<JointSource>,
-    /// Source index of the joint, and `joint_from_bind` as 3x4, row-major.
+    /// The source index of each entry's joint, and `joint_from_bind` as 3x4, row-major.
     pub palette: Vec<(usize, [f64; 12])>,
 }
 
 impl OracleBody {
-    /// From a skeleton and the palette entries on it.
+    /// Copies a skeleton and its palette entries.
     #[must_use]
     pub fn from_skeleton(skeleton: &Skeleton, palette: &[PaletteEntry]) -> Self {
         let joints = (0..skeleton.joint_count())
@@ -71,17 +62,17 @@ impl OracleBody {
         Self { joints, palette }
     }
 
-    /// From a character.
+    /// Copies the skeleton and the palette entries of a character.
     #[must_use]
     pub fn from_character(character: &Character) -> Self {
         Self::from_skeleton(&character.skeleton, &character.palette)
     }
 
-    /// The rest pose of a joint.
+    /// Returns the rest transform of a joint.
     ///
     /// # Panics
     ///
-    /// If there is no such joint.
+    /// If `joint` is out of range.
     #[must_use]
     pub fn rest(&self, joint: usize) -> Local {
         let rest = &self.joints[joint].rest;
@@ -93,30 +84,29 @@ impl OracleBody {
     }
 }
 
-/// A playing clip at one instant.
+/// A slot: a playing clip at one instant.
 #[derive(Clone, Copy, Debug)]
 pub struct OracleSlot<'a> {
     /// The motion as its file states it.
     pub clip: &'a ClipSource,
     /// Time on the clip's own axis.
     pub time_secs: f64,
-    /// Weight; nothing happens at 0 and below.
+    /// Weight; a slot of weight 0 or below has no effect.
     pub weight: f64,
-    /// The layer that the slot is mixed in.
+    /// Index of the slot's layer.
     pub layer: usize,
-    /// How the clip moves a body that it was not made for; else it moves the joints whose names it
-    /// knows.
+    /// Retargeting of the clip to this body. Without it, the clip moves the joints that it names.
     pub retarget: Option<&'a OracleRetarget>,
 }
 
 /// A layer at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OracleLayer {
-    /// How it meets what lies beneath; not looked at in layer 0.
+    /// How the layer is combined with the layers below; ignored in layer 0.
     pub mode: LayerMode,
-    /// From 0 to 1; not looked at in layer 0.
+    /// From 0 to 1; ignored in layer 0.
     pub weight: f64,
-    /// A weight per joint, in the order of the source; not looked at in layer 0.
+    /// A weight per joint, in source order; ignored in layer 0.
     pub mask: Option<Vec<f64>>,
 }
 
@@ -126,20 +116,20 @@ impl Default for OracleLayer {
     }
 }
 
-/// A character at one instant; joints in the order of the source.
+/// A character's pose at one instant; joints in source order.
 #[derive(Clone, Debug)]
 pub struct OraclePose {
     /// Local transforms.
     pub locals: Vec<Local>,
-    /// How much an error in a clip's value grows on its way into each local transform.
+    /// Error gains of the local transforms.
     pub gains: Vec<Gain>,
-    /// Model space.
+    /// `model_from_joint` of each joint.
     pub model_from_joint: Vec<DAffine3>,
     /// `model_from_bind` of each palette entry, 3x4, row-major.
     pub palette: Vec<[f64; 12]>,
 }
 
-/// A character's pose. `layers` are all layers in use, in order; without any, slots of layer 0 are
+/// Evaluates a pose. `layers` are all layers in use, in order; if empty, the slots of layer 0 are
 /// mixed.
 ///
 /// # Panics
@@ -150,7 +140,7 @@ pub fn evaluate(body: &OracleBody, slots: &[OracleSlot<'_>], layers: &[OracleLay
     evaluate_inertialization(body, slots, &[], layers)
 }
 
-/// The same where clips that were left still inertialize.
+/// Evaluates a pose with transitions that are still inertializing.
 ///
 /// # Panics
 ///

@@ -1,36 +1,19 @@
-//! Pose: slots mixed layer by layer into local transforms.
+//! Pose: mixes slots into local transforms, layer by layer.
 
 use glam::{DQuat, DVec3, DVec4};
 use populace_core::{ClipSource, LayerMode};
 
-use super::inertialize::{Remains, inertialize};
+use super::inertialize::{Transition, inertialize};
+use super::local::{
+    Gain, HEMISPHERE_MARGIN, Local, LocalWithGain, quat_from_vec4, ratio, vec4_from_quat,
+};
 use super::sample::TracksByJoint;
 use super::{
-    Local, OracleBody, OracleInertialization, OracleLayer, OracleRetarget, OracleSlot, OracleStand,
+    OracleBody, OracleInertialization, OracleLayer, OracleRetarget, OracleSampledState, OracleSlot,
 };
 
-/// Layer 0 is divided by its total weight above this, else the rest pose shows.
+/// Layer 0 is divided by its total weight if that is above this; otherwise the rest pose shows.
 const LEAST_TOTAL: f64 = 1e-3;
-/// A quaternion this near to the border of its hemisphere may be turned either way by single
-/// precision.
-pub(super) const HEMISPHERE_MARGIN: f64 = 1e-4;
-
-/// How much an error in a clip's value grows on its way into a joint's local transform. Infinite
-/// where single precision may turn a rotation to the other hemisphere: then no device can be held
-/// to a value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gain {
-    /// Of translations.
-    pub translation: f64,
-    /// Of rotations, as four-component vectors.
-    pub rotation: f64,
-    /// Of scales.
-    pub scale: f64,
-}
-
-impl Gain {
-    const ONE: Self = Self { translation: 1.0, rotation: 1.0, scale: 1.0 };
-}
 
 struct Sample {
     weight: f64,
@@ -38,7 +21,7 @@ struct Sample {
     reference: Local,
 }
 
-/// What a slot's clip does to the body: to the joints whose names it knows, or to all at once.
+/// A clip bound to the body: by joint names, or retargeted to all joints at once.
 enum Clip<'a> {
     Named(TracksByJoint<'a>),
     Retargeted { value: Vec<Local>, reference: Vec<Local> },
@@ -75,29 +58,30 @@ impl<'a> Clip<'a> {
     }
 }
 
-/// A clip that was left or took another's place: there, and at the far time.
-struct SampledState<'a> {
-    of: &'a OracleStand<'a>,
+/// A sampled state with its clip bound to the body, at its own and at the neighbouring time.
+struct SampledClip<'a> {
+    state: &'a OracleSampledState<'a>,
     clips: [Clip<'a>; 2],
 }
 
-impl<'a> SampledState<'a> {
-    fn new(of: &'a OracleStand<'a>) -> Self {
-        Self { of, clips: [of.secs, of.far_secs].map(|secs| Clip::at(of.clip, secs, of.retarget)) }
+impl<'a> SampledClip<'a> {
+    fn new(state: &'a OracleSampledState<'a>) -> Self {
+        let times = [state.secs, state.neighbour_secs];
+        Self { state, clips: times.map(|secs| Clip::at(state.clip, secs, state.retarget)) }
     }
 
+    /// Returns a joint's transform at the time, at the neighbouring time and at the first key.
     fn values(&self, joint: usize, name: &str, rest: &Local) -> [Local; 3] {
-        let [at, far] = &self.clips;
+        let [at, neighbour] = &self.clips;
         [
-            at.value(joint, name, rest, self.of.secs),
-            far.value(joint, name, rest, self.of.far_secs),
+            at.value(joint, name, rest, self.state.secs),
+            neighbour.value(joint, name, rest, self.state.neighbour_secs),
             at.reference(joint, name, rest),
         ]
     }
 }
 
-pub(super) type Posed = (Local, Gain);
-
+/// Returns the local transform of each joint and its error gains.
 pub(super) fn pose(
     body: &OracleBody,
     slots: &[OracleSlot<'_>],
@@ -105,10 +89,10 @@ pub(super) fn pose(
     layers: &[OracleLayer],
 ) -> (Vec<Local>, Vec<Gain>) {
     let clips: Vec<_> = slots.iter().map(Clip::new).collect();
-    let inertialization =
-        inertialization.iter().filter(|inertialization| !inertialization.is_over());
     let inertialization: Vec<_> = inertialization
-        .map(|of| (of, SampledState::new(&of.left), SampledState::new(&of.taking)))
+        .iter()
+        .filter(|of| !of.is_over())
+        .map(|of| (of, SampledClip::new(&of.outgoing), SampledClip::new(&of.incoming)))
         .collect();
     let plain = [OracleLayer::default()];
     let layers = if layers.is_empty() { &plain } else { layers };
@@ -126,20 +110,21 @@ pub(super) fn pose(
                     reference: clip.reference(joint, name, &rest),
                 })
                 .collect();
-            let remains: Vec<Remains> = inertialization
+            let transitions: Vec<Transition> = inertialization
                 .iter()
                 .filter(|(of, ..)| of.layer == index)
-                .map(|(of, left, taking)| Remains {
+                .map(|(of, outgoing, incoming)| Transition {
                     of,
-                    left: left.values(joint, name, &rest),
-                    taking: taking.values(joint, name, &rest),
+                    outgoing: outgoing.values(joint, name, &rest),
+                    incoming: incoming.values(joint, name, &rest),
                 })
                 .collect();
             let strength = layer.weight * layer.mask.as_ref().map_or(1.0, |mask| mask[joint]);
+            let inputs = (samples.as_slice(), transitions.as_slice());
             posed = match layer.mode {
-                _ if index == 0 => inertialize(base(&rest, &samples), &remains),
-                LayerMode::Override => override_with(posed, &rest, (&samples, &remains), strength),
-                LayerMode::Additive => add(posed, (&samples, &remains), strength),
+                _ if index == 0 => inertialize(base(&rest, &samples), &transitions),
+                LayerMode::Override => override_with(posed, &rest, inputs, strength),
+                LayerMode::Additive => add(posed, inputs, strength),
             };
         }
         posed
@@ -147,8 +132,8 @@ pub(super) fn pose(
     (0..body.joints.len()).map(one_joint).unzip()
 }
 
-/// Layer 0: its mix, or rest where nearly nothing plays.
-fn base(rest: &Local, samples: &[Sample]) -> Posed {
+/// Layer 0: the mix of its slots, or the rest pose if their total weight is nearly 0.
+fn base(rest: &Local, samples: &[Sample]) -> LocalWithGain {
     if total(samples) > LEAST_TOTAL { mix(rest, samples) } else { (*rest, Gain::ONE) }
 }
 
@@ -156,8 +141,8 @@ fn total(samples: &[Sample]) -> f64 {
     samples.iter().map(|s| s.weight).sum()
 }
 
-/// The mean of samples, weighted.
-fn mix(rest: &Local, samples: &[Sample]) -> Posed {
+/// Returns the weighted mean of samples.
+fn mix(rest: &Local, samples: &[Sample]) -> LocalWithGain {
     let total = total(samples);
     let mut translation = DVec3::ZERO;
     let mut scale = DVec3::ZERO;
@@ -167,33 +152,35 @@ fn mix(rest: &Local, samples: &[Sample]) -> Posed {
         let share = sample.weight / total;
         translation += sample.value.translation * share;
         scale += sample.value.scale * share;
-        rotation += towards(rest, sample.value.rotation) * share;
-        clear &= is_clear(rest, sample.value.rotation);
+        rotation += in_rest_hemisphere(rest, sample.value.rotation) * share;
+        clear &= hemisphere_is_clear(rest, sample.value.rotation);
     }
     let gain = Gain {
         rotation: if clear || samples.len() == 1 { 1.0 / rotation.length() } else { f64::INFINITY },
         ..Gain::ONE
     };
-    (Local { translation, rotation: unit(rotation), scale }, gain)
+    (Local { translation, rotation: quat_from_vec4(rotation), scale }, gain)
 }
 
-/// An override layer: the mix over what lies beneath, by slot total, layer weight and mask.
+/// An override layer: the mix of its slots, blended over the layers below by total slot weight,
+/// layer weight and mask.
 fn override_with(
-    beneath: Posed,
+    beneath: LocalWithGain,
     rest: &Local,
-    (samples, remains): (&[Sample], &[Remains<'_>]),
+    (samples, transitions): (&[Sample], &[Transition<'_>]),
     strength: f64,
-) -> Posed {
+) -> LocalWithGain {
     let total = total(samples);
     let f = strength * total.min(1.0);
     if total <= 0.0 || f <= 0.0 {
         return beneath;
     }
     let ((below, below_gain), (above, above_gain)) =
-        (beneath, inertialize(mix(rest, samples), remains));
-    let from = towards(rest, below.rotation);
-    let rotation = from + (towards(rest, above.rotation) - from) * f;
-    let clear = is_clear(rest, below.rotation) && is_clear(rest, above.rotation);
+        (beneath, inertialize(mix(rest, samples), transitions));
+    let from = in_rest_hemisphere(rest, below.rotation);
+    let rotation = from + (in_rest_hemisphere(rest, above.rotation) - from) * f;
+    let clear =
+        hemisphere_is_clear(rest, below.rotation) && hemisphere_is_clear(rest, above.rotation);
     let between = |a: f64, b: f64| if f < 1.0 { a * (1.0 - f) + b * f } else { b };
     let gain = Gain {
         translation: between(below_gain.translation, above_gain.translation),
@@ -206,15 +193,18 @@ fn override_with(
     };
     let local = Local {
         translation: below.translation + (above.translation - below.translation) * f,
-        rotation: unit(rotation),
+        rotation: quat_from_vec4(rotation),
         scale: below.scale + (above.scale - below.scale) * f,
     };
     (local, gain)
 }
 
-/// An additive layer: each slot's difference from its clip's first pose, laid over what lies
-/// beneath.
-fn add(beneath: Posed, (samples, remains): (&[Sample], &[Remains<'_>]), strength: f64) -> Posed {
+/// An additive layer: adds each slot's difference from its clip's first pose to the layers below.
+fn add(
+    beneath: LocalWithGain,
+    (samples, transitions): (&[Sample], &[Transition<'_>]),
+    strength: f64,
+) -> LocalWithGain {
     let identity = DVec4::W;
     let (below, below_gain) = beneath;
     let mut translation = DVec3::ZERO;
@@ -226,35 +216,35 @@ fn add(beneath: Posed, (samples, remains): (&[Sample], &[Remains<'_>]), strength
         if f <= 0.0 {
             continue;
         }
-        let turn = sample.reference.rotation.inverse() * sample.value.rotation;
-        let turn = if turn.w < 0.0 { -turn } else { turn };
-        clear &= turn.w > HEMISPHERE_MARGIN;
+        let difference = sample.reference.rotation.inverse() * sample.value.rotation;
+        let difference = if difference.w < 0.0 { -difference } else { difference };
+        clear &= difference.w > HEMISPHERE_MARGIN;
         let ratio = ratio(sample.value.scale, sample.reference.scale);
         translation += (sample.value.translation - sample.reference.translation) * f;
-        rotation += (four(turn) - identity) * f;
+        rotation += (vec4_from_quat(difference) - identity) * f;
         scale += (ratio - DVec3::ONE) * f;
         strengths += f;
         ratios += f * (1.0 + ratio.abs().max_element())
             / sample.reference.scale.abs().min_element().max(1e-9);
     }
-    for change in remains.iter().map(|remains| remains.change(true)) {
-        translation += change.translation * strength;
-        rotation += change.rotation * strength;
-        scale += change.scale * strength;
-        clear &= change.clear;
-        strengths += change.gain * strength;
-        ratios += change.gain * change.scale_gain * strength;
+    for offset in transitions.iter().map(|transition| transition.offset(true)) {
+        translation += offset.translation * strength;
+        rotation += offset.rotation * strength;
+        scale += offset.scale * strength;
+        clear &= offset.clear;
+        strengths += offset.gain * strength;
+        ratios += offset.gain * offset.scale_gain * strength;
     }
     if strengths <= 0.0 {
         return beneath;
     }
     let local = Local {
         translation: below.translation + translation,
-        rotation: (below.rotation * unit(rotation)).normalize(),
+        rotation: (below.rotation * quat_from_vec4(rotation)).normalize(),
         scale: below.scale * scale,
     };
-    // The rounding of the delta itself counts once, its sample and reference once each for each
-    // unit of strength.
+    // The rounding of the difference itself counts once. The errors of its sample and of its
+    // reference count once each per unit of strength.
     let gain = Gain {
         translation: below_gain.translation + 2.0 * strengths,
         rotation: if clear {
@@ -268,26 +258,13 @@ fn add(beneath: Posed, (samples, remains): (&[Sample], &[Remains<'_>]), strength
     (local, gain)
 }
 
-/// Component by component; 1 where the reference is 0.
-pub(super) fn ratio(value: DVec3, reference: DVec3) -> DVec3 {
-    let one = |v: f64, r: f64| if r == 0.0 { 1.0 } else { v / r };
-    DVec3::new(one(value.x, reference.x), one(value.y, reference.y), one(value.z, reference.z))
+/// Returns the quaternion of a rotation that lies in the hemisphere of the rest rotation.
+fn in_rest_hemisphere(rest: &Local, rotation: DQuat) -> DVec4 {
+    let vector = vec4_from_quat(rotation);
+    if rest.rotation.dot(rotation) < 0.0 { -vector } else { vector }
 }
 
-pub(super) fn four(q: DQuat) -> DVec4 {
-    DVec4::from_array(q.to_array())
-}
-
-pub(super) fn unit(v: DVec4) -> DQuat {
-    DQuat::from_array(v.normalize().to_array())
-}
-
-/// A rotation in the hemisphere of the rest rotation.
-fn towards(rest: &Local, rotation: DQuat) -> DVec4 {
-    if rest.rotation.dot(rotation) < 0.0 { -four(rotation) } else { four(rotation) }
-}
-
-/// Whether single precision agrees about the hemisphere.
-fn is_clear(rest: &Local, rotation: DQuat) -> bool {
+/// Returns whether single precision is sure to choose the same hemisphere.
+fn hemisphere_is_clear(rest: &Local, rotation: DQuat) -> bool {
     rest.rotation.dot(rotation).abs() > HEMISPHERE_MARGIN
 }

@@ -1,16 +1,16 @@
-//! Sampling: the value of a track at a time (glTF 2.0, appendix C).
+//! Sampling: evaluates animation curves (glTF 2.0, appendix C).
 
 use std::collections::HashMap;
 
 use glam::{DQuat, DVec3, DVec4};
 use populace_core::{ClipSource, Interpolation, Property, Track};
 
-use super::Local;
+use super::local::Local;
 
-/// The value of a track at a time; the fourth component of translations and scales is 0, rotations
-/// have length 1.
+/// Returns the value of a track at a time. The fourth component of translations and scales is 0;
+/// rotations have length 1.
 ///
-/// Before the first key the first value holds, after the last the last.
+/// The first value holds before the first key, the last value after the last key.
 #[must_use]
 pub fn track_value(track: &Track, time_secs: f64) -> DVec4 {
     let last = track.times.len() - 1;
@@ -30,8 +30,8 @@ pub fn track_value(track: &Track, time_secs: f64) -> DVec4 {
         match track.interpolation {
             Interpolation::Step => from,
             Interpolation::Linear if track.property == Property::Rotation => {
-                let turned = slerp(quat(from), quat(to), t);
-                DVec4::from_array(turned.to_array())
+                let rotation = slerp(quat(from), quat(to), t);
+                DVec4::from_array(rotation.to_array())
             }
             Interpolation::Linear => from * (1.0 - t) + to * t,
             Interpolation::CubicSpline => {
@@ -48,7 +48,7 @@ pub fn track_value(track: &Track, time_secs: f64) -> DVec4 {
     if track.property == Property::Rotation { value.normalize() } else { value }
 }
 
-/// The shorter great arc from `a` to `b` at constant speed.
+/// Interpolates along the shorter great arc from `a` to `b` at constant speed.
 #[must_use]
 pub fn slerp(a: DQuat, b: DQuat, t: f64) -> DQuat {
     let cosine = a.dot(b);
@@ -68,7 +68,7 @@ enum Part {
     OutTangent = 2,
 }
 
-/// A key's value or tangent, four wide.
+/// Returns a key's value or tangent, padded to four components.
 fn part(track: &Track, key: usize, part: Part) -> DVec4 {
     let width = if track.property == Property::Rotation { 4 } else { 3 };
     let first = if track.interpolation == Interpolation::CubicSpline {
@@ -112,7 +112,7 @@ impl<'a> TracksByJoint<'a> {
         self.first_time
     }
 
-    /// The local transform of a joint at a time: what tracks drive, else rest.
+    /// Returns a joint's local transform at a time; properties without a track keep the rest value.
     pub(super) fn local(&self, joint: &str, rest: &Local, time_secs: f64) -> Local {
         let mut local = *rest;
         for track in self.tracks.get(joint).into_iter().flatten() {
@@ -126,7 +126,8 @@ impl<'a> TracksByJoint<'a> {
         local
     }
 
-    /// The local transform of a joint at the clip's earliest key, the reference of additive slots.
+    /// Returns a joint's local transform at the clip's earliest key: the reference of additive
+    /// slots.
     pub(super) fn reference(&self, joint: &str, rest: &Local) -> Local {
         self.local(joint, rest, self.first_time)
     }

@@ -1,4 +1,4 @@
-//! The oracle against values worked out by hand.
+//! Tests of the oracle against values computed by hand.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -41,11 +41,11 @@ fn clip(tracks: Vec<Track>) -> ClipSource {
     ClipSource { name: String::new(), tracks }
 }
 
-/// A clip that stands at one translation and rotation.
-fn still(x: f32, turn: DQuat) -> ClipSource {
+/// A clip of one constant translation and rotation.
+fn still(x: f32, rotation: DQuat) -> ClipSource {
     clip(vec![
         track(Property::Translation, Interpolation::Linear, &[0.0], &[x, 0.0, 0.0]),
-        track(Property::Rotation, Interpolation::Linear, &[0.0], &four(turn)),
+        track(Property::Rotation, Interpolation::Linear, &[0.0], &four(rotation)),
     ])
 }
 
@@ -54,27 +54,27 @@ fn slot(clip: &ClipSource, weight: f64, layer: usize) -> OracleSlot<'_> {
 }
 
 #[track_caller]
-fn same_turn(a: DQuat, b: DQuat) {
-    assert!(a.dot(b).abs() > 1.0 - 1e-12, "{a} is not {b}");
+fn same_rotation(a: DQuat, b: DQuat) {
+    assert!(a.dot(b).abs() > 1.0 - 1e-12, "{a} differs from {b}");
 }
 
 #[track_caller]
 fn close(a: f64, b: f64) {
-    assert!((a - b).abs() < 1e-7, "{a} is not {b}");
+    assert!((a - b).abs() < 1e-7, "{a} differs from {b}");
 }
 
 #[test]
-fn slerp_turns_at_constant_speed_along_the_shorter_arc() {
-    same_turn(slerp(DQuat::IDENTITY, about_z(90.0), 1.0 / 3.0), about_z(30.0));
-    same_turn(slerp(DQuat::IDENTITY, -about_z(90.0), 1.0 / 3.0), about_z(30.0));
-    same_turn(slerp(about_z(-85.0), about_z(85.0), 0.25), about_z(-42.5));
-    same_turn(slerp(about_z(10.0), about_z(10.0), 0.5), about_z(10.0));
-    // 200 degrees one way are 160 the other.
-    same_turn(slerp(DQuat::IDENTITY, about_z(200.0), 0.5), about_z(-80.0));
+fn slerp_has_constant_speed_along_the_shorter_arc() {
+    same_rotation(slerp(DQuat::IDENTITY, about_z(90.0), 1.0 / 3.0), about_z(30.0));
+    same_rotation(slerp(DQuat::IDENTITY, -about_z(90.0), 1.0 / 3.0), about_z(30.0));
+    same_rotation(slerp(about_z(-85.0), about_z(85.0), 0.25), about_z(-42.5));
+    same_rotation(slerp(about_z(10.0), about_z(10.0), 0.5), about_z(10.0));
+    // 200 degrees in one direction are 160 in the other.
+    same_rotation(slerp(DQuat::IDENTITY, about_z(200.0), 0.5), about_z(-80.0));
 }
 
 #[test]
-fn linear_translations_run_straight_and_hold_at_both_ends() {
+fn linear_track_interpolates_and_holds_at_both_ends() {
     let track = track(
         Property::Translation,
         Interpolation::Linear,
@@ -87,7 +87,7 @@ fn linear_translations_run_straight_and_hold_at_both_ends() {
 }
 
 #[test]
-fn a_step_key_counts_from_its_own_time_on() {
+fn step_key_holds_from_its_own_time() {
     let values = [1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.0, 0.0];
     let track = track(Property::Scale, Interpolation::Step, &[0.0, 0.5, 1.0], &values);
     let at = |secs: f64| track_value(&track, secs).x;
@@ -96,7 +96,7 @@ fn a_step_key_counts_from_its_own_time_on() {
 }
 
 #[test]
-fn a_spline_follows_the_hermite_polynomials_with_tangents_per_second() {
+fn spline_uses_hermite_polynomials_with_tangents_per_second() {
     // In-tangent, value, out-tangent of x for keys at 0 s and 2 s; y and z stay 0.
     let key = |into: f32, value: f32, out: f32| [into, 0.0, 0.0, value, 0.0, 0.0, out, 0.0, 0.0];
     let values = [key(99.0, 1.0, 0.5), key(-1.0, 3.0, 99.0)].concat();
@@ -108,7 +108,7 @@ fn a_spline_follows_the_hermite_polynomials_with_tangents_per_second() {
 }
 
 #[test]
-fn a_spline_of_rotations_is_normalised() {
+fn rotation_spline_is_normalised() {
     let zero = [0.0; 4];
     let values = [zero, four(DQuat::IDENTITY), zero, zero, four(about_z(90.0)), zero].concat();
     let track = track(Property::Rotation, Interpolation::CubicSpline, &[0.0, 1.0], &values);
@@ -118,11 +118,11 @@ fn a_spline_of_rotations_is_normalised() {
 }
 
 #[test]
-fn a_rotated_child_under_nonuniform_scale_shears() {
+fn rotated_child_under_nonuniform_scale_shears() {
     let parent = Trs { scale: [2.0, 1.0, 1.0], ..Trs::IDENTITY };
     let child =
         Trs { translation: [1.0, 0.0, 0.0], rotation: four(about_z(45.0)), ..Trs::IDENTITY };
-    // The child stands before its parent in the source.
+    // The child precedes its parent in the source.
     let mut bind = [0.0; 12];
     (bind[0], bind[5], bind[10], bind[7]) = (1.0, 1.0, 1.0, 1.0);
     let body = OracleBody {
@@ -134,14 +134,14 @@ fn a_rotated_child_under_nonuniform_scale_shears() {
     let model = [2.0 * c, -2.0 * c, 0.0, 2.0, c, c, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let got = crate::compare::row_major(&pose.model_from_joint[0]);
     got.into_iter().zip(model).for_each(|(a, b)| close(a, b));
-    // The bind matrix moves by one along y first.
+    // The bind matrix translates by 1 along y first.
     close(pose.palette[0][3], 2.0 - 2.0 * c);
     close(pose.palette[0][7], c);
     close(pose.palette[0][0], 2.0 * c);
 }
 
 #[test]
-fn slots_of_a_layer_are_divided_by_their_total() {
+fn layer_mix_is_divided_by_the_total_weight() {
     let body = one_joint(Trs::IDENTITY);
     let (one, other) = (still(1.0, DQuat::IDENTITY), still(3.0, -about_z(90.0)));
     let mixed = evaluate(&body, &[slot(&one, 0.1, 0), slot(&other, 0.3, 0)], &[]).locals[0];
@@ -155,7 +155,7 @@ fn slots_of_a_layer_are_divided_by_their_total() {
 }
 
 #[test]
-fn an_override_layer_mixes_by_total_weight_and_mask() {
+fn override_layer_blends_by_total_weight_and_mask() {
     let body = one_joint(Trs { translation: [8.0, 0.0, 0.0], ..Trs::IDENTITY });
     let (below, above) = (still(0.0, DQuat::IDENTITY), still(4.0, about_z(90.0)));
     let layer = |weight: f64, mask: f64| OracleLayer {
@@ -163,7 +163,7 @@ fn an_override_layer_mixes_by_total_weight_and_mask() {
         mask: Some(vec![mask]),
         ..OracleLayer::default()
     };
-    // Layer 0 says 0, which is not looked at.
+    // Layer 0 has weight 0 and mask 0, which are ignored.
     let x = |weight: f64, layer_weight: f64, mask: f64| {
         let slots = [slot(&below, 1.0, 0), slot(&above, weight, 1)];
         evaluate(&body, &slots, &[layer(0.0, 0.0), layer(layer_weight, mask)]).locals[0]
@@ -172,20 +172,20 @@ fn an_override_layer_mixes_by_total_weight_and_mask() {
     close(x(3.0, 0.5, 0.5).translation.x, 1.0);
     close(x(1.0, 1.0, 0.0).translation.x, 0.0);
     close(x(0.0, 1.0, 1.0).translation.x, 0.0);
-    same_turn_within(x(0.5, 1.0, 1.0).rotation, about_z(45.0));
-    // Nothing plays beneath: the layer lies over the rest pose.
+    same_rotation_roughly(x(0.5, 1.0, 1.0).rotation, about_z(45.0));
+    // Nothing plays in layer 0, so the layer is blended over the rest pose.
     let over_rest =
         evaluate(&body, &[slot(&above, 0.5, 1)], &[layer(1.0, 1.0), layer(1.0, 1.0)]).locals[0];
     close(over_rest.translation.x, 6.0);
 }
 
 #[track_caller]
-fn same_turn_within(a: DQuat, b: DQuat) {
+fn same_rotation_roughly(a: DQuat, b: DQuat) {
     close(a.dot(b).abs(), 1.0);
 }
 
 #[test]
-fn an_additive_layer_adds_the_difference_from_the_first_pose() {
+fn additive_layer_adds_the_difference_from_the_first_pose() {
     let rest = Trs {
         translation: [10.0, 0.0, 0.0],
         rotation: four(DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)),
@@ -193,8 +193,8 @@ fn an_additive_layer_adds_the_difference_from_the_first_pose() {
     };
     let body = one_joint(rest);
     let nod = clip(vec![
-        // The clip begins at 1 s; the translation's own keys come later, so its first value is the
-        // reference.
+        // The clip begins at 1 s. The keys of the translation begin later, so its first value is
+        // the reference.
         track(
             Property::Translation,
             Interpolation::Linear,
@@ -213,19 +213,19 @@ fn an_additive_layer_adds_the_difference_from_the_first_pose() {
     let playing = OracleSlot { time_secs: 3.0, ..slot(&nod, 1.0, 1) };
     let local = evaluate(&body, &[playing], &[OracleLayer::default(), additive]).locals[0];
     close(local.translation.x, 10.25);
-    // Half of the way from identity to 60 degrees, after what lies beneath.
-    let beneath = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
-    same_turn_within(local.rotation, beneath * about_z(30.0));
-    // Ratio 1.5 by half; where the reference is 0 nothing changes.
+    // Half of 60 degrees, applied after the base rotation.
+    let base = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    same_rotation_roughly(local.rotation, base * about_z(30.0));
+    // Half of the ratio 1.5; a component whose reference is 0 is unchanged.
     close(local.scale.x, 2.0 * 1.25);
     close(local.scale.y, 1.0);
 }
 
 #[test]
-fn additive_slots_add_up_whatever_their_order() {
+fn additive_slots_are_independent_of_order() {
     let body = one_joint(Trs::IDENTITY);
-    let moves = |x: f32, turn: DQuat| {
-        let rotation = [four(DQuat::IDENTITY), four(turn)].concat();
+    let moves = |x: f32, rotation: DQuat| {
+        let rotation = [four(DQuat::IDENTITY), four(rotation)].concat();
         clip(vec![
             track(
                 Property::Translation,
@@ -246,18 +246,18 @@ fn additive_slots_add_up_whatever_their_order() {
     let b = evaluate(&body, &[at(&other, 0.9), at(&one, 0.8)], &layers).locals[0];
     close(a.translation.x, 0.8 + 1.8);
     close(a.translation.x, b.translation.x);
-    same_turn(a.rotation, b.rotation);
+    same_rotation(a.rotation, b.rotation);
 }
 
 #[test]
-fn a_body_read_back_from_its_skeleton_is_in_the_order_of_the_source() {
+fn body_from_skeleton_is_in_source_order() {
     let rest = |x: f32| Trs { translation: [x, 0.0, 0.0], ..Trs::IDENTITY };
     let joints = [
         joint("hand", Some(2), rest(1.0)),
         joint("prop", None, rest(2.0)),
         joint("hips", None, rest(3.0)),
     ];
-    let skeleton = Skeleton::new(&joints).expect("sound");
+    let skeleton = Skeleton::new(&joints).expect("valid test data");
     let palette = [PaletteEntry {
         joint: skeleton.joint_from_source(0),
         joint_from_bind: populace_core::Affine::IDENTITY,
@@ -271,15 +271,15 @@ fn a_body_read_back_from_its_skeleton_is_in_the_order_of_the_source() {
 }
 
 #[test]
-fn time_wraps_holds_and_runs_backwards() {
+fn timing_loops_holds_and_plays_backwards() {
     let rises = track(
         Property::Translation,
         Interpolation::Linear,
         &[1.0, 3.0],
         &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
     );
-    let skeleton = Skeleton::new(&[joint("a", None, Trs::IDENTITY)]).expect("sound");
-    let clip = Clip::new(clip(vec![rises]), &skeleton).expect("sound");
+    let skeleton = Skeleton::new(&[joint("a", None, Trs::IDENTITY)]).expect("valid test data");
+    let clip = Clip::new(clip(vec![rises]), &skeleton).expect("valid test data");
     let tick = |secs: f64| populace_core::ticks_from_secs(secs);
     let looping = |speed| Timing::Loop { start_tick: tick(1.0), phase: 0.25, speed };
     close(looping(1.0).time_secs(tick(1.0), &clip), 1.5);

@@ -1,15 +1,16 @@
-//! Transform: local transforms down the hierarchy.
+//! Transform: concatenates local transforms down the hierarchy.
 
 use glam::{DAffine3, DMat3};
 
-use super::{Local, OracleBody};
+use super::OracleBody;
+use super::local::Local;
 
-/// `model_from_joint` of every joint: the parent's times the local `T * R * S`, as matrices, so
-/// that shear survives.
+/// Returns `model_from_joint` of every joint: the parent's matrix times the local `T * R * S`.
+/// Matrices are used so that shear is kept.
 ///
 /// # Panics
 ///
-/// If the joints have a cycle, or there are not as many locals as joints.
+/// If the joints have a cycle, or the lengths of `locals` and `body.joints` differ.
 #[must_use]
 pub fn model_from_joints(body: &OracleBody, locals: &[Local]) -> Vec<DAffine3> {
     assert_eq!(body.joints.len(), locals.len(), "one local transform per joint");
@@ -25,8 +26,11 @@ fn model_from_joint(body: &OracleBody, locals: &[Local], joint: usize, below: us
     }
 }
 
-/// The matrix of translation times rotation times scale (glTF 2.0, section 3.5.3).
+/// Returns the matrix of translation times rotation times scale (glTF 2.0, section 3.5.3).
 fn parent_from_joint(local: &Local) -> DAffine3 {
-    let turn = DMat3::from_quat(local.rotation);
-    DAffine3 { matrix3: turn * DMat3::from_diagonal(local.scale), translation: local.translation }
+    let rotation = DMat3::from_quat(local.rotation);
+    DAffine3 {
+        matrix3: rotation * DMat3::from_diagonal(local.scale),
+        translation: local.translation,
+    }
 }

@@ -1,14 +1,14 @@
-//! Write-back: the matrix palette.
+//! Write-back: computes the matrix palette.
 
 use glam::{DAffine3, DMat4};
 
 use super::OracleBody;
 
-/// `model_from_joint * joint_from_bind` of each palette entry, 3x4, row-major.
+/// Returns `model_from_joint * joint_from_bind` of each palette entry, 3x4, row-major.
 ///
 /// # Panics
 ///
-/// If an entry names a joint without a matrix.
+/// If an entry's joint has no matrix in `model_from_joint`.
 #[must_use]
 pub fn palettes(body: &OracleBody, model_from_joint: &[DAffine3]) -> Vec<[f64; 12]> {
     body.palette
@@ -17,14 +17,14 @@ pub fn palettes(body: &OracleBody, model_from_joint: &[DAffine3]) -> Vec<[f64; 1
         .collect()
 }
 
-/// The 4x4 matrix of a 3x4 one that is row-major.
+/// Returns the 4x4 matrix of a row-major 3x4 matrix.
 fn square(rows: &[f64; 12]) -> DMat4 {
     let [a, b, c] =
         [0, 4, 8].map(|first| [rows[first], rows[first + 1], rows[first + 2], rows[first + 3]]);
     DMat4::from_cols_array_2d(&[a, b, c, [0.0, 0.0, 0.0, 1.0]]).transpose()
 }
 
-/// The upper three rows.
+/// Returns the upper three rows, row-major.
 fn rows(m: DMat4) -> [f64; 12] {
     let rows = m.transpose().to_cols_array();
     std::array::from_fn(|element| rows[element])

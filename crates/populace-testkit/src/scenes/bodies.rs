@@ -26,12 +26,12 @@ pub(super) fn all() -> Vec<SceneBody> {
         .into()
 }
 
-pub(super) fn body(rng: &mut Rng, joints: Vec<JointSource>, drawn: bool) -> SceneBody {
-    let skeleton = Skeleton::new(&joints).expect("generated skeletons are sound");
+pub(super) fn body(rng: &mut Rng, joints: Vec<JointSource>, has_palette: bool) -> SceneBody {
+    let skeleton = Skeleton::new(&joints).expect("generated skeletons are valid");
     let mut palette = Vec::new();
-    for joint in skeleton.joints().filter(|_| drawn) {
-        let one = palette.is_empty() && joint.index() + 1 == skeleton.joint_count();
-        for _ in 0..[0, 1, 1, 1, 2, 3][rng.below(6)].max(usize::from(one)) {
+    for joint in skeleton.joints().filter(|_| has_palette) {
+        let least = palette.is_empty() && joint.index() + 1 == skeleton.joint_count();
+        for _ in 0..[0, 1, 1, 1, 2, 3][rng.below(6)].max(usize::from(least)) {
             let rows = [(); 3].map(|()| [(); 4].map(|()| single(rng.between(-1.0, 1.0))));
             palette.push(PaletteEntry { joint, joint_from_bind: Affine { rows } });
         }
@@ -47,16 +47,16 @@ pub(super) fn body(rng: &mut Rng, joints: Vec<JointSource>, drawn: bool) -> Scen
     SceneBody { joints, skeleton, palette, oracle, roles: Vec::new() }
 }
 
-/// A random tree in shuffled order. Joints of one number have one name and nearly one rest rotation
-/// on all bodies, so that a clip made for one suits the others.
+/// Creates a random tree in shuffled order. Joints of the same number have the same name and a
+/// similar rest rotation on all bodies, so that a clip of least body suits the others.
 fn joints(rng: &mut Rng, count: usize, roots: usize, scaled: bool) -> Vec<JointSource> {
-    let mut place: Vec<usize> = (0..count).collect();
-    rng.shuffle(&mut place);
+    let mut index: Vec<usize> = (0..count).collect();
+    rng.shuffle(&mut index);
     let mut joints: Vec<Option<JointSource>> = vec![None; count];
     for number in 0..count {
         let parent = (number >= roots)
-            .then(|| place[number - 1 - rng.below(number.min((count / 7).max(3)))]);
-        joints[place[number]] = Some(JointSource {
+            .then(|| index[number - 1 - rng.below(number.min((count / 7).max(3)))]);
+        joints[index[number]] = Some(JointSource {
             name: format!("joint {number}"),
             parent,
             rest: rest(rng, number, scaled),

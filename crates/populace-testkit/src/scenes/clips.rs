@@ -3,7 +3,7 @@
 use populace_core::Interpolation::{Linear, Step};
 use populace_core::{ClipSource, JointSource, Property, Track};
 
-use super::motion::{even_times, jumps, spline, swing, uneven_times, wave, wide_turns, zigzag};
+use super::motion::{even_times, jumps, spline, swing, uneven_times, wave, wide_rotations, zigzag};
 use super::{SceneBody, SceneClip, body, clip};
 use crate::Rng;
 
@@ -63,8 +63,8 @@ fn tracks(index: usize, rng: &mut Rng, joints: &[JointSource]) -> Vec<Track> {
     }
 }
 
-/// Swings and waves with LINEAR keys; some tracks have every second key only. `share` of the joints
-/// moves.
+/// Creates swings and waves with LINEAR keys for a fraction `share` of the joints. Some tracks have
+/// only every second key.
 fn gentle(rng: &mut Rng, joints: &[JointSource], share: f64, times: &[f32]) -> Vec<Track> {
     let seconds: Vec<f32> = times.iter().copied().step_by(2).collect();
     let mut tracks = Vec::new();
@@ -121,14 +121,14 @@ fn linear_and_steps(rng: &mut Rng, joints: &[JointSource], times: &[f32]) -> Vec
     tracks
 }
 
-/// Turns of joints that no other hangs on.
+/// Creates rotations of joints without children.
 fn leaves(rng: &mut Rng, joints: &[JointSource], times: &[f32]) -> Vec<Track> {
     let is_leaf = |at: usize| joints.iter().all(|joint| joint.parent != Some(at));
     let leaves = (0..joints.len()).filter(|&at| is_leaf(at));
     leaves.map(|at| zigzag(rng, &joints[at], times)).collect()
 }
 
-/// Tracks of joints that no skeleton has among those of a few that are there.
+/// Creates tracks of a few joints, mixed with tracks of joints that no skeleton has.
 fn strangers(rng: &mut Rng, joints: &[JointSource], times: &[f32]) -> Vec<Track> {
     let mut tracks = gentle(rng, joints, 0.3, times);
     for name in ["tail", "left ear", "cape 7"] {
@@ -141,7 +141,7 @@ fn strangers(rng: &mut Rng, joints: &[JointSource], times: &[f32]) -> Vec<Track>
 fn far(rng: &mut Rng, joints: &[JointSource], times: &[f32], scaled: bool) -> Vec<Track> {
     let mut tracks = Vec::new();
     for joint in joints {
-        tracks.push(wide_turns(rng, joint, times));
+        tracks.push(wide_rotations(rng, joint, times));
         if rng.chance(0.5) {
             tracks.push(jumps(rng, joint, Property::Translation, times));
         }
@@ -175,7 +175,7 @@ fn all_kinds(rng: &mut Rng, joints: &[JointSource]) -> Vec<Track> {
             0 => tracks.push(spline(rng, joint, Property::Rotation, &sparse)),
             1 => tracks.push(swing(rng, joint, Step, &sparse)),
             2 => tracks.push(swing(rng, joint, Linear, &dense)),
-            _ => tracks.push(wide_turns(rng, joint, &sparse)),
+            _ => tracks.push(wide_rotations(rng, joint, &sparse)),
         }
         match rng.below(4) {
             0 => tracks.push(spline(rng, joint, Property::Translation, &sparse)),

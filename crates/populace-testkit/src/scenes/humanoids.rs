@@ -1,4 +1,4 @@
-//! Humanoid bodies that have little in common but their shape, and a clip for each.
+//! Humanoid bodies with different joints, and a clip for each.
 
 use std::collections::HashMap;
 
@@ -10,31 +10,31 @@ use super::{Scene, SceneClip, bodies};
 use crate::oracle::OracleRetarget;
 use crate::{Rng, single};
 
-/// A joint to be: its name, that of its parent, its place in model space at rest, and its role.
+/// A planned joint: its name, its parent's name, its rest position in model space, and its role.
 type Planned = (String, Option<String>, DVec3, Option<Role>);
 
-/// Plans a joint: its name, its parent's, its place in parts of the height, and its role.
+/// Plans a joint: its name, its parent's name, its rest position in units of the height, its role.
 type AddJoint<'a> = dyn FnMut(&str, Option<&str>, [f64; 3], Option<Role>) + 'a;
 
-/// How a body differs from others.
+/// The proportions and joints of a body.
 #[derive(Clone, Copy)]
 struct Build {
     height_m: f64,
-    /// Of the legs' length, the thighs' part.
+    /// The thigh's fraction of the leg.
     thigh: f64,
-    /// Below the horizontal.
+    /// The angle of the arms below the horizontal.
     arms_rad: f64,
-    /// Joints of the back.
+    /// Number of joints of the back.
     back: usize,
     neck: bool,
     collarbones: bool,
-    /// The hips hang on a joint that carries the body.
+    /// The hips have a parent, which carries the body.
     root: bool,
-    /// Feet hang on the root, not on the legs.
+    /// The feet are children of the root, not of the legs.
     loose_feet: bool,
-    /// Joints without roles between those of limbs.
+    /// The limbs have additional joints without roles.
     extra: bool,
-    /// Of a joint above all others.
+    /// Scale of the topmost joint.
     scale: f64,
 }
 
@@ -76,14 +76,16 @@ const BUILDS: [Build; 4] = [
 ];
 
 impl Scene {
-    /// Four humanoid bodies, each with a clip that moves all its joints, to be retargeted to the
-    /// others: backs of one to three joints, with and without neck, collarbones and root, feet that
-    /// hang on the root, joints between those of limbs, arms at various angles, joints turned any
-    /// way at rest, in any order.
+    /// Creates four humanoid bodies, each with a clip that moves all its joints, and retargets of
+    /// each clip to the other bodies.
+    ///
+    /// The bodies have backs of one to three joints, with and without neck, collarbones and root,
+    /// feet that are children of the root, additional joints in limbs, arms at various angles,
+    /// arbitrary rest rotations, and joints in any order.
     ///
     /// # Panics
     ///
-    /// Never: the bodies are sound.
+    /// Never: the bodies are valid.
     #[must_use]
     pub fn of_humanoids() -> Self {
         let mut rng = Rng::new(5);
@@ -118,10 +120,10 @@ impl Scene {
         }
         let mut retargets = HashMap::new();
         for (clip, made) in clips.iter().enumerate() {
-            for (body, onto) in all.iter().enumerate().filter(|(body, _)| *body != made.body) {
+            for (body, target) in all.iter().enumerate().filter(|(body, _)| *body != made.body) {
                 let (from, source) = (&all[made.body], made.clip.source());
                 let of = |body: &super::SceneBody| (body.oracle.clone(), body.roles.clone());
-                let ((a, a_roles), (b, b_roles)) = (of(from), of(onto));
+                let ((a, a_roles), (b, b_roles)) = (of(from), of(target));
                 let retarget =
                     OracleRetarget::new(source, &made.exact_times, (&a, &a_roles), (&b, &b_roles));
                 retargets.insert((clip, body), retarget);
@@ -132,18 +134,22 @@ impl Scene {
 }
 
 impl Scene {
-    /// The same with soles beneath feet and toes, so that feet of retargeted clips roll where they
-    /// would sink; the oracle does not.
+    /// Adds soles to feet and toes, so that the feet of retargeted clips roll where they would
+    /// sink. The oracle ignores soles.
     #[must_use]
     pub fn on_soles(mut self) -> Self {
         for body in &mut self.bodies {
             let (skeleton, roles) = (body.skeleton.clone(), body.role_map());
-            let long = 0.1 * skeleton.size_m();
+            let half_length_m = 0.1 * skeleton.size_m();
             let points = |joint| {
                 let is_foot = |role: Role| matches!(role, Role::Foot(_) | Role::Toes(_));
-                let touches = roles.iter().any(|(role, of)| of == joint && is_foot(role));
+                let has_sole = roles.iter().any(|(role, of)| of == joint && is_foot(role));
                 let [x, _, z] = skeleton.rest_model(joint).origin();
-                if touches { vec![[x, 0.0, z - long], [x, 0.0, z + long]] } else { Vec::new() }
+                if has_sole {
+                    vec![[x, 0.0, z - half_length_m], [x, 0.0, z + half_length_m]]
+                } else {
+                    Vec::new()
+                }
             };
             let points: Vec<_> = skeleton.joints().map(points).collect();
             body.skeleton = skeleton.with_soles(&points);
@@ -157,7 +163,7 @@ impl super::SceneBody {
         Self { roles, ..self }
     }
 
-    /// The body's roles, as users give them.
+    /// Returns the body's roles as a map.
     ///
     /// # Panics
     ///
@@ -170,32 +176,32 @@ impl super::SceneBody {
     }
 }
 
-/// The joints of a build in shuffled order, and their roles.
+/// Creates the joints of a build in shuffled order, and their roles.
 fn joints(rng: &mut Rng, build: &Build, index: usize) -> (Vec<JointSource>, Vec<(Role, usize)>) {
     let planned = plan(build, index);
-    let turns: Vec<DQuat> = planned.iter().map(|_| rng.rotation()).collect();
+    let rotations: Vec<DQuat> = planned.iter().map(|_| rng.rotation()).collect();
     let find = |name: &String| {
         planned.iter().position(|(own, ..)| own == name).expect("parents are planned")
     };
-    let mut place: Vec<usize> = (0..planned.len()).collect();
-    rng.shuffle(&mut place);
+    let mut index_of: Vec<usize> = (0..planned.len()).collect();
+    rng.shuffle(&mut index_of);
     let mut joints: Vec<Option<JointSource>> = vec![None; planned.len()];
     let mut roles = Vec::new();
     for (n, (name, parent, at, role)) in planned.iter().enumerate() {
         let parent = parent.as_ref().map(find);
         let (above, from) =
-            parent.map_or((DQuat::IDENTITY, DVec3::ZERO), |p| (turns[p], planned[p].2));
+            parent.map_or((DQuat::IDENTITY, DVec3::ZERO), |p| (rotations[p], planned[p].2));
         let is_top = parent.is_none();
         let length = if is_top { 1.0 } else { 1.0 / build.scale };
         let translation = above.inverse() * (*at - from) * length;
         let rest = Trs {
             translation: translation.to_array().map(single),
-            rotation: (above.inverse() * turns[n]).to_array().map(single),
+            rotation: (above.inverse() * rotations[n]).to_array().map(single),
             scale: if is_top { [single(build.scale); 3] } else { [1.0; 3] },
         };
-        joints[place[n]] =
-            Some(JointSource { name: name.clone(), parent: parent.map(|p| place[p]), rest });
-        roles.extend(role.map(|role| (role, place[n])));
+        joints[index_of[n]] =
+            Some(JointSource { name: name.clone(), parent: parent.map(|p| index_of[p]), rest });
+        roles.extend(role.map(|role| (role, index_of[n])));
     }
     (joints.into_iter().flatten().collect(), roles)
 }
@@ -207,11 +213,11 @@ fn plan(build: &Build, index: usize) -> Vec<Planned> {
         let named = |name: &str| format!("{index} {name}");
         planned.push((named(name), parent.map(named), DVec3::from_array(at) * h, role));
     };
-    let carrier = if build.root { Some("root") } else { None };
+    let hips_parent = if build.root { Some("root") } else { None };
     if build.root {
         add("root", None, [0.0, 0.0, 0.0], None);
     }
-    add("hips", carrier, [0.0, 0.52, 0.0], Some(Role::Hips));
+    add("hips", hips_parent, [0.0, 0.52, 0.0], Some(Role::Hips));
     let mut top = "hips".to_owned();
     let backs: &[Role] = match build.back {
         1 => &[Role::Chest],
@@ -261,7 +267,7 @@ fn limbs(build: &Build, side: Side, x: f64, top: &str, add: &mut AddJoint<'_>) {
     }
     add(&name("lower leg"), Some(&parent), [x * 0.06, knee, 0.02], Some(Role::LowerLeg(side)));
     let shin = name("lower leg");
-    let holds = if build.loose_feet { "root" } else { shin.as_str() };
-    add(&name("foot"), Some(holds), [x * 0.06, 0.04, -0.02], Some(Role::Foot(side)));
+    let foot_parent = if build.loose_feet { "root" } else { shin.as_str() };
+    add(&name("foot"), Some(foot_parent), [x * 0.06, 0.04, -0.02], Some(Role::Foot(side)));
     add(&name("toes"), Some(&name("foot")), [x * 0.07, 0.01, 0.07], Some(Role::Toes(side)));
 }

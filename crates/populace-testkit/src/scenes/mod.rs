@@ -1,5 +1,5 @@
-//! Synthetic scenes: skeletons, palette entries and clips that cover what files may hold, the same
-//! on every machine.
+//! Synthetic scenes: skeletons, palette entries and clips that cover the features of files. They
+//! are the same on every machine.
 
 mod bodies;
 mod clips;
@@ -16,38 +16,37 @@ use crate::tolerance::SampleBound;
 /// A skeleton with its palette entries.
 #[derive(Clone, Debug)]
 pub struct SceneBody {
-    /// Joints in the order of the source: shuffled, so that children come before their parents.
+    /// Joints in source order: shuffled, so that some children precede their parents.
     pub joints: Vec<JointSource>,
-    /// The same in level order.
+    /// The same joints in level order.
     pub skeleton: Skeleton,
-    /// Entries: some joints have several, some none; bind matrices are arbitrary.
+    /// Palette entries: several or none per joint, with arbitrary bind matrices.
     pub palette: Vec<PaletteEntry>,
-    /// The same for the oracle.
+    /// The same body for the oracle.
     pub oracle: OracleBody,
-    /// Humanoid roles and their joints in the order of the source; none for most.
+    /// Humanoid roles and their joints in source order; empty for most bodies.
     pub roles: Vec<(Role, usize)>,
 }
 
-/// A clip and the body it was made for.
+/// A clip and its own body.
 #[derive(Clone, Debug)]
 pub struct SceneClip {
     /// The clip.
     pub clip: Clip,
     /// Index of its own body in [`Scene::bodies`].
     pub body: usize,
-    /// How far samples may be off at [`SceneClip::exact_times`] and outside of all keys.
+    /// The bound of samples at [`SceneClip::exact_times`] and outside of all keys.
     pub at_keys: SampleBound,
-    /// Times at which rows are exact: all keys, ascending, each once; and for [`clip::LEAVES`] half
-    /// way between them.
+    /// Times at which rows are exact, ascending and unique: all keys, and for [`clip::LEAVES`] also
+    /// the middles between them.
     pub exact_times: Vec<f32>,
-    /// How far samples may be off at any time; `None` where only the clip's bound in model space
-    /// holds.
+    /// The bound of samples at any time; `None` if only the clip's bound in model space holds.
     pub between_keys: Option<SampleBound>,
 }
 
 impl SceneClip {
     pub(crate) fn new(source: ClipSource, body: &SceneBody, index: usize) -> Self {
-        let clip = Clip::new(source, &body.skeleton).expect("generated clips are sound");
+        let clip = Clip::new(source, &body.skeleton).expect("generated clips are valid");
         Self {
             exact_times: key_times(clip.source()),
             at_keys: SampleBound::at_keys(&clip),
@@ -57,8 +56,8 @@ impl SceneClip {
         }
     }
 
-    /// Half way between two keys the chord meets the arc, so rows are exact there too, however
-    /// often a gap is halved.
+    /// Adds the middles between keys to the exact times: there the chord meets the arc, so rows are
+    /// exact however often a gap is halved.
     fn with_halves(mut self) -> Self {
         let halves: Vec<f32> = self.exact_times.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
         self.exact_times.extend(halves);
@@ -74,19 +73,19 @@ fn key_times(source: &ClipSource) -> Vec<f32> {
     times
 }
 
-/// Bodies and clips.
+/// Bodies, clips and retargets.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Skeletons with palette entries.
     pub bodies: Vec<SceneBody>,
     /// Clips.
     pub clips: Vec<SceneClip>,
-    /// By clip and body: those that are bound by roles. All others are bound by name.
+    /// Retargets by clip and body. All other pairs are bound by joint names.
     pub retargets: HashMap<(usize, usize), OracleRetarget>,
 }
 
 impl Scene {
-    /// Six bodies and fifteen clips; see [`body`] and [`clip`].
+    /// Creates six bodies and fifteen clips; see [`body`] and [`clip`].
     #[must_use]
     pub fn new() -> Self {
         let bodies = bodies::all();
@@ -94,7 +93,7 @@ impl Scene {
         Self { bodies, clips, retargets: HashMap::new() }
     }
 
-    /// Clips that are held to a tight bound at every time, not only at keys.
+    /// Returns the clips that have a tight bound at every time, not only at keys.
     #[must_use]
     pub fn tight_clips(&self) -> Vec<usize> {
         (0..self.clips.len()).filter(|&clip| self.clips[clip].between_keys.is_some()).collect()
@@ -119,7 +118,7 @@ pub mod body {
     pub const SCALED: usize = 3;
     /// 300 joints.
     pub const LARGE: usize = 4;
-    /// 17 joints, one more than a block, and no palette entry.
+    /// 17 joints (one more than a block) and no palette entry.
     pub const BARE: usize = 5;
 }
 
@@ -133,17 +132,17 @@ pub mod clip {
     pub const SCALED: usize = 2;
     /// STEP keys only, on [`body::TWO_ROOTS`](super::body::TWO_ROOTS).
     pub const STEPS: usize = 3;
-    /// LINEAR and STEP tracks from 0.5 s, with key times of their own, on
+    /// LINEAR and STEP tracks from 0.5 s, with different key times, on
     /// [`body::SMALL`](super::body::SMALL).
     pub const LINEAR_AND_STEPS: usize = 4;
-    /// One key for each track: no length, on [`body::SMALL`](super::body::SMALL).
+    /// One key per track, so that the duration is 0, on [`body::SMALL`](super::body::SMALL).
     pub const STILL: usize = 5;
-    /// Drives a few joints and some that no skeleton has, on [`body::SMALL`](super::body::SMALL).
+    /// Moves a few joints, and some that no skeleton has, on [`body::SMALL`](super::body::SMALL).
     pub const STRANGERS: usize = 6;
-    /// Up to 170 degrees between keys whose signs flip, evenly spaced, on
+    /// Rotations of up to 170 degrees between evenly spaced keys whose signs flip, on
     /// [`body::SMALL`](super::body::SMALL).
     pub const WIDE: usize = 7;
-    /// The same unevenly spaced, with scales, on [`body::SCALED`](super::body::SCALED).
+    /// Like [`WIDE`] with uneven spacing and scales, on [`body::SCALED`](super::body::SCALED).
     pub const WIDE_UNEVEN: usize = 8;
     /// CUBICSPLINE tracks, on [`body::TWO_ROOTS`](super::body::TWO_ROOTS).
     pub const SPLINE: usize = 9;
@@ -155,7 +154,7 @@ pub mod clip {
     pub const PAIR: usize = 12;
     /// Evenly spaced LINEAR keys, on [`body::BARE`](super::body::BARE).
     pub const BARE: usize = 14;
-    /// Joints without children turn 40 to 48 degrees between LINEAR keys, on
+    /// Joints without children rotate by 40 to 48 degrees between LINEAR keys, on
     /// [`body::SMALL`](super::body::SMALL): rows so far apart that the length of a rotation between
     /// them matters.
     pub const LEAVES: usize = 13;
@@ -168,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bodies_are_what_their_names_say() {
+    fn bodies_match_their_descriptions() {
         let scene = Scene::new();
         let counts: Vec<_> = scene.bodies.iter().map(|b| b.skeleton.joint_count()).collect();
         assert_eq!(counts, [2, 24, 54, 54, 300, 17]);
@@ -177,17 +176,14 @@ mod tests {
         assert!(scene.bodies[body::BARE].palette.is_empty());
         let small = &scene.bodies[body::SMALL];
         let first_child = |(at, joint): (usize, &JointSource)| joint.parent.is_some_and(|p| p > at);
-        assert!(
-            small.joints.iter().enumerate().any(first_child),
-            "a child stands before its parent"
-        );
+        assert!(small.joints.iter().enumerate().any(first_child), "some child precedes its parent");
         let entries = |joint| small.palette.iter().filter(|e| e.joint == joint).count();
         let counts: Vec<_> = small.skeleton.joints().map(entries).collect();
         assert!(counts.contains(&0) && counts.iter().any(|&c| c > 1), "{counts:?}");
     }
 
     #[test]
-    fn clips_are_what_their_names_say() {
+    fn clips_match_their_descriptions() {
         let scene = Scene::new();
         let of = |clip: usize| scene.clips[clip].clip.stats();
         assert!(of(clip::EVEN).evenly_spaced && !of(clip::UNEVEN).evenly_spaced);

@@ -25,12 +25,12 @@ fn wide(v: [f32; 3]) -> DVec3 {
     DVec3::from_array(v.map(f64::from))
 }
 
-/// `count` times, `rate` to a second.
+/// Returns `count` times, `rate` per second.
 pub(super) fn even_times(start_secs: f64, count: usize, rate: f64) -> Vec<f32> {
     (0..count).map(|k| single(start_secs + k as f64 / rate)).collect()
 }
 
-/// `count` times with gaps of `low` to `high` seconds.
+/// Returns `count` times with gaps of `low` to `high` seconds.
 pub(super) fn uneven_times(
     rng: &mut Rng,
     start_secs: f64,
@@ -48,7 +48,7 @@ pub(super) fn uneven_times(
         .collect()
 }
 
-/// A slow swing around rest, at most 35 degrees to each side and 1.6 rad/s.
+/// Creates a slow swing around rest, at most 35 degrees to each side and 1.6 rad/s.
 pub(super) fn swing(
     rng: &mut Rng,
     joint: &JointSource,
@@ -56,10 +56,10 @@ pub(super) fn swing(
     times: &[f32],
 ) -> Track {
     let (axis, amplitude) = (rng.direction(), rng.between(0.1, 0.6));
-    let (pace, phase) = (rng.between(0.1, 0.4), rng.between(0.0, 1.0));
+    let (cycles_per_sec, phase) = (rng.between(0.1, 0.4), rng.between(0.0, 1.0));
     let mut track = track(&joint.name, Property::Rotation, kind, times);
     for time in times {
-        let angle = amplitude * (TAU * (phase + pace * f64::from(*time))).sin();
+        let angle = amplitude * (TAU * (phase + cycles_per_sec * f64::from(*time))).sin();
         let value = rest_rotation(joint) * DQuat::from_axis_angle(axis, angle);
         let sign = if rng.chance(0.3) { -1.0 } else { 1.0 };
         track.values.extend((value * sign).to_array().map(single));
@@ -67,7 +67,7 @@ pub(super) fn swing(
     track
 }
 
-/// A slow wave of a translation (metres) or scale around rest.
+/// Creates a slow wave of a translation (metres) or scale around rest.
 pub(super) fn wave(
     rng: &mut Rng,
     joint: &JointSource,
@@ -75,11 +75,11 @@ pub(super) fn wave(
     kind: Interpolation,
     times: &[f32],
 ) -> Track {
-    let (pace, phase) = (rng.between(0.1, 0.5), rng.vector(0.0, 1.0));
+    let (cycles_per_sec, phase) = (rng.between(0.1, 0.5), rng.vector(0.0, 1.0));
     let mut track = track(&joint.name, property, kind, times);
     for time in times {
-        let turns = phase + DVec3::splat(pace * f64::from(*time));
-        let wave = turns.map(|t| (TAU * t).sin());
+        let cycles = phase + DVec3::splat(cycles_per_sec * f64::from(*time));
+        let wave = cycles.map(|t| (TAU * t).sin());
         let value = if property == Property::Scale {
             wide(joint.rest.scale) * (DVec3::ONE + wave * 0.15)
         } else {
@@ -90,8 +90,8 @@ pub(super) fn wave(
     track
 }
 
-/// Rotations far apart: each up to 170 degrees from the one before, in either sign.
-pub(super) fn wide_turns(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> Track {
+/// Creates rotations of up to 170 degrees from key to key, with random signs.
+pub(super) fn wide_rotations(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> Track {
     let mut track = track(&joint.name, Property::Rotation, Interpolation::Linear, times);
     let mut value = rest_rotation(joint);
     for _ in times {
@@ -103,7 +103,7 @@ pub(super) fn wide_turns(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> T
     track
 }
 
-/// To and fro in turns of 42 to 48 degrees, at most 48 from rest.
+/// Creates rotations to and fro by 42 to 48 degrees, at most 48 from rest.
 pub(super) fn zigzag(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> Track {
     let mut track = track(&joint.name, Property::Rotation, Interpolation::Linear, times);
     let axis = rng.direction();
@@ -115,7 +115,7 @@ pub(super) fn zigzag(rng: &mut Rng, joint: &JointSource, times: &[f32]) -> Track
     track
 }
 
-/// Jumps of a translation or scale.
+/// Creates random values of a translation or scale.
 pub(super) fn jumps(
     rng: &mut Rng,
     joint: &JointSource,
@@ -134,7 +134,7 @@ pub(super) fn jumps(
     track
 }
 
-/// A spline with tangents of its own on both sides of each key.
+/// Creates a spline with different tangents on both sides of each key.
 pub(super) fn spline(
     rng: &mut Rng,
     joint: &JointSource,

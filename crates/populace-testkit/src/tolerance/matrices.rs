@@ -1,11 +1,12 @@
-//! Bounds of matrices, from those of local transforms.
+//! Bounds of matrices, derived from bounds of local transforms.
 
 use glam::{DAffine3, DMat3};
 
 use super::{LocalBound, UNIT};
 use crate::oracle::{Local, OracleBody};
 
-/// How far an affine transform may be off: its linear part as a 2-norm, its translation in metres.
+/// The largest error of an affine transform: of its linear part as a 2-norm, and of its translation
+/// in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AffineBound {
     /// Linear part.
@@ -15,21 +16,21 @@ pub struct AffineBound {
 }
 
 impl AffineBound {
-    /// The larger of both: what any single element may be off.
+    /// Returns the larger of both: the largest error of any element.
     #[must_use]
     pub fn element(&self) -> f64 {
         self.linear.max(self.translation)
     }
 
-    /// How far the image of a point at this distance from the origin may be off.
+    /// Returns the largest error of the image of a point at a distance from the origin.
     #[must_use]
     pub fn at_reach(&self, reach_m: f64) -> f64 {
         self.linear * reach_m + self.translation
     }
 
-    /// Of the product of `a`, known within `bound_a`, and `b`, known within `bound_b`. Each element
-    /// of the product rounds three times and its sum over three terms twice, 5 `u` of the product
-    /// of the norms; the translation's last sum once more.
+    /// Returns the bound of the product of `a`, known within `bound_a`, and `b`, known within
+    /// `bound_b`. Each element rounds in three products and two sums, 5 `u` of the product of the
+    /// norms; the translation rounds once more in its last sum.
     fn product(a: &DAffine3, bound_a: Self, b: &Norms, bound_b: Self) -> Self {
         let a_norm = norm(&a.matrix3);
         let rounding = 6.0 * UNIT;
@@ -51,14 +52,14 @@ struct Norms {
     translation: f64,
 }
 
-/// The root of the sum of squares.
+/// Returns the root of the sum of squares.
 fn frobenius(m: &DMat3) -> f64 {
     m.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// The 2-norm, how far a matrix stretches at most, or up to 2 % more: the largest eigenvalue of
-/// `b = transpose * m` is at most the 16th root of the Frobenius norm of `b^16`, and that is at
-/// most its 3^(1/32) fold.
+/// Returns the 2-norm (the largest stretch) of a matrix, or up to 2 % more. The largest eigenvalue
+/// of `b = transpose(m) * m` is at most the 16th root of the Frobenius norm of `b^16`, which
+/// exceeds it by a factor of at most 3^(1/32).
 fn norm(m: &DMat3) -> f64 {
     let mut power = m.transpose() * *m;
     for _ in 0..4 {
@@ -67,11 +68,12 @@ fn norm(m: &DMat3) -> f64 {
     frobenius(&power).powf(1.0 / 32.0)
 }
 
-/// The bound of each joint's `model_from_joint`, from those of the locals.
+/// Returns the bound of each joint's `model_from_joint`, derived from the bounds of the locals.
 ///
-/// A quaternion off by `e` turns by at most `2 e`, and one whose length is off by `e` scales its
-/// matrix by at most `2 e` more: `4 e` times the largest factor. The matrix from a quaternion
-/// rounds at most 6 times an element, 18 `u` over the matrix. Then products down the hierarchy.
+/// A quaternion with an error of `e` rotates by at most `2 e`. If its length is off by `e`, it
+/// scales its matrix by at most `2 e` more. Both make `4 e` times the largest factor. The
+/// conversion to a matrix rounds at most 6 times per element, 18 `u` over the matrix. Products down
+/// the hierarchy follow.
 #[must_use]
 pub fn model_bounds(
     body: &OracleBody,
@@ -105,7 +107,8 @@ fn model_bound(
     }
 }
 
-/// The bound of each palette entry, from those of the joints' matrices. `joint_from_bind` is exact.
+/// Returns the bound of each palette entry, derived from the bounds of the joints' matrices.
+/// `joint_from_bind` is exact.
 #[must_use]
 pub fn palette_bounds(
     body: &OracleBody,
@@ -134,17 +137,17 @@ mod tests {
     use crate::scenes::Scene;
 
     fn wrong(rng: &mut Rng, local: &Local, bound: &LocalBound) -> Local {
-        let turn =
+        let change =
             DVec4::from((rng.direction(), rng.between(-1.0, 1.0))).normalize() * bound.rotation;
         Local {
             translation: local.translation + rng.vector(-1.0, 1.0) * bound.translation,
-            rotation: local.rotation + DQuat::from_vec4(turn),
+            rotation: local.rotation + DQuat::from_vec4(change),
             scale: local.scale + rng.vector(-1.0, 1.0) * bound.scale,
         }
     }
 
     #[test]
-    fn errors_in_local_transforms_stay_within_the_bounds_of_matrices() {
+    fn local_errors_stay_within_matrix_bounds() {
         let scene = Scene::new();
         let mut rng = Rng::new(91);
         for body in scene.bodies.iter().map(|b| &b.oracle) {

@@ -1,38 +1,38 @@
-//! What the clips of files take as rows.
+//! Memory sizes by the clips of files.
 
 use std::path::Path;
 
 use populace_assets::Imported;
 use serde_json::{Value, json};
 
-/// All clips of a file, or of several.
+/// Sizes of all clips of a file, or of several files.
 #[derive(Default)]
-pub(crate) struct Taken {
+pub(crate) struct ClipSizes {
     file: String,
     joints: usize,
     clips: usize,
     rows: usize,
-    /// Poses of one joint: rows times joints.
+    /// Rows times joints, summed over the clips.
     joint_rows: usize,
     row_bytes: usize,
     key_bytes: usize,
 }
 
-impl Taken {
-    pub(crate) fn of(file: &Path, imported: &Imported) -> Self {
+impl ClipSizes {
+    pub(crate) fn new(file: &Path, imported: &Imported) -> Self {
         let joints = imported.character.skeleton.joint_count();
         let name = file.file_name().unwrap_or_default();
-        let mut taken =
+        let mut sizes =
             Self { file: name.to_string_lossy().into_owned(), joints, ..Self::default() };
         for clip in &imported.character.clips {
             let stats = clip.stats();
-            taken.clips += 1;
-            taken.rows += stats.row_count;
-            taken.joint_rows += stats.row_count * joints;
-            taken.row_bytes += stats.row_bytes;
-            taken.key_bytes += stats.key_bytes;
+            sizes.clips += 1;
+            sizes.rows += stats.row_count;
+            sizes.joint_rows += stats.row_count * joints;
+            sizes.row_bytes += stats.row_bytes;
+            sizes.key_bytes += stats.key_bytes;
         }
-        taken
+        sizes
     }
 
     fn sum(all: &[Self]) -> Self {
@@ -48,41 +48,41 @@ impl Taken {
         }
     }
 
-    /// `None` without rows.
+    /// Returns `None` if there are no rows.
     fn bytes_per_joint_and_row(&self) -> Option<f64> {
         (self.joint_rows > 0).then(|| self.row_bytes as f64 / self.joint_rows as f64)
     }
 }
 
-pub(crate) fn as_json(all: &[Taken]) -> Value {
-    let one = |taken: &Taken| {
+pub(crate) fn as_json(all: &[ClipSizes]) -> Value {
+    let one = |sizes: &ClipSizes| {
         json!({
-            "file": taken.file,
-            "joints": taken.joints,
-            "clips": taken.clips,
-            "rows": taken.rows,
-            "row_bytes": taken.row_bytes,
-            "key_bytes": taken.key_bytes,
-            "bytes_per_joint_and_row": taken.bytes_per_joint_and_row(),
+            "file": sizes.file,
+            "joints": sizes.joints,
+            "clips": sizes.clips,
+            "rows": sizes.rows,
+            "row_bytes": sizes.row_bytes,
+            "key_bytes": sizes.key_bytes,
+            "bytes_per_joint_and_row": sizes.bytes_per_joint_and_row(),
         })
     };
     json!({"schema": 1, "files": all.iter().map(one).collect::<Vec<_>>()})
 }
 
-/// A table of Markdown; the sum last, where there is more than one file.
-pub(crate) fn as_table(all: &[Taken]) -> String {
+/// Formats a Markdown table, with a sum if there is more than one file.
+pub(crate) fn as_table(all: &[ClipSizes]) -> String {
     let mut text = String::from(
         "| file | joints | clips | rows | row bytes | key bytes | bytes per joint and row |\n",
     );
     text += "|---|--:|--:|--:|--:|--:|--:|\n";
-    let sum = (all.len() > 1).then(|| Taken::sum(all));
-    for taken in all.iter().chain(&sum) {
-        let joints = if taken.joints == 0 { String::new() } else { taken.joints.to_string() };
+    let sum = (all.len() > 1).then(|| ClipSizes::sum(all));
+    for sizes in all.iter().chain(&sum) {
+        let joints = if sizes.joints == 0 { String::new() } else { sizes.joints.to_string() };
         let each =
-            taken.bytes_per_joint_and_row().map_or(String::new(), |bytes| format!("{bytes:.1}"));
+            sizes.bytes_per_joint_and_row().map_or(String::new(), |bytes| format!("{bytes:.1}"));
         text += &format!(
             "| {} | {joints} | {} | {} | {} | {} | {each} |\n",
-            taken.file, taken.clips, taken.rows, taken.row_bytes, taken.key_bytes
+            sizes.file, sizes.clips, sizes.rows, sizes.row_bytes, sizes.key_bytes
         );
     }
     text

@@ -1,4 +1,4 @@
-//! A crowd and what draws it, by the best way or by copies.
+//! A crowd and its renderer, connected by the best transport or by copies.
 
 use std::sync::{Arc, OnceLock};
 
@@ -12,7 +12,7 @@ use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Rendere
 
 pub(crate) const FRAME_SECS: f32 = 0.11;
 
-/// A crowd whose palettes go by copies only.
+/// A palette source that only allows copies.
 pub(crate) struct ByCopy<'a>(pub(crate) &'a mut Crowd);
 
 impl PaletteSource for ByCopy<'_> {
@@ -21,7 +21,7 @@ impl PaletteSource for ByCopy<'_> {
     }
 
     fn refuses(&self, way: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
-        (way != PaletteTransport::Copied).then(|| "copies are wanted".into())
+        (way != PaletteTransport::Copied).then(|| "this test uses copies".into())
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
@@ -48,23 +48,25 @@ fn people() -> Vec<Arc<Character>> {
         .clone()
 }
 
-/// A crowd of people in rows, each running from a moment of its own.
-pub(crate) struct Troupe {
+/// A crowd of people in rows, each running at its own phase.
+pub(crate) struct PeopleCrowd {
     pub(crate) crowd: Crowd,
     roles: Vec<CharacterId>,
     spawned: u16,
 }
 
-impl Troupe {
-    /// For the OpenGL of a stage, so that a device that can share with it does.
-    pub(crate) fn new(device: &Devices, members: u16, stage: &Stage) -> Self {
-        let builder = Crowd::builder().devices(device.clone()).for_gl(stage.renderer.gl_context());
+impl PeopleCrowd {
+    /// Creates the crowd for the OpenGL context of a renderer, so that devices can share memory
+    /// with it.
+    pub(crate) fn new(device: &Devices, members: u16, session: &RenderSession) -> Self {
+        let builder =
+            Crowd::builder().devices(device.clone()).for_gl(session.renderer.gl_context());
         let mut crowd = builder.capacity(100_000).build().unwrap();
         let roles =
             people().into_iter().map(|person| crowd.add_character(person).unwrap()).collect();
-        let mut troupe = Self { crowd, roles, spawned: 0 };
-        troupe.spawn(members);
-        troupe
+        let mut people = Self { crowd, roles, spawned: 0 };
+        people.spawn(members);
+        people
     }
 
     pub(crate) fn spawn(&mut self, members: u16) {
@@ -89,14 +91,14 @@ impl Troupe {
     }
 }
 
-/// A renderer that knows the people.
-pub(crate) struct Stage {
+/// A renderer with the people loaded.
+pub(crate) struct RenderSession {
     pub(crate) renderer: Renderer,
     handles: Vec<CharacterHandle>,
     scene: Scene,
 }
 
-impl Stage {
+impl RenderSession {
     pub(crate) fn new() -> Self {
         Self::with(&people())
     }
@@ -110,14 +112,14 @@ impl Stage {
         Self { renderer, handles, scene: Scene { camera, ..Scene::default() } }
     }
 
-    /// Links a crowd, which must go without copies.
+    /// Connects a crowd's palettes. Fails if they would be copied.
     pub(crate) fn link(&mut self, crowd: &mut Crowd) -> PaletteInterop {
         let hand_over = self.renderer.connect_palettes(crowd).unwrap();
         assert_ne!(hand_over.transport, PaletteTransport::Copied, "{hand_over}");
         hand_over
     }
 
-    /// What of a crowd is to be drawn.
+    /// Returns the instances of a crowd.
     pub(crate) fn instances(&self, crowd: &Crowd) -> Vec<Instance> {
         let instance = |i: populace::Instance| Instance {
             character: self.handles[i.character.index()],
@@ -138,29 +140,29 @@ impl Stage {
         self.renderer.read_image().unwrap()
     }
 
-    /// Takes a crowd's palettes and draws it.
-    pub(crate) fn shoot(&mut self, crowd: &mut Crowd) -> Image {
+    /// Acquires a crowd's palettes and draws it.
+    pub(crate) fn draw_crowd(&mut self, crowd: &mut Crowd) -> Image {
         self.renderer.acquire_palettes(crowd).unwrap();
         let instances = self.instances(crowd);
         self.picture(&instances)
     }
 
-    pub(crate) fn shoot_by_copy(&mut self, troupe: &mut Troupe) -> Image {
-        self.renderer.acquire_palettes(&mut troupe.by_copy()).unwrap();
-        let instances = self.instances(&troupe.crowd);
+    pub(crate) fn draw_crowd_by_copy(&mut self, people: &mut PeopleCrowd) -> Image {
+        self.renderer.acquire_palettes(&mut people.by_copy()).unwrap();
+        let instances = self.instances(&people.crowd);
         self.picture(&instances)
     }
 }
 
-/// The pictures of so many frames, by copies.
-pub(crate) fn film_by_copy(device: &Devices, members: u16, frames: usize) -> Vec<Image> {
-    let mut stage = Stage::new();
-    let mut troupe = Troupe::new(device, members, &stage);
-    let shoot = |_| {
-        troupe.update();
-        stage.shoot_by_copy(&mut troupe)
+/// Draws frames by copies. Asserts that successive pictures differ.
+pub(crate) fn pictures_by_copy(device: &Devices, members: u16, frames: usize) -> Vec<Image> {
+    let mut session = RenderSession::new();
+    let mut people = PeopleCrowd::new(device, members, &session);
+    let draw_crowd = |_| {
+        people.update();
+        session.draw_crowd_by_copy(&mut people)
     };
-    let film: Vec<_> = (0..frames).map(shoot).collect();
-    assert!(film.windows(2).all(|pair| pair[0] != pair[1]), "the crowd moves");
-    film
+    let pictures: Vec<_> = (0..frames).map(draw_crowd).collect();
+    assert!(pictures.windows(2).all(|pair| pair[0] != pair[1]), "the crowd must move");
+    pictures
 }

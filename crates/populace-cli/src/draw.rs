@@ -1,4 +1,4 @@
-//! From a crowd's members to pictures in files: what `demo` and `render` have in common.
+//! Draws a crowd into picture files: the common part of `demo` and `render`.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -8,42 +8,42 @@ use populace_render::{Camera, Renderer, encode_png};
 use serde_json::json;
 
 use crate::bench::{median, ms_since};
-use crate::cast::{self, Role, Wanted};
 use crate::cli::{PictureArgs, View, build};
+use crate::crowd_renderer::{CrowdRenderer, DrawStats, builder_for, devices_and_shares};
 use crate::failure::Failure;
 use crate::names::hint;
 use crate::output::{self, Pictures, check_inputs, check_writable};
+use crate::population::{Population, PopulationSettings};
 use crate::progress::Progress;
-use crate::report::{self, talk};
-use crate::staging::{Plan, Staging};
-use crate::studio::{Studio, devices_and_shares, drawn_with};
+use crate::report::{self, message};
+use crate::roles::{self, ClipChoice, CrowdRole};
 use crate::unfinished;
 
-/// Length of the frames before the first picture.
+/// Length of each frame before the first picture.
 const LEAD_IN_SECS: f32 = 1.0 / 60.0;
 
-/// Pictures to make of a crowd.
-pub(crate) struct Film<'a> {
+/// A job of drawing a crowd.
+pub(crate) struct DrawJob<'a> {
     pub(crate) inputs: &'a [PathBuf],
     pub(crate) members: u32,
     pub(crate) out: &'a Path,
-    /// Out of a hundred members, how many walk away from the camera.
+    /// Percentage of members that face away from the camera.
     pub(crate) away_percent: usize,
-    /// Frames that are evaluated and timed before the first picture.
+    /// Number of frames evaluated and timed before the first picture.
     pub(crate) lead_in: u32,
     pub(crate) args: &'a PictureArgs,
 }
 
-/// Milliseconds of frames.
+/// FrameTimes of frames in milliseconds.
 #[derive(Default)]
-struct Times {
-    /// From the update to the written file.
+struct FrameTimes {
+    /// From the start of the update to the written file.
     total: Vec<f64>,
     animate: Vec<f64>,
     draw: Vec<f64>,
 }
 
-impl Times {
+impl FrameTimes {
     fn animate(&mut self, crowd: &mut Crowd, secs: f32) -> Result<f64, Failure> {
         let start = Instant::now();
         crowd.update(secs)?;
@@ -53,83 +53,83 @@ impl Times {
         Ok(ms)
     }
 
-    /// The medians of all frames, of evaluating them, and of drawing them.
+    /// Returns the medians of `total`, `animate` and `draw`.
     fn medians(&self) -> [f64; 3] {
         [&self.total, &self.animate, &self.draw].map(|ms| median(ms).unwrap_or_default())
     }
 }
 
-impl Film<'_> {
-    /// Checks everything that is given before it evaluates and draws.
-    pub(crate) fn make(&self) -> Result<(), Failure> {
+impl DrawJob<'_> {
+    /// Runs the job. Checks all arguments and inputs before it evaluates and draws.
+    pub(crate) fn run(&self) -> Result<(), Failure> {
         let args = self.args;
         let pictures = Pictures::new(self.out, args.frames)?;
         let given = self.inputs.iter().chain(&args.clips);
-        let given: Vec<_> = given.filter(|input| cast::built_in_name(input).is_none()).collect();
+        let given: Vec<_> = given.filter(|input| roles::built_in_name(input).is_none()).collect();
         check_inputs(pictures.paths(), &given)?;
         check_writable(&pictures.path(0))?;
         unfinished::expect_pictures(pictures.count());
-        // Without OpenGL the inputs are still checked first: what is wrong with them is of more
-        // use.
+        // A missing OpenGL is reported later: errors in the inputs are more useful.
         let renderer = Renderer::headless(args.size.0);
         let builder = args.device.crowd().capacity(self.members as usize).slots_per_member(1);
-        let mut crowd = build(drawn_with(builder, &renderer))?;
+        let mut crowd = build(builder_for(builder, &renderer))?;
         #[cfg(unix)]
-        crate::aborts::end_with_a_code();
-        let wanted = Wanted { clip: args.clip.as_deref(), root_motion: args.root_motion };
-        let cast =
-            cast::load(&mut crowd, &args.input, self.inputs, &args.clips, wanted, args.height)?;
-        check_inputs(pictures.paths(), &cast.files)?;
-        check_hidden(&cast.roles, &args.hide)?;
-        let plan = Plan {
+        crate::aborts::exit_on_abort();
+        let choice = ClipChoice { clip: args.clip.as_deref(), root_motion: args.root_motion };
+        let loaded =
+            roles::load(&mut crowd, &args.input, self.inputs, &args.clips, choice, args.height)?;
+        check_inputs(pictures.paths(), &loaded.files)?;
+        check_hidden(&loaded.roles, &args.hide)?;
+        let settings = PopulationSettings {
             members: self.members,
             seed: args.seed,
             hide: &args.hide,
             away_percent: self.away_percent,
         };
-        let staging = Staging::new(&mut crowd, &cast.roles, &plan)?;
-        let camera = self.camera(&staging);
+        let population = Population::new(&mut crowd, &loaded.roles, &settings)?;
+        let camera = self.camera(&population);
         let devices = devices_and_shares(&crowd);
-        talk!("{} on {devices}, {}", counted(crowd.member_count(), "member"), crowd.schedule());
-        let studio = renderer.map_err(Failure::from).and_then(|renderer| {
-            Studio::new(renderer, &mut crowd, &cast.roles, &args.hide, camera)
+        message!("{} on {devices}, {}", counted(crowd.member_count(), "member"), crowd.schedule());
+        let renderer = renderer.map_err(Failure::from).and_then(|renderer| {
+            CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide, camera)
         });
-        self.shoot(&mut crowd, studio, &pictures)
+        self.draw_all(&mut crowd, renderer, &pictures)
     }
 
-    fn shoot(
+    /// Evaluates, draws and writes all frames.
+    fn draw_all(
         &self,
         crowd: &mut Crowd,
-        studio: Result<Studio, Failure>,
+        renderer: Result<CrowdRenderer, Failure>,
         pictures: &Pictures,
     ) -> Result<(), Failure> {
-        let mut times = Times::default();
+        let mut times = FrameTimes::default();
         let mut animate_ms = self.lead_in(crowd, &mut times)?;
-        let mut studio = studio.inspect_err(|_| {
+        let mut renderer = renderer.inspect_err(|_| {
             let ms = median(&times.animate).unwrap_or_default();
-            talk!("{ms:.2} ms to animate a frame, but there is nothing to draw it with:");
+            message!("{ms:.2} ms to animate a frame, but it cannot be drawn:");
         })?;
-        talk!("drawn by {}", studio.driver());
-        talk!("palettes {}", studio.palettes());
+        message!("drawn by {}", renderer.driver());
+        message!("palettes {}", renderer.palette_transport());
         let mut progress = Progress::new("frames", pictures.count() as usize);
         for index in 0..pictures.count() {
             if index > 0 {
                 animate_ms = times.animate(crowd, 1.0 / self.args.fps)?;
             }
             let start = Instant::now();
-            let picture = studio.picture(crowd)?;
+            let picture = renderer.picture(crowd)?;
             times.draw.push(ms_since(start));
             output::write(&pictures.path(index), &encode_png(&picture)?)?;
             times.total.push(animate_ms + ms_since(start));
             progress.step();
         }
         drop(progress);
-        self.report(crowd, &studio, &times, pictures)
+        self.report(crowd, renderer.stats(), &times, pictures)
     }
 
-    /// Evaluates all that comes before the first picture and gives the time of the last frame of
-    /// it. The first evaluation also uploads everything, so it counts only where there is no other.
-    fn lead_in(&self, crowd: &mut Crowd, times: &mut Times) -> Result<f64, Failure> {
+    /// Evaluates the frames up to the first picture, and returns the time of the last of them. The
+    /// first evaluation includes all uploads, so it is counted only if it is the only one.
+    fn lead_in(&self, crowd: &mut Crowd, times: &mut FrameTimes) -> Result<f64, Failure> {
         let mut ms = times.animate(crowd, 0.0)?;
         if self.lead_in > 0 {
             times.animate.clear();
@@ -145,20 +145,20 @@ impl Film<'_> {
     fn report(
         &self,
         crowd: &Crowd,
-        studio: &Studio,
-        times: &Times,
+        drawn: DrawStats,
+        times: &FrameTimes,
         pictures: &Pictures,
     ) -> Result<(), Failure> {
-        let (out, count, drawn) = (pictures.path(0), pictures.count(), studio.drawn());
+        let (out, count) = (pictures.path(0), pictures.count());
         let [total, animate, draw] = times.medians();
-        talk!(
+        message!(
             "{} drawn, {}",
             counted(drawn.members, "member"),
             counted(drawn.triangles, "triangle")
         );
         let median = if count == 1 { "" } else { ", median" };
         let frames = counted(count as usize, "frame");
-        talk!("{frames}{median}: {total:.2} ms, {animate:.2} to animate, {draw:.2} to draw");
+        message!("{frames}{median}: {total:.2} ms, {animate:.2} to animate, {draw:.2} to draw");
         if self.args.json {
             return report::json(&json!({
                 "schema": 1,
@@ -175,19 +175,19 @@ impl Film<'_> {
         report::path(&out)
     }
 
-    fn camera(&self, staging: &Staging) -> Camera {
+    fn camera(&self, population: &Population) -> Camera {
         let [width, height] = self.args.size.0;
         let aspect = width as f32 / height as f32;
-        // The whole film must show what it is about, and walkers walk.
+        // The view must contain the members in the first and in the last frame.
         let first_secs = self.lead_in as f32 * LEAD_IN_SECS;
         let length_secs =
             self.args.frames.map_or(0.0, |frames| (frames - 1) as f32 / self.args.fps);
-        let film_secs = [first_secs, first_secs + length_secs];
+        let secs = [first_secs, first_secs + length_secs];
         match self.args.camera {
-            View::Crowd => Camera::framing(staging.framed(film_secs), aspect),
-            View::Close => Camera::framing(staging.closest(film_secs), aspect),
+            View::Crowd => Camera::framing(population.bounding_points(secs), aspect),
+            View::Close => Camera::framing(population.closest_bounding_points(secs), aspect),
             View::At { eye, target } => {
-                let framed = Camera::framing(staging.framed(film_secs), aspect);
+                let framed = Camera::framing(population.bounding_points(secs), aspect);
                 Camera { eye, target, near: 0.05, ..framed }
             }
         }
@@ -198,12 +198,12 @@ fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
-fn check_hidden(roles: &[Role], hide: &[String]) -> Result<(), Failure> {
+fn check_hidden(roles: &[CrowdRole], hide: &[String]) -> Result<(), Failure> {
     let names = || roles.iter().flat_map(|r| &r.character.parts).map(|p| p.node_name.as_str());
     match hide.iter().find(|wanted| !names().any(|n| n == wanted.as_str())) {
         None => Ok(()),
         Some(unknown) => Err(Failure::usage(format!(
-            "no node \"{unknown}\" draws anything{}",
+            "no node \"{unknown}\" has anything to draw{}",
             hint(unknown, names())
         ))),
     }

@@ -1,36 +1,37 @@
-//! Pictures of a crowd.
+//! Renders pictures of a crowd.
 
 use populace::core::{Image, PaletteTransport, Part};
 use populace::{Crowd, CrowdBuilder};
 use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};
 
-use crate::cast::Role;
 use crate::failure::Failure;
+use crate::roles::CrowdRole;
 
-/// A renderer that knows a crowd's characters.
-pub(crate) struct Studio {
+/// A renderer with a crowd's characters loaded.
+pub(crate) struct CrowdRenderer {
     renderer: Renderer,
     handles: Vec<CharacterHandle>,
-    /// Of each character, as it is drawn.
+    /// Number of visible triangles of each character.
     triangles: Vec<usize>,
     scene: Scene,
     hand_over: PaletteInterop,
-    drawn: Drawn,
+    stats: DrawStats,
 }
 
-/// What a picture shows.
+/// Statistics of a picture.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Drawn {
+pub(crate) struct DrawStats {
     pub(crate) members: usize,
     pub(crate) triangles: usize,
 }
 
-impl Studio {
-    /// Links the crowd's palettes to the renderer; `crowd` should have been built for its OpenGL.
+impl CrowdRenderer {
+    /// Links the crowd's palettes to the renderer. `crowd` should be built by [`builder_for`] with
+    /// the same renderer.
     pub(crate) fn new(
         mut renderer: Renderer,
         crowd: &mut Crowd,
-        roles: &[Role],
+        roles: &[CrowdRole],
         hide: &[String],
         camera: Camera,
     ) -> Result<Self, Failure> {
@@ -38,31 +39,31 @@ impl Studio {
         let hidden = |part: &Part| hide.contains(&part.node_name);
         let handles = roles.iter().map(|role| renderer.add_character(&role.character, &hidden));
         let handles = handles.collect::<Result<_, _>>()?;
-        let triangles = |role: &Role| {
+        let triangles = |role: &CrowdRole| {
             let shown = role.character.parts.iter().filter(|part| !hidden(part));
             shown.map(|part| part.mesh.indices.len() / 3).sum()
         };
         let triangles = roles.iter().map(triangles).collect();
         let scene = Scene { camera, ..Scene::default() };
-        Ok(Self { renderer, handles, triangles, scene, hand_over, drawn: Drawn::default() })
+        Ok(Self { renderer, handles, triangles, scene, hand_over, stats: DrawStats::default() })
     }
 
-    /// What draws, for people.
+    /// Returns the name of the OpenGL driver.
     pub(crate) fn driver(&self) -> &str {
         self.renderer.driver()
     }
 
-    /// How palettes get there, for people.
-    pub(crate) fn palettes(&self) -> PaletteTransport {
+    /// Returns the transport of palettes to OpenGL.
+    pub(crate) fn palette_transport(&self) -> PaletteTransport {
         self.hand_over.transport
     }
 
-    /// What the last picture shows.
-    pub(crate) fn drawn(&self) -> Drawn {
-        self.drawn
+    /// Returns statistics of the last picture.
+    pub(crate) fn stats(&self) -> DrawStats {
+        self.stats
     }
 
-    /// Draws the crowd as of its last update.
+    /// Draws the crowd in the state of its last update.
     pub(crate) fn picture(&mut self, crowd: &mut Crowd) -> Result<Image, Failure> {
         self.renderer.acquire_palettes(crowd)?;
         let instances: Vec<_> = crowd
@@ -76,14 +77,14 @@ impl Studio {
             })
             .collect();
         let triangles = crowd.instances().map(|i| self.triangles[i.character.index()]).sum();
-        self.drawn = Drawn { members: instances.len(), triangles };
+        self.stats = DrawStats { members: instances.len(), triangles };
         self.renderer.draw(&self.scene, &instances)?;
         Ok(self.renderer.read_image()?)
     }
 }
 
-/// A crowd to be built for the OpenGL of a renderer, where there is one.
-pub(crate) fn drawn_with(
+/// Prepares a crowd builder for the OpenGL context of a renderer, if there is one.
+pub(crate) fn builder_for(
     builder: CrowdBuilder,
     renderer: &Result<Renderer, populace_render::Error>,
 ) -> CrowdBuilder {
@@ -93,7 +94,7 @@ pub(crate) fn drawn_with(
     }
 }
 
-/// The devices of a crowd by name, and the share of each where there are several.
+/// Names the devices of a crowd, with the load share of each if there are several.
 pub(crate) fn devices_and_shares(crowd: &Crowd) -> String {
     let (devices, shares) = (crowd.devices().as_slice(), crowd.shares());
     match devices {

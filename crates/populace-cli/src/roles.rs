@@ -1,0 +1,329 @@
+//! Loads the characters of a crowd, from files or from the built-in people.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use populace::core::{Binding, Character, Clip, RoleMap, RootMotion};
+use populace::{
+    BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
+};
+use populace_cast::{Look, person};
+
+use crate::failure::Failure;
+use crate::fit;
+use crate::input::InputArgs;
+use crate::names::hint;
+use crate::progress::Progress;
+use crate::report::message;
+
+/// Clips with a slower ground speed are taken to stand still.
+const WALKING_M_PER_SEC: f32 = 0.1;
+/// In a crowd of several characters, heights outside of this range are taken to be in another unit
+/// than metres.
+const PLAUSIBLE_M: std::ops::Range<f32> = 0.5..2.2;
+/// Height given to a character in another unit that is higher than long.
+const UPRIGHT_M: f32 = 1.75;
+/// Height given to a character in another unit that is longer than high.
+const FOUR_LEGGED_M: f32 = 0.8;
+
+/// A role in the crowd: a character, its scale, and the clips that its members play.
+pub(crate) struct CrowdRole {
+    pub(crate) id: CharacterId,
+    pub(crate) character: Arc<Character>,
+    /// Clips to choose from; may be empty.
+    pub(crate) clips: Vec<RoleClip>,
+    pub(crate) scale: f32,
+}
+
+/// A clip of a role.
+pub(crate) struct RoleClip {
+    pub(crate) id: ClipId,
+    /// Its root motion, and the factor that scales it for the character.
+    pub(crate) motion: Option<(RootMotion, f32)>,
+}
+
+/// The choice of clips to play.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct ClipChoice<'a> {
+    /// The clip of this name; the default clips if `None`.
+    pub(crate) clip: Option<&'a str>,
+    /// Whether root motion is extracted from the clip to move the member.
+    pub(crate) root_motion: bool,
+}
+
+/// The roles of a crowd, and all files that their characters refer to.
+pub(crate) struct LoadedRoles {
+    pub(crate) roles: Vec<CrowdRole>,
+    pub(crate) files: Vec<PathBuf>,
+}
+
+/// Loads characters from files, and records all files that they refer to.
+pub(crate) struct Loader<'a> {
+    input: &'a InputArgs,
+    referenced: Vec<PathBuf>,
+}
+
+impl<'a> Loader<'a> {
+    pub(crate) fn new(input: &'a InputArgs) -> Self {
+        Self { input, referenced: Vec::new() }
+    }
+
+    fn load(&mut self, file: &Path) -> Result<Character, Failure> {
+        let imported = self.input.load(file)?;
+        for note in &imported.notes {
+            message!("{}: {}: {}", file.display(), note.place, note.what);
+        }
+        self.referenced.extend(imported.named_files);
+        Ok(imported.character)
+    }
+}
+
+/// Loads the inputs into the crowd. An input is a file, `@people` for all built-in people, or one
+/// of them by name, such as `@child`. The clips of files without meshes, and of `clip_files`, are
+/// added to all characters.
+pub(crate) fn load(
+    crowd: &mut Crowd,
+    input: &InputArgs,
+    inputs: &[PathBuf],
+    clip_files: &[PathBuf],
+    choice: ClipChoice,
+    height_m: Option<f32>,
+) -> Result<LoadedRoles, Failure> {
+    let (mut drawn, mut clips, mut loader) = (Vec::new(), Vec::new(), Loader::new(input));
+    let mut progress = Progress::new("files", inputs.len() + clip_files.len());
+    for file in clip_files {
+        clips.extend(load_clips(&mut loader, file)?);
+        progress.step();
+    }
+    for input in inputs {
+        match built_in_name(input) {
+            Some(name) => drawn.extend(built_in(name)?),
+            None => {
+                let character = loader.load(input)?;
+                if character.parts.is_empty() {
+                    clips.extend(character.clips.iter().cloned());
+                } else {
+                    drawn.push(Arc::new(character));
+                }
+            }
+        }
+        progress.step();
+    }
+    if drawn.is_empty() {
+        return Err(Failure::Input(anyhow::anyhow!("none of the files contains a mesh to draw")));
+    }
+    let mixed = drawn.len() > 1;
+    drop(progress);
+    let mut progress = Progress::new("characters", drawn.len());
+    let mut add = |character: Arc<Character>| {
+        let scale = scale(&character, height_m, mixed);
+        progress.step();
+        Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })
+    };
+    let roles = drawn.into_iter().map(&mut add).collect::<Result<_, _>>()?;
+    Ok(LoadedRoles { roles, files: loader.referenced })
+}
+
+/// Returns the name of a built-in person given in place of a file: `people` for `@people`.
+pub(crate) fn built_in_name(input: &Path) -> Option<&str> {
+    input.to_str()?.strip_prefix('@')
+}
+
+/// Number of outfits of each person among `@people`.
+const OUTFITS: usize = 5;
+
+/// Returns the looks of built-in people: all of them in several outfits for `people`, otherwise the
+/// one with this name.
+fn looks(name: &str) -> Result<Vec<Look>, Failure> {
+    let presets = Look::presets();
+    if name == "people" {
+        let outfits =
+            (0..OUTFITS).flat_map(|number| presets.iter().map(move |look| look.in_outfit(number)));
+        return Ok(outfits.collect());
+    }
+    let list =
+        presets.iter().map(|look| format!("\"@{}\"", look.name)).collect::<Vec<_>>().join(", ");
+    let look = presets.into_iter().find(|look| look.name == name).ok_or_else(|| {
+        Failure::usage(format!(
+            "there is no built-in \"@{name}\"; choose one of \"@people\", {list}"
+        ))
+    })?;
+    Ok(vec![look])
+}
+
+fn create_person(look: &Look) -> Result<Character, Failure> {
+    person(look).map_err(|e| Failure::Run(e.into()))
+}
+
+fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
+    looks(name)?.iter().map(|look| create_person(look).map(Arc::new)).collect()
+}
+
+/// Loads the clips of a file or of a built-in person; `@people` stands for the first of them.
+pub(crate) fn load_clips(loader: &mut Loader, file: &Path) -> Result<Vec<Arc<Clip>>, Failure> {
+    match built_in_name(file) {
+        Some(name) => built_in_clips(name),
+        None => Ok(loader.load(file)?.clips.clone()),
+    }
+}
+
+fn built_in_clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
+    looks(name)?.first().map_or(Ok(Vec::new()), |look| Ok(create_person(look)?.clips.clone()))
+}
+
+/// Adds a character and the clips of others to the crowd. A humanoid that then has no clips gets
+/// those of the built-in people.
+fn add_role(
+    crowd: &mut Crowd,
+    character: Arc<Character>,
+    added: &[Arc<Clip>],
+    choice: ClipChoice,
+) -> Result<CrowdRole, Failure> {
+    let id = crowd.add_character(Arc::clone(&character))?;
+    let mut fits = Vec::new();
+    for clip in added {
+        match add_fitting(crowd, (id, &character), clip)? {
+            Ok(fit) => fits.push(fit),
+            Err(reason) if choice.clip == Some(clip.name()) => {
+                let (clip, name) = (clip.name(), &character.name);
+                return Err(Failure::usage(format!(
+                    "\"{name}\" cannot play the clip \"{clip}\": {reason}"
+                )));
+            }
+            Err(_) => {}
+        }
+    }
+    let clipless = crowd.clips(id)?.is_empty();
+    if clipless && RoleMap::detect(&character.skeleton).is_some() {
+        for clip in &built_in_clips("people")? {
+            fits.extend(add_fitting(crowd, (id, &character), clip)?);
+        }
+    }
+    let clips = match choice.clip {
+        Some(name) => vec![clip(crowd, id, name)?],
+        None => default_clips(crowd, id)?,
+    };
+    if clipless {
+        report_clipless(crowd, (id, &character), &clips)?;
+    }
+    for (clip, report) in fits.iter().filter(|(clip, _)| clips.contains(clip)) {
+        let known = crowd.clips(id)?.into_iter().find(|(known, _)| known == clip);
+        fit::warn(known.as_ref().map_or("", |(_, clip)| clip.name()), &character.name, report);
+    }
+    let clips = clips
+        .into_iter()
+        .map(|clip| role_clip(crowd, id, clip, choice))
+        .collect::<Result<_, _>>()?;
+    Ok(CrowdRole { id, character, clips, scale: 1.0 })
+}
+
+/// Adds a clip if it fits the character. Returns how well it fits, or why it does not.
+fn add_fitting(
+    crowd: &mut Crowd,
+    (id, character): (CharacterId, &Character),
+    clip: &Arc<Clip>,
+) -> Result<Result<(ClipId, BindingReport), String>, Failure> {
+    let (clip_roles, own) =
+        (RoleMap::detect(clip.skeleton()), RoleMap::detect(&character.skeleton));
+    Ok(match Binding::fitting(clip, clip_roles.as_ref(), &character.skeleton, own.as_ref()) {
+        Ok(binding) if binding.bound_joint_count() > 0 => {
+            Ok((crowd.add_clip(id, clip)?, *binding.report()))
+        }
+        Ok(_) => Err("it moves none of its joints".to_owned()),
+        Err(error) => Err(error.to_string()),
+    })
+}
+
+/// Reports which clips a character without clips of its own plays.
+fn report_clipless(
+    crowd: &Crowd,
+    (id, character): (CharacterId, &Character),
+    playing: &[ClipId],
+) -> Result<(), Failure> {
+    let name = &character.name;
+    let clips = crowd.clips(id)?;
+    let played: Vec<_> =
+        clips.iter().filter(|(id, _)| playing.contains(id)).map(|(_, clip)| clip.name()).collect();
+    if played.is_empty() {
+        message!(
+            "warning: \"{name}\" has no clips, and is not a humanoid that could play those of the \
+             built-in people; it is drawn in its rest pose; add clips with --clips FILE"
+        );
+    } else {
+        message!(
+            "\"{name}\" has no clips; it plays {} of the built-in people, retargeted",
+            played.join(" and ")
+        );
+    }
+    Ok(())
+}
+
+/// Finds a character's clip by its name.
+pub(crate) fn clip(crowd: &Crowd, id: CharacterId, name: &str) -> Result<ClipId, Failure> {
+    let clips = crowd.clips(id)?;
+    crowd.clip(id, name).map_err(|_| {
+        let hint = hint(name, clips.iter().map(|(_, clip)| clip.name()));
+        let character = crowd.character(id).map_or("", |character| &character.name);
+        Failure::usage(format!("\"{character}\" has no clip \"{name}\"{hint}"))
+    })
+}
+
+/// Adds root motion to a clip: that of the body if it was asked for; otherwise, for a clip that
+/// walks in place, that of the feet.
+fn role_clip(
+    crowd: &mut Crowd,
+    role: CharacterId,
+    clip: ClipId,
+    choice: ClipChoice,
+) -> Result<RoleClip, Failure> {
+    let Some((_, plain)) = crowd.clips(role)?.into_iter().find(|(id, _)| *id == clip) else {
+        return Ok(RoleClip { id: clip, motion: None });
+    };
+    let walks = plain.stats().ground_speed_m_per_sec.is_some_and(|speed| speed > WALKING_M_PER_SEC);
+    if !choice.root_motion && !walks {
+        return Ok(RoleClip { id: clip, motion: None });
+    }
+    let from = if choice.root_motion { MotionSource::Auto } else { MotionSource::Feet };
+    let settings = MotionSettings { from, ..MotionSettings::default() };
+    let with_motion =
+        plain.with_root_motion(&settings).map_err(|e| Failure::usage(e.to_string()))?;
+    if with_motion.root_motion().is_none_or(|motion| *motion.origin() == MotionOrigin::Nothing) {
+        return Ok(RoleClip { id: clip, motion: None });
+    }
+    let with_motion = Arc::new(with_motion);
+    let skeleton = &crowd.character(role)?.skeleton;
+    let [clip_roles, own] = [with_motion.skeleton(), skeleton].map(RoleMap::detect);
+    let scale = Binding::fitting(&with_motion, clip_roles.as_ref(), skeleton, own.as_ref())
+        .map_or(1.0, |binding| binding.motion_scale());
+    let motion = with_motion.root_motion().cloned().map(|motion| (motion, scale));
+    Ok(RoleClip { id: crowd.add_clip(role, &with_motion)?, motion })
+}
+
+/// Returns the scale to the height asked for or, in a crowd of several characters, to a plausible
+/// height.
+fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
+    let own = character.height_m().max(1e-6);
+    let longer_than_high = character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);
+    match height_m {
+        Some(height_m) => height_m / own,
+        None if !mixed || PLAUSIBLE_M.contains(&own) => 1.0,
+        None if longer_than_high => FOUR_LEGGED_M / own,
+        None => UPRIGHT_M / own,
+    }
+}
+
+/// Returns up to three walks and one idle of a character, found by name; the shortest names are
+/// preferred. If there are none, returns all clips.
+fn default_clips(crowd: &Crowd, id: CharacterId) -> Result<Vec<ClipId>, Failure> {
+    let clips = crowd.clips(id)?;
+    let shortest = |word: &str, count: usize| {
+        let named = |name: &str| {
+            name.to_lowercase().contains(word) && !name.to_lowercase().contains("pose")
+        };
+        let mut found: Vec<_> = clips.iter().filter(|(_, clip)| named(clip.name())).collect();
+        found.sort_by_key(|(_, clip)| clip.name().len());
+        found.into_iter().take(count).map(|(id, _)| *id).collect::<Vec<_>>()
+    };
+    let defaults = [shortest("walk", 3), shortest("idle", 1)].concat();
+    Ok(if defaults.is_empty() { clips.into_iter().map(|(id, _)| id).collect() } else { defaults })
+}
