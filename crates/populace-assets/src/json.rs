@@ -5,7 +5,7 @@ use crate::tree::Value;
 
 /// Largest size of a number in transforms, keys and vertices. Products of several stay within
 /// single precision.
-pub(crate) const LARGEST: f64 = populace_core::LARGEST as f64;
+pub(crate) const LARGEST: f64 = populace_model::LARGEST as f64;
 
 /// A JSON value, where it stands, and the log that its problems go to.
 #[derive(Clone)]

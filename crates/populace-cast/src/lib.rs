@@ -1,9 +1,9 @@
 //! People made by code: bodies of one closed surface on two kinds of skeleton, with clips that
 //! stand, walk and run, so that a crowd needs no download.
 //!
-//! Spaces and units are those of [`populace_core`]: metres, Y up, facing +Z, soles on y = 0. Each
+//! Spaces and units are those of [`populace_model`]: metres, Y up, facing +Z, soles on y = 0. Each
 //! character brings the clips `Idle`, `Idle_Shift`, `Walk` and `Run`; the last two walk in place,
-//! at the ground speed that [`ClipStats`](populace_core::ClipStats) tells.
+//! at the ground speed that [`ClipStats`](populace_clip::ClipStats) tells.
 //!
 //! ```
 //! use populace_cast::{Look, person};
@@ -13,7 +13,7 @@
 //! assert_eq!(tall.clips.len(), 4);
 //! let broken = Look { height_m: f64::NAN, ..Look::man() };
 //! assert!(person(&broken).is_err());
-//! # Ok::<(), populace_core::Error>(())
+//! # Ok::<(), populace_character::Error>(())
 //! ```
 //!
 //! The main decision: surface and motion are made for one set of 54 body segments, and a rig says
@@ -28,9 +28,9 @@ mod surface;
 
 use std::sync::Arc;
 
-use populace_core::{
-    Character, CharacterSource, Clip, Error, SkinInstance, sole_points, vertex_reach_m,
-};
+use populace_character::Error;
+use populace_character::{Character, CharacterSource, SkinInstance, sole_points, vertex_reach_m};
+use populace_clip::Clip;
 
 pub use look::{Colors, Hair, Look, Reach, Rig};
 
@@ -59,7 +59,7 @@ pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
 ///
 /// # Errors
 ///
-/// An [`Error`] of [`populace_core`] where a number of the look is not finite or makes no body.
+/// An [`Error`] of [`populace_character`] where a number of the look is not finite or makes no body.
 pub fn person(look: &Look) -> Result<Character, Error> {
     let body = anatomy::Body::new(look);
     let joints = rig::Joints::new(&body);

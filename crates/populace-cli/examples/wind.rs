@@ -10,10 +10,10 @@ mod shared;
 
 use std::error::Error;
 
-use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
-    Skeleton,
+use populace::character::{
+    Character, CharacterSource, Influences, Material, Mesh, PaletteEntry, Part,
 };
+use populace::model::{JointSource, Skeleton};
 use populace::{Affine, After, Crowd, Device, Placement, StageJoint, StageUse, Trs, UserStage};
 
 const JOINTS: u16 = 6;
@@ -44,7 +44,7 @@ fn wind(joint: &mut StageJoint) {
 }
 
 /// A stalk of six joints in a row, with rings of three around it, each of the joint at its height.
-fn stalk() -> Result<Character, populace::core::Error> {
+fn stalk() -> Result<Character, populace::character::Error> {
     let joint = |at: u16| JointSource {
         name: format!("node{at}"),
         parent: at.checked_sub(1).map(usize::from),

@@ -1,6 +1,6 @@
 //! Names that do not exist, and which ones do.
 
-use populace::core::{JointIndex, Skeleton, did_you_mean};
+use populace::model::{JointIndex, Skeleton, did_you_mean};
 use populace::nearest_names;
 
 use crate::failure::Failure;

@@ -1,6 +1,7 @@
 //! Vertices as the palettes of a device move them.
 
-use populace::core::{Affine, Part};
+use populace::character::Part;
+use populace::model::Affine;
 
 /// The skinning equation for one vertex, in double precision from the device's palette.
 pub(crate) fn skinned(part: &Part, vertex: usize, palette: &[Affine]) -> [f64; 3] {

@@ -1,6 +1,6 @@
 //! A crowd on its ground: who stands where, playing what, and where that takes them.
 
-use populace::core::RootMotion;
+use populace::clip::RootMotion;
 use populace::{Crowd, Placement, Play};
 
 use crate::cast::Role;

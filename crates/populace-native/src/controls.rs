@@ -13,13 +13,14 @@ mod limb;
 mod motion;
 mod targets;
 
-use populace_core::layout::{
+use populace_device::layout::{
     Constraint, Control, Float4, LINKS_MOST, Link, NONE, STATES_PER_CONTROL, STEP_ATTACH,
     STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS,
     STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, TURNS_MOST, WATCHED_ELEMENTS,
 };
-use populace_core::math::{quat, vec3};
-use populace_core::{Affine, Frame, Tables, Trs};
+use populace_device::{Frame, Tables};
+use populace_model::math::{quat, vec3};
+use populace_model::{Affine, Trs};
 
 use crate::stages::{self, Stages};
 

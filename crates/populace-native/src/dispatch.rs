@@ -8,7 +8,7 @@
               processor has it"
 )]
 
-use populace_core::layout::Float4;
+use populace_device::layout::Float4;
 
 use crate::fused::{self, Desk, Evaluation};
 use crate::joint::Posing;

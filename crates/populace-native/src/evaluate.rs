@@ -1,7 +1,7 @@
 //! Evaluate: each slot's rows and weight from the clock; the twin of `kernels/evaluate.cl`.
 
-use populace_core::Tables;
-use populace_core::layout::{ClipRows, Float4, NONE, SLOT_LIVE, Slot, SlotSample};
+use populace_device::Tables;
+use populace_device::layout::{ClipRows, Float4, NONE, SLOT_LIVE, Slot, SlotSample};
 use rayon::prelude::*;
 
 use crate::machines::slot_now;

@@ -4,9 +4,10 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use populace_core::layout::{Body, Float4, PAGE_ENTRIES, PALETTE_BLOCK};
-use populace_core::math::components;
-use populace_core::{Affine, Frame, MAX_SLOTS, Tables};
+use populace_device::layout::{Body, Float4, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::{Frame, MAX_SLOTS, Tables};
+use populace_model::Affine;
+use populace_model::math::components;
 
 use crate::controls::{self, Clock, Keeping, Left, Models, Steering, control_of};
 use crate::dispatch::Dispatch;

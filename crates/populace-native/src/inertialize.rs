@@ -1,9 +1,9 @@
 //! What clips that were left leave behind for a while: the difference from what took their place,
 //! in pose and in speed; the twin of `kernels/inertialize.cl`.
 
-use populace_core::layout::{ClipRows, Slot, SlotSample};
-use populace_core::math::quat;
-use populace_core::{SampledState, Tables, far_row, row_before};
+use populace_device::layout::{ClipRows, Slot, SlotSample};
+use populace_device::{SampledState, Tables, far_row, row_before};
+use populace_model::math::quat;
 
 use crate::joint::{Posing, add_layer, change, each3, quotient};
 use crate::rows::{Local, Width, sample_joint};

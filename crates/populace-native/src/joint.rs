@@ -1,11 +1,11 @@
 //! What Pose computes for a joint, or for sixteen: a member's slots mixed layer by layer; the twin
 //! of `kernels/joint.cl`.
 
-use populace_core::Tables;
-use populace_core::layout::{
+use populace_device::Tables;
+use populace_device::layout::{
     Body, Control, LEAST_WEIGHT, Layer, NONE, REST_SCALE, REST_TRANSLATION, Slot, SlotSample,
 };
-use populace_core::math::{Real, quat};
+use populace_model::math::{Real, quat};
 
 use crate::controls::Clock;
 use crate::dispatch::Dispatch;

@@ -7,7 +7,7 @@
 //! results do not depend on the number of threads.
 //!
 //! ```
-//! use populace_core::{Backend, Frame, PaletteSource, Schedule, Tables};
+//! use populace_device::{Backend, Frame, PaletteSource, Schedule, Tables};
 //! use populace_native::NativeBackend;
 //!
 //! let mut backend = NativeBackend::new(2, Schedule::Fused)?;
@@ -15,7 +15,7 @@
 //! backend.update(&tables)?;
 //! backend.run(&tables, Frame::of_all(0))?;
 //! assert!(backend.with_page(0, &mut |_| ()).is_err(), "an empty crowd has no page of palettes");
-//! # Ok::<(), populace_core::BackendError>(())
+//! # Ok::<(), populace_device::BackendError>(())
 //! ```
 
 mod controls;
@@ -40,8 +40,8 @@ mod write_back;
 use std::sync::PoisonError;
 use std::time::Instant;
 
-use populace_core::layout::{Float4, PAGE_ENTRIES, SlotSample};
-use populace_core::{
+use populace_device::layout::{Float4, PAGE_ENTRIES, SlotSample};
+use populace_device::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };

@@ -1,8 +1,8 @@
 //! State machines: where each goes in a frame, and what its two slots then play; the twin of
 //! `kernels/machines.cl`.
 
-use populace_core::Tables;
-use populace_core::layout::{
+use populace_device::Tables;
+use populace_device::layout::{
     CONDITION_ABOVE, CONDITION_BELOW, Condition, Float4, MACHINE_PARAMETERS, MachineInstance, NONE,
     Running, SLOT_MACHINE, SLOT_MODE_BITS, Slot,
 };

@@ -1,7 +1,7 @@
 //! Where palettes live: in memory of our own, or in pages that OpenGL lends.
 
-use populace_core::layout::Float4;
-use populace_core::{
+use populace_device::layout::Float4;
+use populace_device::{
     BackendError, HandedOver, MappedPage, PAGE_SETS, PaletteTarget, Tables, TargetMark,
 };
 

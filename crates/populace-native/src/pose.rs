@@ -1,8 +1,8 @@
 //! Pose: each member's slots, mixed layer by layer, as local transforms; the twin of
 //! `kernels/pose.cl`.
 
-use populace_core::layout::{Float4, JOINT_BLOCK, SlotSample};
-use populace_core::{Frame, MAX_SLOTS, Tables};
+use populace_device::layout::{Float4, JOINT_BLOCK, SlotSample};
+use populace_device::{Frame, MAX_SLOTS, Tables};
 
 use crate::controls::{Clock, control_of};
 use crate::dispatch::Dispatch;
@@ -64,7 +64,7 @@ pub(crate) fn run(
 }
 
 /// The layers that a member uses.
-pub(crate) fn member_layers(tables: &Tables, place: u32) -> &[populace_core::layout::Layer] {
+pub(crate) fn member_layers(tables: &Tables, place: u32) -> &[populace_device::layout::Layer] {
     let in_use = tables.members().as_slice()[place as usize].layer_count() as usize;
     &tables.layers().as_slice()[tables.layer_range(place)][..in_use]
 }

@@ -1,7 +1,8 @@
 //! What lies between slots and palette, for those who want to read it while a fused schedule runs.
 
-use populace_core::layout::{Float4, SlotSample};
-use populace_core::{Affine, BackendError, StageBuffer, Tables};
+use populace_device::layout::{Float4, SlotSample};
+use populace_device::{BackendError, StageBuffer, Tables};
+use populace_model::Affine;
 
 use crate::controls::{Clock, Keeping};
 use crate::dispatch::Dispatch;

@@ -4,13 +4,14 @@
 //! A component is `offset + step * n`: a joint that the clip does not drive, or that stands still,
 //! has a step of 0, so the arithmetic is the same for all.
 
-use populace_core::layout::{
+use populace_device::Tables;
+use populace_device::layout::{
     BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN,
     MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, REST_SCALE, REST_TRANSLATION, ROW_FLOATS,
     RowBlock, SlotSample,
 };
-use populace_core::math::{Real, quat};
-use populace_core::{Property, Tables};
+use populace_model::Property;
+use populace_model::math::{Real, quat};
 
 use crate::joint::Posing;
 use crate::lanes::{LANES, Lanes, Several};

@@ -1,6 +1,6 @@
 //! Spreading work over threads without a member ever being split.
 
-use populace_core::layout::{Float4, NONE};
+use populace_device::layout::{Float4, NONE};
 
 /// Elements that one thread takes at a time: enough to hide the cost of handing over, few enough to
 /// balance.

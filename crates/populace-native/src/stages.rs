@@ -1,12 +1,11 @@
 //! Users' stages: what they get of a joint, and what is taken of what they leave; the twin of
 //! `kernels/stage.cl`.
 
-use populace_core::layout::{Control, STAGE_PARAMETERS, Step};
-use populace_core::math::quat;
-use populace_core::{
-    Affine, BackendError, FIRST_TICK, JointIndex, Place, StageFn, StageJoint, Tables, Trs,
-    UserStage,
-};
+use populace_clip::FIRST_TICK;
+use populace_device::layout::{Control, STAGE_PARAMETERS, Step};
+use populace_device::{BackendError, Place, StageFn, StageJoint, Tables, UserStage};
+use populace_model::math::quat;
+use populace_model::{Affine, JointIndex, Trs};
 
 use crate::DEVICE;
 use crate::controls::Clock;

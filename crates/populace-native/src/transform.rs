@@ -1,8 +1,9 @@
 //! Transform: local transforms down the hierarchy, with constraints and overrides on the way; the
 //! twin of `kernels/transform.cl`.
 
-use populace_core::layout::{Float4, JOINT_BLOCK};
-use populace_core::{Affine, Frame, Tables, Trs};
+use populace_device::layout::{Float4, JOINT_BLOCK};
+use populace_device::{Frame, Tables};
+use populace_model::{Affine, Trs};
 
 use crate::controls::{self, Clock, Keeping, Models, Steering};
 use crate::fused::{Scratch, scratch_of};

@@ -1,9 +1,10 @@
 //! What a retargeted clip's poses go through; the twin of `kernels/turns.cl`. See
-//! [`TURN_PLANES`](populace_core::layout::TURN_PLANES).
+//! [`TURN_PLANES`](populace_device::layout::TURN_PLANES).
 
-use populace_core::layout::{BLOCK_TURNED, Body, BoundClip, NONE, REST_TRANSLATION, SlotSample};
-use populace_core::math::{quat, vec3};
-use populace_core::{Property, Tables};
+use populace_device::Tables;
+use populace_device::layout::{BLOCK_TURNED, Body, BoundClip, NONE, REST_TRANSLATION, SlotSample};
+use populace_model::Property;
+use populace_model::math::{quat, vec3};
 
 use crate::rows::{Columns, Width, bound_block, component, load_quat, sample_vector};
 

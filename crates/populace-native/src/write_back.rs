@@ -1,8 +1,9 @@
 //! Write-back: `model_from_bind = model_from_joint * joint_from_bind`; the twin of
 //! `kernels/write_back.cl`.
 
-use populace_core::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
-use populace_core::{Affine, Frame, Tables};
+use populace_device::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::{Frame, Tables};
+use populace_model::Affine;
 use rayon::prelude::*;
 
 use crate::ModelRows;

@@ -1,5 +1,5 @@
 /* affine.cl - affine transforms as 3x4 matrices, each one float16: three rows of four, and four lanes that nothing looks
- * at; the twin of populace-core math/affine.rs. A product is three permutes, three repeated rows, and one more permute for
+ * at; the twin of populace-model math/affine.rs. A product is three permutes, three repeated rows, and one more permute for
  * the translation. */
 
 INLINE float16 repeated(float4 row) { return (float16)(row, row, row, row); }

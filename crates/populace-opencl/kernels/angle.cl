@@ -1,4 +1,4 @@
-/* angle.cl - angles from their sines and cosines, and back. Twin of populace-core math/angle.rs. */
+/* angle.cl - angles from their sines and cosines, and back. Twin of populace-model math/angle.rs. */
 
 #define HALF_TURN 3.14159274101257324f
 #define QUARTER_TURN 1.57079637050628662f

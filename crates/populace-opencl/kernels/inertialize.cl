@@ -1,7 +1,7 @@
 /* inertialize.cl - what clips that were left leave behind for a while: the difference from what took their place, in pose and in
  * speed (Bollo, "Inertialization", GDC 2018). Twin of populace-native inertialize.rs. */
 
-/* How a clip stood; see SampledState in populace-core playback/inertialize.rs. */
+/* How a clip stood; see SampledState in populace-device playback/inertialize.rs. */
 typedef struct { uint bound_clip; float row, pace; } SampledState;
 
 INLINE SampledState stand_of(uint bound_clip, ulong pair)

@@ -1,4 +1,4 @@
-/* quat.cl - quaternions and vectors; the twin of populace-core math/quat.rs and math/real.rs: the
+/* quat.cl - quaternions and vectors; the twin of populace-model math/quat.rs and math/real.rs: the
  * same functions, each with the same order of operations. dot(), normalize() and mix() of OpenCL C
  * are not used, since they may sum in another order. */
 

@@ -1,5 +1,5 @@
 /* rows.cl - local transforms of one joint, or of sixteen neighbouring ones, from a clip's rows.
- * Twin of populace-native rows.rs; see populace-core clip/storage.rs for what a row holds. A
+ * Twin of populace-native rows.rs; see populace-clip storage.rs for what a row holds. A
  * component is `offset + step * n`: a joint that the clip does not drive, or that stands still,
  * has a step of 0, so the arithmetic is the same for all. */
 

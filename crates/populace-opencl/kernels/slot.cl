@@ -1,5 +1,5 @@
 /* slot.cl - each slot's rows and weight from the clock. Slots are closed-form and never written. Twin of populace-native
- * evaluate.rs and populace-core playback.rs. And what words of a member's row hold. */
+ * evaluate.rs and populace-device playback.rs. And what words of a member's row hold. */
 
 INLINE uint member_layers(Member member) { return member.layers_and_phase & ((1u << MEMBER_LAYER_BITS) - 1u); }
 

@@ -1,4 +1,4 @@
-/* stage_tools.cl - what users' stages can call; their texts follow. Twin of StageJoint in populace-core. */
+/* stage_tools.cl - what users' stages can call; their texts follow. Twin of StageJoint in populace-device. */
 
 INLINE float stage_phase(const StageJoint *joint, float period_secs)
 {

@@ -1,5 +1,5 @@
 /* turn.cl - vectors, turns and angles of one joint, whatever LANES is: vectors as x y z 0, turns as unit quaternions x y z w.
- * Twin of populace-core math/vec3.rs: the same functions, each with the same order of operations, by + - * / alone. */
+ * Twin of populace-model math/vec3.rs: the same functions, each with the same order of operations, by + - * / alone. */
 
 #define IDENTITY_TURN ((float4)(0.0f, 0.0f, 0.0f, 1.0f))
 

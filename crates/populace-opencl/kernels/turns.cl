@@ -1,4 +1,4 @@
-/* turns.cl - what a retargeted clip's poses go through; see TURN_PLANES in populace-core layout.rs. Twin of populace-native
+/* turns.cl - what a retargeted clip's poses go through; see TURN_PLANES in populace-device layout.rs. Twin of populace-native
  * turns.rs. */
 
 /* The rows that a turn has for two of its clip's. */

@@ -18,7 +18,7 @@ use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel;
 use opencl3::platform::Platform;
 use opencl3::program::Program;
-use populace_core::{BackendError, GlContext, PaletteTransport};
+use populace_device::{BackendError, GlContext, PaletteTransport};
 
 use crate::cache::{Cache, Entry as CacheEntry};
 use crate::finding::{DeviceInfo, all_devices, info};
@@ -112,7 +112,7 @@ impl OpenClDevice {
 
     /// The same for a device or a part of one, with a context that shares buffers with one of
     /// OpenGL's, so that palettes are written where OpenGL draws from
-    /// ([`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared)). Best called on the
+    /// ([`PaletteTransport::Shared`](populace_device::PaletteTransport::Shared)). Best called on the
     /// thread on which the context of OpenGL's is current: some drivers want that.
     ///
     /// This has not been run on a graphics processor yet: no driver at hand offers it.

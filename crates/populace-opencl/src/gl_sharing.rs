@@ -18,8 +18,8 @@ use opencl3::context::Context;
 use opencl3::device::Device;
 use opencl3::error_codes::ClError;
 use opencl3::memory::{Buffer as ClBuffer, CL_MEM_READ_WRITE, CL_MEM_USE_HOST_PTR, ClMem};
-use populace_core::layout::Float4;
-use populace_core::{BackendError, GlContext, MappedPage, PAGE_SETS, PaletteTarget, SharedPage};
+use populace_device::layout::Float4;
+use populace_device::{BackendError, GlContext, MappedPage, PAGE_SETS, PaletteTarget, SharedPage};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;

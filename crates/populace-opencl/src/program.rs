@@ -1,6 +1,6 @@
-//! The texts of the programs: layouts and constants from `populace-core`, then the kernels.
+//! The texts of the programs: layouts and constants from `populace-device`, then the kernels.
 
-use populace_core::UserStage;
+use populace_device::UserStage;
 
 /// What a program's kernels compute at once, and where the fused ones keep what a member plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -88,7 +88,7 @@ impl Form {
         ];
         let arithmetic =
             if matches!(self, Self::Common | Self::Floor) { &[][..] } else { &arithmetic };
-        let prelude = populace_core::layout::opencl_prelude();
+        let prelude = populace_device::layout::opencl_prelude();
         let (declared, tools) = if stages.is_empty() {
             ("", "")
         } else {

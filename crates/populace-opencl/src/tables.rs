@@ -1,11 +1,11 @@
 //! The device's copies of the host's tables.
 
-use populace_core::layout::{
+use populace_device::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
     Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source, Step,
     Target, Transition,
 };
-use populace_core::{BackendError, Tables};
+use populace_device::{BackendError, Tables};
 
 use crate::OpenClDevice;
 use crate::upload::{Copies, DeviceTable, Parcel, Route};
@@ -53,9 +53,9 @@ macro_rules! device_tables {
 }
 
 // What every schedule reads.
-populace_core::with_tables!(device_tables, DeviceTables);
+populace_device::with_tables!(device_tables, DeviceTables);
 // What the staged schedule alone reads.
-populace_core::with_block_tables!(device_tables, DeviceBlockTables);
+populace_device::with_block_tables!(device_tables, DeviceBlockTables);
 
 /// The members of each page, for the fused schedules, which walk them. Lists shorten: launches take
 /// the host's count.

@@ -1,6 +1,6 @@
 //! Between the crowd's arithmetic and the simulation's.
 
-use populace::core::JointIndex;
+use populace::model::JointIndex;
 use populace::{Affine, Placement, Trs};
 use rapier3d::math::Mat3;
 pub(crate) use rapier3d::math::{Pose, Rotation, Vector};

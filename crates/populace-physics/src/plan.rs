@@ -6,7 +6,7 @@ mod rest;
 mod select;
 mod shape;
 
-use populace::core::{JointIndex, Skeleton};
+use populace::model::{JointIndex, Skeleton};
 
 use crate::math::{Rotation, Vector, joint_index, point_before};
 use limits::Anatomy;

@@ -1,6 +1,6 @@
 //! Where a member's joints were in the world at one instant.
 
-use populace::core::JointIndex;
+use populace::model::JointIndex;
 use populace::{Affine, BackendError, Crowd, Member, Placement};
 
 use crate::Error;

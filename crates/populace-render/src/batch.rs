@@ -1,8 +1,8 @@
 //! Sorts instances into draws: one for each run of the same character, page and handedness.
 
 use glam::Vec3;
-use populace_core::Affine;
-use populace_core::layout::PAGE_ENTRIES;
+use populace_device::layout::PAGE_ENTRIES;
+use populace_model::Affine;
 
 use crate::layout::InstanceData;
 use crate::{Error, Instance};

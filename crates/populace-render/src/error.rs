@@ -105,7 +105,7 @@ pub enum Error {
     },
     /// A device that failed, or refuses what it is lent.
     #[error(transparent)]
-    Device(#[from] populace_core::BackendError),
+    Device(#[from] populace_device::BackendError),
     /// A driver whose buffers cannot be drawn from while they are mapped.
     #[error("this driver offers neither OpenGL 4.4 nor GL_ARB_buffer_storage")]
     NoBufferStorage,

@@ -6,7 +6,7 @@
 //! alike have a name here: there is no three-component vector for blocks, which takes 16 bytes
 //! there.
 
-use populace_core::layout::Float4;
+use populace_device::layout::Float4;
 
 /// A column-major 4x4 matrix in a uniform block.
 #[repr(C)]

@@ -1,12 +1,13 @@
 //! Draws crowds with OpenGL: instanced meshes, skinned in the vertex shader straight from the
 //! matrix palettes that a device wrote, without a window.
 //!
-//! Spaces and units are those of [`populace_core`]; pictures are sRGB with rows from the top;
+//! Spaces and units are those of [`populace_model`]; pictures are sRGB with rows from the top;
 //! colours in [`Scene`] and [`Instance`] are linear.
 //!
 //! ```no_run
-//! use populace_core::layout::Float4;
-//! use populace_core::{Affine, Character};
+//! use populace_device::layout::Float4;
+//! use populace_character::Character;
+//! use populace_model::Affine;
 //! use populace_render::{Camera, Instance, Renderer, Scene, write_png};
 //!
 //! # fn picture(character: &Character, palette: &[Float4]) -> Result<(), populace_render::Error> {

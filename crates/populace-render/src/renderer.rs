@@ -4,8 +4,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
-use populace_core::layout::Float4;
-use populace_core::{Character, GlContext, Image, PaletteSource, Part};
+use populace_character::{Character, Image, Part};
+use populace_device::layout::Float4;
+use populace_device::{GlContext, PaletteSource};
 
 use crate::batch::{Batches, CharacterFacts, Run};
 use crate::gl::{
@@ -103,7 +104,7 @@ impl Renderer {
     }
 
     /// The context of OpenGL's, for a device that is to write its memory: see
-    /// [`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared).
+    /// [`PaletteTransport::Shared`](populace_device::PaletteTransport::Shared).
     #[must_use]
     pub fn gl_context(&self) -> Arc<dyn GlContext> {
         self.gl.context()
@@ -143,7 +144,7 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] past the limits of [`layout`](populace_core::layout) or of the driver,
+    /// [`Error::TooLarge`] past the limits of [`layout`](populace_device::layout) or of the driver,
     /// [`Error::PartialMatrix`] where the last entry is cut off, or no room for it.
     pub fn upload_page(&mut self, page: usize, palette: &[Float4]) -> Result<(), Error> {
         self.gl.make_current()?;

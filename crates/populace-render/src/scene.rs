@@ -1,6 +1,6 @@
 //! What is drawn, besides the characters themselves.
 
-use populace_core::Affine;
+use populace_model::Affine;
 
 use crate::{Camera, Error};
 
@@ -17,8 +17,8 @@ pub struct Instance {
     pub world_from_model: Affine,
     /// How far from there its palette has it, in metres of the world: shadows reach as far.
     pub moved: [f32; 3],
-    /// Its first palette entry: page times [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES)
-    /// plus the place within the page, as in [`Member`](populace_core::layout::Member).
+    /// Its first palette entry: page times [`PAGE_ENTRIES`](populace_device::layout::PAGE_ENTRIES)
+    /// plus the place within the page, as in [`Member`](populace_device::layout::Member).
     pub palette_first: u32,
     /// Linear colour that multiplies its surfaces.
     pub tint: [f32; 3],

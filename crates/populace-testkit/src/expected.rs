@@ -1,6 +1,6 @@
 //! What the oracle says of a crowd's members.
 
-use populace_core::TICKS_PER_SEC;
+use populace_clip::TICKS_PER_SEC;
 
 use crate::oracle::{
     OracleInertialization, OracleLayer, OraclePose, OracleSlot, OracleStand, Timing, Weighting,

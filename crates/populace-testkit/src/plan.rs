@@ -1,6 +1,7 @@
 //! Members under test, planned in plain words.
 
-use populace_core::{LayerMode, TICKS_PER_SEC};
+use populace_clip::TICKS_PER_SEC;
+use populace_device::LayerMode;
 
 use crate::oracle::{Timing, Weighting};
 

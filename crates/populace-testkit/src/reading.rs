@@ -1,7 +1,7 @@
 //! What a backend computed, member by member.
 
-use populace_core::layout::Float4;
-use populace_core::{Backend, StageBuffer};
+use populace_device::layout::Float4;
+use populace_device::{Backend, StageBuffer};
 
 use crate::TestCrowd;
 

@@ -61,8 +61,9 @@ enum Shape {
 ///
 /// ```
 /// # use populace::{BlendSpace, Crowd, Device, Placement, Play};
-/// # use populace::core::{CharacterSource, Character, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-/// #     JointIndex, Affine, Property, Skeleton, Track, Trs};
+/// # use populace::character::{Character, CharacterSource, PaletteEntry};
+/// # use populace::clip::Clip;
+/// # use populace::model::{Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs};
 /// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
 /// # let skeleton = Skeleton::new(&[joint])?;
 /// # let clip = |name: &str, secs| { let track = Track { joint: "hips".into(), property: Property::Translation,

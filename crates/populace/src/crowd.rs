@@ -26,11 +26,11 @@ mod watches;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use populace_core::layout::{PAGE_ENTRIES, Slot};
-use populace_core::{
-    AnimationSet, BackendError, BodyIndex, Character, ClipIndex, FIRST_TICK, Frame, GlContext,
-    RoleMap, TICKS_PER_SEC, Tables,
-};
+use populace_character::Character;
+use populace_clip::{AnimationSet, ClipIndex, FIRST_TICK, TICKS_PER_SEC};
+use populace_device::layout::{PAGE_ENTRIES, Slot};
+use populace_device::{BackendError, BodyIndex, Frame, GlContext, Tables};
+use populace_model::RoleMap;
 
 use crate::device::Opened;
 use crate::split::Kept;

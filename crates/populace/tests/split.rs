@@ -4,10 +4,11 @@
 
 use std::sync::Arc;
 
-use populace::core::layout::Float4;
-use populace::core::{
-    Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource,
-    PaletteEntry, Property, Skeleton, Track,
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::hand_over::Float4;
+use populace::model::{
+    Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track,
 };
 use populace::{
     CharacterId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split, Trs,

@@ -10,7 +10,7 @@ mod skinning;
 
 use std::sync::OnceLock;
 
-use populace_core::Character;
+use populace_character::Character;
 
 /// The cast, made once.
 fn people() -> &'static [Character] {

@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use populace_core::{Affine, Character, Clip, Property, Track};
+use populace_character::Character;
+use populace_clip::Clip;
+use populace_model::{Affine, Property, Track};
 
 /// A character's surface with the vertices of all parts welded by place.
 pub(crate) struct Surface<'a> {

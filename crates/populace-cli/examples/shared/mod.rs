@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use populace::Crowd;
-use populace::core::Character;
+use populace::character::Character;
 use populace_render::{Camera, Instance, Renderer, Scene, write_png};
 
 /// The first argument, or a name of our own in the current folder.

@@ -2,10 +2,10 @@
 
 use std::f32::consts::TAU;
 
-use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
-    Skeleton,
+use populace::character::{
+    Character, CharacterSource, Influences, Material, Mesh, PaletteEntry, Part,
 };
+use populace::model::{JointSource, Skeleton};
 use populace::{Affine, JointIndex, Trs};
 
 /// Corners of a ring.
@@ -16,7 +16,10 @@ const AROUND: u16 = 24;
 pub(crate) type Piece<'a> = ([f32; 3], &'a [[f32; 2]]);
 
 /// A character of one joint made of pieces that are turned about +Y, as on a lathe.
-pub(crate) fn turned(name: &str, pieces: &[Piece]) -> Result<Character, populace::core::Error> {
+pub(crate) fn turned(
+    name: &str,
+    pieces: &[Piece],
+) -> Result<Character, populace::character::Error> {
     let joint = JointSource { name: name.into(), parent: None, rest: Trs::IDENTITY };
     let part = |(piece, (_, outline)): (usize, &Piece)| Part {
         node: 0,

@@ -3,7 +3,7 @@
 //! cannot be blended once hierarchy and binds are in the palettes, nor can a joint be masked or
 //! moved.
 
-use populace::core::Affine;
+use populace::model::Affine;
 use populace::{Crowd, Device, Error, Placement, Play, Schedule};
 use rayon::prelude::*;
 

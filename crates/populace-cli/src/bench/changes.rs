@@ -1,7 +1,8 @@
 //! What members play that crossfade again and again, found apart from the crowd: as the rules say,
 //! in double precision.
 
-use populace::core::{Character, ticks_from_secs};
+use populace::character::Character;
+use populace::clip::ticks_from_secs;
 use populace_testkit::oracle::{OracleSlot, Timing, Weighting};
 
 use super::scene::{FADE_SECS, PlayedSlot};
@@ -44,7 +45,7 @@ impl Playing {
         match self.weighting {
             Weighting::Ramp { tick, to: 0.0, secs, .. } => {
                 f64::from(secs)
-                    - now.saturating_sub(tick) as f64 / populace::core::TICKS_PER_SEC as f64
+                    - now.saturating_sub(tick) as f64 / populace::clip::TICKS_PER_SEC as f64
             }
             _ => f64::INFINITY,
         }

@@ -1,7 +1,8 @@
 //! What beside clips moves members under load, and whether they do as they are told.
 
 use glam::{DAffine3, DVec3};
-use populace::core::{Character, Skeleton};
+use populace::character::Character;
+use populace::model::Skeleton;
 use populace::{
     Crowd, Error, Feet, Foot, Gaze, GazeLimits, JointIndex, LayerMode, LayerSettings, Mask, MaskId,
     Member, Target, Weight,
@@ -20,7 +21,7 @@ fn joint(skeleton: &Skeleton, source: usize) -> Result<JointIndex, Error> {
     }
     let what =
         format!("constraints take bodies of 11 joints or more, not of {}", skeleton.joint_count());
-    Err(populace::core::Error::BadConstraint { what }.into())
+    Err(populace_device::Error::BadConstraint { what }.into())
 }
 
 /// The upper body.

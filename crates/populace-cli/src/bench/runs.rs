@@ -3,9 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use populace::core::Stage;
-use populace::core::layout::{LAYERS_PER_MEMBER, Layer, Member, Slot, SlotSample};
+use populace::Stage;
 use populace::{Devices, Schedule};
+use populace_device::layout::{LAYERS_PER_MEMBER, Layer, Member, Slot, SlotSample};
 
 use super::baked::TableSizes;
 use super::memory::{ENTRY_BYTES, palette_bytes};
@@ -31,7 +31,7 @@ impl FromStr for Way {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
-        let schedule = |error: populace::core::Error| format!("{error}; or baked");
+        let schedule = |error: populace_device::Error| format!("{error}; or baked");
         if name == "baked" {
             Ok(Self::Baked)
         } else {

@@ -6,7 +6,8 @@ mod loans;
 mod stage;
 mod times;
 
-use populace::core::{Image, PaletteTransport};
+use populace::character::Image;
+use populace::hand_over::PaletteTransport;
 use populace::{Device, Devices, Split};
 
 use stage::{Stage, Troupe, film_by_copy};

@@ -1,7 +1,9 @@
 //! Feet as they are drawn: every vertex that a foot carries, over a cycle.
 
 use libtest_mimic::Failed;
-use populace::core::{Affine, Character, Clip, JointIndex, Part, Role, RoleMap, Side};
+use populace::character::{Character, Part};
+use populace::clip::Clip;
+use populace::model::{Affine, JointIndex, Role, RoleMap, Side};
 use populace::{ClipId, Crowd, Member, Play};
 
 /// Moments of a cycle.

@@ -1,6 +1,6 @@
 //! Calls that add what members play, and play it.
 
-use populace::core::Skeleton;
+use populace::model::Skeleton;
 use populace::{
     After, BlendSpace, ClipId, Condition, JointIndex, LiveSettings, Mask, Play, SpacePoint,
     StateMachine, Trs,

@@ -1,8 +1,8 @@
 //! Chains of any length, by FABRIK (Aristidou & Lasenby 2011, "FABRIK: a fast, iterative solver for
 //! the inverse kinematics problem"); the twin of `kernels/chain.cl`.
 
-use populace_core::layout::{LINKS_MOST, Step};
-use populace_core::math::{quat, vec3};
+use populace_device::layout::{LINKS_MOST, Step};
+use populace_model::math::{quat, vec3};
 
 use super::limb::soft_distance;
 use super::{Models, Steering};

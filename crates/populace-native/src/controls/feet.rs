@@ -4,9 +4,9 @@
 //! While that is little the foot is planted: it stays where it came down, in the world, however the
 //! member is moved. Lifted again, it makes up for what it was held back.
 
-use populace_core::Affine;
-use populace_core::layout::{Constraint, FEET_MOST, Float4, Link, Step};
-use populace_core::math::{Real, quat, vec3};
+use populace_device::layout::{Constraint, FEET_MOST, Float4, Link, Step};
+use populace_model::Affine;
+use populace_model::math::{Real, quat, vec3};
 
 use super::limb::Limb;
 use super::{Models, Steering};

@@ -5,9 +5,9 @@
 //! no head tilts. Both come straight from the directions before and after. Angles are needed for
 //! what lies beyond the limits or between targets.
 
-use populace_core::Affine;
-use populace_core::layout::{Constraint, NONE, Step};
-use populace_core::math::{Real, angle, quat, vec3};
+use populace_device::layout::{Constraint, NONE, Step};
+use populace_model::Affine;
+use populace_model::math::{Real, angle, quat, vec3};
 
 use super::{Models, Steering};
 

@@ -1,8 +1,8 @@
 //! Two-bone inverse kinematics, of one limb or of several side by side; the twin of
 //! `kernels/limb.cl`.
 
-use populace_core::layout::Step;
-use populace_core::math::{Real, quat, vec3};
+use populace_device::layout::Step;
+use populace_model::math::{Real, quat, vec3};
 
 use super::{Models, Steering};
 

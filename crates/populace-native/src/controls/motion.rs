@@ -6,12 +6,12 @@
 //! weighed then: so nothing is lost of what is left in the midst of a frame. Where something
 //! inertializes, the speed of the frame before goes over into that of what plays now, as poses do.
 
-use populace_core::Affine;
-use populace_core::layout::{
+use populace_device::layout::{
     BoundClip, ClipRows, FEET_MOST, Float4, LEAST_WEIGHT, MOTION_ELEMENTS, MOTION_STATE, NONE,
     SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
-use populace_core::math::{Real, vec3};
+use populace_model::Affine;
+use populace_model::math::{Real, vec3};
 
 use super::{Models, Steering};
 use crate::machines::machine_slot;

@@ -1,9 +1,9 @@
 //! What a constraint aims at; the twin of `kernels/targets.cl`.
 
-use populace_core::layout::{
+use populace_device::layout::{
     Constraint, TARGET_DIRECTION, TARGET_WATCHED, TARGET_WORLD, Target, WATCHED_ELEMENTS,
 };
-use populace_core::math::vec3;
+use populace_model::math::vec3;
 
 use super::Steering;
 

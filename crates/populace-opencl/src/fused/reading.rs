@@ -1,7 +1,7 @@
 //! What lies between slots and palette of one member, for those who want to read it.
 
-use populace_core::layout::{Float4, POSE_PLANES, SlotSample};
-use populace_core::{BackendError, StageBuffer, Tables};
+use populace_device::layout::{Float4, POSE_PLANES, SlotSample};
+use populace_device::{BackendError, StageBuffer, Tables};
 
 use super::MATRIX;
 use crate::OpenClDevice;

@@ -1,6 +1,6 @@
 //! The skeleton at rest, measured.
 
-use populace::core::{Affine, JointIndex, Skeleton};
+use populace::model::{Affine, JointIndex, Skeleton};
 
 use super::names;
 use crate::math::{Rotation, Vector, origin};

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use glow::HasContext as _;
-use populace_core::{Image, TextureFilter, Wrap};
+use populace_character::{Image, TextureFilter, Wrap};
 
 use super::Gl;
 use crate::Error;
@@ -41,7 +41,7 @@ impl Texture {
         let texture = Self { gl: Rc::clone(gl), raw };
         texture.bind(0);
         // SAFETY: the context is current and the texture bound; the driver reads width x height x 4
-        // bytes, which is what `populace_core::Character::new` makes sure `rgba` holds. Rows of
+        // bytes, which is what `populace_character::Character::new` makes sure `rgba` holds. Rows of
         // 4-byte pixels need no padding.
         unsafe {
             let pixels = glow::PixelUnpackData::Slice(Some(&image.rgba));

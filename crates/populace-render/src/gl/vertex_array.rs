@@ -105,7 +105,7 @@ impl VertexArray {
         let stride = |bytes: usize| i32::try_from(bytes).unwrap_or(0);
         let functions = &self.gl.functions;
         // SAFETY: the context is current. Indices lie below the number of vertices because
-        // `populace_core::Character::new` checked them and `model.rs` uploads them unchanged;
+        // `populace_character::Character::new` checked them and `model.rs` uploads them unchanged;
         // instances were checked above. Palette reads lie within the bound page because `batch.rs`
         // checks each instance against it.
         unsafe {

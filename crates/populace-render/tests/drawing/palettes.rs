@@ -1,7 +1,8 @@
 //! Vertices go where palettes say.
 
-use populace_core::layout::PAGE_ENTRIES;
-use populace_core::{Affine, Character, Influences};
+use populace_character::{Character, Influences};
+use populace_device::layout::PAGE_ENTRIES;
+use populace_model::Affine;
 
 use crate::fixture::{at, palette, part, person, place, plain, quad_mesh, source};
 use crate::rig::{NOTHING, Picture, Rig, instance};

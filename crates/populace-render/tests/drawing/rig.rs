@@ -1,7 +1,8 @@
 //! A renderer whose pictures can be reckoned by hand: light is 1 everywhere unless a test lights
 //! it, a metre at z = 0 is 32 pixels, and the world's origin is in the middle.
 
-use populace_core::{Affine, Character, Image};
+use populace_character::{Character, Image};
+use populace_model::Affine;
 use populace_render::{
     Ambient, Camera, CharacterHandle, Error, Highlights, Instance, Renderer, Scene, Sky, Sun,
 };

@@ -1,6 +1,6 @@
 //! Ground, sky, shadow and haze.
 
-use populace_core::Affine;
+use populace_model::Affine;
 use populace_render::{Camera, Ground, Sky};
 
 use crate::fixture::{at, person};

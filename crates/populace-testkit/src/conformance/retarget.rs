@@ -1,6 +1,6 @@
 //! Clips on bodies that they were not made for.
 
-use populace_core::{Backend, LayerMode};
+use populace_device::{Backend, LayerMode};
 
 use super::plans;
 use crate::compare::Judge;

@@ -2,7 +2,7 @@
 //! "Inertialization", GDC 2018).
 
 use glam::{DQuat, DVec3, DVec4};
-use populace_core::ClipSource;
+use populace_model::ClipSource;
 
 use super::pose::{Gain, HEMISPHERE_MARGIN, Posed, four, ratio, unit};
 use super::{Local, OracleRetarget};

@@ -1,7 +1,8 @@
 //! Pose: slots mixed layer by layer into local transforms.
 
 use glam::{DQuat, DVec3, DVec4};
-use populace_core::{ClipSource, LayerMode};
+use populace_device::LayerMode;
+use populace_model::ClipSource;
 
 use super::inertialize::{Remains, inertialize};
 use super::sample::TracksByJoint;

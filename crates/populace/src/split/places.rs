@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use populace_core::Tables;
-use populace_core::layout::{Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::Tables;
+use populace_device::layout::{Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
 
 /// Places that are counted together.
 const CHUNK: usize = 256;
@@ -123,7 +123,9 @@ impl Place {
 
 #[cfg(test)]
 mod tests {
-    use populace_core::{Affine, BodyIndex, JointIndex, JointSource, PaletteEntry, Skeleton, Trs};
+    use populace_character::PaletteEntry;
+    use populace_device::BodyIndex;
+    use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
     use super::*;
 

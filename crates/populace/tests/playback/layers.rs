@@ -1,6 +1,6 @@
 //! Layers as users set them, against the oracle.
 
-use populace::core::TICKS_PER_SEC;
+use populace::clip::TICKS_PER_SEC;
 use populace::{Crowd, CrowdBuilder, LayerMode, LayerSettings, Mask, Member, Placement, Play};
 use populace_testkit::oracle::{OracleBody, OracleLayer, OracleSlot, evaluate};
 
@@ -81,7 +81,8 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
             1 => drop(crowd.blend(member, clip, play.weight(0.4)).unwrap()),
             2 => drop(crowd.queue(member, clip, play).unwrap()),
             5 => {
-                drop(crowd.play(member, clip, Play::once().on_layer(2).fade_in_secs(0.1)).unwrap())
+                let play = Play::once().on_layer(2).fade_in_secs(0.1);
+                crowd.play(member, clip, play).unwrap();
             }
             _ => {}
         }

@@ -1,0 +1,457 @@
+//! From constraints in words to what devices read: which step follows which joint, and where each
+//! finds its data.
+
+use populace_model::{JointIndex, LARGEST, LARGEST_SCALE, Skeleton, Trs, f64math};
+
+use crate::Error;
+use crate::control::{
+    Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
+};
+use crate::layout::{
+    self, FEET_MOST, Float4, Link, NONE, Override, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT,
+    STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN,
+    STEP_WATCH, Step, TURNS_MOST, Target,
+};
+use crate::tables::u32_from;
+
+/// Part of a leg's length in which it straightens. Little, for straight legs are what clips of
+/// standing people have.
+const FOOT_SOFT: f32 = 0.005;
+/// Heights in parts of a leg's length: up to the first a foot is planted, from the second on it
+/// follows the clip alone.
+const PLANTED: f32 = 0.03;
+const LIFTED: f32 = 0.14;
+/// How far a foot may be held back, in parts of its leg's length.
+const HELD_BACK: f32 = 0.5;
+
+/// All that one control has devices do. Indices count from the program's own first element until it
+/// is moved.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Program {
+    /// By joint, those of the way down the hierarchy first, then those after Pose.
+    pub(super) steps: Vec<Step>,
+    pub(super) pose_step_count: usize,
+    /// Those in local space first, then those in model space, and last where the member is
+    /// attached.
+    pub(super) overrides: Vec<Override>,
+    pub(super) local_count: usize,
+    pub(super) constraints: Vec<layout::Constraint>,
+    pub(super) links: Vec<Link>,
+    pub(super) targets: Vec<Target>,
+    /// The member's own, of the stages that it uses.
+    pub(super) values: Vec<Float4>,
+    pub(super) scale_first: u32,
+    turns: usize,
+}
+
+fn bad<T>(what: impl Into<String>) -> Result<T, Error> {
+    Err(Error::BadConstraint { what: what.into() })
+}
+
+fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
+    if values.iter().all(|v| v.is_finite()) {
+        Ok(())
+    } else {
+        bad(format!("{what} has a number that is not finite"))
+    }
+}
+
+fn bounded(what: &str, values: &[f32]) -> Result<(), Error> {
+    if values.iter().all(|v| v.abs() <= LARGEST) {
+        Ok(())
+    } else {
+        bad(format!("{what} has a number that is not finite, or larger than {LARGEST:e} in size"))
+    }
+}
+
+/// Of length 1, however long it was given; as it is where that has no length.
+#[expect(clippy::cast_possible_truncation, reason = "to the nearest")]
+fn direction(of: [f32; 3]) -> [f32; 3] {
+    let wide = of.map(f64::from);
+    let length = wide.iter().map(|v| v * v).sum::<f64>().sqrt();
+    if length > 0.0 { wide.map(|v| (v / length) as f32) } else { of }
+}
+
+/// A transform that the host gives.
+fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
+    let length: f32 = given.rotation.iter().map(|v| v * v).sum();
+    if !given.is_bounded() || !(0.9..1.1).contains(&length) {
+        return bad(format!(
+            "{what} needs finite numbers, a translation of at most {LARGEST:e}, scales of at most \
+             {LARGEST_SCALE:e} and a rotation of length 1"
+        ));
+    }
+    let [x, y, z] = given.translation;
+    Ok(Override {
+        translation_and_weight: Float4([x, y, z, weight]),
+        rotation: Float4(f64math::normalized(given.rotation)),
+        scale: Float4::from_xyz(given.scale),
+        ..Override::default()
+    })
+}
+
+/// The tangent of an angle below a quarter of a turn, and beyond any other from there on.
+fn tangent(angle_rad: f32) -> f32 {
+    if angle_rad < std::f32::consts::FRAC_PI_2 { angle_rad.tan() } else { f32::MAX }
+}
+
+fn float4([x, y, z]: [f32; 3], w: f32) -> Float4 {
+    Float4([x, y, z, w])
+}
+
+impl Program {
+    pub(super) fn compile(skeleton: &Skeleton, controls: &Controls) -> Result<Self, Error> {
+        let mut program =
+            Self { scale_first: controls.proportions.unwrap_or(NONE), ..Self::default() };
+        for constraint in &controls.constraints {
+            match constraint {
+                Constraint::Gaze(gaze) => program.gaze(skeleton, gaze)?,
+                Constraint::Limb(limb) => program.limb(skeleton, limb)?,
+                Constraint::Chain(chain) => program.chain(skeleton, chain)?,
+                Constraint::Feet(feet) => program.feet(skeleton, feet)?,
+            }
+        }
+        for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
+            controls
+                .motion
+                .into_iter()
+                .for_each(|epoch| program.step(root, STEP_MOTION, 0, epoch as usize));
+        }
+        program.overrides(skeleton, &controls.overrides)?;
+        let pose_steps = program.stages(skeleton, &controls.stages)?;
+        for (kind, watches) in [(STEP_WATCH, &controls.watches), (STEP_CARRY, &controls.carries)] {
+            for &(joint, watched) in watches {
+                path(skeleton, joint, joint)?;
+                program.step(joint, kind, watched, 0);
+            }
+        }
+        program.attach(skeleton, controls.attached)?;
+        program.solve_legs_at_once();
+        if program.turns > TURNS_MOST as usize {
+            let what = format!(
+                "a member's constraints would turn {} joints one after the other; {TURNS_MOST} at \
+                 most can be",
+                program.turns
+            );
+            return bad(what);
+        }
+        // Stable: what moves the whole body comes first, then where a root is attached; constraints
+        // of one joint stay in order, then stages, then overrides, then what is watched.
+        program.steps.sort_by_key(|step| (step.joint, rank(step.kind)));
+        program.pose_step_count = pose_steps.len();
+        program.steps.extend(pose_steps);
+        Ok(program)
+    }
+
+    fn step(&mut self, joint: JointIndex, kind: u32, index: u32, turn: usize) {
+        self.steps.push(Step { joint: joint.0, kind, index, turn: u32_from(turn) });
+    }
+
+    /// Takes turns for the steps to come.
+    fn take_turns(&mut self, count: usize) -> usize {
+        self.turns += count;
+        self.turns - count
+    }
+
+    fn add(
+        &mut self,
+        row: layout::Constraint,
+        links: &[Link],
+        targets: &[Target],
+    ) -> Result<u32, Error> {
+        for target in targets {
+            bounded("a target", &target.point.0)?;
+            finite(
+                "the weight of a target",
+                &[target.start_weight, target.weight_rate, target.end_weight],
+            )?;
+        }
+        let (link_first, target_first) = (u32_from(self.links.len()), u32_from(self.targets.len()));
+        self.links.extend(links);
+        self.targets.extend(targets);
+        let target_count =
+            if targets.is_empty() { row.target_count } else { u32_from(targets.len()) };
+        let link_count = u32_from(links.len());
+        self.constraints.push(layout::Constraint {
+            link_first,
+            link_count,
+            target_first,
+            target_count,
+            ..row
+        });
+        Ok(u32_from(self.constraints.len() - 1))
+    }
+
+    fn gaze(&mut self, skeleton: &Skeleton, gaze: &Gaze) -> Result<(), Error> {
+        let (Some(&(first, _)), Some(&(last, _))) = (gaze.chain.first(), gaze.chain.last()) else {
+            return bad("a gaze needs at least one joint");
+        };
+        let sum: f32 = gaze.chain.iter().map(|(_, share)| share).sum();
+        let good =
+            gaze.chain.iter().all(|(_, share)| *share >= 0.0) && sum.is_finite() && sum > 0.0;
+        let limits = gaze.limits;
+        let half = std::f32::consts::PI;
+        let in_range = (0.0..half).contains(&limits.yaw_rad)
+            && [limits.up_rad, limits.down_rad].iter().all(|v| (0.0..half / 2.0).contains(v));
+        if !good || !in_range {
+            return bad("a gaze shares its turn in parts that are not negative, and turns less \
+                        than half about to either side, and less than a quarter up and down");
+        }
+        finite("where a gaze faces", &gaze.facing)?;
+        let joints = path(skeleton, first, last)?;
+        let share_of = |joint: &JointIndex| {
+            let parts = gaze.chain.iter().filter(|(j, _)| j == joint);
+            parts.map(|(_, share)| share / sum).sum::<f32>()
+        };
+        let links: Vec<Link> =
+            joints.iter().map(|joint| Link { joint: joint.0, share: share_of(joint) }).collect();
+        let parent = skeleton.parent(first);
+        let row = layout::Constraint {
+            axis: float4(
+                in_joint(skeleton, Some(last), direction(gaze.facing)),
+                tangent(limits.yaw_rad),
+            ),
+            front: float4(in_joint(skeleton, parent, [0.0, 0.0, 1.0]), tangent(limits.up_rad)),
+            up: float4(in_joint(skeleton, parent, [0.0, 1.0, 0.0]), tangent(limits.down_rad)),
+            limits: Float4([limits.yaw_rad, limits.up_rad, limits.down_rad, 0.0]),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &gaze.targets)?;
+        let turn = self.take_turns(joints.len() - 1);
+        self.step(first, STEP_GAZE, index, turn);
+        for (at, link) in links.iter().enumerate().skip(1).filter(|(_, link)| link.share > 0.0) {
+            self.step(JointIndex(link.joint), STEP_TURN, index, turn + at - 1);
+        }
+        Ok(())
+    }
+
+    fn limb(&mut self, skeleton: &Skeleton, limb: &Limb) -> Result<(), Error> {
+        let (links, middle) =
+            limb_links(skeleton, limb.first, [limb.first, limb.middle, limb.end])?;
+        if !(limb.soft > 0.0 && limb.soft <= 0.5) {
+            return bad(format!(
+                "a limb straightens in a part {} of its length; above 0 and up to 0.5 is needed",
+                limb.soft
+            ));
+        }
+        finite("where a limb bends to", &limb.bend)?;
+        let pole = limb.pole.unwrap_or([0.0; 3]);
+        finite("a pole", &pole)?;
+        let row = layout::Constraint {
+            axis: float4(in_joint(skeleton, Some(limb.first), direction(limb.bend)), 0.0),
+            front: float4(direction(pole), f32::from(u8::from(limb.pole.is_some()))),
+            limits: Float4([limb.soft, 1.0, 0.0, 0.0]),
+            middle,
+            keeps_end: u32::from(limb.keeps_end),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &limb.targets)?;
+        let turn = self.take_turns(2);
+        self.step(limb.first, STEP_REACH, index, turn);
+        self.step(limb.middle, STEP_TURN, index, turn);
+        self.step(limb.end, STEP_TURN, index, turn + 1);
+        Ok(())
+    }
+
+    fn chain(&mut self, skeleton: &Skeleton, chain: &Chain) -> Result<(), Error> {
+        let joints = path(skeleton, chain.first, chain.end)?;
+        if joints.len() < 2 {
+            return bad("a chain needs at least two joints");
+        }
+        if !(chain.soft > 0.0 && chain.soft <= 0.5) {
+            return bad(format!(
+                "a chain straightens in a part {} of its length; above 0 and up to 0.5 is needed",
+                chain.soft
+            ));
+        }
+        let links: Vec<Link> =
+            joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect();
+        let row = layout::Constraint {
+            limits: Float4([chain.soft, 1.0, 0.0, 0.0]),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &chain.targets)?;
+        let turn = self.take_turns(joints.len() - 1);
+        self.step(chain.first, STEP_CHAIN, index, turn);
+        for (at, joint) in joints.iter().enumerate().skip(1) {
+            self.step(*joint, STEP_TURN, index, turn + at - 1);
+        }
+        Ok(())
+    }
+
+    fn feet(&mut self, skeleton: &Skeleton, feet: &Feet) -> Result<(), Error> {
+        if feet.feet.is_empty() || feet.feet.len() > FEET_MOST as usize {
+            return bad(format!("{} feet are given; 1 to {FEET_MOST} can be", feet.feet.len()));
+        }
+        if !(0.0..=1.0).contains(&feet.weight) {
+            return bad(format!("feet weigh {}; from 0 to 1 is needed", feet.weight));
+        }
+        if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
+            return bad("a member's feet are given twice");
+        }
+        let turn = self.take_turns(3 * feet.feet.len());
+        let first = u32_from(self.constraints.len());
+        for (nth, foot) in feet.feet.iter().enumerate() {
+            let (row, links) = foot_row(skeleton, feet, foot)?;
+            let row = layout::Constraint { target_count: u32_from(feet.feet.len()), ..row };
+            let index = self.add(row, &links, &[])?;
+            let turn = turn + 3 * nth;
+            self.step(foot.hip, STEP_FOOT, index, turn);
+            self.step(foot.knee, STEP_TURN, index, turn + 1);
+            self.step(foot.ankle, STEP_TURN, index, turn + 2);
+        }
+        self.step(feet.pelvis, STEP_PELVIS, first, turn);
+        Ok(())
+    }
+
+    /// Legs are solved with the pelvis, side by side, where nothing else moves them between it and
+    /// the knees.
+    fn solve_legs_at_once(&mut self) {
+        let is_foot = |step: &&mut Step| step.kind == STEP_FOOT;
+        let chains = self.steps.iter().filter(|step| step.kind == STEP_FOOT).flat_map(|step| {
+            let foot = &self.constraints[step.index as usize];
+            &self.links[foot.link_first as usize..][..=foot.upper as usize]
+        });
+        let carriers: Vec<u32> = chains.map(|link| link.joint).collect();
+        let moves = |step: &Step| {
+            !matches!(step.kind, STEP_FOOT | STEP_PELVIS | STEP_WATCH | STEP_CARRY | STEP_MOTION)
+        };
+        if self.steps.iter().any(|step| moves(step) && carriers.contains(&step.joint)) {
+            return;
+        }
+        for step in self.steps.iter_mut().filter(is_foot) {
+            self.constraints[step.index as usize].at_once = 1;
+            step.kind = STEP_TURN;
+        }
+    }
+
+    fn overrides(&mut self, skeleton: &Skeleton, overrides: &[JointOverride]) -> Result<(), Error> {
+        let of = |space: Space| overrides.iter().filter(move |o| o.space == space);
+        for given in of(Space::Local).chain(of(Space::Model)) {
+            path(skeleton, given.joint, given.joint)?;
+            let name = skeleton.name(given.joint);
+            if !(0.0..=1.0).contains(&given.weight) {
+                return bad(format!("the override of joint \"{name}\" needs a weight from 0 to 1"));
+            }
+            let row = transform(
+                &format!("the override of joint \"{name}\""),
+                &given.transform,
+                given.weight,
+            )?;
+            self.overrides.push(Override { joint: given.joint.0, ..row });
+            if given.space == Space::Model {
+                self.step(given.joint, STEP_OVERRIDE, u32_from(self.overrides.len() - 1), 0);
+            } else {
+                self.local_count += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets all roots follow the joint that the member is attached to.
+    fn attach(&mut self, skeleton: &Skeleton, attached: Option<(u32, Trs)>) -> Result<(), Error> {
+        let Some((watched, offset)) = attached else { return Ok(()) };
+        let at = self.overrides.len();
+        self.overrides.push(transform("the offset of what is attached", &offset, 1.0)?);
+        for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
+            self.step(root, STEP_ATTACH, watched, at);
+        }
+        Ok(())
+    }
+
+    /// Makes indices count from where the tables hold the program.
+    pub(super) fn move_to(
+        &mut self,
+        overrides: usize,
+        constraints: usize,
+        links: usize,
+        targets: usize,
+        values: usize,
+    ) {
+        for step in &mut self.steps {
+            step.index += match step.kind {
+                STEP_OVERRIDE => u32_from(overrides),
+                STEP_WATCH | STEP_CARRY | STEP_ATTACH | STEP_STAGE | STEP_MOTION => 0,
+                _ => u32_from(constraints),
+            };
+            step.turn += match step.kind {
+                STEP_STAGE => u32_from(values),
+                STEP_ATTACH => u32_from(overrides),
+                _ => 0,
+            };
+        }
+        for constraint in &mut self.constraints {
+            constraint.link_first += u32_from(links);
+            constraint.target_first += u32_from(targets);
+        }
+    }
+}
+
+/// Among the steps of one joint.
+fn rank(kind: u32) -> u32 {
+    match kind {
+        STEP_MOTION => 0,
+        STEP_ATTACH => 1,
+        STEP_PELVIS => 2,
+        STEP_STAGE => 4,
+        STEP_OVERRIDE => 5,
+        STEP_WATCH | STEP_CARRY => 6,
+        _ => 3,
+    }
+}
+
+/// The chain from `from` to the end of a limb of `first`, `middle` and `end`, and which link the
+/// middle is.
+fn limb_links(
+    skeleton: &Skeleton,
+    from: JointIndex,
+    [first, middle, end]: [JointIndex; 3],
+) -> Result<(Vec<Link>, u32), Error> {
+    let joints = path(skeleton, from, end)?;
+    let at = |joint: JointIndex| joints.iter().position(|j| *j == joint);
+    let (Some(upper), Some(bends)) = (at(first), at(middle)) else {
+        let (middle, end) = (skeleton.name(middle), skeleton.name(end));
+        return bad(format!(
+            "joint \"{middle}\" does not stand between the limb's first joint and \"{end}\""
+        ));
+    };
+    if !(upper < bends && bends + 1 < joints.len()) {
+        return bad(format!(
+            "a limb needs three joints, the one below the other; it ends at \"{}\"",
+            skeleton.name(end)
+        ));
+    }
+    Ok((joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect(), u32_from(bends)))
+}
+
+/// A foot's constraint and its chain, which begins at the pelvis.
+fn foot_row(
+    skeleton: &Skeleton,
+    feet: &Feet,
+    foot: &Foot,
+) -> Result<(layout::Constraint, Vec<Link>), Error> {
+    let legs = [foot.hip, foot.knee, foot.ankle];
+    let (links, middle) = limb_links(skeleton, feet.pelvis, legs)?;
+    let upper = links.iter().position(|link| link.joint == foot.hip.0).unwrap_or(0);
+    if upper == 0 {
+        return bad(format!(
+            "the leg of \"{}\" begins at the pelvis itself",
+            skeleton.name(foot.ankle)
+        ));
+    }
+    let models = skeleton.rest_models();
+    let place = |joint: JointIndex| models[joint.index()].translation;
+    let [hip, knee, ankle] = legs.map(place);
+    let [length, rest_height] =
+        f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y]);
+    let row = layout::Constraint {
+        axis: float4(in_joint(skeleton, Some(foot.hip), [0.0, 0.0, 1.0]), 0.0),
+        up: Float4([rest_height, PLANTED * length, LIFTED * length, HELD_BACK * length]),
+        limits: Float4([FOOT_SOFT, feet.weight, 0.0, 0.0]),
+        middle,
+        upper: u32_from(upper),
+        keeps_end: 1,
+        ..layout::Constraint::default()
+    };
+    Ok((row, links))
+}

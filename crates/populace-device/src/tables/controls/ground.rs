@@ -1,0 +1,95 @@
+//! The ground that feet keep to.
+
+use populace_model::LARGEST;
+
+use crate::Error;
+use crate::layout;
+use crate::tables::{Tables, u32_from};
+
+/// The ground in the world: a plane, or a height for each place of a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ground {
+    plane: layout::Ground,
+    heights: Vec<f32>,
+}
+
+impl Ground {
+    /// A plane that is so high, in metres, at the world's origin, and rises by so many metres for
+    /// each along +X and +Z.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size.
+    pub fn plane(height: f32, [slope_x, slope_z]: [f32; 2]) -> Result<Self, Error> {
+        if [height, slope_x, slope_z].iter().all(|v| v.abs() <= LARGEST) {
+            let plane =
+                layout::Ground { offset: height, slope_x, slope_z, ..layout::Ground::default() };
+            return Ok(Self { plane, heights: Vec::new() });
+        }
+        let what = format!(
+            "a plane of the ground has a number that is not finite, or larger than {LARGEST:e} in \
+             size"
+        );
+        Err(Error::BadConstraint { what })
+    }
+
+    /// A height in metres for each place of a grid that begins at `corner` (x and z in metres) and
+    /// has a sample every `spacing_m` metres, `count_x` of them along +X, which vary fastest.
+    /// Between samples heights are interpolated linearly both ways; outside, the border's go on.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadConstraint`] for a number that is not finite or larger than [`LARGEST`] in size,
+    /// a spacing not above 0, or fewer than two samples either way.
+    pub fn height_field(
+        corner: [f32; 2],
+        spacing_m: f32,
+        count_x: usize,
+        heights: Vec<f32>,
+    ) -> Result<Self, Error> {
+        let count_z = heights.len().checked_div(count_x).unwrap_or(0);
+        let numbers = heights.iter().chain(&corner).all(|v| v.abs() <= LARGEST);
+        let grid = count_x >= 2 && count_z >= 2 && count_x * count_z == heights.len();
+        let per_metre = 1.0 / spacing_m;
+        if !(numbers && grid && spacing_m > 0.0 && per_metre.is_finite() && per_metre > 0.0) {
+            let what = format!(
+                "a height field of {} heights, {count_x} in a row, {spacing_m} m apart: whole \
+                 rows are needed, two at least each way, of at most {LARGEST:e} m, and above 0 m \
+                 apart",
+                heights.len()
+            );
+            return Err(Error::BadConstraint { what });
+        }
+        let plane = layout::Ground {
+            grid_x: corner[0],
+            grid_z: corner[1],
+            per_metre,
+            count_x: u32_from(count_x),
+            count_z: u32_from(count_z),
+            ..layout::Ground::default()
+        };
+        Ok(Self { plane, heights })
+    }
+}
+
+impl Default for Ground {
+    /// The level ground through the world's origin.
+    fn default() -> Self {
+        Self { plane: layout::Ground::default(), heights: Vec::new() }
+    }
+}
+
+impl Tables {
+    /// Sets the ground.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] past 32-bit offsets.
+    pub fn set_ground(&mut self, ground: &Ground) -> Result<(), Error> {
+        self.all.heights.truncate(0);
+        self.all.heights.extend(ground.heights.iter().copied())?;
+        self.all.ground.grow(1, ground.plane);
+        self.all.ground.set(0, ground.plane);
+        Ok(())
+    }
+}

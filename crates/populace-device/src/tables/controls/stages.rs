@@ -1,0 +1,71 @@
+//! Users' stages: their parameters, and the steps of the members that use them.
+
+use populace_model::Skeleton;
+
+use super::compile::Program;
+use super::write;
+use crate::control::path;
+use crate::layout::{Float4, STAGE_PARAMETERS, STAGES_MOST, STEP_STAGE, Step};
+use crate::tables::space::Space;
+use crate::tables::{Tables, u32_from};
+use crate::{After, Error, StageUse};
+
+/// Elements of one stage's parameters.
+const ELEMENTS: usize = STAGE_PARAMETERS as usize / 4;
+/// Those of all stages, before the values of members.
+pub(in crate::tables) const PARAMETER_ELEMENTS: usize = STAGES_MOST as usize * ELEMENTS;
+
+/// Places for the values of members.
+pub(super) fn space() -> Space {
+    let mut space = Space::new(usize::MAX);
+    space.take(PARAMETER_ELEMENTS);
+    space
+}
+
+impl Tables {
+    /// Sets the parameters of a user's stage.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadPlayback`] for a stage past the last.
+    pub fn set_stage_parameters(
+        &mut self,
+        stage: u32,
+        parameters: &[f32; STAGE_PARAMETERS as usize],
+    ) -> Result<(), Error> {
+        if stage >= STAGES_MOST {
+            return Err(Error::BadPlayback { what: "stage", value: stage });
+        }
+        let elements = parameters.as_chunks::<4>().0.iter().map(|four| Float4(*four));
+        write(&mut self.all.stage_values, stage as usize * ELEMENTS, &elements.collect::<Vec<_>>());
+        Ok(())
+    }
+}
+
+impl Program {
+    /// Adds the steps of stages: those after Transform, and those after Pose, which are returned.
+    pub(super) fn stages(
+        &mut self,
+        skeleton: &Skeleton,
+        uses: &[StageUse],
+    ) -> Result<Vec<Step>, Error> {
+        let mut pose_steps = Vec::new();
+        for given in uses {
+            if given.stage >= STAGES_MOST {
+                return Err(Error::BadPlayback { what: "stage", value: given.stage });
+            }
+            let value = u32_from(self.values.len());
+            self.values.push(Float4(given.values));
+            for joint in &given.joints {
+                path(skeleton, *joint, *joint)?;
+                let step =
+                    Step { joint: joint.0, kind: STEP_STAGE, index: given.stage, turn: value };
+                if given.after == After::Pose { &mut pose_steps } else { &mut self.steps }
+                    .push(step);
+            }
+        }
+        // Stable: stages of one joint stay in the order in which they were taken.
+        pose_steps.sort_by_key(|step| step.joint);
+        Ok(pose_steps)
+    }
+}
