@@ -89,15 +89,21 @@ fn crates_use_only_what_lies_below_them() {
 }
 
 /// Crates of others that only one of ours may use, in its tests or outside them.
-const SOLE_USERS: &[(&str, &str)] = &[("rapier3d", "populace-physics")];
+const SOLE_USERS: &[(&str, &str)] = &[
+    ("glow", "populace-render"),
+    ("khronos-egl", "populace-render"),
+    ("opencl3", "populace-opencl"),
+    ("rapier3d", "populace-physics"),
+];
 
 #[test]
-fn one_crate_alone_uses_rapier() {
+fn drivers_and_physics_have_one_user_each() {
     for folder in std::fs::read_dir(root().join("crates")).expect("crates") {
         let folder = folder.expect("a crate").path();
         let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).expect("Cargo.toml");
         for (theirs, ours) in SOLE_USERS {
-            let uses = manifest.lines().any(|line| line.starts_with(theirs));
+            let names = |line: &str| line.split(['.', ' ', '=']).next() == Some(theirs);
+            let uses = manifest.lines().any(names);
             assert_eq!(uses, folder.ends_with(ours), "{theirs} in {}", folder.display());
         }
     }

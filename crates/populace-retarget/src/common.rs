@@ -7,6 +7,7 @@
 //! `Gt = Gs * inverse(Gs0) * Gtc`. All other joints of the target keep their local rest.
 
 mod chain;
+mod feet;
 mod ground;
 mod soles;
 

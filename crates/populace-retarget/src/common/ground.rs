@@ -5,25 +5,15 @@ use glam::{DAffine3, DQuat, DVec3};
 use populace_model::humanoid::{Role, Side};
 use populace_model::{JointIndex, f64math};
 
+use super::feet::{SIDES, Stands};
 use super::{Common, Soles};
 
 /// Feet may sink by this part of the body's size before the whole body is lifted, and it is lifted
 /// by no more than that: who lies or swims is meant to.
 const SINKS: f64 = 0.004;
 const MOST: f64 = 0.02;
-pub(super) const SIDES: [Side; 2] = [Side::Left, Side::Right];
 /// A pace that is further from what the length of legs says is none.
 const LIKELY: std::ops::Range<f64> = 0.4..2.5;
-
-/// What of the target touches the ground: a foot, or its toes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Stands {
-    pub(super) joint: JointIndex,
-    /// In model space.
-    pub(super) place: DVec3,
-    /// From rest, in model space.
-    pub(super) turn: DQuat,
-}
 
 /// How far the ground passes under feet: each moment has the place of one or none for each side.
 fn passed(moments: &[[Option<DVec3>; 2]]) -> f64 {

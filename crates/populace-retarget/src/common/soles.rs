@@ -5,7 +5,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use populace_model::JointIndex;
 use populace_model::humanoid::{Role, Side};
 
-use super::ground::{SIDES, Stands};
+use super::feet::{SIDES, Stands};
 use super::{Common, Figure};
 
 /// Soles may be this deep in the ground, in parts of the body's height: nobody sees it, and feet
