@@ -68,10 +68,35 @@ macro_rules! device_struct {
     };
 }
 
+/// A constant's value, as OpenCL C writes it.
+enum Const {
+    U32(u32),
+    F32(f32),
+}
+
+impl std::fmt::Display for Const {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::U32(value) => write!(f, "{value}u"),
+            // The shortest decimal that reads as the same number.
+            Self::F32(value) => write!(f, "{value:e}f"),
+        }
+    }
+}
+
+macro_rules! device_const {
+    (u32, $value:expr) => {
+        Const::U32($value)
+    };
+    (f32, $value:expr) => {
+        Const::F32($value)
+    };
+}
+
 macro_rules! device_consts {
-    ($( $(#[$doc:meta])* pub const $name:ident : u32 = $value:expr; )*) => {
-        $( $(#[$doc])* pub const $name: u32 = $value; )*
-        const CONSTS: &[(&str, u32)] = &[$( (stringify!($name), $value) ),*];
+    ($( $(#[$doc:meta])* pub const $name:ident : $ty:ident = $value:expr; )*) => {
+        $( $(#[$doc])* pub const $name: $ty = $value; )*
+        const CONSTS: &[(&str, Const)] = &[$( (stringify!($name), device_const!($ty, $value)) ),*];
     };
 }
 
@@ -207,6 +232,30 @@ device_consts! {
     pub const CONDITION_AFTER: u32 = 2;
     /// The bits of a joint map that name the clip's column.
     pub const MAP_COLUMN: u32 = populace_retarget::MAP_COLUMN;
+    /// Weights that sum to less count as none: the inverse of the sum would overflow.
+    pub const LEAST_WEIGHT: f32 = 1e-20;
+    /// Squared lengths below this count as none.
+    pub const LEAST_SQUARE: f32 = 1e-20;
+    /// First guess of an inverse square root: halves the exponent and balances the error.
+    pub const INVERSE_SQRT_BITS: u32 = populace_model::math::INVERSE_SQRT_BITS;
+    /// Directions are looked along to this distance, in metres.
+    pub const TARGET_FAR_M: f32 = 1000.0;
+    /// Sine of the angle to straight up or down below which the side of a gaze's target counts for
+    /// less and less.
+    pub const GAZE_STEEP: f32 = 0.17;
+    /// Level part of a unit direction below which a gaze has no side to turn from.
+    pub const GAZE_UPRIGHT: f32 = 1e-3;
+    /// Part of the first bone by which a limb's own bend must stand out to decide where the middle
+    /// joint goes.
+    pub const LIMB_OWN_BEND: f32 = 0.05;
+    /// Passes of the chain solver, always as many, so that the result follows targets smoothly.
+    pub const CHAIN_PASSES: u32 = 16;
+    /// Time in which a lifted foot makes up for half of what it was held back, in seconds.
+    pub const FOOT_RELEASE_SECS: f32 = 0.06;
+    /// Largest distance that a pelvis sinks, in parts of a leg's length.
+    pub const PELVIS_SINK_MOST: f32 = 0.5;
+    /// Largest size of a number that a user's stage may leave; larger ones are refused.
+    pub const STAGE_LARGEST: f32 = populace_model::LARGEST;
 }
 
 mod clips;
@@ -244,76 +293,49 @@ pub struct StructLayout {
     pub fields: &'static [(&'static str, usize)],
 }
 
+/// Calls a macro with the name of every shared struct, in the order of [`opencl_prelude`]. What
+/// follows the macro's name is passed on before the list.
+#[macro_export]
+macro_rules! with_device_structs {
+    ($callback:ident $(, $more:tt)*) => {
+        $callback! {
+            $($more)*;
+            Body, Entry, ClipRows, RowBlock, BoundClip, BoundBlock, Source, Slot, Layer, Member, SlotSample, Control, Step, Override, Constraint, Link, Target, Ground, MachineState, Transition, Condition, MachineInstance, Running
+        }
+    };
+}
+
+macro_rules! layouts {
+    (; $($name:ident),*) => {
+        vec![$(StructLayout {
+            name: $name::NAME,
+            size: size_of::<$name>(),
+            fields: $name::FIELDS,
+        }),*]
+    };
+}
+
+macro_rules! declarations {
+    (; $($name:ident),*) => {
+        [$($name::OPENCL_C),*]
+    };
+}
+
 /// The layout of every shared struct.
 #[must_use]
 pub fn device_structs() -> Vec<StructLayout> {
-    fn of<T: DeviceStruct>() -> StructLayout {
-        StructLayout { name: T::NAME, size: size_of::<T>(), fields: T::FIELDS }
-    }
-    vec![
-        of::<Body>(),
-        of::<Entry>(),
-        of::<ClipRows>(),
-        of::<RowBlock>(),
-        of::<BoundClip>(),
-        of::<BoundBlock>(),
-        of::<Source>(),
-        of::<Slot>(),
-        of::<Layer>(),
-        of::<Member>(),
-        of::<SlotSample>(),
-        of::<Control>(),
-        of::<Step>(),
-        of::<Override>(),
-        of::<Constraint>(),
-        of::<Link>(),
-        of::<Target>(),
-        of::<Ground>(),
-        of::<MachineState>(),
-        of::<Transition>(),
-        of::<Condition>(),
-        of::<MachineInstance>(),
-        of::<Running>(),
-    ]
+    crate::with_device_structs!(layouts)
 }
-
-/// Weights that sum to less count as none: the inverse of the sum would overflow.
-pub const LEAST_WEIGHT: f32 = 1e-20;
 
 /// All constants and structs as OpenCL C, to stand before the kernels.
 #[must_use]
 pub fn opencl_prelude() -> String {
     let mut text: String =
-        CONSTS.iter().map(|(name, value)| format!("#define {name} {value}u\n")).collect();
+        CONSTS.iter().map(|(name, value)| format!("#define {name} {value}\n")).collect();
     text += &format!("#define TICK_SECS {:.12e}f\n", populace_clip::TICK_SECS);
-    text += &format!("#define LEAST_WEIGHT {LEAST_WEIGHT:e}f\n");
     text += &format!("#define TICKS_PER_SEC {}.0f\n", populace_clip::TICKS_PER_SEC);
     text += &format!("#define FIRST_TICK {}ul\n", populace_clip::FIRST_TICK);
-    for declaration in [
-        Body::OPENCL_C,
-        Entry::OPENCL_C,
-        ClipRows::OPENCL_C,
-        RowBlock::OPENCL_C,
-        BoundClip::OPENCL_C,
-        BoundBlock::OPENCL_C,
-        Source::OPENCL_C,
-        Slot::OPENCL_C,
-        Layer::OPENCL_C,
-        Member::OPENCL_C,
-        SlotSample::OPENCL_C,
-        Control::OPENCL_C,
-        Step::OPENCL_C,
-        Override::OPENCL_C,
-        Constraint::OPENCL_C,
-        Link::OPENCL_C,
-        Target::OPENCL_C,
-        Ground::OPENCL_C,
-        MachineState::OPENCL_C,
-        Transition::OPENCL_C,
-        Condition::OPENCL_C,
-        MachineInstance::OPENCL_C,
-        Running::OPENCL_C,
-    ] {
+    for declaration in crate::with_device_structs!(declarations) {
         text += declaration;
     }
     text
@@ -331,6 +353,29 @@ mod tests {
              layers_and_phase; uint control; } Member;\n"
         );
         assert!(opencl_prelude().contains("#define JOINT_BLOCK 16u\n"));
+    }
+
+    #[test]
+    fn float_constants_read_the_same_in_opencl() {
+        let text = opencl_prelude();
+        for (name, value) in [("LEAST_WEIGHT", LEAST_WEIGHT), ("STAGE_LARGEST", STAGE_LARGEST)] {
+            let line = format!("#define {name} ");
+            let line = text.lines().find_map(|l| l.strip_prefix(&line)).unwrap();
+            let read: f32 = line.strip_suffix('f').unwrap().parse().unwrap();
+            assert_eq!(read.to_bits(), value.to_bits(), "{name}");
+        }
+    }
+
+    #[test]
+    fn every_device_struct_is_listed() {
+        let files = [
+            include_str!("layout/clips.rs"),
+            include_str!("layout/members.rs"),
+            include_str!("layout/playing.rs"),
+        ];
+        let declared: usize =
+            files.iter().map(|file| file.matches("device_struct! {").count()).sum();
+        assert_eq!(declared, device_structs().len(), "with_device_structs! lists them all");
     }
 
     #[test]

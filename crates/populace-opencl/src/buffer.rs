@@ -31,18 +31,22 @@ pub(crate) trait Element: bytemuck::Pod {
 }
 
 macro_rules! elements {
-    ($($rust:ty => $name:expr),* $(,)?) => { $(impl Element for $rust { const TYPE_NAME: &'static str = $name; })* };
+    (; $($name:ident),*) => {
+        $(impl Element for $name {
+            const TYPE_NAME: &'static str = $name::NAME;
+        })*
+    };
 }
-elements! {
-    f32 => "float", u32 => "uint", Float4 => "float4",
-    Body => Body::NAME, Entry => Entry::NAME, ClipRows => ClipRows::NAME, BoundClip => BoundClip::NAME,
-    RowBlock => RowBlock::NAME, BoundBlock => BoundBlock::NAME, Source => Source::NAME,
-    Slot => Slot::NAME, Layer => Layer::NAME, Member => Member::NAME, SlotSample => SlotSample::NAME,
-    Control => Control::NAME, Step => Step::NAME, Override => Override::NAME, Constraint => Constraint::NAME,
-    Link => Link::NAME, Target => Target::NAME, Ground => Ground::NAME,
-    MachineState => MachineState::NAME, Transition => Transition::NAME, Condition => Condition::NAME,
-    MachineInstance => MachineInstance::NAME, Running => Running::NAME,
+populace_device::with_device_structs!(elements);
+
+macro_rules! plain_elements {
+    ($($rust:ty => $name:expr),*) => {
+        $(impl Element for $rust {
+            const TYPE_NAME: &'static str = $name;
+        })*
+    };
 }
+plain_elements! { f32 => "float", u32 => "uint", Float4 => "float4" }
 
 /// Elements written at once where a buffer is filled with zeros.
 const ZEROS: usize = 1 << 16;
