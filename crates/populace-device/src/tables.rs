@@ -27,6 +27,7 @@ use machines::InstanceSpace;
 use pages::PageLists;
 use populace_character::PaletteEntry;
 use populace_clip::{Clip, RootMotion};
+use populace_model::convert::u32_from;
 use populace_model::{Mask, Skeleton, Trs};
 use set::{BlockTableSet, TableSet};
 use space::Space;
@@ -35,12 +36,6 @@ pub use controls::Ground;
 pub use live::LiveNewest;
 pub use machines::{Condition, MachineState, Transition};
 pub use table::Table;
-
-#[expect(clippy::cast_possible_truncation, reason = "tables refuse to grow past 32 bits")]
-fn u32_from(index: usize) -> u32 {
-    debug_assert!(index <= u32::MAX as usize);
-    index as u32
-}
 
 /// Index of a body (a skeleton with its palette entries) in [`Tables`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -23,6 +23,7 @@
 //! every device a parent's transform is ready before its children ask for it, and all joints of one
 //! depth form one contiguous range (Lister & Day 2012, section 3.1, fig. 2).
 
+pub mod convert;
 mod error;
 pub mod f64math;
 pub mod humanoid;

@@ -38,11 +38,4 @@ pub use plan::{Inertialization, LayerPlan, MemberPlan, Play};
 pub use reading::MemberReading;
 pub use rng::Rng;
 
-/// The nearest single-precision number.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
-pub(crate) fn single(x: f64) -> f32 {
-    x as f32
-}
+pub(crate) use populace_model::convert::single;

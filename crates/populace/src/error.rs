@@ -1,6 +1,7 @@
 //! What can go wrong with a crowd; none of it harms the crowd.
 
 use populace_device::BackendError;
+use populace_model::convert::not_finite;
 use populace_model::{LARGEST, did_you_mean};
 
 /// Why a call was refused. The crowd is as it was before.
@@ -127,8 +128,8 @@ const _: () = assert!(LARGEST == 1e9, "the rule says so");
 
 /// Refuses values that are not finite.
 pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
-    match values.iter().find(|v| !v.is_finite()) {
-        Some(&value) => Err(Error::BadValue { what, value, rule: "a finite number" }),
+    match not_finite(values) {
+        Some(value) => Err(Error::BadValue { what, value, rule: "a finite number" }),
         None => Ok(()),
     }
 }

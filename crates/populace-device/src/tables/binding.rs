@@ -1,8 +1,9 @@
 //! Clips bound to bodies: what a joint's stored components mean, and where its column is.
 
+use populace_model::convert::u32_from;
 use populace_retarget::{Binding, Footing, Turn};
 
-use super::{BodyIndex, Tables, padded, u32_from};
+use super::{BodyIndex, Tables, padded};
 use crate::Error;
 use crate::layout::{
     BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN,

@@ -11,8 +11,9 @@ use std::ops::Range;
 
 use compile::Program;
 use populace_model::Skeleton;
+use populace_model::convert::u32_from;
 
-use super::{Space, Table, Tables, u32_from};
+use super::{Space, Table, Tables};
 use crate::Error;
 use crate::control::Controls;
 use crate::layout::{Control, Float4, NONE, STATES_PER_CONTROL, Target, WATCHED_ELEMENTS};

@@ -1,8 +1,9 @@
 //! State machines: their states, ways out of them, and who runs them.
 
 use populace_clip::ticks_from_secs;
+use populace_model::convert::u32_from;
 
-use super::{BodyIndex, Space, Tables, u32_from};
+use super::{BodyIndex, Space, Tables};
 use crate::Error;
 use crate::layout::{
     self, CONDITION_ABOVE, CONDITION_AFTER, CONDITION_BELOW, Float4, MACHINE_PARAMETERS,

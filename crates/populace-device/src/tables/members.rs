@@ -3,8 +3,10 @@
 use std::cmp::Reverse;
 use std::ops::Range;
 
+use populace_model::convert::u32_from;
+
 use super::table::Table;
-use super::{BodyIndex, Tables, u32_from};
+use super::{BodyIndex, Tables};
 use crate::Error;
 use crate::layout::{
     Body, BoundClip, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, MEMBER_LAYER_BITS, Member,
@@ -360,13 +362,8 @@ mod tests {
     fn lists_of_pages_and_blocks_hold_however_members_come_and_go() {
         // A third of a page, a quarter of one, hardly any, and none.
         let (mut tables, bodies) = tables(&[(1, 350_000), (40, 262_144), (17, 3), (2, 0)]);
-        let (mut taken, mut state) = (Vec::new(), 3_u64);
-        let mut random = |below: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            usize::try_from(state >> 33).unwrap() % below
-        };
+        let (mut taken, mut rng) = (Vec::new(), fastrand::Rng::with_seed(3));
+        let mut random = |below: usize| rng.usize(..below);
         for step in 0..600 {
             // Mostly coming in one half of the time, mostly leaving in the other.
             if random(10) < if step / 40 % 2 == 0 { 7 } else { 3 } || taken.is_empty() {

@@ -1,6 +1,8 @@
 //! Which members' palettes stand in which page.
 
-use super::{Table, u32_from};
+use populace_model::convert::u32_from;
+
+use super::Table;
 
 /// A list for each page, in no order: additions go to its end, and its last fills the place of one
 /// that leaves.

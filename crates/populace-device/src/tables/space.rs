@@ -121,13 +121,9 @@ mod tests {
     #[test]
     fn no_two_runs_overlap_however_they_come_and_go() {
         let mut space = Space::new(16);
-        let (mut taken, mut state) = (Vec::<(usize, usize)>::new(), 1_u64);
-        let mut random = |below: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            usize::try_from(state >> 33).unwrap() % below
-        };
+        let mut taken = Vec::<(usize, usize)>::new();
+        let mut rng = fastrand::Rng::with_seed(1);
+        let mut random = |below: usize| rng.usize(..below);
         for step in 0..20_000 {
             // Mostly taking in one half of the time, mostly giving back in the other.
             if random(10) < if step / 500 % 2 == 0 { 6 } else { 4 } || taken.is_empty() {

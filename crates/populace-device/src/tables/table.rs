@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::u32_from;
+use populace_model::convert::u32_from;
+
 use crate::Error;
 use crate::layout::NONE;
 
@@ -261,15 +262,10 @@ mod tests {
 
     #[test]
     fn a_device_that_takes_over_what_it_is_told_holds_all() {
-        let (mut table, mut state) = (table_of(40), 7_u64);
+        let (mut table, mut rng) = (table_of(40), fastrand::Rng::with_seed(7));
         let mut copies = [Copy::default(), Copy::default()];
         let mut taken_over = Vec::new();
-        let mut random = |below: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            usize::try_from(state >> 33).unwrap() % below
-        };
+        let mut random = |below: usize| rng.usize(..below);
         for step in 0..20_000 {
             match random(100) {
                 0..70 => {

@@ -2,6 +2,7 @@
 
 use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
 use populace_device::layout::Slot;
+use populace_model::convert::single;
 
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
@@ -239,7 +240,7 @@ impl Crowd {
         }
         let all = self.spaces[steered.space as usize].space.weights_at(at);
         let fading_in = steered.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
-        let secs = over_secs.max(crate::blend_space::single(fading_in));
+        let secs = over_secs.max(single(fading_in));
         let layer = steered.play.layer;
         let plan = |slot: &Slot, started: Started| {
             let own = started.serial == steered.serial && slot.layer() as usize == layer;

@@ -1,6 +1,7 @@
 //! From constraints in words to what devices read: which step follows which joint, and where each
 //! finds its data.
 
+use populace_model::convert::{not_finite, u32_from};
 use populace_model::{JointIndex, LARGEST, LARGEST_SCALE, Skeleton, Trs, f64math};
 
 use crate::Error;
@@ -12,7 +13,6 @@ use crate::layout::{
     STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN,
     STEP_WATCH, Step, TURNS_MOST, Target,
 };
-use crate::tables::u32_from;
 
 /// Part of a leg's length in which it straightens. Little, for straight legs are what clips of
 /// standing people have.
@@ -49,10 +49,9 @@ fn bad<T>(what: impl Into<String>) -> Result<T, Error> {
 }
 
 fn finite(what: &str, values: &[f32]) -> Result<(), Error> {
-    if values.iter().all(|v| v.is_finite()) {
-        Ok(())
-    } else {
-        bad(format!("{what} has a number that is not finite"))
+    match not_finite(values) {
+        None => Ok(()),
+        Some(_) => bad(format!("{what} has a number that is not finite")),
     }
 }
 

@@ -1,10 +1,11 @@
 //! The ground that feet keep to.
 
 use populace_model::LARGEST;
+use populace_model::convert::u32_from;
 
 use crate::Error;
 use crate::layout;
-use crate::tables::{Tables, u32_from};
+use crate::tables::Tables;
 
 /// The ground in the world: a plane, or a height for each place of a grid.
 #[derive(Clone, Debug, PartialEq)]

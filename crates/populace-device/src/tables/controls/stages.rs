@@ -1,13 +1,14 @@
 //! Users' stages: their parameters, and the steps of the members that use them.
 
 use populace_model::Skeleton;
+use populace_model::convert::u32_from;
 
 use super::compile::Program;
 use super::write;
 use crate::control::path;
 use crate::layout::{Float4, STAGE_PARAMETERS, STAGES_MOST, STEP_STAGE, Step};
+use crate::tables::Tables;
 use crate::tables::space::Space;
-use crate::tables::{Tables, u32_from};
 use crate::{After, Error, StageUse};
 
 /// Elements of one stage's parameters.
