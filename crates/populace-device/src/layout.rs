@@ -300,7 +300,9 @@ macro_rules! with_device_structs {
     ($callback:ident $(, $more:tt)*) => {
         $callback! {
             $($more)*;
-            Body, Entry, ClipRows, RowBlock, BoundClip, BoundBlock, Source, Slot, Layer, Member, SlotSample, Control, Step, Override, Constraint, Link, Target, Ground, MachineState, Transition, Condition, MachineInstance, Running
+            Body, Entry, ClipRows, RowBlock, BoundClip, BoundBlock, Source, Slot, Layer, Member,
+            SlotSample, Control, Step, Override, Constraint, Link, Target, Ground, MachineState,
+            Transition, Condition, MachineInstance, Running
         }
     };
 }

@@ -3,7 +3,8 @@
 use crate::Property;
 use crate::names::UnknownName;
 
-/// Data that does not describe a skeleton or what is said about one. Messages say what is wrong, where, and the rule.
+/// Data that does not describe a skeleton, a track, roles or a mask. Messages say what is wrong,
+/// where, and the rule.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {

@@ -96,10 +96,9 @@ impl Skeleton {
     }
 
     /// Says which points of each joint, in level order, may touch the ground
-    /// ([`sole_points`](populace_character::sole_points)): places at rest in model space, in metres. The feet of
-    /// clips that were made for other bodies are then kept above the ground
-    /// ([`Binding::retarget`](populace_retarget::Binding::retarget)). Points that are not finite are passed
-    /// over.
+    /// (`sole_points` of populace-character): places at rest in model space, in metres. The feet of
+    /// clips that were made for other bodies are then kept above the ground (`Binding::retarget` of
+    /// populace-retarget). Points that are not finite are passed over.
     #[must_use]
     pub fn with_soles(mut self, soles: &[Vec<[f32; 3]>]) -> Self {
         for (own, given) in Arc::make_mut(&mut self.parts).soles.iter_mut().zip(soles) {

@@ -48,8 +48,8 @@ mod stage;
 
 pub use populace_clip::{LiveSettings, MotionOrigin, MotionSettings, MotionSource, Streamed};
 pub use populace_device::{
-    After, BackendError, Feet, Foot, Gaze, GazeLimits, Ground, JointOverride, LayerMode,
-    LayerSettings, MAX_LAYERS, MAX_SLOTS, Schedule, Space, Stage, StageJoint, UserStage,
+    After, BackendError, Error as TablesError, Feet, Foot, Gaze, GazeLimits, Ground, JointOverride,
+    LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Schedule, Space, Stage, StageJoint, UserStage,
 };
 pub use populace_model::{Affine, JointIndex, Mask, Trs, nearest_names};
 pub use populace_retarget::{BindingMethod, BindingReport};

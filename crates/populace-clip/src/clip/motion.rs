@@ -184,7 +184,8 @@ impl RootMotion {
         self.rows[row].mix(&self.rows[last.min(row + 1)], place - row as f64)
     }
 
-    /// Rows as devices hold them, two elements each: `x y z 0`, then sine and cosine of the heading.
+    /// Rows as devices hold them, two elements each: `x y z 0`, then sine and cosine of the
+    /// heading.
     pub fn device_rows(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
         self.rows.iter().flat_map(|rigid| {
             let [sin, cos] = f64math::to_f32(rigid.heading);

@@ -16,7 +16,8 @@ pub struct LiveNewest {
     pub row: u32,
     /// Rows of the ring that have come in, itself included.
     pub row_count: u32,
-    /// Ticks since the row before it, 1 to [`LiveRing::row_ticks`](populace_clip::LiveRing::row_ticks).
+    /// Ticks since the row before it, 1 to
+    /// [`LiveRing::row_ticks`](populace_clip::LiveRing::row_ticks).
     pub ticks: u32,
 }
 
