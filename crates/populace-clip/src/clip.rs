@@ -73,7 +73,7 @@ impl Clip {
     ///
     /// # Errors
     ///
-    /// [`Error::BadTrack`] or [`Error::DuplicateTrack`].
+    /// [`BadTrack`](populace_model::Error::BadTrack) or [`Error::DuplicateTrack`].
     pub fn new(source: ClipSource, skeleton: &Skeleton) -> Result<Self, Error> {
         Self::with_at_most(usize::MAX, source, skeleton)
     }

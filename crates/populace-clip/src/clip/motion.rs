@@ -223,7 +223,7 @@ impl Clip {
     ///
     /// [`Error::NoMotion`] where nothing of the kind that is named moves the body, where it hangs
     /// on what moves, and for a clip that is live or has its motion already;
-    /// [`Error::UnknownJoints`] with the nearest names.
+    /// [`UnknownJoints`](populace_model::Error::UnknownJoints) with the nearest names.
     pub fn with_root_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         if self.ring.is_some() || self.motion.is_some() {
             return self.no_motion("is live, or its motion is taken out already");
