@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
-use populace_core::{Clip, ClipSource, Interpolation, Property, Track};
+use populace_clip::Clip;
+use populace_model::{ClipSource, Interpolation, Property, Track};
 
 use crate::accessor::{Component, Shape};
 use crate::data::{Data, Format};

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use populace_core::{Clip, Interpolation, Property, Track};
+use populace_clip::Clip;
+use populace_model::{Interpolation, Property, Track};
 
 use crate::json::LARGEST;
 use crate::log::{Checked, Log};

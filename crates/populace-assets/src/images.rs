@@ -3,7 +3,7 @@
 use std::io::Cursor as Bytes;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use populace_core::Image;
+use populace_character::Image;
 
 use crate::budget::Budget;
 use crate::data::Data;

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use populace_core::{Affine, Character, CharacterSource, PaletteEntry, Part, SkinInstance};
+use populace_character::{Character, CharacterSource, PaletteEntry, Part, SkinInstance};
+use populace_model::Affine;
 
 use crate::animations::{self, Animation, Clips};
 use crate::budget::Budget;

@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use populace_core::{Affine, Influences, JointIndex, PaletteEntry};
+use populace_character::{Influences, PaletteEntry};
+use populace_model::{Affine, JointIndex};
 
 use crate::log::{Checked, Log};
 

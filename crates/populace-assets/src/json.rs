@@ -5,7 +5,7 @@ use crate::tree::Value;
 
 /// Largest magnitude of a number in transforms, keys and vertices. Products of several such numbers
 /// stay within single precision.
-pub(crate) const LARGEST: f64 = populace_core::LARGEST as f64;
+pub(crate) const LARGEST: f64 = populace_model::LARGEST as f64;
 
 /// A JSON value with its path and the log for its problems.
 #[derive(Clone)]

@@ -1,5 +1,5 @@
 //! Reads characters and clips from glTF 2.0 files, text or binary, into the types of
-//! [`populace_core`].
+//! [`populace_character`].
 //!
 //! Units and axes are those of glTF: metres, seconds, radians, +Y up, +Z front. Nothing is scaled
 //! or rotated.
@@ -78,7 +78,7 @@ mod uri;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use populace_core::Character;
+use populace_character::Character;
 
 use budget::Budget;
 use folder::Folder;

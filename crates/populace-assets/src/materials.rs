@@ -1,6 +1,6 @@
 //! Materials: base colours and textures (glTF 2.0, sections 3.8 and 3.9).
 
-use populace_core::{AlphaMode, Image, Material, Texture, TextureFilter, Wrap};
+use populace_character::{AlphaMode, Image, Material, Texture, TextureFilter, Wrap};
 
 use crate::budget::Budget;
 use crate::data::Data;

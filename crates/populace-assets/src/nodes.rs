@@ -1,7 +1,7 @@
 //! The node forest and the nodes of the imported scene (glTF 2.0, section 3.5).
 
 use glam::{DMat3, DQuat, DVec3};
-use populace_core::Trs;
+use populace_model::Trs;
 
 use crate::budget::Budget;
 use crate::json::{Cursor, to_f32};
@@ -344,7 +344,7 @@ mod tests {
             [[-1.0, 2.0, 3.0], [0.0, 2.0, 3.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0], [0.0, 0.0, 0.0]]
         {
             let trs = local(diagonal(x, y, z)).unwrap();
-            let back = populace_core::Affine::from_trs(&trs);
+            let back = populace_model::Affine::from_trs(&trs);
             for (row, wanted) in [x, y, z].into_iter().enumerate() {
                 assert!(
                     (f64::from(back.rows[row][row]) - wanted).abs() < 1e-6,

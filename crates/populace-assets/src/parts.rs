@@ -1,6 +1,7 @@
 //! Conversion of mesh primitives to parts.
 
-use populace_core::{JointIndex, Mesh, PaletteEntry, Part};
+use populace_character::{Mesh, PaletteEntry, Part};
+use populace_model::JointIndex;
 
 use crate::data::Data;
 use crate::extensions::Extensions;
@@ -220,7 +221,7 @@ impl PartBuilder<'_> {
         count: usize,
         mover: Mover,
         palette: &mut Palette,
-    ) -> Checked<populace_core::Influences> {
+    ) -> Checked<populace_character::Influences> {
         let (place, log) = (&primitive.place, self.log);
         self.data.budget.charge(place, count.saturating_mul(24))?;
         match mover {

@@ -2,9 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use populace_core::{
-    JointIndex, JointSource, PaletteEntry, Part, Skeleton, Trs, sole_points, vertex_reach_m,
-};
+use populace_character::{PaletteEntry, Part, sole_points, vertex_reach_m};
+use populace_model::{JointIndex, JointSource, Skeleton, Trs};
 
 use crate::log::{Checked, Log};
 use crate::nodes::Node;

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use populace_core::Affine;
+use populace_model::Affine;
 
 use crate::accessor::{Component, Shape};
 use crate::data::{Data, Format};

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DVec3};
 use libtest_mimic::{Arguments, Failed, Trial};
 use populace_assets::{Error, Imported, load};
-use populace_core::{Affine, Character};
+use populace_character::Character;
+use populace_model::Affine;
 use serde_json::Value;
 
 mod expectations;

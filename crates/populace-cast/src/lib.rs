@@ -1,9 +1,9 @@
 //! Procedural people: bodies of one closed surface on two kinds of skeleton, with clips for
 //! standing, walking and running. A crowd of them needs no asset files.
 //!
-//! Spaces and units are those of [`populace_core`]: metres, Y up, facing +Z, soles on y = 0. Each
+//! Spaces and units are those of [`populace_model`]: metres, Y up, facing +Z, soles on y = 0. Each
 //! character has the clips `Idle`, `Idle_Shift`, `Walk` and `Run`. `Walk` and `Run` are in place;
-//! [`ClipStats`](populace_core::ClipStats) gives their ground speed.
+//! [`ClipStats`](populace_clip::ClipStats) gives their ground speed.
 //!
 //! ```
 //! use populace_cast::{Look, person};
@@ -13,7 +13,7 @@
 //! assert_eq!(tall.clips.len(), 4);
 //! let broken = Look { height_m: f64::NAN, ..Look::man() };
 //! assert!(person(&broken).is_err());
-//! # Ok::<(), populace_core::Error>(())
+//! # Ok::<(), populace_model::Error>(())
 //! ```
 //!
 //! Surfaces and motions are defined for one set of 54 body segments, and a rig maps segments to
@@ -28,9 +28,9 @@ mod surface;
 
 use std::sync::Arc;
 
-use populace_core::{
-    Character, CharacterSource, Clip, Error, SkinInstance, sole_points, vertex_reach_m,
-};
+use populace_character::Error;
+use populace_character::{Character, CharacterSource, SkinInstance, sole_points, vertex_reach_m};
+use populace_clip::Clip;
 
 pub use look::{Colors, Hair, Look, Reach, Rig};
 
@@ -59,7 +59,7 @@ pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
 ///
 /// # Errors
 ///
-/// An [`Error`] of [`populace_core`] if a number of the look is not finite, or if it gives an
+/// An [`Error`] of [`populace_character`] if a number of the look is not finite, or if it gives an
 /// invalid body.
 pub fn person(look: &Look) -> Result<Character, Error> {
     let body = anatomy::Body::new(look);

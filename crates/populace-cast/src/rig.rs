@@ -1,9 +1,10 @@
 //! The two skeletons, and conversion of segment poses to joint tracks.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use populace_core::{
-    Affine, ClipSource, Error, Interpolation, JointSource, PaletteEntry, Property, Skeleton, Track,
-    Trs,
+use populace_character::PaletteEntry;
+use populace_model::Error;
+use populace_model::{
+    Affine, ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs,
 };
 
 use crate::Rig;

@@ -15,8 +15,8 @@ use std::error::Error;
 use std::f32::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
-use populace::core::Character;
-use populace::core::math::{quat, vec3};
+use populace::character::Character;
+use populace::model::math::{quat, vec3};
 use populace::{
     CharacterId, Crowd, JointIndex, Member, Placement, Play, Reach, Target, Trs, Weight,
 };

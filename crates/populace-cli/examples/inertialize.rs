@@ -15,7 +15,8 @@ mod shared;
 use std::error::Error;
 
 use glam::{Quat, Vec3};
-use populace::core::{Clip, ClipSource, Interpolation, Property, Skeleton, Track};
+use populace::clip::Clip;
+use populace::model::{ClipSource, Interpolation, Property, Skeleton, Track};
 use populace::{Crowd, Placement, Play};
 use populace_cast::{Look, person};
 
@@ -33,7 +34,7 @@ fn clip(
     name: &str,
     from: Quat,
     to: Quat,
-) -> Result<Clip, populace::core::Error> {
+) -> Result<Clip, populace::clip::Error> {
     let track = Track {
         joint: "r_upper_arm".into(),
         property: Property::Rotation,
@@ -45,7 +46,7 @@ fn clip(
 }
 
 /// Creates two clips: one swings the arm outwards at shoulder height, the other holds it up.
-fn clips(skeleton: &Skeleton) -> Result<[Clip; 2], populace::core::Error> {
+fn clips(skeleton: &Skeleton) -> Result<[Clip; 2], populace::clip::Error> {
     let (level, up) = (Quat::from_rotation_z(-0.7), Quat::from_rotation_z(-2.0));
     let [front, side] = [1.7, -0.9].map(|yaw| Quat::from_rotation_y(yaw) * level);
     Ok([clip(skeleton, "Swing", front, side)?, clip(skeleton, "Up", up, up)?])

@@ -11,7 +11,8 @@ mod shared;
 use std::error::Error;
 
 use glam::{Quat, Vec3};
-use populace::core::{Clip, ClipSource, Interpolation, Property, Skeleton, Track};
+use populace::clip::Clip;
+use populace::model::{ClipSource, Interpolation, Property, Skeleton, Track};
 use populace::{Crowd, LayerMode, LayerSettings, Mask, Placement, Play};
 use populace_cast::{Look, person};
 
@@ -22,7 +23,7 @@ fn clip(
     name: &str,
     axis: Vec3,
     joints: &[(&str, [f32; 4])],
-) -> Result<Clip, populace::core::Error> {
+) -> Result<Clip, populace::clip::Error> {
     let track = |&(joint, angles): &(&str, [f32; 4])| Track {
         joint: joint.into(),
         property: Property::Rotation,

@@ -15,12 +15,12 @@ mod shared;
 use std::error::Error;
 
 use glam::Quat;
-use populace::core::Skeleton;
+use populace::model::Skeleton;
 use populace::{Crowd, LiveSettings, Placement, Play, Streamed, Trs};
 use populace_cast::{Look, person};
 
 /// Returns the actor's pose: the right arm waves, the left arm swings, and the body sways.
-fn actor(skeleton: &Skeleton, secs: f32) -> Result<Vec<Trs>, populace::core::Error> {
+fn actor(skeleton: &Skeleton, secs: f32) -> Result<Vec<Trs>, populace::model::Error> {
     let mut pose: Vec<Trs> = skeleton.joints().map(|joint| *skeleton.rest(joint)).collect();
     let beat = (secs * 5.0).sin();
     let rotations = [

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use populace::core::Image;
+use populace::character::Image;
 use populace::{Crowd, Device, JointIndex, Member, Placement, Play};
 use populace_physics::{RagdollPlan, Ragdolls, State};
 use populace_render::{Camera, CharacterHandle, Instance, Renderer, Scene, write_png};

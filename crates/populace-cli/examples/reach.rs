@@ -11,7 +11,7 @@ mod shared;
 
 use std::error::Error;
 
-use populace::core::math::vec3;
+use populace::model::math::vec3;
 use populace::{Crowd, Ground, Placement, Play, Reach, Target, Weight};
 use populace_cast::{Look, person};
 

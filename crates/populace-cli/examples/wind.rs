@@ -10,10 +10,10 @@ mod shared;
 
 use std::error::Error;
 
-use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
-    Skeleton,
+use populace::character::{
+    Character, CharacterSource, Influences, Material, Mesh, PaletteEntry, Part,
 };
+use populace::model::{JointSource, Skeleton};
 use populace::{Affine, After, Crowd, Device, Placement, StageJoint, StageUse, Trs, UserStage};
 
 /// Number of joints of a stalk.
@@ -47,7 +47,7 @@ fn wind(joint: &mut StageJoint) {
 
 /// Creates a stalk: a chain of joints, and rings of three vertices skinned to the joint at their
 /// height.
-fn stalk() -> Result<Character, populace::core::Error> {
+fn stalk() -> Result<Character, populace::character::Error> {
     let joint = |at: u16| JointSource {
         name: format!("node{at}"),
         parent: at.checked_sub(1).map(usize::from),

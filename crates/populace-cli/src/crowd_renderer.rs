@@ -1,6 +1,7 @@
 //! Renders pictures of a crowd.
 
-use populace::core::{Image, PaletteTransport, Part};
+use populace::character::{Image, Part};
+use populace::hand_over::PaletteTransport;
 use populace::{Crowd, CrowdBuilder};
 use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};
 

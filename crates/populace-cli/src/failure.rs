@@ -60,7 +60,7 @@ impl From<populace::Error> for Failure {
             Error::Backend(BackendError::NoRuntime { .. } | BackendError::Unusable { .. })
             | Error::WithoutOpenCl => Self::NoDevice(error.into()),
             Error::Backend(BackendError::NoDevice { .. } | BackendError::NoPart { .. })
-            | Error::Data(populace::core::Error::UnknownJoints { .. })
+            | Error::Model(populace::model::Error::UnknownJoints { .. })
             | Error::UnknownClip { .. }
             | Error::UnknownDevice { .. }
             | Error::BadDevices { .. }

@@ -2,8 +2,8 @@
 
 use std::str::FromStr;
 
-use populace::core::{MAX_LAYERS, MAX_SLOTS};
 use populace::{CharacterId, Crowd, LayerMode, LayerSettings, Mask, Member, Play};
+use populace::{MAX_LAYERS, MAX_SLOTS};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;

@@ -1,6 +1,6 @@
 //! Messages for unknown names, with suggestions.
 
-use populace::core::{JointIndex, Skeleton, did_you_mean};
+use populace::model::{JointIndex, Skeleton, did_you_mean};
 use populace::nearest_names;
 
 use crate::failure::Failure;

@@ -1,6 +1,6 @@
 //! Spawns a crowd's members on the ground, and tracks their positions for the camera.
 
-use populace::core::RootMotion;
+use populace::clip::RootMotion;
 use populace::{Crowd, Placement, Play};
 
 use crate::failure::Failure;

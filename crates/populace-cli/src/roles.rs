@@ -3,7 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use populace::core::{Binding, Character, Clip, RoleMap, RootMotion};
+use populace::character::Character;
+use populace::clip::{Clip, RootMotion};
+use populace::model::RoleMap;
+use populace::retarget::Binding;
 use populace::{
     BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
 };

@@ -1,6 +1,7 @@
 //! CPU skinning with palettes read back from a device.
 
-use populace::core::{Affine, Part};
+use populace::character::Part;
+use populace::model::Affine;
 
 /// Skins one vertex in double precision with the device's palette.
 pub(crate) fn skinned(part: &Part, vertex: usize, palette: &[Affine]) -> [f64; 3] {

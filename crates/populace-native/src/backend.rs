@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use populace_core::layout::{Float4, PAGE_ENTRIES};
-use populace_core::{
+use populace_device::layout::{Float4, PAGE_ENTRIES};
+use populace_device::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };

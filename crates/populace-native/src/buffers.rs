@@ -1,7 +1,7 @@
 //! Buffers of the staged schedule, and how buffers grow.
 
-use populace_core::layout::{Float4, SlotSample};
-use populace_core::{BackendError, StageBuffer, Tables};
+use populace_device::layout::{Float4, SlotSample};
+use populace_device::{BackendError, StageBuffer, Tables};
 
 use crate::errors::DEVICE;
 

@@ -16,12 +16,12 @@ mod limb;
 mod motion;
 mod targets;
 
-use populace_core::layout::{
+use populace_device::layout::{
     Float4, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE,
     STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, WATCHED_ELEMENTS,
 };
-use populace_core::math::{quat, vec3};
-use populace_core::{Affine, Trs};
+use populace_model::math::{quat, vec3};
+use populace_model::{Affine, Trs};
 
 pub(crate) use self::targets::Solver;
 use crate::hierarchy::{Hierarchy, descend_to};

@@ -1,11 +1,11 @@
 //! Retarget corrections of sampled poses. Twin of `kernels/corrections.cl`.
 //!
 //! Reads bound clips, rows and stored planes; writes nothing but the sample that it returns.
-//! [`TURN_PLANES`](populace_core::layout::TURN_PLANES) describes a correction.
+//! [`TURN_PLANES`](populace_device::layout::TURN_PLANES) describes a correction.
 
-use populace_core::Property;
-use populace_core::layout::{BLOCK_TURNED, BoundClip, REST_TRANSLATION, SlotSample};
-use populace_core::math::{quat, vec3};
+use populace_device::layout::{BLOCK_TURNED, BoundClip, REST_TRANSLATION, SlotSample};
+use populace_model::Property;
+use populace_model::math::{quat, vec3};
 
 use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
 

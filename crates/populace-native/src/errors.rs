@@ -1,6 +1,6 @@
 //! Errors of the native device.
 
-use populace_core::BackendError;
+use populace_device::BackendError;
 
 /// The device's name in errors.
 pub(crate) const DEVICE: &str = "the native device";

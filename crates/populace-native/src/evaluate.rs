@@ -3,8 +3,8 @@
 //! Reads slots, bound clips, clips, row times, and the state of state machines. Writes one sample
 //! for each slot.
 
-use populace_core::Tables;
-use populace_core::layout::{Float4, SlotSample};
+use populace_device::Tables;
+use populace_device::layout::{Float4, SlotSample};
 use rayon::prelude::*;
 
 use crate::machines::slot_now;

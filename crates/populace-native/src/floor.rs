@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use populace_core::layout::Float4;
+use populace_device::layout::Float4;
 use rayon::prelude::*;
 
 use crate::pages::Pages;

@@ -1,6 +1,6 @@
 //! Inputs that all members of a frame share.
 
-use populace_core::{Frame, Tables};
+use populace_device::{Frame, Tables};
 
 use crate::history::History;
 use crate::user_stages::UserStages;

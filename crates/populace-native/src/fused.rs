@@ -6,9 +6,10 @@
 //! entries. Writes each palette entry of the frame's members once, and deferred states and watched
 //! joints. Intermediate results stay in the core's caches.
 
-use populace_core::layout::{Float4, PAGE_ENTRIES, PALETTE_BLOCK};
-use populace_core::math::components;
-use populace_core::{Affine, MAX_SLOTS};
+use populace_device::MAX_SLOTS;
+use populace_device::layout::{Float4, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_model::Affine;
+use populace_model::math::components;
 
 use crate::constraints::Solver;
 use crate::dispatch::{Dispatch, Work};

@@ -1,7 +1,7 @@
 //! Transforms of a member's joints on the way down its hierarchy. Twin of `kernels/hierarchy.cl`.
 
-use populace_core::Affine;
-use populace_core::layout::NONE;
+use populace_device::layout::NONE;
+use populace_model::Affine;
 
 /// Storage of a member's transforms. A joint is local until its model transform is stored.
 pub(crate) trait Hierarchy {

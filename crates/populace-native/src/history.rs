@@ -1,7 +1,8 @@
 //! Double-buffered persistent state: what one frame leaves for the next.
 
-use populace_core::layout::{Float4, WATCHED_ELEMENTS};
-use populace_core::{Affine, BackendError, Tables};
+use populace_device::layout::{Float4, WATCHED_ELEMENTS};
+use populace_device::{BackendError, Tables};
+use populace_model::Affine;
 
 use crate::buffers::grow;
 

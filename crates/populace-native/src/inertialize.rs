@@ -8,9 +8,9 @@
 //! The *outgoing* clip ended; the *incoming* one took its place. Both are sampled where they were
 //! at that instant, and at the far row, which tells the velocity.
 
-use populace_core::layout::{ClipRows, Slot, SlotSample};
-use populace_core::math::quat;
-use populace_core::{SampledState, far_row, row_before};
+use populace_device::layout::{ClipRows, Slot, SlotSample};
+use populace_device::{SampledState, far_row, row_before};
+use populace_model::math::quat;
 
 use crate::local::{Local, add_layer, after, change, each3, quotient};
 use crate::playback::Inertialization;

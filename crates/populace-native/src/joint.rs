@@ -4,10 +4,10 @@
 //! Reads what the member plays, its layers, the clips' rows, stored poses, masks, overrides in
 //! local space, bone-length scales and user stages. Writes nothing but the pose that it returns.
 
-use populace_core::layout::{
+use populace_device::layout::{
     Control, LEAST_WEIGHT, Layer, NONE, REST_SCALE, REST_TRANSLATION, SlotSample,
 };
-use populace_core::math::{Real, quat};
+use populace_model::math::{Real, quat};
 
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;

@@ -6,8 +6,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use populace_core::layout::JOINT_BLOCK;
-use populace_core::math::Real;
+use populace_device::layout::JOINT_BLOCK;
+use populace_model::math::Real;
 
 /// Joints in a block, computed together.
 pub(crate) const LANES: usize = JOINT_BLOCK as usize;

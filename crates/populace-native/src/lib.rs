@@ -1,6 +1,6 @@
 //! The stages of the crowd pipeline in Rust, on all cores. No driver is needed.
 //!
-//! [`NativeBackend`] implements [`Backend`](populace_core::Backend) with two schedules:
+//! [`NativeBackend`] implements [`Backend`](populace_device::Backend) with two schedules:
 //!
 //! - *Staged*: evaluate, pose, transform and write-back, each for all members, through the same
 //!   buffers as the OpenCL kernels of the same names.
@@ -10,7 +10,7 @@
 //! The arithmetic is the same everywhere, and results do not depend on the number of threads.
 //!
 //! ```
-//! use populace_core::{Backend, Frame, PaletteSource, Schedule, Tables};
+//! use populace_device::{Backend, Frame, PaletteSource, Schedule, Tables};
 //! use populace_native::NativeBackend;
 //!
 //! let mut backend = NativeBackend::new(2, Schedule::Fused)?;
@@ -18,7 +18,7 @@
 //! backend.update(&tables)?;
 //! backend.run(&tables, Frame::of_all(0))?;
 //! assert!(backend.with_page(0, &mut |_| ()).is_err(), "an empty crowd has no page of palettes");
-//! # Ok::<(), populace_core::BackendError>(())
+//! # Ok::<(), populace_device::BackendError>(())
 //! ```
 
 // Each module uses only modules above it.

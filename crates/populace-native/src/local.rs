@@ -1,6 +1,6 @@
 //! Algebra of local transforms, of one joint or of sixteen. Twin of `kernels/local.cl`.
 
-use populace_core::math::{Real, quat};
+use populace_model::math::{Real, quat};
 
 /// Translation, rotation (x, y, z, w) and scale, relative to the parent joint.
 #[derive(Clone, Copy)]

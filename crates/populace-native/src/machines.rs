@@ -4,8 +4,8 @@
 //! [`advance`] reads machine instances, their parameters, machine states, transitions and
 //! conditions, and writes the state of each instance (`running`). [`slot_now`] reads that state.
 
-use populace_core::Tables;
-use populace_core::layout::{
+use populace_device::Tables;
+use populace_device::layout::{
     CONDITION_ABOVE, CONDITION_BELOW, Condition, Float4, MACHINE_PARAMETERS, MachineInstance, NONE,
     Running, SLOT_MACHINE, SLOT_MODE_BITS, Slot,
 };

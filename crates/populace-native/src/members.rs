@@ -1,7 +1,7 @@
 //! Parts of the tables that belong to a member, given by its index. Twin of `kernels/members.cl`.
 
-use populace_core::Tables;
-use populace_core::layout::{Body, Control, Layer, NONE, Slot};
+use populace_device::Tables;
+use populace_device::layout::{Body, Control, Layer, NONE, Slot};
 
 /// Returns the skeleton layout of a member.
 pub(crate) fn body_of(tables: &Tables, member: u32) -> &Body {

@@ -1,7 +1,7 @@
 //! Memory of palettes: the device's own, or pages that OpenGL keeps mapped.
 
-use populace_core::layout::Float4;
-use populace_core::{
+use populace_device::layout::Float4;
+use populace_device::{
     BackendError, HandedOver, MappedPage, PAGE_SETS, PaletteTarget, Tables, TargetMark,
 };
 

@@ -1,7 +1,7 @@
 //! Slots of a member that play now, and those that inertialize. Twin of `kernels/playback.cl`.
 
-use populace_core::Tables;
-use populace_core::layout::{Slot, SlotSample};
+use populace_device::Tables;
+use populace_device::layout::{Slot, SlotSample};
 
 use crate::members::member_slots;
 

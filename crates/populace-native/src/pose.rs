@@ -4,8 +4,8 @@
 //! Reads the samples of the evaluate stage, and all that [`joint`](crate::joint) reads. Writes
 //! translations, rotations and scales of every joint; padding stays untouched.
 
-use populace_core::MAX_SLOTS;
-use populace_core::layout::{Float4, JOINT_BLOCK, SlotSample};
+use populace_device::MAX_SLOTS;
+use populace_device::layout::{Float4, JOINT_BLOCK, SlotSample};
 
 use crate::buffers::JointBuffer;
 use crate::dispatch::Dispatch;

@@ -1,7 +1,8 @@
 //! Reads of stage buffers that the fused schedule does not store: the member is evaluated again.
 
-use populace_core::layout::{Float4, SlotSample};
-use populace_core::{Affine, BackendError, StageBuffer};
+use populace_device::layout::{Float4, SlotSample};
+use populace_device::{BackendError, StageBuffer};
+use populace_model::Affine;
 
 use crate::dispatch::Dispatch;
 use crate::errors::failed;

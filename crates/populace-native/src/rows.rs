@@ -4,11 +4,12 @@
 //! A component is `offset + step * n`, where `n` is what a row holds. Joints that the clip does not
 //! drive, or that do not move in it, have a step of 0, so the arithmetic is the same for all.
 
-use populace_core::layout::{
+use populace_device::Tables;
+use populace_device::layout::{
     BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
     MAP_TRANSLATION, NONE, ROW_FLOATS, RowBlock, SlotSample,
 };
-use populace_core::{Property, Tables};
+use populace_model::Property;
 
 use crate::lanes::{LANES, Lanes, Simd, Width};
 

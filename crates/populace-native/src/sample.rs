@@ -1,9 +1,9 @@
 //! Local transforms sampled from a clip, retarget corrections included. Twin of the end of
 //! `kernels/rows.cl`.
 
-use populace_core::Property;
-use populace_core::layout::{BLOCK_TURNED, BoundClip, REST_SCALE, REST_TRANSLATION, SlotSample};
-use populace_core::math::{Real, quat};
+use populace_device::layout::{BLOCK_TURNED, BoundClip, REST_SCALE, REST_TRANSLATION, SlotSample};
+use populace_model::Property;
+use populace_model::math::{Real, quat};
 
 use crate::corrections::correct;
 use crate::local::Local;

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use populace_core::Affine;
+use populace_model::Affine;
 
 use crate::history::DeferredWrites;
 

@@ -1,8 +1,8 @@
 //! Rows and weight of a slot, in closed form from the clock. Twin of the end of `kernels/slot.cl`;
 //! twins of the other functions of that file are methods of `Slot`, and `Tables::find_row`.
 
-use populace_core::Tables;
-use populace_core::layout::{ClipRows, NONE, SLOT_LIVE, Slot, SlotSample};
+use populace_device::Tables;
+use populace_device::layout::{ClipRows, NONE, SLOT_LIVE, Slot, SlotSample};
 
 /// Returns the row of a live clip that is `behind` rows older than the newest.
 fn ring_place(clip: &ClipRows, behind: u32) -> u32 {

@@ -1,6 +1,6 @@
 //! Work spread over threads. A member is never split between two.
 
-use populace_core::layout::{Float4, NONE};
+use populace_device::layout::{Float4, NONE};
 
 /// Elements that one thread takes at a time: enough to hide the cost of scheduling, few enough to
 /// balance the load.

@@ -3,9 +3,11 @@
 //!
 //! Reads steps, stage values and controls. Writes nothing but the transforms that it returns.
 
-use populace_core::layout::{Control, STAGE_PARAMETERS, Step};
-use populace_core::math::quat;
-use populace_core::{Affine, FIRST_TICK, JointIndex, Place, StageJoint, Trs};
+use populace_clip::FIRST_TICK;
+use populace_device::layout::{Control, STAGE_PARAMETERS, Step};
+use populace_device::{Place, StageJoint};
+use populace_model::math::quat;
+use populace_model::{Affine, JointIndex, Trs};
 
 use crate::frame::FrameInputs;
 use crate::lanes::Width;

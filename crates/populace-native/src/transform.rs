@@ -6,8 +6,8 @@
 //! result is rows, not a translation, rotation and scale, because a rotated child under a
 //! non-uniform scale shears.
 
-use populace_core::layout::{Float4, JOINT_BLOCK};
-use populace_core::{Affine, Trs};
+use populace_device::layout::{Float4, JOINT_BLOCK};
+use populace_model::{Affine, Trs};
 
 use crate::buffers::{JointBuffer, ModelRows};
 use crate::constraints::Solver;

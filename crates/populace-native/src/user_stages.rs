@@ -1,6 +1,6 @@
 //! Functions of user stages, by stage number.
 
-use populace_core::{BackendError, StageFn, StageJoint, UserStage};
+use populace_device::{BackendError, StageFn, StageJoint, UserStage};
 
 use crate::errors::DEVICE;
 

@@ -4,8 +4,9 @@
 //! Reads rows of `model_from_joint`, and entries. Writes each palette entry of the frame's members
 //! once; padding stays untouched.
 
-use populace_core::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
-use populace_core::{Affine, Frame, Tables};
+use populace_device::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::{Frame, Tables};
+use populace_model::Affine;
 use rayon::prelude::*;
 
 use crate::buffers::ModelRows;

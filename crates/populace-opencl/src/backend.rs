@@ -6,8 +6,8 @@ use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
 use opencl3::kernel::Kernel;
-use populace_core::layout::Float4;
-use populace_core::{
+use populace_device::layout::Float4;
+use populace_device::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };

@@ -15,8 +15,8 @@ use opencl3::memory::{
     Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem,
 };
 use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
-use populace_core::BackendError;
-use populace_core::layout::{
+use populace_device::BackendError;
+use populace_device::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, DeviceStruct, Entry,
     Float4, Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock,
     Running, Slot, SlotSample, Source, Step, Target, Transition,

@@ -3,7 +3,7 @@
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
-use populace_core::{Frame, Tables};
+use populace_device::{Frame, Tables};
 
 use crate::history::History;
 use crate::machines::Machines;

@@ -18,7 +18,7 @@ use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel;
 use opencl3::platform::Platform;
 use opencl3::program::Program;
-use populace_core::{BackendError, GlContext, PaletteTransport};
+use populace_device::{BackendError, GlContext, PaletteTransport};
 
 use crate::cache::{Cache, Entry as CacheEntry};
 use crate::errors::failed;
@@ -113,7 +113,7 @@ impl OpenClDevice {
 
     /// Opens a device, or a part of one, with a context that shares buffers with an OpenGL context,
     /// so that palettes are written where OpenGL draws from
-    /// ([`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared)). Call it on the
+    /// ([`PaletteTransport::Shared`](populace_device::PaletteTransport::Shared)). Call it on the
     /// thread on which the OpenGL context is current, because some drivers require that.
     ///
     /// This has not been run on a graphics processor yet, because no available driver supports it.

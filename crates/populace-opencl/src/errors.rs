@@ -1,7 +1,7 @@
 //! Errors of the driver as errors of the backend.
 
 use opencl3::error_codes::ClError;
-use populace_core::BackendError;
+use populace_device::BackendError;
 
 /// Returns the error of a device that failed at `operation`, which follows "failed to".
 pub(crate) fn failed(device: &str, operation: &str, error: &ClError) -> BackendError {

@@ -7,7 +7,7 @@ use opencl3::device::{
 };
 use opencl3::error_codes::ClError;
 use opencl3::platform::get_platforms;
-use populace_core::BackendError;
+use populace_device::BackendError;
 
 use crate::errors::failed;
 use crate::gl_context::is_offered;

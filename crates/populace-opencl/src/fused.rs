@@ -7,8 +7,8 @@ mod readback;
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
 use opencl3::kernel::Kernel;
-use populace_core::layout::{Float4, PAGE_ENTRIES};
-use populace_core::{BackendError, Frame, StageBuffer, Tables};
+use populace_device::layout::{Float4, PAGE_ENTRIES};
+use populace_device::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;

@@ -5,7 +5,7 @@ use std::ptr;
 use opencl3::context::Context;
 use opencl3::device::Device;
 use opencl3::error_codes::ClError;
-use populace_core::GlContext;
+use populace_device::GlContext;
 
 const EXTENSION: &str = "cl_khr_gl_sharing";
 // Names of context properties, from the specifications of OpenCL 1.0 and cl_khr_gl_sharing.

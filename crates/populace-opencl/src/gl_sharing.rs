@@ -15,8 +15,8 @@ use std::sync::Arc;
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use opencl3::memory::{Buffer as ClBuffer, CL_MEM_READ_WRITE, CL_MEM_USE_HOST_PTR, ClMem};
-use populace_core::layout::Float4;
-use populace_core::{BackendError, MappedPage, PAGE_SETS, PaletteTarget, SharedPage};
+use populace_device::layout::Float4;
+use populace_device::{BackendError, MappedPage, PAGE_SETS, PaletteTarget, SharedPage};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;

@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use populace_core::layout::Float4;
-use populace_core::{BackendError, Frame, StageBuffer, Tables};
+use populace_device::layout::Float4;
+use populace_device::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::{AsyncRead, Buffer};

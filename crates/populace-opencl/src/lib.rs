@@ -13,7 +13,7 @@
 //! libOpenCL is loaded at run time. Without it [`devices`] returns [`BackendError::NoRuntime`].
 //!
 //! ```no_run
-//! use populace_core::{Backend, Frame, Schedule, Tables};
+//! use populace_device::{Backend, Frame, Schedule, Tables};
 //! use populace_opencl::{OpenClBackend, OpenClDevice};
 //!
 //! let device = OpenClDevice::open(0)?;
@@ -21,7 +21,7 @@
 //! let tables = Tables::new(4);
 //! backend.update(&tables)?;
 //! backend.run(&tables, Frame::of_all(0))?;
-//! # Ok::<(), populace_core::BackendError>(())
+//! # Ok::<(), populace_device::BackendError>(())
 //! ```
 
 mod backend;
@@ -53,4 +53,4 @@ pub use backend::OpenClBackend;
 pub use device::{DevicePart, OpenClDevice};
 pub use finding::{DeviceInfo, DeviceKind, DriverFault, devices, driver_faults};
 pub use palette_transport::EmptyPalettes;
-pub use populace_core::BackendError;
+pub use populace_device::BackendError;

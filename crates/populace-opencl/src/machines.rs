@@ -5,8 +5,8 @@ use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
 use opencl3::kernel::Kernel;
-use populace_core::layout::{Float4, RUNNING_ELEMENTS, Running};
-use populace_core::{BackendError, Frame, Tables};
+use populace_device::layout::{Float4, RUNNING_ELEMENTS, Running};
+use populace_device::{BackendError, Frame, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::{Buffer, INVALID_VALUE};

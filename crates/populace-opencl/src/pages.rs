@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use populace_core::layout::{Float4, PAGE_ENTRIES};
-use populace_core::{BackendError, HandedOver, PaletteTarget, Tables, TargetMark};
+use populace_device::layout::{Float4, PAGE_ENTRIES};
+use populace_device::{BackendError, HandedOver, PaletteTarget, Tables, TargetMark};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;

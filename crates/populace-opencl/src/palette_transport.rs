@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use opencl3::command_queue::CommandQueue;
-use populace_core::layout::Float4;
-use populace_core::{
+use populace_device::layout::Float4;
+use populace_device::{
     BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
 };
 

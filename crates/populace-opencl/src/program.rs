@@ -1,6 +1,6 @@
-//! Source texts of the programs: layouts and constants from `populace-core`, then the kernels.
+//! Source texts of the programs: layouts and constants from `populace-device`, then the kernels.
 
-use populace_core::UserStage;
+use populace_device::UserStage;
 
 /// Variants of the kernels: what a work-item computes at once, and where fused kernels keep a
 /// member's slots.
@@ -89,7 +89,7 @@ impl Form {
         ];
         let arithmetic =
             if matches!(self, Self::Common | Self::Floor) { &[][..] } else { &arithmetic };
-        let prelude = populace_core::layout::opencl_prelude();
+        let prelude = populace_device::layout::opencl_prelude();
         let declared = if stages.is_empty() { "" } else { UserStage::OPENCL_C };
         let switch = if stages.is_empty() { "" } else { "#define USER_STAGES\n" };
         let head = [rules, switch, &settings, &prelude, declared].into_iter();

@@ -2,8 +2,8 @@
 
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use populace_core::layout::{Float4, SlotSample, TURNS_MOST};
-use populace_core::{BackendError, StageBuffer, Tables};
+use populace_device::layout::{Float4, SlotSample, TURNS_MOST};
+use populace_device::{BackendError, StageBuffer, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::{Buffer, Element};

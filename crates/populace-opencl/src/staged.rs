@@ -7,8 +7,8 @@ use std::ops::Range;
 use opencl3::error_codes::ClError;
 use opencl3::event::Event;
 use opencl3::kernel::Kernel;
-use populace_core::layout::{Float4, PAGE_ENTRIES};
-use populace_core::{BackendError, Frame, Stage};
+use populace_device::layout::{Float4, PAGE_ENTRIES};
+use populace_device::{BackendError, Frame, Stage};
 
 use crate::buffer::Buffer;
 use crate::context::FrameContext;

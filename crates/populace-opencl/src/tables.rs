@@ -1,11 +1,11 @@
 //! The device's copies of the host's tables.
 
-use populace_core::layout::{
+use populace_device::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
     Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source, Step,
     Target, Transition,
 };
-use populace_core::{BackendError, Tables};
+use populace_device::{BackendError, Tables};
 
 use crate::OpenClDevice;
 use crate::upload::{BatchUploader, Copies, DeviceTable, UploadBatch};
@@ -57,9 +57,9 @@ macro_rules! device_tables {
 }
 
 // Tables that every schedule reads.
-populace_core::with_tables!(device_tables, DeviceTables);
+populace_device::with_tables!(device_tables, DeviceTables);
 // Tables that only the staged schedule reads.
-populace_core::with_block_tables!(device_tables, DeviceBlockTables);
+populace_device::with_block_tables!(device_tables, DeviceBlockTables);
 
 /// The members of each page, over which the fused schedules iterate. Lists may shorten, so launches
 /// take the host's count.

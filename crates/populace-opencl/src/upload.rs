@@ -6,7 +6,7 @@ use std::ops::Range;
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use opencl3::kernel::Kernel;
-use populace_core::{BackendError, Table, Tables};
+use populace_device::{BackendError, Table, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::{Buffer, Element, StagingWords};

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use opencl3::kernel::Kernel;
-use populace_core::{BackendError, UserStage};
+use populace_device::{BackendError, UserStage};
 
 use crate::OpenClDevice;
 use crate::program::Form;

@@ -1,6 +1,6 @@
 //! Conversions between the types of the crowd and of Rapier.
 
-use populace::core::JointIndex;
+use populace::model::JointIndex;
 use populace::{Affine, Placement, Trs};
 use rapier3d::math::Mat3;
 pub(crate) use rapier3d::math::{Pose, Rotation, Vector};

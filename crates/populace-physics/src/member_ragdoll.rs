@@ -7,7 +7,7 @@ mod overrides;
 use std::sync::Arc;
 
 use populace::Member;
-use populace::core::Trs;
+use populace::model::Trs;
 use rapier3d::prelude::{ImpulseJointHandle, RigidBody, RigidBodyHandle};
 
 use crate::math::{Pose, Rotation, Vector, rotation_vector_between, twist_and_swing};

@@ -6,7 +6,7 @@ mod rest;
 mod select;
 mod shape;
 
-use populace::core::{JointIndex, Skeleton};
+use populace::model::{JointIndex, Skeleton};
 
 use crate::math::{Rotation, Vector, inverse_transform_point, joint_index};
 use limits::Anatomy;

@@ -1,6 +1,6 @@
 //! Snapshots of a member's joints in world space.
 
-use populace::core::JointIndex;
+use populace::model::JointIndex;
 use populace::{Affine, BackendError, Crowd, Member, Placement};
 
 use crate::Error;

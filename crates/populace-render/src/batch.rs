@@ -1,8 +1,8 @@
 //! Sorting of instances into draws: one per run of equal character, page and handedness.
 
 use glam::Vec3;
-use populace_core::Affine;
-use populace_core::layout::PAGE_ENTRIES;
+use populace_device::layout::PAGE_ENTRIES;
+use populace_model::Affine;
 
 use crate::layout::InstanceData;
 use crate::{Error, Instance};

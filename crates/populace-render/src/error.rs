@@ -111,7 +111,7 @@ pub enum Error {
     },
     /// The device failed, or rejected the buffers that it was given.
     #[error(transparent)]
-    Device(#[from] populace_core::BackendError),
+    Device(#[from] populace_device::BackendError),
     /// The driver cannot draw from mapped buffers.
     #[error("this driver offers neither OpenGL 4.4 nor GL_ARB_buffer_storage")]
     NoBufferStorage,

@@ -6,7 +6,7 @@
 //! layout in both languages have a name here. Blocks have no three-component vector, because
 //! `std140` aligns it to 16 bytes.
 
-use populace_core::layout::Float4;
+use populace_device::layout::Float4;
 
 /// A column-major 4x4 matrix in a uniform block.
 #[repr(C)]

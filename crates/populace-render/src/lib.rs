@@ -1,12 +1,13 @@
 //! Windowless rendering of crowds with OpenGL. Meshes are instanced, and skinned in the vertex
 //! shader from the matrix palettes that a compute device wrote.
 //!
-//! Spaces and units are those of [`populace_core`]. Pictures are sRGB, top row first. Colours in
+//! Spaces and units are those of [`populace_model`]. Pictures are sRGB, top row first. Colours in
 //! [`Scene`] and [`Instance`] are linear.
 //!
 //! ```no_run
-//! use populace_core::layout::Float4;
-//! use populace_core::{Affine, Character};
+//! use populace_device::layout::Float4;
+//! use populace_character::Character;
+//! use populace_model::Affine;
 //! use populace_render::{Camera, Instance, Renderer, Scene, write_png};
 //!
 //! # fn picture(character: &Character, palette: &[Float4]) -> Result<(), populace_render::Error> {

@@ -3,13 +3,14 @@
 use std::rc::Rc;
 
 use glam::Vec3;
-use populace_core::{Affine, AlphaMode, Character, Image, Influences, Material, Mesh, Part};
+use populace_character::{AlphaMode, Character, Image, Influences, Material, Mesh, Part};
+use populace_model::Affine;
 
 use crate::Error;
 use crate::batch::{CharacterInfo, determinant};
 use crate::gl::{Buffer, BufferUse, Cull, Gl, Sampling, Texture};
 use crate::layout::{Influences4, Influences8, Surface, Vertex};
-use populace_core::layout::Float4;
+use populace_device::layout::Float4;
 
 /// Alpha mode of a material, without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -184,7 +185,7 @@ struct Textures<'a> {
     gl: &'a Rc<Gl>,
     /// Texture of materials without one.
     white: Rc<Texture>,
-    uploaded: Vec<(populace_core::Texture, Rc<Texture>)>,
+    uploaded: Vec<(populace_character::Texture, Rc<Texture>)>,
 }
 
 impl<'a> Textures<'a> {

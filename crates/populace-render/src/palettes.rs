@@ -4,8 +4,8 @@ use std::cell::RefCell;
 use std::fmt;
 use std::rc::Rc;
 
-use populace_core::layout::{Float4, PAGE_ENTRIES};
-use populace_core::{
+use populace_device::layout::{Float4, PAGE_ENTRIES};
+use populace_device::{
     BackendError, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteTransport,
     SharedPage, TargetMark,
 };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use image::ImageEncoder as _;
 use image::codecs::png::PngEncoder;
-use populace_core::Image;
+use populace_character::Image;
 
 use crate::Error;
 

@@ -4,8 +4,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
-use populace_core::layout::Float4;
-use populace_core::{Character, GlContext, Image, PaletteSource, Part};
+use populace_character::{Character, Image, Part};
+use populace_device::layout::Float4;
+use populace_device::{GlContext, PaletteSource};
 
 use crate::batch::{Batches, CharacterInfo, Run};
 use crate::gl::{
@@ -105,7 +106,7 @@ impl Renderer {
     }
 
     /// Returns the OpenGL context. A device created for it can write OpenGL buffers: see
-    /// [`PaletteTransport::Shared`](populace_core::PaletteTransport::Shared).
+    /// [`PaletteTransport::Shared`](populace_device::PaletteTransport::Shared).
     #[must_use]
     pub fn gl_context(&self) -> Arc<dyn GlContext> {
         self.gl.context()
@@ -153,7 +154,7 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] above the limits of [`layout`](populace_core::layout) or of the driver,
+    /// [`Error::TooLarge`] above the limits of [`layout`](populace_device::layout) or of the driver,
     /// [`Error::PartialMatrix`] if the last entry is incomplete, [`Error::OutOfMemory`] or
     /// [`Error::GlError`] if the driver fails.
     pub fn upload_page(&mut self, page: usize, palette: &[Float4]) -> Result<(), Error> {

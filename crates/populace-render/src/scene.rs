@@ -1,6 +1,6 @@
 //! Instances, lights and surroundings of a picture.
 
-use populace_core::Affine;
+use populace_model::Affine;
 
 use crate::{Camera, Error};
 
@@ -18,8 +18,8 @@ pub struct Instance {
     /// Root-motion offset that the palette contains, in metres in world space. It moves the
     /// bounding sphere from which the extent of the shadow map is computed.
     pub moved: [f32; 3],
-    /// First palette entry: page times [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES) plus
-    /// the index within the page, as in [`Member`](populace_core::layout::Member).
+    /// First palette entry: page times [`PAGE_ENTRIES`](populace_device::layout::PAGE_ENTRIES) plus
+    /// the index within the page, as in [`Member`](populace_device::layout::Member).
     pub palette_first: u32,
     /// Linear colour by which all materials are multiplied.
     pub tint: [f32; 3],

@@ -1,7 +1,7 @@
 //! A backend with one wrong number, to test that every check can fail.
 
-use populace_core::layout::{Float4, NONE};
-use populace_core::{
+use populace_device::layout::{Float4, NONE};
+use populace_device::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark,
 };
@@ -117,7 +117,8 @@ impl<B: Backend> Broken<B> {
     fn choose_target(&mut self, tables: &Tables) {
         let members = tables.members().as_slice();
         let used = || members.iter().enumerate().filter(|(_, m)| m.body != NONE);
-        let body = |m: &populace_core::layout::Member| tables.bodies().as_slice()[m.body as usize];
+        let body =
+            |m: &populace_device::layout::Member| tables.bodies().as_slice()[m.body as usize];
         let alone = used().count() < 2;
         let target = match self.corruption.buffer {
             StageBuffer::Samples => {

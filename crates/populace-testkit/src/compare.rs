@@ -1,7 +1,7 @@
 //! Comparison of a backend's results with the oracle's.
 
 use glam::DAffine3;
-use populace_core::Backend;
+use populace_device::Backend;
 
 use crate::expected::Expected;
 use crate::tolerance::{COARSE, LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};

@@ -3,10 +3,10 @@
 
 use std::collections::HashMap;
 
-use populace_core::layout::{Layer, NONE, Slot};
-use populace_core::{
-    Backend, Binding, BodyIndex, Frame, LayerSettings, Mask, Schedule, Stage, Tables, far_row,
-};
+use populace_device::layout::{Layer, NONE, Slot};
+use populace_device::{Backend, BodyIndex, Frame, LayerSettings, Schedule, Stage, Tables, far_row};
+use populace_model::Mask;
+use populace_retarget::Binding;
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;

@@ -1,6 +1,6 @@
 //! The oracle's results for members of a crowd, with error bounds.
 
-use populace_core::TICKS_PER_SEC;
+use populace_clip::TICKS_PER_SEC;
 
 use crate::oracle::{
     OracleInertialization, OracleLayer, OraclePose, OracleSampledState, OracleSlot, Timing,

@@ -1,6 +1,7 @@
 //! Descriptions of the members under test.
 
-use populace_core::{LayerMode, TICKS_PER_SEC};
+use populace_clip::TICKS_PER_SEC;
+use populace_device::LayerMode;
 
 use crate::oracle::{Timing, Weighting};
 

@@ -1,7 +1,7 @@
 //! Readback of a member's pose from a backend.
 
-use populace_core::layout::Float4;
-use populace_core::{Backend, StageBuffer};
+use populace_device::layout::Float4;
+use populace_device::{Backend, StageBuffer};
 
 use crate::TestCrowd;
 

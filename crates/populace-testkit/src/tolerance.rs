@@ -7,7 +7,8 @@
 
 mod matrices;
 
-use populace_core::{Clip, ClipSource, Interpolation, Property, Track};
+use populace_clip::Clip;
+use populace_model::{ClipSource, Interpolation, Property, Track};
 
 use crate::oracle::{Gain, Local};
 

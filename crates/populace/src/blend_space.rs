@@ -3,6 +3,8 @@
 
 mod plane;
 
+use populace_model::convert::single;
+
 use crate::error::bounded;
 use crate::{ClipId, Error};
 use plane::Plane;
@@ -61,8 +63,9 @@ enum Shape {
 ///
 /// ```
 /// # use populace::{BlendSpace, Crowd, Device, Placement, Play};
-/// # use populace::core::{CharacterSource, Character, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-/// #     JointIndex, Affine, Property, Skeleton, Track, Trs};
+/// # use populace::character::{Character, CharacterSource, PaletteEntry};
+/// # use populace::clip::Clip;
+/// # use populace::model::{Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs};
 /// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
 /// # let skeleton = Skeleton::new(&[joint])?;
 /// # let clip = |name: &str, secs| { let track = Track { joint: "hips".into(), property: Property::Translation,
@@ -216,12 +219,4 @@ fn check_count(count: usize) -> Result<(), Error> {
 
 pub(crate) fn bad(reason: &str) -> Error {
     Error::BadBlendSpace { reason: reason.to_owned() }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
-pub(crate) fn single(number: f64) -> f32 {
-    number as f32
 }

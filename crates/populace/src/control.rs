@@ -1,7 +1,7 @@
 //! What members look at and reach for, and how much.
 
-use populace_core::JointIndex;
-use populace_core::layout;
+use populace_device::layout;
+use populace_model::JointIndex;
 
 use crate::error::{bounded, finite};
 use crate::play::{check_secs, check_weight};

@@ -26,11 +26,12 @@ mod watches;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use populace_core::layout::{PAGE_ENTRIES, Slot};
-use populace_core::{
-    AnimationSet, BackendError, BodyIndex, Character, ClipIndex, FIRST_TICK, Frame, GlContext,
-    RoleMap, TICKS_PER_SEC, Tables,
-};
+use populace_character::Character;
+use populace_clip::{AnimationSet, ClipIndex, FIRST_TICK, TICKS_PER_SEC};
+use populace_device::layout::{PAGE_ENTRIES, Slot};
+use populace_device::{BackendError, BodyIndex, Frame, GlContext, Tables};
+use populace_model::RoleMap;
+use populace_model::convert::u32_from;
 
 use crate::device::Opened;
 use crate::split::Kept;
@@ -283,14 +284,6 @@ impl Crowd {
         let state = self.members.get(member.place as usize).filter(same);
         state.and_then(|s| s.character).ok_or(Error::StaleMember)
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "counts of characters and layers, far below 2^32"
-)]
-fn u32_from(index: usize) -> u32 {
-    index as u32
 }
 
 #[cfg(test)]

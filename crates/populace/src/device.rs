@@ -7,7 +7,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use populace_core::{Backend, GlContext, PaletteSource, Schedule};
+use populace_device::{Backend, GlContext, PaletteSource, Schedule};
 use populace_native::NativeBackend;
 
 use crate::Error;
@@ -223,7 +223,7 @@ mod opencl {
     use std::collections::HashMap;
     use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-    use populace_core::{BackendError, GlContext, PaletteSource, Schedule};
+    use populace_device::{BackendError, GlContext, PaletteSource, Schedule};
     use populace_opencl::{DeviceKind, DevicePart, EmptyPalettes, OpenClBackend, OpenClDevice};
 
     use super::{Device, DeviceReport, Engine, Opened};
@@ -341,7 +341,7 @@ mod opencl {
 mod opencl {
     use std::sync::Arc;
 
-    use populace_core::{GlContext, PaletteSource, Schedule};
+    use populace_device::{GlContext, PaletteSource, Schedule};
 
     use super::{Device, DeviceReport, Opened};
     use crate::Error;

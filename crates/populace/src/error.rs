@@ -1,14 +1,28 @@
 //! What can go wrong with a crowd; none of it harms the crowd.
 
-use populace_core::{BackendError, LARGEST, did_you_mean};
+use populace_device::BackendError;
+use populace_model::convert::not_finite;
+use populace_model::{LARGEST, did_you_mean};
 
 /// Why a call was refused. The crowd is as it was before.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// Data that does not describe a character, clip or mask.
+    /// Data that does not describe a skeleton, or a joint's name that it does not have.
     #[error(transparent)]
-    Data(#[from] populace_core::Error),
+    Model(#[from] populace_model::Error),
+    /// Data that does not describe a character.
+    #[error(transparent)]
+    Character(populace_character::Error),
+    /// Data that does not describe a clip.
+    #[error(transparent)]
+    Clip(populace_clip::Error),
+    /// A clip that does not fit a skeleton.
+    #[error(transparent)]
+    Retarget(#[from] populace_retarget::Error),
+    /// A constraint, override or stage that no device could evaluate.
+    #[error(transparent)]
+    Tables(#[from] populace_device::Error),
     /// A device that failed, or is not there.
     #[error(transparent)]
     Backend(#[from] BackendError),
@@ -114,8 +128,27 @@ const _: () = assert!(LARGEST == 1e9, "the rule says so");
 
 /// Refuses values that are not finite.
 pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
-    match values.iter().find(|v| !v.is_finite()) {
-        Some(&value) => Err(Error::BadValue { what, value, rule: "a finite number" }),
+    match not_finite(values) {
+        Some(value) => Err(Error::BadValue { what, value, rule: "a finite number" }),
         None => Ok(()),
+    }
+}
+
+impl From<populace_clip::Error> for Error {
+    fn from(error: populace_clip::Error) -> Self {
+        match error {
+            populace_clip::Error::Model(error) => Self::Model(error),
+            error => Self::Clip(error),
+        }
+    }
+}
+
+impl From<populace_character::Error> for Error {
+    fn from(error: populace_character::Error) -> Self {
+        match error {
+            populace_character::Error::Model(error) => Self::Model(error),
+            populace_character::Error::Clip(error) => error.into(),
+            error => Self::Character(error),
+        }
     }
 }

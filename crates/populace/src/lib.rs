@@ -7,8 +7,9 @@
 //!
 //! ```
 //! use populace::{Crowd, Device, Placement, Play};
-//! # use populace::core::{CharacterSource, Character, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-//! #     JointIndex, Affine, Property, Skeleton, Track, Trs};
+//! # use populace::character::{Character, CharacterSource, PaletteEntry};
+//! # use populace::clip::Clip;
+//! # use populace::model::{Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs};
 //! # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
 //! # let skeleton = Skeleton::new(&[joint])?;
 //! # let track = Track { joint: "hips".into(), property: Property::Translation, interpolation: Interpolation::Linear,
@@ -45,13 +46,13 @@ mod play;
 mod split;
 mod stage;
 
-pub use populace_core as core;
-pub use populace_core::{
-    Affine, After, BackendError, BindingMethod, BindingReport, Feet, Foot, Gaze, GazeLimits,
-    Ground, JointIndex, JointOverride, LayerMode, LayerSettings, LiveSettings, Mask, MotionOrigin,
-    MotionSettings, MotionSource, Schedule, Space, StageJoint, Streamed, Trs, UserStage,
-    nearest_names,
+pub use populace_clip::{LiveSettings, MotionOrigin, MotionSettings, MotionSource, Streamed};
+pub use populace_device::{
+    After, BackendError, Error as TablesError, Feet, Foot, Gaze, GazeLimits, Ground, JointOverride,
+    LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Schedule, Space, Stage, StageJoint, UserStage,
 };
+pub use populace_model::{Affine, JointIndex, Mask, Trs, nearest_names};
+pub use populace_retarget::{BindingMethod, BindingReport};
 
 pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Reach, Target, Weight};
@@ -64,6 +65,51 @@ pub use error::Error;
 pub use machine::{Condition, StateMachine};
 pub use play::{Placement, Play, Playing};
 pub use stage::StageUse;
+
+/// Skeletons, tracks, masks and humanoid roles.
+pub mod model {
+    pub use populace_model::{
+        Affine, ClipSource, Error, Finger, Interpolation, JointIndex, JointSource, LARGEST,
+        LARGEST_SCALE, Mask, Phalanx, Property, Role, RoleMap, Side, Skeleton, Track, Trs,
+        UnknownName, did_you_mean, nearest_names,
+    };
+
+    /// Arithmetic of quaternions and vectors, as devices do it.
+    pub mod math {
+        pub use populace_model::math::{Real, quat, vec3};
+    }
+}
+
+/// Clips and the clock that they are played by.
+pub mod clip {
+    pub use populace_clip::{
+        Clip, ClipStats, Error, Footstep, LiveSettings, MotionOrigin, MotionSettings, MotionSource,
+        RootMotion, Streamed, TICKS_PER_SEC, ticks_from_secs,
+    };
+}
+
+/// Characters: skeletons with meshes, materials and clips.
+pub mod character {
+    pub use populace_character::{
+        AlphaMode, Bounds, Character, CharacterSource, Error, Image, Influences, Material, Mesh,
+        PaletteEntry, Part, SkinInstance, Texture, TextureFilter, Wrap, sole_points,
+        vertex_reach_m,
+    };
+}
+
+/// Clips on skeletons that they were not made for.
+pub mod retarget {
+    pub use populace_retarget::{Binding, BindingMethod, BindingReport, Error};
+}
+
+/// What a renderer takes palettes by.
+pub mod hand_over {
+    pub use populace_device::layout::{Float4, PAGE_ENTRIES};
+    pub use populace_device::{
+        EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
+        PaletteTransport, SharedPage, TargetMark,
+    };
+}
 
 /// The library as the README shows it, compiled as a test.
 #[cfg(doctest)]

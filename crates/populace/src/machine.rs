@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use populace_core::layout::MACHINE_PARAMETERS;
-use populace_core::{MachineState, Transition, did_you_mean, nearest_names, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::layout::MACHINE_PARAMETERS;
+use populace_device::{MachineState, Transition};
+use populace_model::{did_you_mean, nearest_names};
 
 use crate::error::bounded;
 use crate::play::{Mode, check_secs};
@@ -64,8 +66,9 @@ struct Way {
 ///
 /// ```
 /// # use populace::{Condition, Crowd, Device, Placement, Play, StateMachine};
-/// # use populace::core::{CharacterSource, Character, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-/// #     JointIndex, Affine, Property, Skeleton, Track, Trs};
+/// # use populace::character::{Character, CharacterSource, PaletteEntry};
+/// # use populace::clip::Clip;
+/// # use populace::model::{Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs};
 /// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
 /// # let skeleton = Skeleton::new(&[joint])?;
 /// # let clip = |name: &str, secs| { let track = Track { joint: "hips".into(), property: Property::Translation,
@@ -244,19 +247,19 @@ impl StateMachine {
                 |name: &str| Ok::<_, Error>(u32::try_from(self.parameter_of(name)?).unwrap_or(0));
             Ok(match condition {
                 Condition::Above(name, value) => {
-                    populace_core::Condition::Above(parameter(name)?, *value)
+                    populace_device::Condition::Above(parameter(name)?, *value)
                 }
                 Condition::Below(name, value) => {
-                    populace_core::Condition::Below(parameter(name)?, *value)
+                    populace_device::Condition::Below(parameter(name)?, *value)
                 }
                 Condition::AfterSecs(secs) => {
-                    populace_core::Condition::After(ticks_from_secs((*secs).into()))
+                    populace_device::Condition::After(ticks_from_secs((*secs).into()))
                 }
                 // A clip that does not play once has no end.
                 Condition::Ended if state.play.mode != Mode::Once => {
-                    populace_core::Condition::After(u64::MAX)
+                    populace_device::Condition::After(u64::MAX)
                 }
-                Condition::Ended => populace_core::Condition::After(end_ticks),
+                Condition::Ended => populace_device::Condition::After(end_ticks),
             })
         };
         let transition = |way: &Way| {

@@ -1,7 +1,8 @@
 //! How clips are started and members are placed.
 
-use populace_core::layout::Slot;
-use populace_core::{Affine, LARGEST, LARGEST_SCALE, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::layout::Slot;
+use populace_model::{Affine, LARGEST, LARGEST_SCALE};
 
 use crate::error::bounded;
 use crate::{ClipId, Error, PlayId};
@@ -215,7 +216,7 @@ pub(crate) fn check_secs(what: &'static str, value: f32) -> Result<(), Error> {
 }
 
 pub(crate) fn check_layer(layer: usize) -> Result<(), Error> {
-    if layer < populace_core::MAX_LAYERS {
+    if layer < populace_device::MAX_LAYERS {
         Ok(())
     } else {
         Err(Error::BadValue { what: "the layer", value: layer as f32, rule: "0 to 3" })

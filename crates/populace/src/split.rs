@@ -9,8 +9,8 @@ use std::ops::Range;
 use std::panic::resume_unwind;
 use std::thread::{self, ScopedJoinHandle};
 
-use populace_core::layout::{Float4, JOINT_BLOCK, PAGE_ENTRIES, PALETTE_BLOCK};
-use populace_core::{
+use populace_device::layout::{Float4, JOINT_BLOCK, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };

@@ -1,6 +1,6 @@
 //! How a member uses a user's stage.
 
-use populace_core::JointIndex;
+use populace_model::JointIndex;
 
 /// For which joints of a member a stage runs, and the member's own four numbers for it.
 #[derive(Clone, Debug, Default, PartialEq)]

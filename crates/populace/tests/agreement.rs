@@ -1,7 +1,7 @@
 //! Devices and schedules on the same input.
 #![cfg(feature = "opencl")]
 
-use populace_core::Schedule::{self, Fused, FusedGrouped, FusedWide, Staged};
+use populace_device::Schedule::{self, Fused, FusedGrouped, FusedWide, Staged};
 use populace_native::NativeBackend;
 use populace_opencl::{OpenClBackend, OpenClDevice};
 use populace_testkit::conformance::{check_agreement, check_same_frames};

@@ -8,10 +8,9 @@
 
 use std::sync::Arc;
 
-use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-    Property, Skeleton, Track,
-};
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
     Affine, BindingMethod, BlendSpace, Crowd, Device, JointIndex, Placement, Play, StateMachine,
     Trs,

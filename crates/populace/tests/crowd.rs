@@ -4,11 +4,12 @@
 
 use std::sync::Arc;
 
-use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource,
-    PaletteEntry, Property, Skeleton, Track,
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::model::{
+    ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track,
 };
-use populace::core::{Role, RoleMap, Side};
+use populace::model::{Role, RoleMap, Side};
 use populace::{
     Affine, Crowd, Device, Error, LayerMode, LayerSettings, Mask, Member, Placement, Play, Trs,
 };
@@ -263,7 +264,7 @@ fn palettes_on_the_second_page_are_right_too(device: Device) {
     assert_near(palette[0].rows[1][3], 10.5);
     assert!(palette.iter().all(|matrix| *matrix == palette[0]));
     let last = crowd.instances().last().unwrap();
-    assert_eq!(last.palette_first, populace::core::layout::PAGE_ENTRIES);
+    assert_eq!(last.palette_first, populace::hand_over::PAGE_ENTRIES);
     let mut seen = Vec::new();
     crowd.with_page(1, &mut |page| seen = page[..3].to_vec()).unwrap();
     assert_near(seen[1].0[3], 10.5);

@@ -1,6 +1,7 @@
 //! Equal calls on two crowds give equal palettes, whatever order hash maps iterate in.
 
-use populace::core::{Character, CharacterSource, JointSource, PaletteEntry, Skeleton};
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::model::{JointSource, Skeleton};
 use populace::{
     Affine, Crowd, Device, Gaze, GazeLimits, JointIndex, Member, Placement, Target, Trs, Weight,
 };

@@ -16,9 +16,10 @@ use std::cell::RefCell;
 
 use body::{Stage, everywhere, skeleton, stage};
 use glam::{DAffine3, DQuat, DVec3};
-use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, Property, Role,
-    RoleMap, Side, Skeleton, Track,
+use populace::character::{Character, CharacterSource};
+use populace::clip::Clip;
+use populace::model::{
+    ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side, Skeleton, Track,
 };
 use populace::{
     Affine, ClipId, Device, LayerMode, LayerSettings, LiveSettings, Member, Placement, Play,

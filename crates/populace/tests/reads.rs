@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-    PaletteSource, Property, Skeleton, Track,
-};
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::hand_over::PaletteSource;
+use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
     Affine, BackendError, ClipId, Crowd, Device, Devices, Error, Gaze, GazeLimits, JointIndex,
     Member, Placement, Play, Schedule, Target, Trs, Weight,

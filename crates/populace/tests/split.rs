@@ -4,24 +4,16 @@
 
 use std::sync::Arc;
 
-use populace::core::layout::Float4;
-use populace::core::{
-    Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource,
-    PaletteEntry, Property, Skeleton, Track,
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::hand_over::Float4;
+use populace::model::{
+    Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track,
 };
 use populace::{
     CharacterId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split, Trs,
 };
-
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, below: usize) -> usize {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        usize::try_from(self.0 >> 33).unwrap() % below
-    }
-}
+use populace_testkit::Rng;
 
 /// A chain of joints that a clip lifts one by one.
 fn chain(joint_count: u16) -> Arc<Character> {
@@ -58,7 +50,7 @@ struct Troupe {
     crowd: Crowd,
     roles: Vec<CharacterId>,
     members: Vec<Member>,
-    random: Random,
+    random: Rng,
 }
 
 impl Troupe {
@@ -66,7 +58,7 @@ impl Troupe {
         let builder = Crowd::builder().devices(devices.clone()).schedule(schedule).split(split);
         let mut crowd = builder.capacity(5000).build().unwrap();
         let roles = [1, 5, 40].map(|joints| crowd.add_character(chain(joints)).unwrap()).to_vec();
-        Self { crowd, roles, members: Vec::new(), random: Random(11) }
+        Self { crowd, roles, members: Vec::new(), random: Rng::new(11) }
     }
 
     fn step(&mut self) {
@@ -126,7 +118,7 @@ impl Troupe {
 fn nobody_can_tell(devices: &Devices, schedule: Schedule) {
     let mut troupe = Troupe::new(devices, schedule, Split::Measured);
     let mut twin = Troupe::new(&Device::native().into(), schedule, Split::Measured);
-    let (count, mut random) = (devices.as_slice().len(), Random(3));
+    let (count, mut random) = (devices.as_slice().len(), Rng::new(3));
     for step in 0..60 {
         let mut parts: Vec<f64> =
             (0..count).map(|_| f64::from(u16::try_from(random.below(4)).unwrap())).collect();

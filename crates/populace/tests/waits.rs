@@ -15,7 +15,7 @@
 mod body;
 
 use body::{joint, stage};
-use populace::core::math::quat;
+use populace::model::math::quat;
 use populace::{
     ClipId, Condition, Crowd, Device, Feet, Foot, JointOverride, LayerSettings, Member, Placement,
     Play, Reach, Schedule, Space, StateMachine, Target, Trs, Weight,

@@ -1,4 +1,4 @@
-use populace_core::{Interpolation, Property};
+use populace_model::{Interpolation, Property};
 use serde_json::json;
 
 use super::builder::{File, skinned};
@@ -162,7 +162,7 @@ fn clips_of_a_file_without_meshes_bind_by_name() {
     let clips = loaded(&clips.glb()).character;
     assert!(clips.parts.is_empty());
     let body = loaded(&skinned().glb()).character;
-    let binding = populace_core::Binding::new(&clips.clips[0], &body.skeleton);
+    let binding = populace_retarget::Binding::new(&clips.clips[0], &body.skeleton);
     assert_eq!(binding.bound_joint_count(), 1, "the body has a head and no tail");
 }
 

@@ -1,6 +1,6 @@
 use std::io::Cursor;
 
-use populace_core::{AlphaMode, Material, TextureFilter, Wrap};
+use populace_character::{AlphaMode, Material, TextureFilter, Wrap};
 use serde_json::json;
 
 use super::builder::{File, rigid};

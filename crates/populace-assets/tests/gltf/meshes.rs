@@ -3,7 +3,7 @@ use serde_json::json;
 use super::builder::{File, U32, rigid};
 use super::{assert_note, assert_problem, loaded};
 
-fn mesh(file: &File) -> populace_core::Mesh {
+fn mesh(file: &File) -> populace_character::Mesh {
     loaded(&file.glb()).character.parts[0].mesh.clone()
 }
 

@@ -1,4 +1,4 @@
-use populace_core::Affine;
+use populace_model::Affine;
 use serde_json::json;
 
 use super::builder::{F32, File, U16, moved_up, skinned};

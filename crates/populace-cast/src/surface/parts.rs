@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use populace_core::{Influences, Material, Mesh, Part};
+use populace_character::{Influences, Material, Mesh, Part};
 
 use super::{Region, Surface};
 use crate::{Colors, rig::Joints};

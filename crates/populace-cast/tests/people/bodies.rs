@@ -108,12 +108,12 @@ fn rigs_differ_in_spine_names_rest_rotations_and_fingers() {
     let (lean, full) = (rig(Rig::Lean).next().unwrap(), rig(Rig::Full).next().unwrap());
     assert_eq!((lean.joint_count(), full.joint_count()), (25, 54));
     assert!(lean.joints().all(|j| full.find(lean.name(j)).is_none()), "rigs share joint names");
-    let rotated = |s: &populace_core::Skeleton| {
+    let rotated = |s: &populace_model::Skeleton| {
         s.joints().filter(|&j| s.rest(j).rotation[3].abs() < 0.999).count()
     };
     assert_eq!(rotated(lean), 0);
     assert!(rotated(full) > 12, "{} joints are rotated at rest", rotated(full));
-    let named = |s: &populace_core::Skeleton, word: &str| {
+    let named = |s: &populace_model::Skeleton, word: &str| {
         s.joints().filter(|&j| s.name(j).to_lowercase().contains(word)).count()
     };
     assert_eq!((named(lean, "spine"), named(full, "spine")), (1, 4));

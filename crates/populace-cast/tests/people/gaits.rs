@@ -1,7 +1,8 @@
 //! Properties of gaits: contact of the feet with the ground, and published joint angles.
 
 use glam::{DAffine3, DVec3};
-use populace_core::{Character, Clip};
+use populace_character::Character;
+use populace_clip::Clip;
 
 use crate::people;
 use crate::skinning::{Surface, models, times};

@@ -10,7 +10,7 @@ mod skinning;
 
 use std::sync::OnceLock;
 
-use populace_core::Character;
+use populace_character::Character;
 
 /// Returns all presets, which are generated once.
 fn people() -> &'static [Character] {

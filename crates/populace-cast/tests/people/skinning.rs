@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use populace_core::{Affine, Character, Clip, Property, Track};
+use populace_character::Character;
+use populace_clip::Clip;
+use populace_model::{Affine, Property, Track};
 
 /// Surface of a character, with vertices of equal position welded across parts.
 pub(crate) struct Surface<'a> {

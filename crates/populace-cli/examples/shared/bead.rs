@@ -1,9 +1,9 @@
 //! A bead that marks a position.
 
-use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
-    Skeleton,
+use populace::character::{
+    Character, CharacterSource, Influences, Material, Mesh, PaletteEntry, Part,
 };
+use populace::model::{JointSource, Skeleton};
 use populace::{Affine, JointIndex, Trs};
 
 /// Creates an octahedron as a character of one joint. `size` is the distance in metres from the
@@ -12,7 +12,7 @@ pub(crate) fn bead(
     name: &str,
     size: f32,
     base_color: [f32; 4],
-) -> Result<Character, populace::core::Error> {
+) -> Result<Character, populace::character::Error> {
     let joint = JointSource { name: name.into(), parent: None, rest: Trs::IDENTITY };
     let normals: Vec<[f32; 3]> = vec![
         [1.0, 0.0, 0.0],

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use populace::Crowd;
-use populace::core::Character;
+use populace::character::Character;
 use populace_render::{Camera, Instance, Renderer, Scene, write_png};
 
 /// Returns the first argument, or a default name in the current folder.

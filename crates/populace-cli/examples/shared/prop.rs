@@ -2,10 +2,10 @@
 
 use std::f32::consts::TAU;
 
-use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
-    Skeleton,
+use populace::character::{
+    Character, CharacterSource, Influences, Material, Mesh, PaletteEntry, Part,
 };
+use populace::model::{JointSource, Skeleton};
 use populace::{Affine, JointIndex, Trs};
 
 /// Number of corners of a ring.
@@ -15,7 +15,10 @@ const RING_CORNERS: u16 = 24;
 pub(crate) type Piece<'a> = ([f32; 3], &'a [[f32; 2]]);
 
 /// Creates a character of one joint from pieces that are surfaces of revolution about +Y.
-pub(crate) fn revolved(name: &str, pieces: &[Piece]) -> Result<Character, populace::core::Error> {
+pub(crate) fn revolved(
+    name: &str,
+    pieces: &[Piece],
+) -> Result<Character, populace::character::Error> {
     let joint = JointSource { name: name.into(), parent: None, rest: Trs::IDENTITY };
     let part = |(piece, (_, outline)): (usize, &Piece)| Part {
         node: 0,

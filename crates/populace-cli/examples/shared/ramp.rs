@@ -1,14 +1,14 @@
 //! A ramp to stand on.
 
-use populace::core::{
-    Character, CharacterSource, Influences, JointSource, Material, Mesh, PaletteEntry, Part,
-    Skeleton,
+use populace::character::{
+    Character, CharacterSource, Influences, Material, Mesh, PaletteEntry, Part,
 };
+use populace::model::{JointSource, Skeleton};
 use populace::{Affine, JointIndex, Trs};
 
 /// Creates a ramp as a character of one joint: 8 m wide, 3 m deep, rising towards +X by `rise`
 /// metres per metre.
-pub(crate) fn ramp(rise: f32) -> Result<Character, populace::core::Error> {
+pub(crate) fn ramp(rise: f32) -> Result<Character, populace::character::Error> {
     let joint = JointSource { name: "ramp".into(), parent: None, rest: Trs::IDENTITY };
     let corner = |x: f32, z: f32| [4.0 * x, 4.0 * x * rise, 1.5 * z];
     let positions =

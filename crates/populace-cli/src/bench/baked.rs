@@ -3,7 +3,7 @@
 //! They show the cost of playback alone. A member plays one clip. Baked palettes include the
 //! hierarchy and bind matrices, so clips cannot be blended, and joints cannot be masked or moved.
 
-use populace::core::Affine;
+use populace::model::Affine;
 use populace::{Crowd, Device, Error, Placement, Play, Schedule};
 use rayon::prelude::*;
 

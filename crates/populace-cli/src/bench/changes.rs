@@ -1,6 +1,7 @@
 //! An independent model of crossfades in double precision, for members that crossfade repeatedly.
 
-use populace::core::{Character, ticks_from_secs};
+use populace::character::Character;
+use populace::clip::ticks_from_secs;
 use populace_testkit::oracle::{OracleSlot, Timing, Weighting};
 
 use super::scene::{FADE_SECS, InitialSlot};
@@ -43,7 +44,7 @@ impl SlotState {
         match self.weighting {
             Weighting::Ramp { tick, to: 0.0, secs, .. } => {
                 f64::from(secs)
-                    - now.saturating_sub(tick) as f64 / populace::core::TICKS_PER_SEC as f64
+                    - now.saturating_sub(tick) as f64 / populace::clip::TICKS_PER_SEC as f64
             }
             _ => f64::INFINITY,
         }

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use glam::{DAffine3, DVec3};
-use populace::core::layout::PAGE_ENTRIES;
-use populace::core::{Affine, Character};
+use populace::character::Character;
+use populace::hand_over::PAGE_ENTRIES;
+use populace::model::Affine;
 use populace::{Crowd, Error};
 use populace_testkit::oracle::{OracleBody, evaluate};
 

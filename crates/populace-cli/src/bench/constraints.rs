@@ -1,7 +1,8 @@
 //! Layers and constraints of loaded members, and the check of their results.
 
 use glam::{DAffine3, DVec3};
-use populace::core::{Character, Skeleton};
+use populace::character::Character;
+use populace::model::Skeleton;
 use populace::{
     Crowd, Error, Feet, Foot, Gaze, GazeLimits, JointIndex, LayerMode, LayerSettings, Mask, MaskId,
     Member, Target, Weight,
@@ -20,7 +21,7 @@ fn joint(skeleton: &Skeleton, source: usize) -> Result<JointIndex, Error> {
     }
     let what =
         format!("constraints need bodies of at least 11 joints, not {}", skeleton.joint_count());
-    Err(populace::core::Error::BadConstraint { what }.into())
+    Err(populace::TablesError::BadConstraint { what }.into())
 }
 
 /// Returns a mask of the upper body.

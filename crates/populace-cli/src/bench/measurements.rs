@@ -1,8 +1,8 @@
 //! Turns frame times into measurements.
 
 use populace::Schedule;
-use populace::core::Stage;
-use populace::core::layout::{LAYERS_PER_MEMBER, Layer, Member, Slot, SlotSample};
+use populace::Stage;
+use populace_device::layout::{LAYERS_PER_MEMBER, Layer, Member, Slot, SlotSample};
 
 use super::baked::TableSizes;
 use super::memory::{ENTRY_BYTES, palette_bytes};

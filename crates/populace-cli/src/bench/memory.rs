@@ -1,10 +1,12 @@
 //! Estimates the memory of crowds, and reads the free memory.
 
-use populace::core::layout::{
+use populace::character::Character;
+use populace::hand_over::PaletteSource;
+use populace::model::Affine;
+use populace::{Error, Schedule};
+use populace_device::layout::{
     JOINT_BLOCK, LAYERS_PER_MEMBER, Layer, Member, PALETTE_BLOCK, Slot, SlotSample,
 };
-use populace::core::{Affine, Character, PaletteSource};
-use populace::{Error, Schedule};
 
 use super::scene::{DeviceSetup, Scene};
 

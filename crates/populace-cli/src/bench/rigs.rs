@@ -5,9 +5,10 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 
 use populace::Error;
-use populace::core::{
-    Affine, Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-    Property, Skeleton, Track, Trs,
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::model::{
+    Affine, ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs,
 };
 
 use crate::placement::Random;

@@ -4,7 +4,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use populace::core::Character;
+use populace::character::Character;
 use populace::{ClipId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split};
 
 use super::{constraints, rigs};

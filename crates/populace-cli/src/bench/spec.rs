@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use populace::core::TICKS_PER_SEC;
+use populace::clip::TICKS_PER_SEC;
 use populace::{Devices, Schedule};
 
 use super::baked::TableSizes;
@@ -33,7 +33,7 @@ impl FromStr for Method {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
-        let schedule = |error: populace::core::Error| format!("{error}; or baked");
+        let schedule = |error: populace::TablesError| format!("{error}; or baked");
         if name == "baked" {
             Ok(Self::Baked)
         } else {

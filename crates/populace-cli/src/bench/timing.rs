@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use populace::core::{Stage, TICKS_PER_SEC};
+use populace::Stage;
+use populace::clip::TICKS_PER_SEC;
 use populace::{BackendError, Error};
 
 use super::baked::Baked;

@@ -4,7 +4,9 @@ mod rows;
 
 use std::path::PathBuf;
 
-use populace::core::{Character, Clip, RoleMap, Skeleton};
+use populace::character::Character;
+use populace::clip::Clip;
+use populace::model::{RoleMap, Skeleton};
 use populace_assets::Imported;
 use serde_json::{Value, json};
 
@@ -95,7 +97,7 @@ fn describe_clip(clip: &Clip, skeleton: &Skeleton) -> Value {
 }
 
 fn describe_parts(imported: &Imported) -> Vec<Value> {
-    let describe = |(part, vertex_count): (&populace::core::Part, &usize)| {
+    let describe = |(part, vertex_count): (&populace::character::Part, &usize)| {
         json!({
             "node": part.node,
             "name": part.node_name,
@@ -110,7 +112,7 @@ fn describe_parts(imported: &Imported) -> Vec<Value> {
 }
 
 fn describe_materials(character: &Character) -> Vec<Value> {
-    let describe = |material: &populace::core::Material| {
+    let describe = |material: &populace::character::Material| {
         json!({
             "name": material.name,
             "base_color": material.base_color,

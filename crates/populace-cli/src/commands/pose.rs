@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use populace::core::{Affine, Character, JointIndex, Part, SkinInstance};
+use populace::character::{Character, Part, SkinInstance};
+use populace::model::{Affine, JointIndex};
 use populace::{ClipId, Crowd, Placement};
 use populace_assets::Imported;
 use serde_json::{Value, json};

@@ -2,10 +2,11 @@
 
 use std::sync::{Arc, OnceLock};
 
-use populace::core::layout::Float4;
-use populace::core::{
-    BackendError, Character, GlContext, HandedOver, Image, PaletteSource, PaletteTarget,
-    PaletteTransport, TargetMark,
+use populace::BackendError;
+use populace::character::{Character, Image};
+use populace::hand_over::Float4;
+use populace::hand_over::{
+    GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
 };
 use populace::{CharacterId, Crowd, Devices, Placement, Play};
 use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};

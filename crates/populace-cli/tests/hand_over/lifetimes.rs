@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
-use populace::core::layout::PAGE_ENTRIES;
-use populace::core::{
-    Affine, Character, CharacterSource, Clip, ClipSource, Image, Influences, Interpolation,
-    JointIndex, JointSource, Mesh, PaletteEntry, Part, Property, Skeleton, Track, Trs,
+use populace::character::{
+    Character, CharacterSource, Image, Influences, Mesh, PaletteEntry, Part,
+};
+use populace::clip::Clip;
+use populace::hand_over::PAGE_ENTRIES;
+use populace::model::{
+    Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs,
 };
 use populace::{Crowd, Device, Devices, Placement, Play};
 

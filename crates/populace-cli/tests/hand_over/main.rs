@@ -6,7 +6,8 @@ mod fixture;
 mod lifetimes;
 mod times;
 
-use populace::core::{Image, PaletteTransport};
+use populace::character::Image;
+use populace::hand_over::PaletteTransport;
 use populace::{Device, Devices, Split};
 
 use fixture::{PeopleCrowd, RenderSession, pictures_by_copy};

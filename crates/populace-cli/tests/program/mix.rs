@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use populace::LayerMode;
-use populace::core::Character;
+use populace::character::Character;
 use populace_testkit::oracle::{OracleBody, OracleLayer, OraclePose, OracleSlot, evaluate};
 use serde_json::{Value, json};
 

@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use populace::core::{Affine, Character, JointIndex, Role, RoleMap, Side};
+use populace::character::Character;
+use populace::model::{Affine, JointIndex, Role, RoleMap, Side};
 use populace::{
     CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play,
 };

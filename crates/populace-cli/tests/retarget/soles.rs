@@ -1,7 +1,9 @@
 //! Measures drawn feet: all vertices that are skinned to a foot, over a clip's cycle.
 
 use libtest_mimic::Failed;
-use populace::core::{Affine, Character, Clip, JointIndex, Part, Role, RoleMap, Side};
+use populace::character::{Character, Part};
+use populace::clip::Clip;
+use populace::model::{Affine, JointIndex, Role, RoleMap, Side};
 use populace::{ClipId, Crowd, Member, Play};
 
 /// Samples of a cycle.

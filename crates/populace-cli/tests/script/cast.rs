@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use populace::core::{Character, Clip, MotionSettings, Role, RoleMap, Side};
+use populace::MotionSettings;
+use populace::character::Character;
+use populace::clip::Clip;
+use populace::model::{Role, RoleMap, Side};
 use populace::{CharacterId, ClipId, Crowd, Error, JointIndex, Member, Placement};
 use populace_cast::{Look, person};
 

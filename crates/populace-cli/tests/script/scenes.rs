@@ -1,6 +1,6 @@
 //! One scene for each group of features.
 
-use populace::core::Role;
+use populace::model::Role;
 use populace::{
     After, BlendSpace, Condition, Crowd, Error, Ground, JointOverride, LayerMode, LayerSettings,
     LiveSettings, Mask, Member, Placement, Play, Reach, Space, StageJoint, StageUse, StateMachine,

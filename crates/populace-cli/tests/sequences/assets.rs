@@ -1,6 +1,6 @@
 //! Calls that add masks, blend spaces, machines, live clips and user stages, and play them.
 
-use populace::core::Skeleton;
+use populace::model::Skeleton;
 use populace::{
     After, BlendSpace, ClipId, Condition, JointIndex, LiveSettings, Mask, Play, SpacePoint,
     StateMachine, Trs,

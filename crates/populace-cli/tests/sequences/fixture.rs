@@ -4,10 +4,9 @@ use std::f64::consts::TAU;
 use std::sync::{Arc, OnceLock};
 
 use glam::DQuat;
-use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, MotionSettings,
-    PaletteEntry, Property, Skeleton, Track,
-};
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::{Clip, MotionSettings};
+use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{Affine, Device, Devices, Schedule, StageJoint, Trs, UserStage};
 use populace_cast::{Look, person};
 

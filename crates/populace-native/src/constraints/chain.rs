@@ -4,8 +4,8 @@
 //! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
 //! transform, and rotations for the others.
 
-use populace_core::layout::{LINKS_MOST, Step};
-use populace_core::math::{quat, vec3};
+use populace_device::layout::{LINKS_MOST, Step};
+use populace_model::math::{quat, vec3};
 
 use super::limb::soft_distance;
 use super::targets::{Chain, Solver, WeightedPoint};

@@ -9,9 +9,10 @@
 //! height. While that is little, the foot is planted: it stays where it came down, in world space,
 //! however the member moves. Once lifted, it catches up with the clip.
 
-use populace_core::layout::{Constraint, FEET_MOST, Float4, Link, Step};
-use populace_core::math::{Real, quat, vec3};
-use populace_core::{Affine, Tables};
+use populace_device::Tables;
+use populace_device::layout::{Constraint, FEET_MOST, Float4, Link, Step};
+use populace_model::Affine;
+use populace_model::math::{Real, quat, vec3};
 
 use super::limb::Limb;
 use super::targets::Solver;

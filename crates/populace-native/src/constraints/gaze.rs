@@ -8,9 +8,9 @@
 //! that carries the chain, so that heads do not tilt. Both come straight from the directions before
 //! and after. Angles are needed only beyond the limits and between several targets.
 
-use populace_core::Affine;
-use populace_core::layout::{Constraint, NONE, Step};
-use populace_core::math::{Real, angle, quat, vec3};
+use populace_device::layout::{Constraint, NONE, Step};
+use populace_model::Affine;
+use populace_model::math::{Real, angle, quat, vec3};
 
 use super::targets::{Chain, Solver, WeightedPoint};
 use crate::hierarchy::Hierarchy;

@@ -3,8 +3,8 @@
 //! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
 //! transform, and rotations for the others.
 
-use populace_core::layout::Step;
-use populace_core::math::{Real, quat, vec3};
+use populace_device::layout::Step;
+use populace_model::math::{Real, quat, vec3};
 
 use super::targets::{Chain, Solver, WeightedPoint};
 use crate::hierarchy::Hierarchy;

@@ -9,12 +9,12 @@
 //! mean weight over it, so that no motion is lost when a clip ends between two frames. During an
 //! inertialized transition, the velocity of the frame before fades into that of the new clips.
 
-use populace_core::Affine;
-use populace_core::layout::{
+use populace_device::layout::{
     BoundClip, ClipRows, FEET_MOST, Float4, LEAST_WEIGHT, MOTION_ELEMENTS, MOTION_STATE, NONE,
     SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
-use populace_core::math::{Real, vec3};
+use populace_model::Affine;
+use populace_model::math::{Real, vec3};
 
 use super::targets::Solver;
 use crate::hierarchy::Hierarchy;

@@ -4,12 +4,13 @@
 //! Reads the member's control, constraints, links and targets, and the state and watched joints of
 //! the frame before. Writes states and watched joints, deferred.
 
-use populace_core::layout::{
+use populace_device::Tables;
+use populace_device::layout::{
     Constraint, Control, Float4, LINKS_MOST, Link, STATES_PER_CONTROL, Step, TARGET_DIRECTION,
     TARGET_WATCHED, TARGET_WORLD, TURNS_MOST, Target,
 };
-use populace_core::math::{quat, vec3};
-use populace_core::{Affine, Tables};
+use populace_model::Affine;
+use populace_model::math::{quat, vec3};
 
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;

@@ -1,6 +1,6 @@
 use std::sync::{Arc, OnceLock};
 
-use populace_core::layout::device_structs;
+use populace_device::layout::device_structs;
 
 use super::*;
 
@@ -128,8 +128,8 @@ struct NoContext;
 // SAFETY: `OpenClDevice::open_for_gl` and `OpenClBackend::refuses` use no handle where the
 // extension is missing.
 unsafe impl GlContext for NoContext {
-    fn handles(&self) -> populace_core::EglHandles {
-        populace_core::EglHandles { display: 0, context: 0 }
+    fn handles(&self) -> populace_device::EglHandles {
+        populace_device::EglHandles { display: 0, context: 0 }
     }
 }
 
@@ -203,13 +203,13 @@ mod conformance_with_gpu_shape {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn run_refuses_tables_that_grew_since_the_update() {
-    let joint = populace_core::JointSource {
+    let joint = populace_model::JointSource {
         name: "root".into(),
         parent: None,
-        rest: populace_core::Trs::IDENTITY,
+        rest: populace_model::Trs::IDENTITY,
     };
     let mut tables = Tables::new(1);
-    let body = tables.add_body(&populace_core::Skeleton::new(&[joint]).unwrap(), &[]).unwrap();
+    let body = tables.add_body(&populace_model::Skeleton::new(&[joint]).unwrap(), &[]).unwrap();
     let mut backend = OpenClBackend::new(&device(), Schedule::Staged).unwrap();
     backend.update(&tables).unwrap();
     tables.add_member(body).unwrap();
@@ -248,18 +248,18 @@ fn fused_is_wide_on_cpus_and_grouped_elsewhere() {
 
 /// Tables with one member whose body is a chain of `joint_count` joints.
 fn tables_with_chain(joint_count: usize) -> Tables {
-    let joint = |n: usize| populace_core::JointSource {
+    let joint = |n: usize| populace_model::JointSource {
         name: format!("joint {n}"),
         parent: n.checked_sub(1),
-        rest: populace_core::Trs { translation: [1.0, 0.0, 0.0], ..populace_core::Trs::IDENTITY },
+        rest: populace_model::Trs { translation: [1.0, 0.0, 0.0], ..populace_model::Trs::IDENTITY },
     };
     let joints: Vec<_> = (0..joint_count).map(joint).collect();
-    let entry = populace_core::PaletteEntry {
-        joint: populace_core::JointIndex(u32::try_from(joint_count - 1).unwrap()),
-        joint_from_bind: populace_core::Affine::IDENTITY,
+    let entry = populace_character::PaletteEntry {
+        joint: populace_model::JointIndex(u32::try_from(joint_count - 1).unwrap()),
+        joint_from_bind: populace_model::Affine::IDENTITY,
     };
     let mut tables = Tables::new(4);
-    let body = tables.add_body(&populace_core::Skeleton::new(&joints).unwrap(), &[entry]).unwrap();
+    let body = tables.add_body(&populace_model::Skeleton::new(&joints).unwrap(), &[entry]).unwrap();
     tables.add_member(body).unwrap();
     tables
 }
@@ -269,7 +269,7 @@ fn tables_with_chain(joint_count: usize) -> Tables {
 fn frame_of_some_members_leaves_other_palettes_unchanged() {
     let mut tables = tables_with_chain(3);
     for _ in 0..3 {
-        tables.add_member(populace_core::BodyIndex(0)).unwrap();
+        tables.add_member(populace_device::BodyIndex(0)).unwrap();
     }
     for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
         let mut backend = OpenClBackend::new(&device(), schedule).unwrap();
@@ -326,18 +326,18 @@ fn body_too_large_for_local_memory_names_the_remedy() {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn crowd_resumes_after_a_failed_allocation() {
-    let joint = |name: &str| populace_core::JointSource {
+    let joint = |name: &str| populace_model::JointSource {
         name: name.into(),
         parent: None,
-        rest: populace_core::Trs { translation: [1.0, 2.0, 3.0], ..populace_core::Trs::IDENTITY },
+        rest: populace_model::Trs { translation: [1.0, 2.0, 3.0], ..populace_model::Trs::IDENTITY },
     };
-    let entry = populace_core::PaletteEntry {
-        joint: populace_core::JointIndex(0),
-        joint_from_bind: populace_core::Affine::IDENTITY,
+    let entry = populace_character::PaletteEntry {
+        joint: populace_model::JointIndex(0),
+        joint_from_bind: populace_model::Affine::IDENTITY,
     };
     let mut tables = Tables::new(4);
     let body = tables
-        .add_body(&populace_core::Skeleton::new(&[joint("root")]).unwrap(), &[entry; 6])
+        .add_body(&populace_model::Skeleton::new(&[joint("root")]).unwrap(), &[entry; 6])
         .unwrap();
     let mut backend = OpenClBackend::new(
         &device_described_as(|info| info.max_allocation_bytes = 200_000),

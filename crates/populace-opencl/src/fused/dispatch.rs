@@ -2,8 +2,8 @@
 //! `model_from_joint`.
 
 use opencl3::kernel::Kernel;
-use populace_core::layout::{Float4, MEMBERS_PER_BATCH};
-use populace_core::{BackendError, Tables};
+use populace_device::layout::{Float4, MEMBERS_PER_BATCH};
+use populace_device::{BackendError, Tables};
 
 use super::MATRIX;
 use crate::OpenClDevice;

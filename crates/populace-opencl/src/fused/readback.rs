@@ -1,8 +1,8 @@
 //! Reading of one member's samples, local transforms and matrices, which the fused schedules do not
 //! store.
 
-use populace_core::layout::{Float4, POSE_PLANES, SlotSample};
-use populace_core::{BackendError, StageBuffer, Tables};
+use populace_device::layout::{Float4, POSE_PLANES, SlotSample};
+use populace_device::{BackendError, StageBuffer, Tables};
 
 use super::MATRIX;
 use crate::OpenClDevice;

@@ -1,9 +1,9 @@
 use std::sync::Arc;
 
-use populace_core::layout::{LAYERS_PER_MEMBER, Layer, Member, NONE, Slot};
-use populace_core::{
-    Affine, BodyIndex, JointIndex, JointSource, LayerSettings, Mask, PaletteEntry, Skeleton, Trs,
-};
+use populace_character::PaletteEntry;
+use populace_device::layout::{LAYERS_PER_MEMBER, Layer, Member, NONE, Slot};
+use populace_device::{BodyIndex, LayerSettings};
+use populace_model::{Affine, JointIndex, JointSource, Mask, Skeleton, Trs};
 use populace_testkit::Rng;
 
 use super::*;
@@ -53,8 +53,8 @@ impl Device {
                 $(self.assert_same(tables.$name(), &self.$set.$name);)*
             };
         }
-        populace_core::with_tables!(compare, tables);
-        populace_core::with_block_tables!(compare, blocks);
+        populace_device::with_tables!(compare, tables);
+        populace_device::with_block_tables!(compare, blocks);
         for (page, list) in self.pages.lists.iter().enumerate().take(tables.page_lengths().len()) {
             self.assert_same(tables.page_members(page), list);
         }

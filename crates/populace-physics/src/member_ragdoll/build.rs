@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use populace::core::{JointIndex, Skeleton};
+use populace::model::{JointIndex, Skeleton};
 use populace::{Affine, Member};
 use rapier3d::prelude::{
     ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties,

@@ -1,6 +1,6 @@
 //! Measurements of a skeleton in its rest pose.
 
-use populace::core::{Affine, JointIndex, Skeleton};
+use populace::model::{Affine, JointIndex, Skeleton};
 
 use super::names;
 use crate::math::{Rotation, Vector, origin};

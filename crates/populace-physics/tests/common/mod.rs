@@ -3,9 +3,8 @@
 
 use std::sync::Arc;
 
-use populace::core::{
-    Affine, Character, CharacterSource, JointSource, PaletteEntry, Skeleton, Trs,
-};
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::model::{Affine, JointSource, Skeleton, Trs};
 use populace::{CharacterId, Crowd, Device, JointIndex, Member, Placement, Play};
 use populace_physics::{JointAngles, Limits, RagdollPlan, Ragdolls};
 

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::OnceLock;
 
 use khronos_egl as egl;
-use populace_core::{EglHandles, GlContext};
+use populace_device::{EglHandles, GlContext};
 
 use crate::Error;
 

@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 use glow::HasContext as _;
 
-use populace_core::GlContext;
+use populace_device::GlContext;
 
 use crate::Error;
 

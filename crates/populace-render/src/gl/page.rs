@@ -6,8 +6,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use glow::HasContext as _;
-use populace_core::layout::Float4;
-use populace_core::{EglHandles, GlContext as _, MappedPage, SharedPage};
+use populace_device::layout::Float4;
+use populace_device::{EglHandles, GlContext as _, MappedPage, SharedPage};
 
 use super::{Gl, egl};
 use crate::Error;

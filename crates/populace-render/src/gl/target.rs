@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use glow::HasContext as _;
-use populace_core::Image;
+use populace_character::Image;
 
 use super::Gl;
 use crate::Error;

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use glow::HasContext as _;
-use populace_core::{Image, TextureFilter, Wrap};
+use populace_character::{Image, TextureFilter, Wrap};
 
 use super::Gl;
 use crate::Error;
@@ -42,7 +42,7 @@ impl Texture {
         let texture = Self { gl: Rc::clone(gl), raw };
         texture.bind(0);
         // SAFETY: the context is current and the texture bound. The driver reads width x height x 4
-        // bytes. `rgba` has that length, which `populace_core::Character::new` checks. Rows of
+        // bytes. `rgba` has that length, which `populace_character::Character::new` checks. Rows of
         // 4-byte pixels have no padding.
         unsafe {
             let pixels = glow::PixelUnpackData::Slice(Some(&image.rgba));

@@ -1,10 +1,8 @@
 use std::time::Duration;
 
-use populace_core::{
-    Affine, AlphaMode, BackendError, CharacterSource, HandedOver, Influences, JointIndex,
-    JointSource, Material, Mesh, PaletteEntry, PaletteTarget, PaletteTransport, Skeleton,
-    TargetMark, Trs,
-};
+use populace_character::{AlphaMode, CharacterSource, Influences, Material, Mesh, PaletteEntry};
+use populace_device::{BackendError, HandedOver, PaletteTarget, PaletteTransport, TargetMark};
+use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
 use super::*;
 use crate::Camera;

@@ -1,10 +1,10 @@
 //! Small procedural characters, and palettes of plain matrices.
 
-use populace_core::layout::Float4;
-use populace_core::{
-    Affine, Character, CharacterSource, Influences, JointIndex, JointSource, Material, Mesh,
-    PaletteEntry, Part, Skeleton, Trs,
+use populace_character::{
+    Character, CharacterSource, Influences, Material, Mesh, PaletteEntry, Part,
 };
+use populace_device::layout::Float4;
+use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
 /// Returns the transform that scales, rotates about z by `roll_rad`, and translates.
 pub(crate) fn transform(translation: [f32; 3], roll_rad: f32, scale: [f32; 3]) -> Affine {

@@ -1,7 +1,8 @@
 //! Skinning: vertices follow their palette entries.
 
-use populace_core::layout::PAGE_ENTRIES;
-use populace_core::{Affine, Character, Influences};
+use populace_character::{Character, Influences};
+use populace_device::layout::PAGE_ENTRIES;
+use populace_model::Affine;
 
 use crate::fixture::{at, palette, part, person, plain, quad_mesh, source, transform};
 use crate::rig::{NOTHING, Picture, Rig, instance};

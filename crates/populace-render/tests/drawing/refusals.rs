@@ -1,7 +1,8 @@
 //! Invalid input is rejected with an error, and the renderer stays usable.
 
-use populace_core::layout::{Float4, PAGE_ENTRIES};
-use populace_core::{Affine, Character, Image, Material, Texture, TextureFilter, Wrap};
+use populace_character::{Character, Image, Material, Texture, TextureFilter, Wrap};
+use populace_device::layout::{Float4, PAGE_ENTRIES};
+use populace_model::Affine;
 use populace_render::{Error, Renderer, Scene};
 
 use crate::fixture::{part, person, quad_mesh, source};

@@ -1,7 +1,8 @@
 //! A renderer whose pixels can be computed by hand. Ambient light is 1 unless a test changes it, a
 //! metre at z = 0 is 32 pixels, and the world's origin is at the centre.
 
-use populace_core::{Affine, Character, Image};
+use populace_character::{Character, Image};
+use populace_model::Affine;
 use populace_render::{
     Ambient, Camera, CharacterHandle, Error, Highlights, Instance, Renderer, Scene, Sky, Sun,
 };

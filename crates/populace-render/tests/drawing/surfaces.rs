@@ -1,8 +1,9 @@
 //! Shading: colours, textures, alpha, winding and normals.
 
-use populace_core::{
-    Affine, AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap,
+use populace_character::{
+    AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap,
 };
+use populace_model::Affine;
 use populace_render::{Ambient, Highlights};
 
 use crate::fixture::{at, part, plain, quad_mesh, source, transform};

@@ -1,6 +1,6 @@
 //! Surroundings: ground, sky, shadows and haze.
 
-use populace_core::Affine;
+use populace_model::Affine;
 use populace_render::{Camera, Ground, Sky};
 
 use crate::fixture::{at, person};

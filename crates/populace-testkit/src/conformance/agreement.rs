@@ -1,6 +1,7 @@
 //! Checks that two backends agree.
 
-use populace_core::{Backend, Stage, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::{Backend, Stage};
 
 use super::stages::{two_of_each, write_locals};
 use super::{inertialize, plans, retarget};

@@ -1,7 +1,8 @@
 //! Checks of Evaluate: clip times and weights from the clock.
 
-use populace_core::layout::Float4;
-use populace_core::{Backend, StageBuffer, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::layout::Float4;
+use populace_device::{Backend, StageBuffer};
 
 use super::plans;
 use crate::compare::Judge;

@@ -1,6 +1,7 @@
 //! Checks of inertialization.
 
-use populace_core::{Backend, LayerMode, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::{Backend, LayerMode};
 
 use super::plans;
 use crate::compare::Judge;

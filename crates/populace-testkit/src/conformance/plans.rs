@@ -1,6 +1,7 @@
 //! Random plans of members.
 
-use populace_core::{LayerMode, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::LayerMode;
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;

@@ -1,6 +1,6 @@
 //! Checks of retargeted clips.
 
-use populace_core::{Backend, LayerMode};
+use populace_device::{Backend, LayerMode};
 
 use super::plans;
 use crate::compare::Judge;

@@ -1,6 +1,7 @@
 //! Checks of crowds over many frames.
 
-use populace_core::{Backend, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::Backend;
 
 use super::plans;
 use crate::compare::Judge;

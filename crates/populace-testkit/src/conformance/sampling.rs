@@ -1,7 +1,7 @@
 //! Checks of sampling: clips held at a time.
 
 use glam::DVec3;
-use populace_core::Backend;
+use populace_device::Backend;
 
 use super::plans;
 use crate::compare::{Judge, joint_name};

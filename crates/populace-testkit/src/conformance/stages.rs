@@ -1,8 +1,9 @@
 //! Checks of Transform and Write-back alone, on arbitrary numbers, and of whole palette pages.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use populace_core::layout::Float4;
-use populace_core::{Backend, Stage, StageBuffer, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::layout::Float4;
+use populace_device::{Backend, Stage, StageBuffer};
 
 use super::plans;
 use crate::compare::Judge;

@@ -1,6 +1,6 @@
 //! Evaluate: a slot's clip time and weight, from the clock and the way it was started.
 
-use populace_core::{Clip, TICKS_PER_SEC};
+use populace_clip::{Clip, TICKS_PER_SEC};
 
 use crate::tolerance;
 
@@ -89,8 +89,8 @@ impl Timing {
         let (time, near) = (self.time_secs(tick, clip), tolerance::time_error_secs(clip));
         let (start, duration) = (f64::from(clip.start_secs()), f64::from(clip.duration_secs()));
         let seam = matches!(self, Self::Loop { .. }) && duration > 0.0;
-        let jumps = |track: &&populace_core::Track| {
-            track.interpolation == populace_core::Interpolation::Step
+        let jumps = |track: &&populace_model::Track| {
+            track.interpolation == populace_model::Interpolation::Step
         };
         let steps = clip.source().tracks.iter().filter(jumps).flat_map(|t| &t.times[1..]);
         (seam && (time - start < near || start + duration - time < near))

@@ -2,7 +2,7 @@
 //! (Bollo, "Inertialization", GDC 2018).
 
 use glam::{DQuat, DVec3, DVec4};
-use populace_core::ClipSource;
+use populace_model::ClipSource;
 
 use super::OracleRetarget;
 use super::local::{

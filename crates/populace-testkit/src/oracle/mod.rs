@@ -18,7 +18,9 @@ mod transform;
 mod write_back;
 
 use glam::{DAffine3, DQuat, DVec3};
-use populace_core::{Character, ClipSource, JointSource, LayerMode, PaletteEntry, Skeleton};
+use populace_character::{Character, PaletteEntry};
+use populace_device::LayerMode;
+use populace_model::{ClipSource, JointSource, Skeleton};
 
 pub use evaluate::{Timing, Weighting};
 pub use inertialize::{OracleInertialization, OracleSampledState};

@@ -1,7 +1,8 @@
 //! Pose: mixes slots into local transforms, layer by layer.
 
 use glam::{DQuat, DVec3, DVec4};
-use populace_core::{ClipSource, LayerMode};
+use populace_device::LayerMode;
+use populace_model::ClipSource;
 
 use super::inertialize::{Transition, inertialize};
 use super::local::{

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DAffine3, DQuat, DVec3};
-use populace_core::{ClipSource, JointSource, Role, Side};
+use populace_model::{ClipSource, JointSource, Role, Side};
 
 use super::OracleBody;
 use super::local::Local;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{DQuat, DVec3, DVec4};
-use populace_core::{ClipSource, Interpolation, Property, Track};
+use populace_model::{ClipSource, Interpolation, Property, Track};
 
 use super::local::Local;
 

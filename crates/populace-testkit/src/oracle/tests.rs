@@ -3,10 +3,10 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use glam::DQuat;
-use populace_core::{
-    Clip, ClipSource, Interpolation, JointSource, LayerMode, PaletteEntry, Property, Skeleton,
-    Track, Trs,
-};
+use populace_character::PaletteEntry;
+use populace_clip::Clip;
+use populace_device::LayerMode;
+use populace_model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs};
 
 use super::*;
 
@@ -260,7 +260,7 @@ fn body_from_skeleton_is_in_source_order() {
     let skeleton = Skeleton::new(&joints).expect("valid test data");
     let palette = [PaletteEntry {
         joint: skeleton.joint_from_source(0),
-        joint_from_bind: populace_core::Affine::IDENTITY,
+        joint_from_bind: populace_model::Affine::IDENTITY,
     }];
     let body = OracleBody::from_skeleton(&skeleton, &palette);
     assert_eq!(body.joints, joints);
@@ -280,7 +280,7 @@ fn timing_loops_holds_and_plays_backwards() {
     );
     let skeleton = Skeleton::new(&[joint("a", None, Trs::IDENTITY)]).expect("valid test data");
     let clip = Clip::new(clip(vec![rises]), &skeleton).expect("valid test data");
-    let tick = |secs: f64| populace_core::ticks_from_secs(secs);
+    let tick = |secs: f64| populace_clip::ticks_from_secs(secs);
     let looping = |speed| Timing::Loop { start_tick: tick(1.0), phase: 0.25, speed };
     close(looping(1.0).time_secs(tick(1.0), &clip), 1.5);
     close(looping(1.0).time_secs(tick(3.0), &clip), 1.5);

@@ -1,6 +1,7 @@
 //! Skeletons and palette entries.
 
-use populace_core::{Affine, JointSource, PaletteEntry, Skeleton, Trs};
+use populace_character::PaletteEntry;
+use populace_model::{Affine, JointSource, Skeleton, Trs};
 
 use super::SceneBody;
 use crate::oracle::OracleBody;

@@ -1,7 +1,7 @@
 //! Clips of the scene.
 
-use populace_core::Interpolation::{Linear, Step};
-use populace_core::{ClipSource, JointSource, Property, Track};
+use populace_model::Interpolation::{Linear, Step};
+use populace_model::{ClipSource, JointSource, Property, Track};
 
 use super::motion::{even_times, jumps, spline, swing, uneven_times, wave, wide_rotations, zigzag};
 use super::{SceneBody, SceneClip, body, clip};

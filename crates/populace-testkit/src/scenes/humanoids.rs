@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{DQuat, DVec3};
-use populace_core::{ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side, Trs};
+use populace_model::{ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side, Trs};
 
 use super::motion::{even_times, swing, uneven_times, wave};
 use super::{Scene, SceneClip, bodies};

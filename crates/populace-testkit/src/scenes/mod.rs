@@ -8,7 +8,9 @@ mod motion;
 
 use std::collections::HashMap;
 
-use populace_core::{Clip, ClipSource, JointSource, PaletteEntry, Role, Skeleton};
+use populace_character::PaletteEntry;
+use populace_clip::Clip;
+use populace_model::{ClipSource, JointSource, Role, Skeleton};
 
 use crate::oracle::{OracleBody, OracleRetarget};
 use crate::tolerance::SampleBound;
@@ -162,7 +164,7 @@ pub mod clip {
 
 #[cfg(test)]
 mod tests {
-    use populace_core::Interpolation;
+    use populace_model::Interpolation;
 
     use super::*;
 

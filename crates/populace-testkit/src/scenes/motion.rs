@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
-use populace_core::{Interpolation, JointSource, Property, Track};
+use populace_model::{Interpolation, JointSource, Property, Track};
 
 use crate::{Rng, single};
 

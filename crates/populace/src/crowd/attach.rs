@@ -1,7 +1,7 @@
 //! Props: members that follow a joint of another one, on the device and in the same frame.
 
-use populace_core::layout::PHASES_MOST;
-use populace_core::{JointIndex, Trs};
+use populace_device::layout::PHASES_MOST;
+use populace_model::{JointIndex, Trs};
 
 use super::{Crowd, Member};
 use crate::Error;

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use populace_core::{Binding, BindingReport, Clip};
+use populace_clip::Clip;
+use populace_retarget::{Binding, BindingReport};
 
 use super::{CharacterId, CharacterState, ClipId, Crowd};
 use crate::Error;

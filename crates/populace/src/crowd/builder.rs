@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use populace_core::{AnimationSet, GlContext, MAX_SLOTS, Schedule, Tables};
+use populace_clip::AnimationSet;
+use populace_device::{GlContext, MAX_SLOTS, Schedule, Tables};
 
 use super::controls::Watches;
 use super::machines::Machines;

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use populace_core::{Character, Clip, RoleMap, nearest_names};
+use populace_character::Character;
+use populace_clip::Clip;
+use populace_model::{RoleMap, nearest_names};
 
 use super::{CharacterId, CharacterState, ClipId, Crowd, u32_from};
 use crate::Error;

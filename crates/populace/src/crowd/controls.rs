@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::mem::{Discriminant, discriminant};
 
-use populace_core::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
-use populace_core::{
-    Chain, Constraint, Controls, Feet, Gaze, Ground, JointIndex, JointOverride, LARGEST_SCALE,
-    Limb, Place, Skeleton, Space,
+use populace_device::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
+use populace_device::{
+    Chain, Constraint, Controls, Feet, Gaze, Ground, JointOverride, Limb, Place, Space,
 };
+use populace_model::{JointIndex, LARGEST_SCALE, Skeleton};
 
 use super::people::limb_above;
 use super::{Crowd, Member};
@@ -300,7 +300,7 @@ impl Crowd {
     fn was_aimed_within(&self, member: Member, goal: Goal, secs: f32) -> bool {
         let aimed = self.controls.get(&member.place).into_iter().flat_map(|state| &state.aimed);
         let mut of_goal = aimed.filter(|(other, _)| *other == goal);
-        let ticks = populace_core::ticks_from_secs(f64::from(secs));
+        let ticks = populace_clip::ticks_from_secs(f64::from(secs));
         of_goal.any(|(_, tick)| self.clock.tick - tick < ticks)
     }
 
@@ -499,7 +499,7 @@ fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
             "joint {joint} does not end a limb of two bones: it needs a parent, and that one a \
              parent"
         );
-        Error::from(populace_core::Error::BadConstraint { what })
+        Error::from(populace_device::Error::BadConstraint { what })
     };
     let there =
         |joint: JointIndex| if joint.index() < skeleton.joint_count() { Some(joint) } else { None };
@@ -521,7 +521,7 @@ fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
 
 /// Where a limb bends to: as at rest, else knees to the front and elbows to the back.
 fn usual_bend(skeleton: &Skeleton, joints: [JointIndex; 3]) -> [f32; 3] {
-    use populace_core::math::vec3;
+    use populace_model::math::vec3;
     let [first, middle, end] = joints.map(|joint| skeleton.rest_model(joint).origin());
     let (whole, upper) = (vec3::sub(end, first), vec3::sub(middle, first));
     let along = vec3::unit_or(whole, [0.0, -1.0, 0.0]);

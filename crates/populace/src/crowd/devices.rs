@@ -1,6 +1,6 @@
 //! The devices of a crowd: which they are, what each takes, and moves to others.
 
-use populace_core::Schedule;
+use populace_device::Schedule;
 
 use super::Crowd;
 use crate::device::Engine;

@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
-use populace_core::layout::{NONE, SLOT_LOOP, SLOT_ONCE, Slot};
-use populace_core::{ClipIndex, TICKS_PER_SEC};
+use populace_clip::{ClipIndex, TICKS_PER_SEC};
+use populace_device::layout::{NONE, SLOT_LOOP, SLOT_ONCE, Slot};
 
 use super::{ClipId, Crowd, FIRST_TICK, Member};
 use crate::Error;
@@ -109,7 +109,7 @@ impl Crowd {
         self.marks.entry(clip).or_insert_with(|| {
             let Some(known) = clips.get(clip) else { return Vec::new() };
             let (start, duration) = (known.start_secs(), known.duration_secs());
-            let mark = |step: &populace_core::Footstep| Mark {
+            let mark = |step: &populace_clip::Footstep| Mark {
                 phase: phase_of(step.secs, start, duration),
                 kind: EventKind::Footstep { joint: Arc::clone(&step.joint) },
             };

@@ -1,7 +1,7 @@
 //! A crowd as a source of palettes, for renderers that draw from where a device writes them.
 
-use populace_core::layout::Float4;
-use populace_core::{
+use populace_device::layout::Float4;
+use populace_device::{
     BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
 };
 

@@ -1,7 +1,7 @@
 //! Inertialised transitions: slots that are left become slots that inertialize, each in its place.
 
-use populace_core::layout::Slot;
-use populace_core::ticks_from_secs;
+use populace_clip::ticks_from_secs;
+use populace_device::layout::Slot;
 
 use super::Crowd;
 use super::room::{Started, faded_out};

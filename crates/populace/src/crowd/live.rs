@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use populace_core::{
-    Clip, ClipIndex, LiveNewest, LiveRing, LiveSettings, TICKS_PER_SEC, Tables, Trs,
-    ticks_from_secs,
-};
+use populace_clip::{Clip, ClipIndex, LiveRing, LiveSettings, TICKS_PER_SEC, ticks_from_secs};
+use populace_device::{LiveNewest, Tables};
+use populace_model::Trs;
+use populace_model::convert::single;
 
 use super::{CharacterId, ClipId, Crowd};
 use crate::Error;
@@ -95,7 +95,8 @@ impl Crowd {
     ///
     /// ```
     /// # use populace::{Crowd, Device, LiveSettings, Placement, Play, Trs};
-    /// # use populace::core::{CharacterSource, Character, JointSource, Skeleton};
+    /// # use populace::character::{Character, CharacterSource};
+    /// # use populace::model::{JointSource, Skeleton};
     /// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
     /// # let knight = Character::new(CharacterSource { name: "knight".into(), palette: vec![], clips: vec![],
     /// #     skeleton: Skeleton::new(&[joint])?, parts: vec![], materials: vec![], images: vec![], skins: vec![] })?;
@@ -140,7 +141,7 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`populace_core::Error::BadLive`] for a clip that is not live, a time that is not after the
+    /// [`populace_clip::Error::BadLive`] for a clip that is not live, a time that is not after the
     /// last, another number of joints, numbers that are not finite, or a rotation of no length.
     pub fn append(&mut self, clip: ClipId, time_secs: f64, pose: &[Trs]) -> Result<(), Error> {
         let known = self.live_clip(clip)?;
@@ -153,7 +154,7 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// As for [`append`](Self::append), and [`populace_core::Error::UnknownJoints`] with the
+    /// As for [`append`](Self::append), and [`populace_model::Error::UnknownJoints`] with the
     /// nearest names.
     pub fn append_joints(
         &mut self,
@@ -180,7 +181,7 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`populace_core::Error::BadLive`] for a clip that is not live or that nothing has come into
+    /// [`populace_clip::Error::BadLive`] for a clip that is not live or that nothing has come into
     /// yet, or a time that is not finite or far from the stream's.
     pub fn tie_live(&mut self, clip: ClipId, time_secs: f64) -> Result<(), Error> {
         let known = self.live_clip(clip)?;
@@ -283,7 +284,7 @@ impl Crowd {
 const NOT_LIVE: &str = "is not live; Crowd::add_live_clip and Clip::live make those that are";
 
 fn refused<T>(clip: &Clip, what: String) -> Result<T, Error> {
-    Err(populace_core::Error::BadLive { clip: clip.name().to_owned(), what }.into())
+    Err(populace_clip::Error::BadLive { clip: clip.name().to_owned(), what }.into())
 }
 
 fn check_time(clip: &Clip, time_secs: f64, first_secs: f64) -> Result<(), Error> {
@@ -329,12 +330,4 @@ fn mix(a: &Trs, b: &Trs, between: f64) -> Trs {
         rotation: turned.map(|c| single(c / length)),
         scale: three(a.scale, b.scale),
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
-fn single(x: f64) -> f32 {
-    x as f32
 }

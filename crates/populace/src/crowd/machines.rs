@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use populace_core::layout::{Float4, MACHINE_PARAMETERS, RUNNING_ELEMENTS, Running, Slot};
-use populace_core::{BodyIndex, StageBuffer};
+use populace_device::layout::{Float4, MACHINE_PARAMETERS, RUNNING_ELEMENTS, Running, Slot};
+use populace_device::{BodyIndex, StageBuffer};
 
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
@@ -274,7 +274,7 @@ impl Crowd {
 
 #[cfg(test)]
 mod tests {
-    use populace_core::layout::NONE;
+    use populace_device::layout::NONE;
     use populace_testkit::Rng;
 
     use super::*;

@@ -1,6 +1,6 @@
 //! Members of a crowd: they come and go, are placed and drawn.
 
-use populace_core::Affine;
+use populace_model::Affine;
 
 use super::room::Started;
 use super::{CharacterId, Crowd, Member, MemberState};
@@ -19,7 +19,7 @@ pub struct Instance {
     /// palettes were last taken: the palette has it there already.
     pub moved: [f32; 3],
     /// Its first palette entry: page times
-    /// [`PAGE_ENTRIES`](populace_core::layout::PAGE_ENTRIES) plus the place within the page.
+    /// [`PAGE_ENTRIES`](populace_device::layout::PAGE_ENTRIES) plus the place within the page.
     pub palette_first: u32,
 }
 

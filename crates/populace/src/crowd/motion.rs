@@ -1,7 +1,8 @@
 //! Members that their clips move over the ground.
 
-use populace_core::layout::{Float4, MOTION_STATE, NONE, STATES_PER_CONTROL, WATCHED_ELEMENTS};
-use populace_core::{BackendError, JointIndex, StageBuffer};
+use populace_device::layout::{Float4, MOTION_STATE, NONE, STATES_PER_CONTROL, WATCHED_ELEMENTS};
+use populace_device::{BackendError, StageBuffer};
+use populace_model::JointIndex;
 
 use super::{Crowd, Member, MemberState, Watch};
 use crate::{Error, Placement};
@@ -19,7 +20,7 @@ pub(super) struct Moving {
 
 impl Crowd {
     /// Lets the root motion of its clips
-    /// ([`Clip::with_root_motion`](populace_core::Clip::with_root_motion)) move a member from where
+    /// ([`Clip::with_root_motion`](populace_clip::Clip::with_root_motion)) move a member from where
     /// it was placed, from now on, or no longer: it then stands where it was placed.
     ///
     /// The device moves it, and nobody waits for that: [`placement`](Self::placement) still tells

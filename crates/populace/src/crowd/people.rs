@@ -3,7 +3,8 @@
 
 use std::f32::consts::PI;
 
-use populace_core::{Feet, Foot, Gaze, GazeLimits, JointIndex, Role, RoleMap, Side, Skeleton};
+use populace_device::{Feet, Foot, Gaze, GazeLimits};
+use populace_model::{JointIndex, Role, RoleMap, Side, Skeleton};
 
 use super::{CharacterId, Crowd, Member};
 use crate::{Error, Target, Weight};
@@ -65,7 +66,7 @@ impl Crowd {
     /// [`Error::StaleMember`], a character whose legs are not known (see
     /// [`set_roles`](Self::set_roles) and [`plant_with`](Self::plant_with)) or whose feet hang
     /// elsewhere (see
-    /// [`Character::with_feet_on_legs`](populace_core::Character::with_feet_on_legs)), or a weight
+    /// [`Character::with_feet_on_legs`](populace_character::Character::with_feet_on_legs)), or a weight
     /// that is not from 0 to 1.
     pub fn plant_feet(&mut self, member: Member, weight: Weight) -> Result<(), Error> {
         weight.check()?;
@@ -88,7 +89,7 @@ impl Crowd {
                  stay behind; add the character that Character::with_feet_on_legs makes of it",
                 own.name
             );
-            return Err(populace_core::Error::BadConstraint { what }.into());
+            return Err(populace_device::Error::BadConstraint { what }.into());
         }
         // Legs may hang on a joint beside the hips: what carries both sinks.
         let carries =
@@ -129,7 +130,7 @@ impl Crowd {
             "which joints of \"{name}\" are its {part} is not known by their names; say so by \
              Crowd::set_roles, or name the joints themselves"
         );
-        populace_core::Error::BadConstraint { what }.into()
+        populace_device::Error::BadConstraint { what }.into()
     }
 }
 

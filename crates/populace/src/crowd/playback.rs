@@ -1,7 +1,9 @@
 //! What members play: clips into slots, now or in time, and masks on layers.
 
-use populace_core::layout::{Layer, NONE, SLOT_LIVE, SLOT_ONCE, Slot};
-use populace_core::{ClipIndex, LayerSettings, Mask, TICKS_PER_SEC, ticks_from_secs};
+use populace_clip::{ClipIndex, TICKS_PER_SEC, ticks_from_secs};
+use populace_device::LayerSettings;
+use populace_device::layout::{Layer, NONE, SLOT_LIVE, SLOT_ONCE, Slot};
+use populace_model::Mask;
 
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
@@ -46,8 +48,9 @@ impl Crowd {
     ///
     /// ```
     /// # use populace::{Crowd, Device, Placement, Play};
-    /// # use populace::core::{CharacterSource, Character, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-    /// #     JointIndex, Affine, Property, Skeleton, Track, Trs};
+    /// # use populace::character::{Character, CharacterSource, PaletteEntry};
+    /// # use populace::clip::Clip;
+    /// # use populace::model::{Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs};
     /// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
     /// # let skeleton = Skeleton::new(&[joint])?;
     /// # let clip = |name: &str, to| { let track = Track { joint: "hips".into(), property: Property::Translation,
@@ -218,7 +221,7 @@ impl Crowd {
         let joints = self.character_state(character)?.character.skeleton.joint_count();
         let weights = mask.weights().len();
         if weights != joints {
-            return Err(populace_core::Error::BadMask { weights, joints }.into());
+            return Err(populace_model::Error::BadMask { weights, joints }.into());
         }
         Ok(MaskId { character, first: self.tables.add_mask(mask)? })
     }

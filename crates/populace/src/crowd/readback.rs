@@ -1,7 +1,8 @@
 //! What the device computed, for those who draw or look at it.
 
-use populace_core::layout::{Body, Float4};
-use populace_core::{Affine, BackendError, Stage, StageBuffer, Trs};
+use populace_device::layout::{Body, Float4};
+use populace_device::{BackendError, Stage, StageBuffer};
+use populace_model::{Affine, Trs};
 
 use super::{Crowd, Member};
 use crate::Error;
@@ -124,7 +125,7 @@ impl Crowd {
     fn device_member(
         &self,
         member: Member,
-    ) -> Result<(populace_core::layout::Member, Body), Error> {
+    ) -> Result<(populace_device::layout::Member, Body), Error> {
         self.check(member)?;
         self.check_readable()?;
         if self.members[member.place as usize].since == self.frame {

@@ -1,6 +1,7 @@
 //! Humanoid roles of characters, by which clips of one body play on others.
 
-use populace_core::{Clip, RoleMap};
+use populace_clip::Clip;
+use populace_model::RoleMap;
 
 use super::{CharacterId, ClipId, Crowd};
 use crate::Error;
@@ -73,5 +74,5 @@ fn other_skeleton(name: &str, roles: &RoleMap, joints: usize) -> Error {
         "the roles are those of a skeleton of {} joints, and that of \"{name}\" has {joints}",
         roles.joint_count()
     );
-    populace_core::Error::BadRole { role: "hips".into(), what }.into()
+    populace_model::Error::BadRole { role: "hips".into(), what }.into()
 }

@@ -6,8 +6,9 @@
 //! inertialize cannot be hurried; before something else has to give way, what was to start waits
 //! for the first of them.
 
-use populace_core::layout::{NONE, Slot};
-use populace_core::{MAX_LAYERS, MAX_SLOTS, ticks_from_secs};
+use populace_clip::ticks_from_secs;
+use populace_device::layout::{NONE, Slot};
+use populace_device::{MAX_LAYERS, MAX_SLOTS};
 
 use super::Crowd;
 use crate::Error;

@@ -1,7 +1,8 @@
 //! Blend spaces on members: clips of one phase, steered.
 
-use populace_core::layout::Slot;
-use populace_core::{TICKS_PER_SEC, ticks_from_secs};
+use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
+use populace_device::layout::Slot;
+use populace_model::convert::single;
 
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
@@ -239,7 +240,7 @@ impl Crowd {
         }
         let all = self.spaces[steered.space as usize].space.weights_at(at);
         let fading_in = steered.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
-        let secs = over_secs.max(crate::blend_space::single(fading_in));
+        let secs = over_secs.max(single(fading_in));
         let layer = steered.play.layer;
         let plan = |slot: &Slot, started: Started| {
             let own = started.serial == steered.serial && slot.layer() as usize == layer;
@@ -335,9 +336,9 @@ impl Crowd {
     fn in_phase(&self, place: u32, steered: &Steered, sample: usize, tick: u64) -> Slot {
         let space = &self.spaces[steered.space as usize].space;
         let body = self.tables.members().as_slice()[place as usize].body;
-        let key = (populace_core::BodyIndex(body), space.clips()[sample].index);
+        let key = (populace_device::BodyIndex(body), space.clips()[sample].index);
         let bound =
-            self.bound_clips.get(&key).map_or(populace_core::layout::NONE, |bound| bound.index);
+            self.bound_clips.get(&key).map_or(populace_device::layout::NONE, |bound| bound.index);
         let offset = cycles(f64::from(space.offset(sample).rem_euclid(1.0)));
         Slot::in_phase(
             bound,

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use populace_core::layout::{STAGE_PARAMETERS, STAGES_MOST};
-use populace_core::{After, JointIndex, UserStage, layout};
+use populace_device::layout::{STAGE_PARAMETERS, STAGES_MOST};
+use populace_device::{After, UserStage, layout};
+use populace_model::JointIndex;
 
 use super::{Crowd, Member, u32_from};
 use crate::error::finite;
@@ -54,14 +55,18 @@ impl Crowd {
             let what = format!(
                 "the crowd has {STAGES_MOST} stages, the most there can be; remove one first"
             );
-            return Err(populace_core::Error::BadStage { stage: stage.name().into(), what }.into());
+            return Err(
+                populace_device::Error::BadStage { stage: stage.name().into(), what }.into()
+            );
         }
         if let Some(other) = all.iter().flatten().find(|other| collide(other, &stage)) {
             let what = format!(
                 "another text defines \"{}\" too; name one of them otherwise",
                 other.name()
             );
-            return Err(populace_core::Error::BadStage { stage: stage.name().into(), what }.into());
+            return Err(
+                populace_device::Error::BadStage { stage: stage.name().into(), what }.into()
+            );
         }
         all.resize(all.len().max(number + 1), None);
         all[number] = Some(stage);
@@ -135,7 +140,8 @@ impl Crowd {
         // Each joint once, however often it is named.
         let joints: BTreeSet<_> = how.joints.unwrap_or_else(all).into_iter().collect();
         let joints = joints.into_iter().collect();
-        let stage = populace_core::StageUse { stage: id.number, after, joints, values: how.values };
+        let stage =
+            populace_device::StageUse { stage: id.number, after, joints, values: how.values };
         self.change_controls(member, |controls| {
             match controls.stages.iter_mut().find(|old| old.stage == stage.stage) {
                 Some(old) => *old = stage,

@@ -1,11 +1,15 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use populace_core::layout::Float4;
-use populace_core::{
-    Affine, Backend, BackendError, CharacterSource, Clip, ClipSource, HandedOver, Interpolation,
-    JointIndex, JointSource, PaletteEntry, PaletteSource, PaletteTarget, PaletteTransport,
-    Property, Schedule, Skeleton, Stage, StageBuffer, TargetMark, Track, Trs,
+use populace_character::{CharacterSource, PaletteEntry};
+use populace_clip::Clip;
+use populace_device::layout::Float4;
+use populace_device::{
+    Backend, BackendError, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, Schedule,
+    Stage, StageBuffer, TargetMark,
+};
+use populace_model::{
+    Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs,
 };
 use populace_native::NativeBackend;
 
@@ -248,7 +252,7 @@ fn nothing_is_read_after_an_update_that_failed() {
 
 #[test]
 fn a_gaze_that_goes_from_one_to_the_next_keeps_few_watches() {
-    use populace_core::{Gaze, GazeLimits};
+    use populace_device::{Gaze, GazeLimits};
     let mut crowd = crowd();
     let members: Vec<_> = crowd.instances().map(|i| i.member).collect();
     let joint = JointIndex(0);

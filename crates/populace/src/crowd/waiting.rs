@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use populace_core::layout::MACHINE_PARAMETERS;
+use populace_device::layout::MACHINE_PARAMETERS;
 
 use crate::Play;
 use crate::blend_space::SpacePoint;

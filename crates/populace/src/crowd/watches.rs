@@ -1,7 +1,8 @@
 //! Joints that are read back without waiting.
 
-use populace_core::layout::WATCHED_ELEMENTS;
-use populace_core::{Affine, JointIndex, TICKS_PER_SEC};
+use populace_clip::TICKS_PER_SEC;
+use populace_device::layout::WATCHED_ELEMENTS;
+use populace_model::{Affine, JointIndex};
 
 use super::{Crowd, FIRST_TICK, Member};
 use crate::Error;

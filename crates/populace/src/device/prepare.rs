@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use populace_core::{
-    Affine, Character, CharacterSource, JointSource, PaletteEntry, Schedule, Skeleton, Trs,
-};
+use populace_character::{Character, CharacterSource, PaletteEntry};
+use populace_device::Schedule;
+use populace_model::{Affine, JointSource, Skeleton, Trs};
 
 use super::{Device, Devices};
 use crate::{Crowd, Error, Placement};

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use populace_core::{GlContext, Schedule};
+use populace_device::{GlContext, Schedule};
 
 use super::{Device, Engine, Opened};
 use crate::Error;

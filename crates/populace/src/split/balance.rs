@@ -177,13 +177,8 @@ mod tests {
 
     #[test]
     fn noise_moves_shares_by_less_than_itself() {
-        let mut state = 1_u64;
-        let mut noise = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            1.0 + 0.1 * ((state >> 33) as f64 / f64::from(1_u32 << 31) * 2.0 - 1.0)
-        };
+        let mut rng = populace_testkit::Rng::new(1);
+        let mut noise = || 1.0 + 0.1 * rng.between(-1.0, 1.0);
         let course = course(400, &mut |s, _| vec![s[0] * 20.0 * noise(), s[1] * 20.0 * noise()]);
         let most = course.iter().skip(40).map(|share| (share - 0.5).abs()).fold(0.0, f64::max);
         assert!(most < 0.03, "10 % of noise moves shares by {most}");

@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use populace_core::layout::{
+use populace_device::layout::{
     Float4, Member, NONE, RUNNING_ELEMENTS, Running, STATES_PER_CONTROL, STEP_CARRY, STEP_WATCH,
     WATCHED_ELEMENTS,
 };
-use populace_core::{Backend, BackendError, StageBuffer, Tables};
+use populace_device::{Backend, BackendError, StageBuffer, Tables};
 
 /// States of all controls, and what is watched; and where state machines are, which devices that
 /// share a crowd each find by themselves.

@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use populace_core::Tables;
-use populace_core::layout::{Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::Tables;
+use populace_device::layout::{Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
 
 /// Places that are counted together.
 const CHUNK: usize = 256;
@@ -123,7 +123,10 @@ impl Place {
 
 #[cfg(test)]
 mod tests {
-    use populace_core::{Affine, BodyIndex, JointIndex, JointSource, PaletteEntry, Skeleton, Trs};
+    use populace_character::PaletteEntry;
+    use populace_device::BodyIndex;
+    use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
+    use populace_testkit::Rng;
 
     use super::*;
 
@@ -138,13 +141,8 @@ mod tests {
     fn what_changed_is_enough_to_know_all() {
         let mut tables = Tables::new(1);
         let bodies = [0, 5, 40, 300_000].map(|entries| body(&mut tables, entries));
-        let (mut kept, mut taken, mut state) = (Places::default(), Vec::new(), 5_u64);
-        let mut random = |below: usize| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            usize::try_from(state >> 33).unwrap() % below
-        };
+        let (mut kept, mut taken, mut rng) = (Places::default(), Vec::new(), Rng::new(5));
+        let mut random = |below: usize| rng.below(below);
         for step in 0..3000 {
             if random(10) < if step / 700 % 2 == 0 { 7 } else { 3 } || taken.is_empty() {
                 taken.push(

@@ -2,7 +2,8 @@
 
 use std::cell::RefCell;
 
-use populace::core::{Character, CharacterSource, JointSource, Skeleton};
+use populace::character::{Character, CharacterSource};
+use populace::model::{JointSource, Skeleton};
 use populace::{
     Affine, Crowd, Device, Error, JointIndex, JointOverride, Member, Placement, Play, Reach, Space,
     Target, Trs, Weight,

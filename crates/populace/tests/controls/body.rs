@@ -3,11 +3,10 @@
 
 use std::sync::Arc;
 
-use populace::core::math::{quat, vec3};
-use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-    Property, Skeleton, Track,
-};
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::model::math::{quat, vec3};
+use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{Affine, Crowd, Device, JointIndex, Member, Placement, Schedule, Trs};
 
 /// Joints: name, parent, and place in model space.

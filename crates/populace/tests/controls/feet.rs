@@ -1,7 +1,8 @@
 //! Feet on the ground.
 
-use populace::core::math::vec3;
-use populace::core::{Character, CharacterSource, JointSource, Role, RoleMap, Side, Skeleton};
+use populace::character::{Character, CharacterSource};
+use populace::model::math::vec3;
+use populace::model::{JointSource, Role, RoleMap, Side, Skeleton};
 use populace::{Feet, Foot, Ground, JointIndex, Placement, Play, Trs, Weight};
 
 use crate::body::{axes, character, distance, everywhere, joint, rest_place, skeleton};
@@ -120,7 +121,7 @@ fn with_loose_feet() -> Character {
     });
     let skeleton = Skeleton::new(&joints.collect::<Vec<_>>()).expect("joints that are right");
     let was = CharacterSource::clone(&character());
-    let entry = |entry: &populace::core::PaletteEntry| populace::core::PaletteEntry {
+    let entry = |entry: &populace::character::PaletteEntry| populace::character::PaletteEntry {
         joint: skeleton.find(plain.name(entry.joint)).expect("a joint of that name"),
         ..*entry
     };

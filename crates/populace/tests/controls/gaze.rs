@@ -1,6 +1,6 @@
 //! Look-at.
 
-use populace::core::math::vec3;
+use populace::model::math::vec3;
 use populace::{Affine, Gaze, GazeLimits, Member, Placement, Play, Target, Weight};
 
 use crate::body::{Stage, everywhere, joint};

@@ -1,6 +1,6 @@
 //! Transforms that the host gives.
 
-use populace::core::math::{quat, vec3};
+use populace::model::math::{quat, vec3};
 use populace::{Affine, Error, JointOverride, Placement, Play, Space, Trs};
 
 use crate::body::{distance, everywhere, joint, skeleton, turn_deg};
@@ -137,7 +137,7 @@ fn bad_values_are_refused_and_change_nothing() {
         let heavy = JointOverride { weight: 1.5, ..good };
         for bad in [nan, long, absent, heavy] {
             let error = stage.crowd.override_joints(member, &[good, bad]).expect_err("it is bad");
-            assert!(matches!(error, Error::Data(_)), "{error}");
+            assert!(matches!(error, Error::Tables(_)), "{error}");
         }
         stage.update(0.0);
         assert_eq!(stage.models(member), before);

@@ -1,6 +1,6 @@
 //! Calls that are repeated each frame, as games make them.
 
-use populace::core::math::vec3;
+use populace::model::math::vec3;
 use populace::{Affine, LayerSettings, Member, Placement, Play, Reach, Target, Trs, Weight};
 
 use crate::body::{Stage, distance, everywhere, joint};

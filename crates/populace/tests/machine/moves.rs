@@ -1,6 +1,6 @@
 //! States stay when a crowd moves to other devices, and when devices share it in another way.
 
-use populace::core::ticks_from_secs;
+use populace::clip::ticks_from_secs;
 use populace::{Crowd, Device, Devices, Member, Split};
 use populace_testkit::Rng;
 

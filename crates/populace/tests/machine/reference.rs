@@ -1,7 +1,7 @@
 //! What machines do is what an interpreter says, and what they show is what the same clips played
 //! by hand do.
 
-use populace::core::ticks_from_secs;
+use populace::clip::ticks_from_secs;
 use populace::{Member, Play};
 use populace_testkit::Rng;
 

@@ -3,7 +3,9 @@
 
 use std::sync::Arc;
 
-use populace::core::{Character, CharacterSource, JointSource, Skeleton, TICKS_PER_SEC};
+use populace::character::{Character, CharacterSource};
+use populace::clip::TICKS_PER_SEC;
+use populace::model::{JointSource, Skeleton};
 use populace::{
     CharacterId, ClipId, Condition, Crowd, CrowdBuilder, Device, Devices, MachineId, Member,
     Placement, Play, Schedule, Split, StateMachine, Trs,

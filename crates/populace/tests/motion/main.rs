@@ -22,7 +22,8 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use body::{Stage, character, distance, everywhere, joint};
-use populace::core::{Clip, ClipSource, Interpolation, Property, Track};
+use populace::clip::Clip;
+use populace::model::{ClipSource, Interpolation, Property, Track};
 use populace::{
     Affine, ClipId, Condition, Crowd, Device, LayerMode, LayerSettings, Mask, Member,
     MotionSettings, MotionSource, Placement, Play, Split, StateMachine,

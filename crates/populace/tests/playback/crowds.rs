@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use populace::core::layout::Float4;
+use populace::hand_over::Float4;
 use populace::{Crowd, CrowdBuilder, Placement, Play};
 
 use crate::on_every_way;

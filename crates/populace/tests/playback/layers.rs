@@ -1,6 +1,6 @@
 //! Layers as users set them, against the oracle.
 
-use populace::core::TICKS_PER_SEC;
+use populace::clip::TICKS_PER_SEC;
 use populace::{Crowd, CrowdBuilder, LayerMode, LayerSettings, Mask, Member, Placement, Play};
 use populace_testkit::oracle::{OracleBody, OracleLayer, OracleSlot, evaluate};
 

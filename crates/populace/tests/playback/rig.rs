@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use glam::{DQuat, Quat};
-use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointIndex, JointSource,
-    PaletteEntry, Property, Skeleton, Track,
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::model::{
+    ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track,
 };
 use populace::{Affine, CharacterId, ClipId, Crowd, CrowdBuilder, Member, Placement, Trs};
 

@@ -2,6 +2,7 @@
 
 use glam::Quat;
 use populace::{ClipId, Crowd, CrowdBuilder, Member, Play};
+use populace_testkit::Rng;
 
 use crate::on_every_way;
 use crate::rig::{Motion, one_member, step_rad, turns};
@@ -129,15 +130,10 @@ fn starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
         crowd.play(member, clips[0], Play::looping()).unwrap();
         crowd.update(0.1).unwrap();
         let mut steps = Steps::new(&mut crowd, member);
-        let mut state = seed;
-        let mut random = |below: u64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) % below
-        };
+        let mut rng = Rng::new(seed);
+        let mut random = |below: usize| rng.below(below);
         for frame in 0..80 {
-            let clip = clips[random(6) as usize];
+            let clip = clips[random(6)];
             let play = Play::looping().fade_in_secs(FADE_SECS);
             match random(6) {
                 0 => drop(crowd.play(member, clip, play).unwrap()),

@@ -3,6 +3,7 @@
 use populace::{
     BlendSpace, ClipId, Crowd, CrowdBuilder, Device, Error, Member, Placement, Play, SpaceId,
 };
+use populace_testkit::Rng;
 
 use crate::on_every_way;
 use crate::rig::{Motion, one_member, step_rad, turns};
@@ -140,12 +141,9 @@ fn steering_never_jumps(builder: &CrowdBuilder) {
         crowd.play(member, clips[8], Play::looping()).unwrap();
         crowd.update(0.1).unwrap();
         let mut before = turns(&mut crowd, member);
-        let mut state = slots as u64;
+        let mut rng = Rng::new(slots as u64);
         for frame in 0..240 {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            let at = [(state >> 33) % 257, (state >> 41) % 257].map(|n| n as f32 / 128.0);
+            let at = [rng.below(257), rng.below(257)].map(|n| n as f32 / 128.0);
             match frame {
                 0 => crowd
                     .play_space(member, space, 1.0, Play::looping().fade_in_secs(OVER_SECS))

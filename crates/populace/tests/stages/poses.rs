@@ -1,8 +1,8 @@
 //! What stages make of poses.
 
 use glam::{DAffine3, DQuat, DVec3};
-use populace::core::math::quat;
-use populace::core::ticks_from_secs;
+use populace::clip::ticks_from_secs;
+use populace::model::math::quat;
 use populace::{After, StageUse, Trs};
 
 use crate::rig::{

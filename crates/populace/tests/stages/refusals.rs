@@ -104,7 +104,7 @@ fn bad_values_are_refused_and_change_nothing() {
         for name in ["", "3d", "a-b", "gust()"] {
             let error =
                 staged.crowd.add_stage(After::Pose, UserStage::new(name).rust(|_| ()).opencl_c(""));
-            assert!(matches!(error, Err(Error::Data(_))), "{error:?}");
+            assert!(matches!(error, Err(Error::Tables(_))), "{error:?}");
         }
         let other = stage().opencl_c("void act(StageJoint *joint) { }");
         assert!(staged.crowd.add_stage(After::Pose, other).is_err(), "two texts define it");

@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
-use populace::core::math::quat;
-use populace::core::{
-    Character, CharacterSource, Clip, ClipSource, Interpolation, JointSource, PaletteEntry,
-    Property, Skeleton, Track,
-};
+use populace::character::{Character, CharacterSource, PaletteEntry};
+use populace::clip::Clip;
+use populace::model::math::quat;
+use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
     Affine, CharacterId, Crowd, Device, Devices, JointIndex, Member, Placement, Play, Schedule,
     Split, StageJoint, Trs, UserStage,

@@ -1,7 +1,7 @@
 //! Stages that leave what no joint can be.
 
-use populace::core::{Gaze, GazeLimits};
 use populace::{After, StageUse, Target, Weight};
+use populace::{Gaze, GazeLimits};
 
 use crate::rig::{STRAY, Swaying, at, everywhere, stage};
 

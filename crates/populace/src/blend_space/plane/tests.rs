@@ -1,17 +1,16 @@
+use populace_testkit::Rng;
+
 use super::*;
 
-fn random(state: &mut u64) -> f32 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 40) as f32 / 16_777_216.0
+fn random(rng: &mut Rng) -> f32 {
+    single(rng.between(0.0, 1.0))
 }
 
 /// Scattered points, grids, circles, lines and heaps of them.
 fn layouts() -> Vec<Vec<[f32; 2]>> {
-    let mut state = 5;
+    let mut rng = Rng::new(5);
     let mut all: Vec<Vec<[f32; 2]>> = (1..=24)
-        .map(|count| {
-            (0..count).map(|_| [random(&mut state) * 5.0, random(&mut state) - 0.5]).collect()
-        })
+        .map(|count| (0..count).map(|_| [random(&mut rng) * 5.0, random(&mut rng) - 0.5]).collect())
         .collect();
     let grid =
         |w: u8, h: u8| (0..w * h).map(|i| [f32::from(i % w), f32::from(i / w) * 0.25]).collect();
@@ -77,11 +76,11 @@ fn jump_that_stays(plane: &Plane, mut from: Point, mut to: Point) -> f32 {
 
 #[test]
 fn weights_sum_to_one_and_are_continuous() {
-    let mut state = 9;
+    let mut rng = Rng::new(9);
     for points in layouts() {
         let plane = Plane::new(&points);
         let (from, to) =
-            ([random(&mut state), random(&mut state)], [random(&mut state), random(&mut state)]);
+            ([random(&mut rng), random(&mut rng)], [random(&mut rng), random(&mut rng)]);
         // Straight through all samples and out on the other side.
         let at = |step: i32| {
             let t = f64::from(step) / 500.0;
@@ -107,13 +106,13 @@ fn weights_sum_to_one_and_are_continuous() {
 
 #[test]
 fn inside_weights_give_the_point_back() {
-    let mut state = 77;
+    let mut rng = Rng::new(77);
     for points in layouts().into_iter().filter(|points| points.len() >= 3) {
         let plane = Plane::new(&points);
         for _ in 0..50 {
             // A random mean of samples lies inside.
             let parts: Vec<f64> =
-                points.iter().map(|_| f64::from(random(&mut state)).powi(3)).collect();
+                points.iter().map(|_| f64::from(random(&mut rng)).powi(3)).collect();
             let total: f64 = parts.iter().sum();
             let mean = |axis: usize| {
                 points.iter().zip(&parts).map(|(p, part)| f64::from(p[axis]) * part).sum::<f64>()

@@ -1,0 +1,401 @@
+//! Characters: a skeleton with its meshes, materials and clips.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use populace_clip::Clip;
+use populace_model::{Affine, JointIndex, Skeleton, f64math};
+
+use crate::Error;
+
+/// A distinct pair of a joint and a bind matrix that vertices use. Two skins may bind one joint
+/// differently, rigid parts use the identity, and joints without vertices have no entry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaletteEntry {
+    /// The joint that moves the vertices.
+    pub joint: JointIndex,
+    /// Transforms vertices from bind space to joint space (glTF: inverse bind matrix).
+    pub joint_from_bind: Affine,
+}
+
+/// Palette entries and weights of each vertex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Influences {
+    /// Influences per vertex: 4 or 8.
+    pub per_vertex: usize,
+    /// `vertices x per_vertex` indices into [`CharacterSource::palette`].
+    pub entries: Vec<u16>,
+    /// `vertices x per_vertex` weights, as in the source. The weights of a vertex should sum to 1.
+    /// If they do not, the skinning equation uses them as they are, and drawing divides by their
+    /// sum.
+    pub weights: Vec<f32>,
+}
+
+impl Influences {
+    /// The palette entries and weights of a vertex. Empty past the last vertex.
+    pub(crate) fn of(&self, vertex: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
+        let range = vertex * self.per_vertex..(vertex + 1) * self.per_vertex;
+        let entries = self.entries.get(range.clone()).unwrap_or_default();
+        let weights = self.weights.get(range).unwrap_or_default();
+        entries.iter().zip(weights).map(|(entry, weight)| (usize::from(*entry), *weight))
+    }
+}
+
+/// A triangle mesh in bind space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Positions in metres.
+    pub positions: Vec<[f32; 3]>,
+    /// Unit normals, one per vertex.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates of the base colour, one per vertex or empty; v increases downwards.
+    pub uvs: Vec<[f32; 2]>,
+    /// Linear colours that multiply the material's, one per vertex or empty.
+    pub colors: Vec<[f32; 4]>,
+    /// Palette entries and weights of each vertex.
+    pub influences: Influences,
+    /// Three vertex indices per triangle, counter-clockwise seen from the front.
+    pub indices: Vec<u32>,
+}
+
+/// A drawable part: a primitive of a mesh, as used by one node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Index in the file of the node that uses the mesh.
+    pub node: usize,
+    /// Name of that node, by which parts can be hidden.
+    pub node_name: String,
+    /// Index of the primitive within its mesh in the file.
+    pub primitive: usize,
+    /// Index into [`CharacterSource::materials`]; `None` for plain white.
+    pub material: Option<usize>,
+    /// The triangles.
+    pub mesh: Mesh,
+}
+
+/// Treatment of texture coordinates outside 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// Repeats the texture.
+    #[default]
+    Repeat,
+    /// Repeats the texture, mirroring every second copy.
+    MirroredRepeat,
+    /// Uses the colour of the edge.
+    ClampToEdge,
+}
+
+/// Interpolation between texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureFilter {
+    /// Interpolates linearly.
+    #[default]
+    Linear,
+    /// Uses the nearest texel.
+    Nearest,
+}
+
+/// An image and its sampling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Texture {
+    /// Index into [`CharacterSource::images`].
+    pub image: usize,
+    /// Wrapping along u.
+    pub wrap_u: Wrap,
+    /// Wrapping along v.
+    pub wrap_v: Wrap,
+    /// Interpolation between texels.
+    pub filter: TextureFilter,
+}
+
+/// Meaning of the base colour's alpha.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Fragments with an alpha below the cutoff are discarded.
+    Mask {
+        /// Cutoff from 0 to 1.
+        cutoff: f32,
+    },
+    /// Alpha is coverage.
+    Blend,
+}
+
+/// A material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// The material's name; may be empty.
+    pub name: String,
+    /// Linear RGBA that multiplies the texture.
+    pub base_color: [f32; 4],
+    /// Base colour texture, sRGB.
+    pub base_color_texture: Option<Texture>,
+    /// Meaning of alpha.
+    pub alpha: AlphaMode,
+    /// True if back faces are drawn.
+    pub double_sided: bool,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: [1.0; 4],
+            base_color_texture: None,
+            alpha: AlphaMode::Opaque,
+            double_sided: false,
+        }
+    }
+}
+
+/// A decoded image, sRGB with straight alpha.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    /// Pixels across, at least 1.
+    pub width: u32,
+    /// Pixels down, at least 1.
+    pub height: u32,
+    /// `width x height x 4` bytes, rows from the top.
+    pub rgba: Vec<u8>,
+}
+
+/// A skin as used by one mesh node of the file, for palettes in the file's own order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkinInstance {
+    /// Index of the skin in the file.
+    pub skin: usize,
+    /// Index of the mesh node in the file.
+    pub node: usize,
+    /// The skin's joints in the file's order, each with its bind matrix.
+    pub joints: Vec<PaletteEntry>,
+}
+
+/// An axis-aligned box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Minimum corner.
+    pub low: [f32; 3],
+    /// Maximum corner.
+    pub high: [f32; 3],
+}
+
+impl Bounds {
+    /// Returns the box around points; `None` without points.
+    pub fn around(points: impl IntoIterator<Item = [f32; 3]>) -> Option<Self> {
+        points.into_iter().fold(None, |bounds, p| {
+            let Self { mut low, mut high } = bounds.unwrap_or(Self { low: p, high: p });
+            for axis in 0..3 {
+                low[axis] = low[axis].min(p[axis]);
+                high[axis] = high[axis].max(p[axis]);
+            }
+            Some(Self { low, high })
+        })
+    }
+}
+
+/// The parts of a character, as found by an importer.
+#[derive(Clone, Debug)]
+pub struct CharacterSource {
+    /// A name for display.
+    pub name: String,
+    /// The joint hierarchy.
+    pub skeleton: Skeleton,
+    /// Pairs of joint and bind matrix that vertices refer to.
+    pub palette: Vec<PaletteEntry>,
+    /// Drawable parts.
+    pub parts: Vec<Part>,
+    /// Materials of the parts.
+    pub materials: Vec<Material>,
+    /// Images used by textures.
+    pub images: Vec<Image>,
+    /// Skins, in the file's order.
+    pub skins: Vec<SkinInstance>,
+    /// Clips that came with the character; their own skeleton is this one.
+    pub clips: Vec<Arc<Clip>>,
+}
+
+/// A checked character: every index is valid and every number is finite.
+#[derive(Clone, Debug)]
+pub struct Character {
+    source: CharacterSource,
+    rest_bounds: Option<Bounds>,
+}
+
+impl std::ops::Deref for Character {
+    type Target = CharacterSource;
+
+    fn deref(&self) -> &CharacterSource {
+        &self.source
+    }
+}
+
+impl Character {
+    /// Checks the parts and computes the bounds at rest.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadCharacter`] for the first invalid part: an index out of range, arrays of
+    /// different lengths, a number that is not finite, an image whose size does not match its
+    /// pixels.
+    pub fn new(source: CharacterSource) -> Result<Self, Error> {
+        let fail = |place: String, what: String| Err(Error::BadCharacter { place, what });
+        let joint_count = source.skeleton.joint_count();
+        for (index, entry) in source.palette.iter().enumerate() {
+            if entry.joint.index() >= joint_count || !entry.joint_from_bind.is_finite() {
+                let what = format!("needs a joint below {joint_count} and a finite bind matrix");
+                return fail(format!("palette entry {index}"), what);
+            }
+        }
+        for (index, image) in source.images.iter().enumerate() {
+            let pixels = image.width as usize * image.height as usize;
+            if pixels == 0 || image.rgba.len() != pixels * 4 {
+                let what = format!(
+                    "has {} bytes for {} x {} pixels; each pixel needs 4 bytes",
+                    image.rgba.len(),
+                    image.width,
+                    image.height
+                );
+                return fail(format!("image {index}"), what);
+            }
+        }
+        for (index, material) in source.materials.iter().enumerate() {
+            if material.base_color_texture.is_some_and(|t| t.image >= source.images.len()) {
+                return fail(
+                    format!("material {index}"),
+                    "its texture refers to an image that does not exist".into(),
+                );
+            }
+        }
+        for part in &source.parts {
+            if let Err(what) = check_part(part, &source) {
+                return fail(
+                    format!(
+                        "node {} \"{}\", primitive {}",
+                        part.node, part.node_name, part.primitive
+                    ),
+                    what,
+                );
+            }
+        }
+        let mut character = Self { source, rest_bounds: None };
+        character.rest_bounds = Bounds::around(character.rest_vertices());
+        Ok(character)
+    }
+
+    /// The box around all vertices at rest in model space; `None` without meshes.
+    #[must_use]
+    pub fn rest_bounds(&self) -> Option<Bounds> {
+        self.rest_bounds
+    }
+
+    /// Height at rest in metres: that of the meshes, or that of the skeleton without meshes.
+    #[must_use]
+    pub fn height_m(&self) -> f32 {
+        self.rest_bounds.map_or(self.skeleton.size_m(), |b| b.high[1] - b.low[1])
+    }
+
+    fn rest_vertices(&self) -> impl Iterator<Item = [f32; 3]> {
+        let models = self.skeleton.rest_models();
+        let bind =
+            |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
+        let binds: Vec<_> = self.palette.iter().map(bind).collect();
+        self.parts.iter().flat_map(move |part| {
+            let place = |vertex| f64math::to_f32(rest_place(&part.mesh, vertex, &binds).to_array());
+            (0..part.mesh.positions.len()).map(place).collect::<Vec<_>>()
+        })
+    }
+}
+
+/// Returns the position of a vertex at rest in model space. `binds` holds `model_from_bind` of each
+/// palette entry. Indices out of range are ignored.
+pub(crate) fn rest_place(mesh: &Mesh, vertex: usize, binds: &[DAffine3]) -> DVec3 {
+    let position = f64math::vec3(mesh.positions[vertex]);
+    let moved = |(entry, weight): (usize, f32)| {
+        Some(binds.get(entry)?.transform_point3(position) * f64::from(weight))
+    };
+    mesh.influences.of(vertex).filter_map(moved).sum()
+}
+
+/// Returns the distance in metres from each joint, in level order, to the farthest vertex that it
+/// moves, at rest, times the vertex's weight. This is the input of [`Skeleton::with_reach`].
+/// Indices out of range are ignored.
+#[must_use]
+pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]) -> Vec<f32> {
+    let models = skeleton.rest_models();
+    let mut reach: Vec<f64> = vec![0.0; models.len()];
+    for mesh in parts.iter().map(|p| &p.mesh) {
+        let Influences { per_vertex, entries, weights } = &mesh.influences;
+        for (at, (&entry, &weight)) in
+            entries.iter().zip(weights).enumerate().filter(|(_, (_, w))| **w > 0.0)
+        {
+            let vertex = mesh.positions.get(at / (*per_vertex).max(1));
+            let (Some(entry), Some(&vertex)) = (palette.get(usize::from(entry)), vertex) else {
+                continue;
+            };
+            let Some(model) = models.get(entry.joint.index()) else {
+                continue;
+            };
+            let in_joint = f64math::affine_from(&entry.joint_from_bind)
+                .transform_point3(f64math::vec3(vertex));
+            let distance = model.transform_vector3(in_joint).length() * f64::from(weight.min(1.0));
+            reach[entry.joint.index()] = reach[entry.joint.index()].max(distance);
+        }
+    }
+    reach.into_iter().map(|r| f64math::to_f32([r])[0]).collect()
+}
+
+fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {
+    let Mesh { positions, normals, uvs, colors, influences, indices } = &part.mesh;
+    check_lengths(&part.mesh)?;
+    if indices.len() % 3 != 0 || indices.iter().any(|&i| i as usize >= positions.len()) {
+        return Err(format!(
+            "indices must be whole triangles of vertices below {}",
+            positions.len()
+        ));
+    }
+    if let Some(entry) =
+        influences.entries.iter().find(|&&e| usize::from(e) >= source.palette.len())
+    {
+        return Err(format!(
+            "a vertex refers to palette entry {entry}; there are {}",
+            source.palette.len()
+        ));
+    }
+    if part.material.is_some_and(|m| m >= source.materials.len()) {
+        return Err("it refers to a material that does not exist".into());
+    }
+    let finite = positions
+        .iter()
+        .chain(normals)
+        .flatten()
+        .chain(uvs.iter().flatten())
+        .chain(&influences.weights);
+    if finite.chain(colors.iter().flatten()).any(|v| !v.is_finite()) {
+        return Err("a vertex holds a value that is not a finite number".into());
+    }
+    Ok(())
+}
+
+fn check_lengths(mesh: &Mesh) -> Result<(), String> {
+    let Mesh { positions, normals, uvs, colors, influences, .. } = mesh;
+    let count = positions.len();
+    let per_vertex = influences.per_vertex;
+    if per_vertex != 4 && per_vertex != 8 {
+        return Err(format!("{per_vertex} influences per vertex; 4 or 8 are supported"));
+    }
+    let lengths = [
+        ("normals", normals.len(), count),
+        ("texture coordinates", uvs.len(), if uvs.is_empty() { 0 } else { count }),
+        ("colours", colors.len(), if colors.is_empty() { 0 } else { count }),
+        ("influences", influences.entries.len(), count * per_vertex),
+        ("weights", influences.weights.len(), count * per_vertex),
+    ];
+    match lengths.iter().find(|(_, has, wants)| has != wants) {
+        Some((what, has, wants)) => {
+            Err(format!("{has} {what} for {count} vertices; {wants} are needed"))
+        }
+        None => Ok(()),
+    }
+}

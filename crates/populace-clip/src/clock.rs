@@ -1,0 +1,24 @@
+//! The clock by which clips are played: whole ticks.
+
+/// Ticks of the crowd's clock in a second: a multiple of the usual frame rates (24, 25, 30, 50, 60,
+/// 120, 144), so that whole frames are whole numbers of ticks.
+pub const TICKS_PER_SEC: u64 = 705_600;
+/// Where the clock of a crowd begins. Most of a year after 0: a clip that goes on at another speed
+/// is one that began at another time, maybe long before the crowd did.
+pub const FIRST_TICK: u64 = 1 << 44;
+/// One tick in seconds, rounded to single precision.
+pub const TICK_SECS: f32 = 1.0 / 705_600.0;
+
+/// Ticks in a time, rounded to the nearest.
+///
+/// Negative and non-finite times give 0.
+#[must_use]
+pub fn ticks_from_secs(secs: f64) -> u64 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "`as` saturates, which is wanted"
+    )]
+    let ticks = (secs * TICKS_PER_SEC as f64).round() as u64;
+    ticks
+}

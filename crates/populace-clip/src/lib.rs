@@ -1,0 +1,31 @@
+//! Clips: motions as rows of poses within an error bound.
+//!
+//! A [`Clip`] is made of a [`ClipSource`](populace_model::ClipSource) and the skeleton that it was
+//! made for. Its rows are evenly or densely spaced in time, stored in 16 bits for each component,
+//! and no point near a joint strays further from the source than [`ClipStats::tolerance_m`].
+//! Live clips are rings of rows that come in while they play. Root motion is taken out of a clip's
+//! pose and kept beside it ([`RootMotion`]).
+
+mod animation_set;
+mod clip;
+mod clock;
+mod contacts;
+mod curves;
+mod error;
+mod gap;
+mod probes;
+mod row;
+mod row_block;
+mod rows;
+mod storage;
+
+pub use animation_set::{AnimationSet, ClipIndex};
+pub use clip::{
+    Clip, ClipStats, LiveRing, LiveSettings, MotionOrigin, MotionSettings, MotionSource,
+    RootMotion, Streamed,
+};
+pub use clock::{FIRST_TICK, TICK_SECS, TICKS_PER_SEC, ticks_from_secs};
+pub use contacts::Footstep;
+pub use error::Error;
+pub use row_block::{COLUMNS_PER_BLOCK, NO_PLANES, ROW_FLOATS, RowBlock};
+pub use storage::{Range, Storage};

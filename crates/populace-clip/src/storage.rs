@@ -1,0 +1,396 @@
+//! Row storage as devices read it: 16-bit numbers over each joint's own range, in blocks of 16
+//! columns.
+//!
+//! [`RowBlock`] describes the planes of a block. A component's value is `offset + step * n` for the
+//! stored `n`. A column that does not move has a step of 0, so the stored bits do not matter. If 16
+//! bits cannot represent a property of a block within the error bound, it is stored as floats, in
+//! planes of all 16 columns. Devices may read columns that do not move; the words there must be
+//! finite as floats, because only finite values times 0 are 0.
+
+use glam::{DQuat, DVec3};
+use populace_model::{JointIndex, Property, Trs, f64math};
+
+use crate::curves::Local;
+use crate::probes::{Judge, distance_at_probes};
+use crate::row::{PROPERTIES, Row};
+use crate::row_block::{BLOCK, NO_PLANES, ROW_FLOATS, RowBlock};
+
+/// Number of steps over a joint's range.
+const STEPS: f64 = 65535.0;
+/// Number of block properties that are converted to floats one by one.
+const ONE_BY_ONE: usize = 6;
+/// A value counts as constant if it moves no probe by more than this part of the allowed storage
+/// error.
+const STILL: f64 = 0.01;
+
+/// Range of a column's stored numbers `n`: a component is `offset + step * n`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Range {
+    /// The value of a component that stands still.
+    pub offset: [f32; 4],
+    /// 0 where the column stands still.
+    pub step: f32,
+}
+
+impl Range {
+    /// Creates the range of a constant value. Zeros are made positive, as the result of `0 * n +
+    /// offset` is.
+    #[must_use]
+    pub fn still(value: [f32; 4]) -> Self {
+        Self { offset: value.map(|v| v + 0.0), step: 0.0 }
+    }
+
+    /// Creates the range from the minimum to the maximum of each component.
+    fn over([low, high]: [[f32; 4]; 2]) -> Self {
+        let widest = (0..4).map(|c| f64::from(high[c]) - f64::from(low[c])).fold(0.0, f64::max);
+        let [step] = f64math::to_f32([widest / STEPS]);
+        Self { offset: low.map(|v| v + 0.0), step: step.max(f32::MIN_POSITIVE) }
+    }
+}
+
+/// The stored rows of one clip.
+#[derive(Clone, Debug, Default)]
+pub struct Storage {
+    /// All rows, one after the other.
+    pub words: Vec<u32>,
+    /// Words from one row to the next.
+    pub stride: usize,
+    /// Where in a row each block of 16 columns stands.
+    pub blocks: Vec<RowBlock>,
+    /// Per column and [`Property`].
+    pub ranges: Vec<[Range; 3]>,
+    /// How far a stored component is from the exact one at most, per column and [`Property`]:
+    /// metres, quaternion components, factors.
+    pub(crate) worst: Vec<[f32; 3]>,
+    /// How far that moves any probe, in metres.
+    pub(crate) error_m: f64,
+}
+
+impl Storage {
+    /// Stores rows as 16-bit numbers. While these move a probe too far, the block properties with
+    /// the largest error are converted to floats. They are converted one by one at first, then in
+    /// growing batches. `poses` are the rows in single precision, with neighbouring rotations in
+    /// one hemisphere.
+    pub(crate) fn new(rows: &[Row], poses: &[Vec<Trs>], judge: &Judge) -> Self {
+        let ranges = ranges(poses, judge);
+        let mut floats = vec![[false; 3]; ranges.len().div_ceil(BLOCK)];
+        let mut found = 0;
+        loop {
+            let mut stored = Self::encode(poses, ranges.clone(), &floats);
+            stored.measure(rows, judge);
+            let coarsest = stored.coarsest(judge, &floats);
+            if coarsest.is_empty() || stored.error_m <= judge.allowed {
+                return stored;
+            }
+            let at_once = if found < ONE_BY_ONE { 1 } else { 3 * found };
+            for &(block, property) in coarsest.iter().take(at_once) {
+                floats[block][property as usize] = true;
+                found += 1;
+            }
+        }
+    }
+
+    /// Returns the block properties that are not stored as floats, largest effect on probes first.
+    fn coarsest(&self, judge: &Judge, floats: &[[bool; 3]]) -> Vec<(usize, Property)> {
+        let effect_m = |block: usize, property: Property| {
+            let columns = block * BLOCK..self.worst.len().min((block + 1) * BLOCK);
+            let moved = columns.map(|column| {
+                let worst = f64::from(self.worst[column][property as usize]);
+                if property == Property::Translation {
+                    worst
+                } else {
+                    2.0 * worst * judge.reach[column]
+                }
+            });
+            moved.fold(0.0, f64::max)
+        };
+        let all = (0..floats.len()).flat_map(|block| PROPERTIES.map(|property| (block, property)));
+        let coarse = all.filter(|&(block, property)| {
+            !floats[block][property as usize]
+                && planes(&self.blocks[block], property).0 != NO_PLANES
+        });
+        let mut coarse: Vec<_> =
+            coarse.map(|(block, p)| (effect_m(block, p), (block, p))).collect();
+        coarse.sort_by(|a, b| a.0.total_cmp(&b.0));
+        coarse.into_iter().rev().map(|(_, which)| which).collect()
+    }
+
+    fn encode(poses: &[Vec<Trs>], mut ranges: Vec<[Range; 3]>, floats: &[[bool; 3]]) -> Self {
+        for (column, ranges) in ranges.iter_mut().enumerate() {
+            for (range, is_float) in ranges.iter_mut().zip(floats[column / BLOCK]) {
+                if is_float && range.step > 0.0 {
+                    *range = Range { offset: [0.0; 4], step: 1.0 };
+                }
+            }
+        }
+        let (blocks, stride) = lay_out(&ranges, floats);
+        let mut stored = Self {
+            words: vec![0; stride * poses.len()],
+            stride,
+            blocks,
+            ranges,
+            ..Self::default()
+        };
+        for (row, pose) in poses.iter().enumerate() {
+            for (column, trs) in pose.iter().enumerate() {
+                stored.put(row, column, Property::Rotation, &trs.rotation);
+                stored.put(row, column, Property::Translation, &trs.translation);
+                stored.put(row, column, Property::Scale, &trs.scale);
+            }
+        }
+        stored
+    }
+
+    /// Creates storage of one row whose properties in `moves` (for each column and [`Property`])
+    /// are floats that will be overwritten.
+    pub(crate) fn live(pose: Vec<Trs>, moves: &[[bool; 3]]) -> Self {
+        let range = |(trs, moves): (&Trs, &[bool; 3])| {
+            PROPERTIES.map(|property| Range {
+                step: if moves[property as usize] { 1.0 } else { 0.0 },
+                ..Range::still(property.of(trs))
+            })
+        };
+        let ranges: Vec<_> = pose.iter().zip(moves).map(range).collect();
+        let floats = vec![[true; 3]; ranges.len().div_ceil(BLOCK)];
+        let worst = vec![[0.0; 3]; ranges.len()];
+        Self { worst, ..Self::encode(&[pose], ranges, &floats) }
+    }
+
+    /// Rows of nothing but small rotations, a column each, all of which count as moving.
+    #[must_use]
+    pub fn of_rotations(rows: &[Vec<DQuat>]) -> Self {
+        let pose = |row: &Vec<DQuat>| -> Vec<Trs> {
+            let near = |q: &DQuat| if q.w < 0.0 { -*q } else { *q };
+            let rotation = |q: &DQuat| f64math::to_f32(near(q).to_array());
+            row.iter().map(|q| Trs { rotation: rotation(q), ..Trs::IDENTITY }).collect()
+        };
+        let poses: Vec<_> = rows.iter().map(pose).collect();
+        let columns = rows.first().map_or(0, Vec::len);
+        let range = |column: usize| {
+            let rotation = Range::over(bounds(poses.iter().map(|pose| pose[column].rotation)));
+            PROPERTIES.map(|property| match property {
+                Property::Rotation => rotation,
+                _ => Range::still(property.of(&Trs::IDENTITY)),
+            })
+        };
+        let ranges: Vec<_> = (0..columns).map(range).collect();
+        let floats = vec![[false; 3]; columns.div_ceil(BLOCK)];
+        Self::encode(&poses, ranges, &floats)
+    }
+
+    /// Converts a pose to the words of a row of floats; properties that do not move are left out.
+    pub(crate) fn row_of(&self, pose: &[Trs]) -> Vec<u32> {
+        let mut words = vec![0; self.stride];
+        for (column, trs) in pose.iter().enumerate().take(self.ranges.len()) {
+            for property in
+                PROPERTIES.into_iter().filter(|p| self.ranges[column][*p as usize].step > 0.0)
+            {
+                for (component, value) in
+                    property.of(trs).into_iter().take(property.width()).enumerate()
+                {
+                    if let Location::Float(word) = self.location(column, property, component) {
+                        words[word] = value.to_bits();
+                    }
+                }
+            }
+        }
+        words
+    }
+
+    fn put(&mut self, row: usize, column: usize, property: Property, values: &[f32]) {
+        let range = self.ranges[column][property as usize];
+        if range.step == 0.0 {
+            return;
+        }
+        let first = row * self.stride;
+        for (component, &value) in values.iter().enumerate() {
+            match self.location(column, property, component) {
+                Location::Float(word) => self.words[first + word] = value.to_bits(),
+                Location::Half(word, shift) => {
+                    let n = (f64::from(value) - f64::from(range.offset[component]))
+                        / f64::from(range.step);
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "clamped to 16 bits on the line before"
+                    )]
+                    let n = n.round().clamp(0.0, STEPS) as u32;
+                    self.words[first + word] |= n << shift;
+                }
+            }
+        }
+    }
+
+    /// Returns the location of a component within a row.
+    fn location(&self, column: usize, property: Property, component: usize) -> Location {
+        let (first, lanes) = planes(&self.blocks[column / BLOCK], property);
+        let lane = column % BLOCK;
+        if lanes & ROW_FLOATS != 0 {
+            return Location::Float(first as usize + component * BLOCK + lane);
+        }
+        let plane = first as usize + component / 2 * lanes as usize;
+        if component == 2 && property != Property::Rotation {
+            Location::Half(plane + lane / 2, 16 * (lane % 2))
+        } else {
+            Location::Half(plane + lane, 16 * (component % 2))
+        }
+    }
+
+    /// Decodes a component of a stored row as devices do.
+    fn component(&self, row: usize, column: usize, property: Property, component: usize) -> f64 {
+        let range = &self.ranges[column][property as usize];
+        let offset = f64::from(range.offset[component]);
+        if range.step == 0.0 {
+            return offset;
+        }
+        let word = |word: usize| self.words[row * self.stride + word];
+        let n = match self.location(column, property, component) {
+            Location::Float(at) => f64::from(f32::from_bits(word(at))),
+            Location::Half(at, shift) => f64::from(word(at) >> shift & 0xffff),
+        };
+        offset + f64::from(range.step) * n
+    }
+
+    /// Interpolates a joint's local transform between two stored rows as devices do; `u` is 0 at
+    /// the first row and 1 at the second.
+    pub(crate) fn local(&self, joint: JointIndex, [row, next]: [usize; 2], u: f64) -> Local {
+        let mix = |property, component| {
+            let at = |row| self.component(row, joint.index(), property, component);
+            at(row) * (1.0 - u) + at(next) * u
+        };
+        let vector = |property| DVec3::from_array(std::array::from_fn(|c| mix(property, c)));
+        Local {
+            rotation: DQuat::from_array(std::array::from_fn(|c| mix(Property::Rotation, c)))
+                .normalize(),
+            translation: vector(Property::Translation),
+            scale: vector(Property::Scale),
+        }
+    }
+
+    /// Returns the bytes of the ranges of all properties that move.
+    pub(crate) fn range_bytes(&self) -> usize {
+        let moving = |property: Property| {
+            self.ranges.iter().filter(|column| column[property as usize].step > 0.0).count()
+        };
+        PROPERTIES.into_iter().map(|property| (property.width() + 1) * 4 * moving(property)).sum()
+    }
+
+    /// Measures the difference between stored and exact rows.
+    fn measure(&mut self, rows: &[Row], judge: &Judge) {
+        let parents = judge.skeleton.parents();
+        let mut worst = vec![[0.0; 3]; parents.len()];
+        let mut stored = Vec::with_capacity(parents.len());
+        for (at, row) in rows.iter().enumerate() {
+            stored.clear();
+            for joint in judge.skeleton.joints() {
+                let local = self.local(joint, [at, at], 0.0);
+                let exact = &row.pose[joint.index()];
+                // A quaternion and its negative are the same rotation.
+                let side = if exact.rotation.dot(local.rotation) < 0.0 { -1.0 } else { 1.0 };
+                let turned = (exact.rotation - local.rotation * side).to_array().map(f64::abs);
+                let [t, r, s] = worst[joint.index()];
+                worst[joint.index()] = [
+                    f64::max(t, (exact.translation - local.translation).abs().max_element()),
+                    turned.into_iter().fold(r, f64::max),
+                    f64::max(s, (exact.scale - local.scale).abs().max_element()),
+                ];
+                stored.push(local.affine());
+            }
+            let exact = f64math::model_from_joints(parents, row.pose.iter().map(Local::affine));
+            let found = f64math::model_from_joints(parents, stored.iter().copied());
+            for ((a, b), &probe) in exact.iter().zip(&found).zip(judge.probes) {
+                self.error_m = self.error_m.max(distance_at_probes(a, b, probe));
+            }
+        }
+        self.worst = worst.into_iter().map(f64math::to_f32).collect();
+    }
+}
+
+/// Location of a component: a word, or the half of a word that starts at a bit.
+enum Location {
+    Float(usize),
+    Half(usize, usize),
+}
+
+/// Returns the first word and the lanes of a property in a block.
+pub(crate) fn planes(block: &RowBlock, property: Property) -> (u32, u32) {
+    match property {
+        Property::Rotation => (block.rotation_first, block.rotation_lanes),
+        Property::Translation => (block.translation_first, block.translation_lanes),
+        Property::Scale => (block.scale_first, block.scale_lanes),
+    }
+}
+
+/// Returns the range of each column and property. Values that hardly move become constant, at the
+/// rest value if they stay close to it.
+fn ranges(poses: &[Vec<Trs>], judge: &Judge) -> Vec<[Range; 3]> {
+    let range = |joint: JointIndex, property: Property| {
+        let value = |trs: &Trs| property.of(trs);
+        let still = STILL * judge.allowed
+            / match property {
+                Property::Translation => 1.0,
+                // Four components that are each off by `e` add up to a difference of length `2 e`,
+                // which rotates by at most `4 e`.
+                Property::Rotation => 4.0 * judge.reach[joint.index()],
+                Property::Scale => judge.reach[joint.index()],
+            };
+        let [low, high] = bounds(poses.iter().map(|pose| value(&pose[joint.index()])));
+        let within = |at: [f32; 4]| {
+            (0..4)
+                .all(|c| f64::from(high[c] - at[c]) <= still && f64::from(at[c] - low[c]) <= still)
+        };
+        let rest = value(judge.skeleton.rest(joint));
+        let first = poses.first().map_or(rest, |pose| value(&pose[joint.index()]));
+        if let Some(constant) = [rest, first].into_iter().find(|&at| within(at)) {
+            return Range::still(constant);
+        }
+        Range::over([low, high])
+    };
+    let all = |joint| PROPERTIES.map(|property| range(joint, property));
+    judge.skeleton.joints().map(all).collect()
+}
+
+/// Returns minimum and maximum of each component.
+fn bounds(values: impl Iterator<Item = [f32; 4]>) -> [[f32; 4]; 2] {
+    let none = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
+    values.fold(none, |[low, high], value| {
+        [
+            std::array::from_fn(|c| low[c].min(value[c])),
+            std::array::from_fn(|c| high[c].max(value[c])),
+        ]
+    })
+}
+
+/// Returns the location of each block's planes within a row and the length of a row, both in words.
+fn lay_out(ranges: &[[Range; 3]], floats: &[[bool; 3]]) -> (Vec<RowBlock>, usize) {
+    let mut stride = 0u32;
+    let mut blocks = vec![RowBlock::STILL; ranges.len().div_ceil(BLOCK)];
+    for property in [Property::Rotation, Property::Translation, Property::Scale] {
+        for ((block, columns), floats) in blocks.iter_mut().zip(ranges.chunks(BLOCK)).zip(floats) {
+            let moves = |column: &[Range; 3]| column[property as usize].step > 0.0;
+            let Some(last) = columns.iter().rposition(moves) else {
+                continue;
+            };
+            #[expect(clippy::cast_possible_truncation, reason = "at most 16")]
+            let (block_lanes, used) = (BLOCK as u32, last as u32 + 1);
+            let is_float = floats[property as usize];
+            let lanes = if is_float { block_lanes | ROW_FLOATS } else { used };
+            let words = match (is_float, property) {
+                (true, Property::Rotation) => 4 * block_lanes,
+                (true, _) => 3 * block_lanes,
+                (false, Property::Rotation) => 2 * used,
+                (false, _) => used + used.div_ceil(2),
+            };
+            let (first_word, lanes_word) = match property {
+                Property::Rotation => (&mut block.rotation_first, &mut block.rotation_lanes),
+                Property::Translation => {
+                    (&mut block.translation_first, &mut block.translation_lanes)
+                }
+                Property::Scale => (&mut block.scale_first, &mut block.scale_lanes),
+            };
+            (*first_word, *lanes_word) = (stride, lanes);
+            stride += words;
+        }
+    }
+    (blocks, stride as usize)
+}

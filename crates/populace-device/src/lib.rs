@@ -1,0 +1,38 @@
+//! What devices evaluate, and what they promise: struct layouts shared with kernels ([`layout`]),
+//! [`Tables`] of members, slots, layers and controls, the trait that every device implements
+//! ([`Backend`]), and the hand-over of palettes to OpenGL ([`PaletteSource`], [`SharedPage`]).
+//!
+//! Slots are closed forms: what a member plays at any tick of the clock follows from its
+//! [`Slot`](layout::Slot)s alone, on the host as on every device.
+
+pub mod backend;
+mod backend_error;
+mod control;
+mod error;
+mod hand_over;
+pub mod layout;
+mod place;
+mod playback;
+mod stage;
+mod stage_buffer;
+mod tables;
+
+pub use backend::{Backend, Frame, Schedule};
+pub use backend_error::BackendError;
+pub use control::{
+    Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Space,
+};
+pub use error::Error;
+pub use hand_over::{
+    EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
+    PaletteTransport, SharedPage, TargetMark,
+};
+pub use place::Place;
+pub use playback::{
+    LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, SampledState, far_row, row_before,
+};
+pub use stage::{After, StageFn, StageJoint, StageUse, UserStage};
+pub use stage_buffer::{Stage, StageBuffer};
+pub use tables::{
+    BodyIndex, Condition, Ground, LiveNewest, MachineState, Table, Tables, Transition,
+};

@@ -1,0 +1,342 @@
+//! The tables that devices evaluate: data shared by all members, and the members themselves.
+
+mod binding;
+mod controls;
+mod live;
+mod machines;
+mod members;
+mod pages;
+mod rows;
+mod sample;
+mod set;
+mod space;
+mod table;
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::Error;
+use crate::layout::{
+    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MOTION_ELEMENTS,
+    NONE, PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, POSE_PLANES, RowBlock,
+};
+use crate::playback::MAX_SLOTS;
+use crate::stage_buffer::StageBuffer;
+use controls::ControlSpaces;
+use machines::InstanceSpace;
+use pages::PageLists;
+use populace_character::PaletteEntry;
+use populace_clip::{Clip, RootMotion};
+use populace_model::convert::u32_from;
+use populace_model::{Mask, Skeleton, Trs};
+use set::{BlockTableSet, TableSet};
+use space::Space;
+
+pub use controls::Ground;
+pub use live::LiveNewest;
+pub use machines::{Condition, MachineState, Transition};
+pub use table::Table;
+
+/// Index of a body (a skeleton with its palette entries) in [`Tables`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyIndex(pub u32);
+
+/// All the data that a device needs to evaluate a crowd. The host's copy is authoritative; devices
+/// copy what changed.
+#[derive(Clone, Debug)]
+pub struct Tables {
+    /// Slots of each member, 1 to [`MAX_SLOTS`].
+    slots_per_member: usize,
+    all: TableSet,
+    blocks: BlockTableSet,
+    /// Width of the widest level of any body, by depth.
+    level_widths: Vec<usize>,
+    page_lists: PageLists,
+    /// Unused member indices, lowest first. Indices past the end of the table are stale.
+    free_members: BinaryHeap<Reverse<u32>>,
+    joint_space: Space,
+    palette_space: Space,
+    control_spaces: ControlSpaces,
+    /// Number of members in each phase.
+    phase_members: [usize; PHASES_MOST as usize],
+    instance_space: InstanceSpace,
+}
+
+impl Tables {
+    /// Creates empty tables. `slots_per_member` is clamped to 1 to [`MAX_SLOTS`].
+    #[must_use]
+    pub fn new(slots_per_member: usize) -> Self {
+        Self::with_capacity(slots_per_member, 0)
+    }
+
+    /// Creates empty tables for a crowd of `members` members. Devices allocate memory for exactly
+    /// that many at once. The crowd can still grow beyond it, and the host allocates its memory
+    /// only as members are added.
+    #[must_use]
+    pub fn with_capacity(slots_per_member: usize, members: usize) -> Self {
+        let slots_per_member = slots_per_member.clamp(1, MAX_SLOTS);
+        let mut all = TableSet::new();
+        all.members.set_expected(members);
+        all.slots.set_expected(members.saturating_mul(slots_per_member));
+        all.layers.set_expected(members.saturating_mul(LAYERS_PER_MEMBER as usize));
+        all.ground.grow(1, crate::layout::Ground::default());
+        all.stage_values.grow(controls::PARAMETER_ELEMENTS, Float4::default());
+        Self {
+            slots_per_member,
+            all,
+            blocks: BlockTableSet::new(),
+            level_widths: Vec::new(),
+            page_lists: PageLists::default(),
+            free_members: BinaryHeap::new(),
+            joint_space: Space::new(usize::MAX),
+            palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
+            control_spaces: ControlSpaces::new(),
+            phase_members: [0; PHASES_MOST as usize],
+            instance_space: InstanceSpace::new(),
+        }
+    }
+
+    /// Number of slots per member.
+    #[must_use]
+    pub fn slots_per_member(&self) -> usize {
+        self.slots_per_member
+    }
+
+    /// Length of the member table: used and unused entries, up to the last used one.
+    #[must_use]
+    pub fn member_places(&self) -> usize {
+        self.all.members.len()
+    }
+
+    /// Elements of the joint buffer up to the last one in use, including padding and unused blocks.
+    #[must_use]
+    pub fn joint_places(&self) -> usize {
+        self.blocks.joint_blocks.len() * JOINT_BLOCK as usize
+    }
+
+    /// Palette entries over all pages, up to the last one in use.
+    #[must_use]
+    pub fn palette_places(&self) -> usize {
+        self.blocks.palette_blocks.len() * PALETTE_BLOCK as usize
+    }
+
+    /// Palette entries of each page. All pages but the last have [`PAGE_ENTRIES`].
+    pub fn page_lengths(&self) -> impl ExactSizeIterator<Item = usize> + use<> {
+        let total = self.palette_places();
+        let page = PAGE_ENTRIES as usize;
+        (0..total.div_ceil(page)).map(move |p| (total - p * page).min(page))
+    }
+
+    /// Indices of the members with palettes in `page`, in no particular order. Members without
+    /// palette entries are in no page. The list shrinks as members leave: elements past its end on
+    /// a device are meaningless.
+    ///
+    /// # Panics
+    ///
+    /// If the page does not exist, see [`page_lengths`](Self::page_lengths).
+    #[must_use]
+    pub fn page_members(&self, page: usize) -> &Table<u32> {
+        &self.page_lists.lists()[page]
+    }
+
+    /// Width of the widest level of any body, by depth.
+    #[must_use]
+    pub fn level_widths(&self) -> &[usize] {
+        &self.level_widths
+    }
+
+    /// Joint count of the largest body, padded to whole blocks.
+    #[must_use]
+    pub fn padded_most(&self) -> usize {
+        self.all.bodies.as_slice().iter().map(|body| body.padded_count as usize).max().unwrap_or(0)
+    }
+
+    /// Returns the member that element `first` of `buffer` belongs to, and the index of the element
+    /// among those of that member. Returns `None` for palettes, history state and watched joints,
+    /// and for elements without a member.
+    #[must_use]
+    pub fn place_of(&self, buffer: StageBuffer, first: usize) -> Option<(u32, usize)> {
+        let member_index = match buffer {
+            StageBuffer::Palette
+            | StageBuffer::States
+            | StageBuffer::Watched
+            | StageBuffer::Running => {
+                return None;
+            }
+            StageBuffer::Samples => u32::try_from(first / self.slots_per_member).ok()?,
+            _ => *self.joint_blocks().as_slice().get(first / JOINT_BLOCK as usize)?,
+        };
+        let member = self
+            .all
+            .members
+            .as_slice()
+            .get(member_index as usize)
+            .filter(|member| member.body != NONE)?;
+        let own_first = match buffer {
+            StageBuffer::Samples => member_index as usize * self.slots_per_member,
+            _ => member.joint_first as usize,
+        };
+        Some((member_index, first - own_first))
+    }
+
+    /// Adds a body.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] if offsets exceed 32 bits or the palette is larger than a page.
+    pub fn add_body(
+        &mut self,
+        skeleton: &Skeleton,
+        palette: &[PaletteEntry],
+    ) -> Result<BodyIndex, Error> {
+        if palette.len() > PAGE_ENTRIES as usize {
+            let limit = PAGE_ENTRIES as usize;
+            return Err(Error::TooLarge {
+                what: "one character's palette",
+                count: palette.len(),
+                limit,
+            });
+        }
+        let joint_first = self
+            .all
+            .parents
+            .extend(skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)))?;
+        let levels = skeleton.levels();
+        let starts = levels.iter().map(|l| l.start).chain([skeleton.joint_count()]);
+        let level_first = self.all.levels.extend(starts.map(u32_from))?;
+        let rest: Vec<Trs> = skeleton.joints().map(|j| *skeleton.rest(j)).collect();
+        let rest_first = self.add_pose(&rest)?;
+        let entry_first = self.all.entries.extend(palette.iter().map(device_entry))?;
+        let index = self.all.bodies.extend([Body {
+            joint_first,
+            joint_count: u32_from(skeleton.joint_count()),
+            padded_count: u32_from(padded(skeleton.joint_count())),
+            level_first,
+            level_count: u32_from(levels.len()),
+            rest_first,
+            entry_first,
+            entry_count: u32_from(palette.len()),
+        }])?;
+        let widths = &mut self.level_widths;
+        widths.resize(widths.len().max(levels.len()), 0);
+        for (widest, level) in widths.iter_mut().zip(levels) {
+            *widest = level.len().max(*widest);
+        }
+        Ok(BodyIndex(index))
+    }
+
+    fn add_pose(&mut self, pose: &[Trs]) -> Result<u32, Error> {
+        let mut planes = vec![0.0; POSE_PLANES * padded(pose.len())];
+        for (plane, values) in planes.chunks_mut(padded(pose.len())).enumerate() {
+            for (value, trs) in values.iter_mut().zip(pose) {
+                let component = match plane {
+                    0..4 => trs.rotation[plane],
+                    4..7 => trs.translation[plane - 4],
+                    _ => trs.scale[plane - 7],
+                };
+                *value = component + 0.0; // zeros become positive, as in constant ranges
+            }
+        }
+        self.all.poses.extend(planes)
+    }
+
+    /// Adds a clip's rows and returns its index. A live clip gets a ring of the size that it asks
+    /// for, filled with the rest pose until rows are written.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] if offsets exceed 32 bits.
+    pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
+        let row_first = self.add_rows(clip)?;
+        let block_first =
+            self.all.row_blocks.extend(clip.row_blocks().iter().map(RowBlock::from))?;
+        let (buckets, buckets_per_sec) = clip.buckets();
+        let times = if buckets.is_empty() { &[] } else { clip.row_times() };
+        let time_first = self.all.row_times.extend(times.iter().copied())?;
+        let bucket_first = self.all.buckets.extend(buckets.iter().copied())?;
+        let motion_first = self.all.motions.len() / MOTION_ELEMENTS as usize;
+        let motion = clip.root_motion();
+        self.all
+            .motions
+            .extend(motion.into_iter().flat_map(RootMotion::device_rows).map(Float4))?;
+        self.all.clips.extend([ClipRows {
+            motion_first: u32_from(motion_first),
+            motion_count: u32_from(motion.map_or(0, RootMotion::row_count)),
+            motion_rows_per_sec: motion.map_or(0.0, RootMotion::rows_per_sec),
+            row_first,
+            row_stride: u32_from(clip.row_stride()),
+            row_count: u32_from(clip.row_count()),
+            block_first,
+            time_first,
+            bucket_first,
+            bucket_count: u32_from(buckets.len()),
+            buckets_per_sec,
+            start_secs: clip.start_secs(),
+            duration_secs: clip.duration_secs(),
+            rows_per_sec: clip.rows_per_sec(),
+            ..live::new_ring(clip)
+        }])
+    }
+
+    /// Adds a mask and returns its offset in [`masks`](Self::masks), for use in layers.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] if offsets exceed 31 bits.
+    pub fn add_mask(&mut self, mask: &Mask) -> Result<u32, Error> {
+        let padded = padded(mask.weights().len());
+        let (count, limit) = (self.all.masks.len() + padded, LAYER_MASK as usize);
+        if count > limit {
+            return Err(Error::TooLarge { what: "the masks", count, limit });
+        }
+        let padding = std::iter::repeat_n(0.0, padded - mask.weights().len());
+        self.all.masks.extend(mask.weights().iter().copied().chain(padding))
+    }
+
+    /// Adds a length factor for each joint of a body, in level order, and returns their offset in
+    /// [`joint_scales`](Self::joint_scales).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] if offsets exceed 32 bits.
+    pub fn add_joint_scales(&mut self, factors: &[f32]) -> Result<u32, Error> {
+        let padding = std::iter::repeat_n(1.0, padded(factors.len()) - factors.len());
+        self.all.joint_scales.extend(factors.iter().copied().chain(padding))
+    }
+
+    /// Clears the record of changes. Call it after every device has copied them.
+    pub fn mark_clean(&mut self) {
+        self.mark_controls_clean();
+        self.all.mark_clean();
+        self.blocks.mark_clean();
+        self.page_lists.mark_clean();
+    }
+
+    /// Calls `read` with the tables as of the last [`mark_clean`](Self::mark_clean). Takes time
+    /// proportional to the number of changes since then.
+    pub fn with_taken_over<R>(&mut self, read: impl FnOnce(&Self) -> R) -> R {
+        self.all.revert();
+        self.blocks.revert();
+        let result = read(self);
+        self.all.restore();
+        self.blocks.restore();
+        result
+    }
+
+    /// Marks every element as changed, for a device that has copied nothing yet.
+    pub fn mark_dirty(&mut self) {
+        self.mark_controls_dirty();
+        self.all.mark_dirty();
+        self.blocks.mark_dirty();
+        self.page_lists.mark_dirty();
+    }
+}
+
+fn padded(joint_count: usize) -> usize {
+    joint_count.next_multiple_of(JOINT_BLOCK as usize)
+}
+
+fn device_entry(entry: &PaletteEntry) -> Entry {
+    let [row0, row1, row2] = entry.joint_from_bind.rows.map(Float4);
+    Entry { row0, row1, row2, joint: entry.joint.0, ..Entry::default() }
+}

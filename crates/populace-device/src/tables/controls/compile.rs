@@ -1,0 +1,461 @@
+//! Compiles constraints into the form that devices read: the steps of each joint, and the data of
+//! each step.
+
+use populace_model::convert::{not_finite, u32_from};
+use populace_model::{JointIndex, LARGEST, LARGEST_SCALE, Skeleton, Trs, f64math};
+
+use crate::Error;
+use crate::control::{
+    Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
+};
+use crate::layout::{
+    self, FEET_MOST, Float4, Link, NONE, Override, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT,
+    STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN,
+    STEP_WATCH, Step, TURNS_MOST, Target,
+};
+
+/// Fraction of a leg's length over which it straightens. It is small because clips of standing
+/// people have almost straight legs.
+const FOOT_SOFT: f32 = 0.005;
+/// Ankle heights above rest, as fractions of the leg's length. Up to `PLANTED` a foot is planted;
+/// from `LIFTED` on it follows only the clip.
+const PLANTED: f32 = 0.03;
+const LIFTED: f32 = 0.14;
+/// Maximum lag of a foot behind the clip, as a fraction of the leg's length.
+const HELD_BACK: f32 = 0.5;
+
+/// The compiled constraint program of one member. Indices count from the program's own first
+/// elements until [`move_to`](Self::move_to) is called.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Program {
+    /// Steps by joint: those that run during Transform, then those that run after Pose.
+    pub(super) steps: Vec<Step>,
+    pub(super) pose_step_count: usize,
+    /// Overrides in local space, then those in model space, then the attachment offset.
+    pub(super) overrides: Vec<Override>,
+    pub(super) local_count: usize,
+    pub(super) constraints: Vec<layout::Constraint>,
+    pub(super) links: Vec<Link>,
+    pub(super) targets: Vec<Target>,
+    /// The member's values for the stages that it uses.
+    pub(super) values: Vec<Float4>,
+    pub(super) scale_first: u32,
+    rotation_count: usize,
+}
+
+fn bad<T>(what: impl Into<String>) -> Result<T, Error> {
+    Err(Error::BadConstraint { what: what.into() })
+}
+
+fn check_finite(what: &str, values: &[f32]) -> Result<(), Error> {
+    match not_finite(values) {
+        None => Ok(()),
+        Some(_) => bad(format!("{what} has a value that is not finite")),
+    }
+}
+
+fn check_bounded(what: &str, values: &[f32]) -> Result<(), Error> {
+    if values.iter().all(|v| v.abs() <= LARGEST) {
+        Ok(())
+    } else {
+        bad(format!("{what} has a value that is not finite or whose magnitude exceeds {LARGEST:e}"))
+    }
+}
+
+/// Returns the vector with length 1, or unchanged if its length is 0.
+#[expect(clippy::cast_possible_truncation, reason = "to the nearest")]
+fn direction(of: [f32; 3]) -> [f32; 3] {
+    let wide = of.map(f64::from);
+    let length = wide.iter().map(|v| v * v).sum::<f64>().sqrt();
+    if length > 0.0 { wide.map(|v| (v / length) as f32) } else { of }
+}
+
+/// Converts a transform that the host sets.
+fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
+    let length: f32 = given.rotation.iter().map(|v| v * v).sum();
+    if !given.is_bounded() || !(0.9..1.1).contains(&length) {
+        return bad(format!(
+            "{what} needs finite values, a translation of at most {LARGEST:e}, scales of at most \
+                         {LARGEST_SCALE:e} and a rotation of length 1"
+        ));
+    }
+    let [x, y, z] = given.translation;
+    Ok(Override {
+        translation_and_weight: Float4([x, y, z, weight]),
+        rotation: Float4(f64math::normalized(given.rotation)),
+        scale: Float4::from_xyz(given.scale),
+        ..Override::default()
+    })
+}
+
+/// Returns the tangent of an angle below a quarter turn, or the largest number for larger angles.
+fn tangent(angle_rad: f32) -> f32 {
+    if angle_rad < std::f32::consts::FRAC_PI_2 { angle_rad.tan() } else { f32::MAX }
+}
+
+fn float4([x, y, z]: [f32; 3], w: f32) -> Float4 {
+    Float4([x, y, z, w])
+}
+
+impl Program {
+    pub(super) fn compile(skeleton: &Skeleton, controls: &Controls) -> Result<Self, Error> {
+        let mut program =
+            Self { scale_first: controls.proportions.unwrap_or(NONE), ..Self::default() };
+        for constraint in &controls.constraints {
+            match constraint {
+                Constraint::Gaze(gaze) => program.gaze(skeleton, gaze)?,
+                Constraint::Limb(limb) => program.limb(skeleton, limb)?,
+                Constraint::Chain(chain) => program.chain(skeleton, chain)?,
+                Constraint::Feet(feet) => program.feet(skeleton, feet)?,
+            }
+        }
+        for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
+            controls
+                .motion
+                .into_iter()
+                .for_each(|epoch| program.step(root, STEP_MOTION, 0, epoch as usize));
+        }
+        program.overrides(skeleton, &controls.overrides)?;
+        let pose_steps = program.stages(skeleton, &controls.stages)?;
+        for (kind, watches) in [(STEP_WATCH, &controls.watches), (STEP_CARRY, &controls.carries)] {
+            for &(joint, watched) in watches {
+                path(skeleton, joint, joint)?;
+                program.step(joint, kind, watched, 0);
+            }
+        }
+        program.attach(skeleton, controls.attached)?;
+        program.solve_legs_with_pelvis();
+        if program.rotation_count > TURNS_MOST as usize {
+            let what = format!(
+                "the constraints of a member rotate {} joints in sequence; at most {TURNS_MOST} \
+                 are supported",
+                program.rotation_count
+            );
+            return bad(what);
+        }
+        // Stable sort. Root motion comes first, then attachments. Constraints of one joint keep
+        // their order, followed by stages, overrides and watched joints.
+        program.steps.sort_by_key(|step| (step.joint, rank(step.kind)));
+        program.pose_step_count = pose_steps.len();
+        program.steps.extend(pose_steps);
+        Ok(program)
+    }
+
+    fn step(&mut self, joint: JointIndex, kind: u32, index: u32, turn: usize) {
+        self.steps.push(Step { joint: joint.0, kind, index, turn: u32_from(turn) });
+    }
+
+    /// Allocates `count` rotations that later steps apply, and returns the first index.
+    fn allocate_rotations(&mut self, count: usize) -> usize {
+        self.rotation_count += count;
+        self.rotation_count - count
+    }
+
+    fn add(
+        &mut self,
+        row: layout::Constraint,
+        links: &[Link],
+        targets: &[Target],
+    ) -> Result<u32, Error> {
+        for target in targets {
+            check_bounded("a target", &target.point.0)?;
+            check_finite(
+                "the weight of a target",
+                &[target.start_weight, target.weight_rate, target.end_weight],
+            )?;
+        }
+        let (link_first, target_first) = (u32_from(self.links.len()), u32_from(self.targets.len()));
+        self.links.extend(links);
+        self.targets.extend(targets);
+        let target_count =
+            if targets.is_empty() { row.target_count } else { u32_from(targets.len()) };
+        let link_count = u32_from(links.len());
+        self.constraints.push(layout::Constraint {
+            link_first,
+            link_count,
+            target_first,
+            target_count,
+            ..row
+        });
+        Ok(u32_from(self.constraints.len() - 1))
+    }
+
+    fn gaze(&mut self, skeleton: &Skeleton, gaze: &Gaze) -> Result<(), Error> {
+        let (Some(&(first, _)), Some(&(last, _))) = (gaze.chain.first(), gaze.chain.last()) else {
+            return bad("a gaze needs at least one joint");
+        };
+        let sum: f32 = gaze.chain.iter().map(|(_, share)| share).sum();
+        let good =
+            gaze.chain.iter().all(|(_, share)| *share >= 0.0) && sum.is_finite() && sum > 0.0;
+        let limits = gaze.limits;
+        let half = std::f32::consts::PI;
+        let in_range = (0.0..half).contains(&limits.yaw_rad)
+            && [limits.up_rad, limits.down_rad].iter().all(|v| (0.0..half / 2.0).contains(v));
+        if !good || !in_range {
+            return bad(
+                "a gaze needs shares that are not negative and sum to more than 0, a yaw limit \
+                 below pi, and up and down limits below pi / 2",
+            );
+        }
+        check_finite("the facing direction of a gaze", &gaze.facing)?;
+        let joints = path(skeleton, first, last)?;
+        let share_of = |joint: &JointIndex| {
+            let parts = gaze.chain.iter().filter(|(j, _)| j == joint);
+            parts.map(|(_, share)| share / sum).sum::<f32>()
+        };
+        let links: Vec<Link> =
+            joints.iter().map(|joint| Link { joint: joint.0, share: share_of(joint) }).collect();
+        let parent = skeleton.parent(first);
+        let row = layout::Constraint {
+            axis: float4(
+                in_joint(skeleton, Some(last), direction(gaze.facing)),
+                tangent(limits.yaw_rad),
+            ),
+            front: float4(in_joint(skeleton, parent, [0.0, 0.0, 1.0]), tangent(limits.up_rad)),
+            up: float4(in_joint(skeleton, parent, [0.0, 1.0, 0.0]), tangent(limits.down_rad)),
+            limits: Float4([limits.yaw_rad, limits.up_rad, limits.down_rad, 0.0]),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &gaze.targets)?;
+        let turn = self.allocate_rotations(joints.len() - 1);
+        self.step(first, STEP_GAZE, index, turn);
+        for (at, link) in links.iter().enumerate().skip(1).filter(|(_, link)| link.share > 0.0) {
+            self.step(JointIndex(link.joint), STEP_TURN, index, turn + at - 1);
+        }
+        Ok(())
+    }
+
+    fn limb(&mut self, skeleton: &Skeleton, limb: &Limb) -> Result<(), Error> {
+        let (links, middle) =
+            limb_links(skeleton, limb.first, [limb.first, limb.middle, limb.end])?;
+        if !(limb.soft > 0.0 && limb.soft <= 0.5) {
+            return bad(format!(
+                "the `soft` fraction of a limb is {}; it must be above 0 and at most 0.5",
+                limb.soft
+            ));
+        }
+        check_finite("the bend direction of a limb", &limb.bend)?;
+        let pole = limb.pole.unwrap_or([0.0; 3]);
+        check_finite("a pole", &pole)?;
+        let row = layout::Constraint {
+            axis: float4(in_joint(skeleton, Some(limb.first), direction(limb.bend)), 0.0),
+            front: float4(direction(pole), f32::from(u8::from(limb.pole.is_some()))),
+            limits: Float4([limb.soft, 1.0, 0.0, 0.0]),
+            middle,
+            keeps_end: u32::from(limb.keeps_end),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &limb.targets)?;
+        let turn = self.allocate_rotations(2);
+        self.step(limb.first, STEP_REACH, index, turn);
+        self.step(limb.middle, STEP_TURN, index, turn);
+        self.step(limb.end, STEP_TURN, index, turn + 1);
+        Ok(())
+    }
+
+    fn chain(&mut self, skeleton: &Skeleton, chain: &Chain) -> Result<(), Error> {
+        let joints = path(skeleton, chain.first, chain.end)?;
+        if joints.len() < 2 {
+            return bad("a chain needs at least two joints");
+        }
+        if !(chain.soft > 0.0 && chain.soft <= 0.5) {
+            return bad(format!(
+                "the `soft` fraction of a chain is {}; it must be above 0 and at most 0.5",
+                chain.soft
+            ));
+        }
+        let links: Vec<Link> =
+            joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect();
+        let row = layout::Constraint {
+            limits: Float4([chain.soft, 1.0, 0.0, 0.0]),
+            ..layout::Constraint::default()
+        };
+        let index = self.add(row, &links, &chain.targets)?;
+        let turn = self.allocate_rotations(joints.len() - 1);
+        self.step(chain.first, STEP_CHAIN, index, turn);
+        for (at, joint) in joints.iter().enumerate().skip(1) {
+            self.step(*joint, STEP_TURN, index, turn + at - 1);
+        }
+        Ok(())
+    }
+
+    fn feet(&mut self, skeleton: &Skeleton, feet: &Feet) -> Result<(), Error> {
+        if feet.feet.is_empty() || feet.feet.len() > FEET_MOST as usize {
+            return bad(format!(
+                "{} feet are given; 1 to {FEET_MOST} are supported",
+                feet.feet.len()
+            ));
+        }
+        if !(0.0..=1.0).contains(&feet.weight) {
+            return bad(format!("the weight of feet is {}; it must be from 0 to 1", feet.weight));
+        }
+        if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
+            return bad("a member has two feet constraints; only one is supported");
+        }
+        let turn = self.allocate_rotations(3 * feet.feet.len());
+        let first = u32_from(self.constraints.len());
+        for (nth, foot) in feet.feet.iter().enumerate() {
+            let (row, links) = foot_row(skeleton, feet, foot)?;
+            let row = layout::Constraint { target_count: u32_from(feet.feet.len()), ..row };
+            let index = self.add(row, &links, &[])?;
+            let turn = turn + 3 * nth;
+            self.step(foot.hip, STEP_FOOT, index, turn);
+            self.step(foot.knee, STEP_TURN, index, turn + 1);
+            self.step(foot.ankle, STEP_TURN, index, turn + 2);
+        }
+        self.step(feet.pelvis, STEP_PELVIS, first, turn);
+        Ok(())
+    }
+
+    /// Solves the legs together with the pelvis if no other step moves the joints between it and
+    /// the knees.
+    fn solve_legs_with_pelvis(&mut self) {
+        let is_foot = |step: &&mut Step| step.kind == STEP_FOOT;
+        let chains = self.steps.iter().filter(|step| step.kind == STEP_FOOT).flat_map(|step| {
+            let foot = &self.constraints[step.index as usize];
+            &self.links[foot.link_first as usize..][..=foot.upper as usize]
+        });
+        let carriers: Vec<u32> = chains.map(|link| link.joint).collect();
+        let moves = |step: &Step| {
+            !matches!(step.kind, STEP_FOOT | STEP_PELVIS | STEP_WATCH | STEP_CARRY | STEP_MOTION)
+        };
+        if self.steps.iter().any(|step| moves(step) && carriers.contains(&step.joint)) {
+            return;
+        }
+        for step in self.steps.iter_mut().filter(is_foot) {
+            self.constraints[step.index as usize].at_once = 1;
+            step.kind = STEP_TURN;
+        }
+    }
+
+    fn overrides(&mut self, skeleton: &Skeleton, overrides: &[JointOverride]) -> Result<(), Error> {
+        let of = |space: Space| overrides.iter().filter(move |o| o.space == space);
+        for given in of(Space::Local).chain(of(Space::Model)) {
+            path(skeleton, given.joint, given.joint)?;
+            let name = skeleton.name(given.joint);
+            if !(0.0..=1.0).contains(&given.weight) {
+                return bad(format!(
+                    "the weight of the override of joint \"{name}\" must be from 0 to 1"
+                ));
+            }
+            let row = transform(
+                &format!("the override of joint \"{name}\""),
+                &given.transform,
+                given.weight,
+            )?;
+            self.overrides.push(Override { joint: given.joint.0, ..row });
+            if given.space == Space::Model {
+                self.step(given.joint, STEP_OVERRIDE, u32_from(self.overrides.len() - 1), 0);
+            } else {
+                self.local_count += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds steps that make all roots follow the joint that the member is attached to.
+    fn attach(&mut self, skeleton: &Skeleton, attached: Option<(u32, Trs)>) -> Result<(), Error> {
+        let Some((watched, offset)) = attached else { return Ok(()) };
+        let at = self.overrides.len();
+        self.overrides.push(transform("the offset of an attachment", &offset, 1.0)?);
+        for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
+            self.step(root, STEP_ATTACH, watched, at);
+        }
+        Ok(())
+    }
+
+    /// Offsets all indices to the program's location in the tables.
+    pub(super) fn move_to(
+        &mut self,
+        overrides: usize,
+        constraints: usize,
+        links: usize,
+        targets: usize,
+        values: usize,
+    ) {
+        for step in &mut self.steps {
+            step.index += match step.kind {
+                STEP_OVERRIDE => u32_from(overrides),
+                STEP_WATCH | STEP_CARRY | STEP_ATTACH | STEP_STAGE | STEP_MOTION => 0,
+                _ => u32_from(constraints),
+            };
+            step.turn += match step.kind {
+                STEP_STAGE => u32_from(values),
+                STEP_ATTACH => u32_from(overrides),
+                _ => 0,
+            };
+        }
+        for constraint in &mut self.constraints {
+            constraint.link_first += u32_from(links);
+            constraint.target_first += u32_from(targets);
+        }
+    }
+}
+
+/// Order of the steps of one joint.
+fn rank(kind: u32) -> u32 {
+    match kind {
+        STEP_MOTION => 0,
+        STEP_ATTACH => 1,
+        STEP_PELVIS => 2,
+        STEP_STAGE => 4,
+        STEP_OVERRIDE => 5,
+        STEP_WATCH | STEP_CARRY => 6,
+        _ => 3,
+    }
+}
+
+/// Returns the chain of links from `from` to the end of a limb, and the link index of `middle`.
+fn limb_links(
+    skeleton: &Skeleton,
+    from: JointIndex,
+    [first, middle, end]: [JointIndex; 3],
+) -> Result<(Vec<Link>, u32), Error> {
+    let joints = path(skeleton, from, end)?;
+    let at = |joint: JointIndex| joints.iter().position(|j| *j == joint);
+    let (Some(upper), Some(bends)) = (at(first), at(middle)) else {
+        let (middle, end) = (skeleton.name(middle), skeleton.name(end));
+        return bad(format!(
+            "joint \"{middle}\" is not between the first joint of its limb and joint \"{end}\""
+        ));
+    };
+    if !(upper < bends && bends + 1 < joints.len()) {
+        return bad(format!(
+            "a limb needs three joints, each below the one before; this limb ends at \"{}\"",
+            skeleton.name(end)
+        ));
+    }
+    Ok((joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect(), u32_from(bends)))
+}
+
+/// Builds the constraint and the chain of one foot. The chain begins at the pelvis.
+fn foot_row(
+    skeleton: &Skeleton,
+    feet: &Feet,
+    foot: &Foot,
+) -> Result<(layout::Constraint, Vec<Link>), Error> {
+    let legs = [foot.hip, foot.knee, foot.ankle];
+    let (links, middle) = limb_links(skeleton, feet.pelvis, legs)?;
+    let upper = links.iter().position(|link| link.joint == foot.hip.0).unwrap_or(0);
+    if upper == 0 {
+        return bad(format!(
+            "the leg of \"{}\" must begin below the pelvis, not at it",
+            skeleton.name(foot.ankle)
+        ));
+    }
+    let models = skeleton.rest_models();
+    let place = |joint: JointIndex| models[joint.index()].translation;
+    let [hip, knee, ankle] = legs.map(place);
+    let [length, rest_height] =
+        f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y]);
+    let row = layout::Constraint {
+        axis: float4(in_joint(skeleton, Some(foot.hip), [0.0, 0.0, 1.0]), 0.0),
+        up: Float4([rest_height, PLANTED * length, LIFTED * length, HELD_BACK * length]),
+        limits: Float4([FOOT_SOFT, feet.weight, 0.0, 0.0]),
+        middle,
+        upper: u32_from(upper),
+        keeps_end: 1,
+        ..layout::Constraint::default()
+    };
+    Ok((row, links))
+}

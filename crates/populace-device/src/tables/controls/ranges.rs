@@ -1,0 +1,164 @@
+//! Checks that all indices of constraint programs lie within their tables.
+
+use super::Tables;
+use crate::Error;
+use crate::layout::{
+    Control, NONE, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_OVERRIDE,
+    STEP_PELVIS, STEP_REACH, STEP_WATCH, Step, WATCHED_ELEMENTS,
+};
+
+impl Tables {
+    /// Checks every range of every control, and every index within programs that changed since
+    /// [`mark_clean`](Self::mark_clean). Takes time proportional to the number of controls, and
+    /// none if no control changed.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] if a range exceeds its table, which is a bug in the library. Devices
+    /// must not follow it.
+    pub fn check_ranges(&self) -> Result<(), Error> {
+        let all = &self.all;
+        let clean = all.controls.is_clean() && all.steps.is_clean() && all.overrides.is_clean();
+        if clean && all.constraints.is_clean() && all.links.is_clean() && all.targets.is_clean() {
+            return Ok(());
+        }
+        for (control, runs) in self.control_spaces.runs.iter().enumerate() {
+            for (table, (first, count), length) in [
+                ("steps", runs.steps, all.steps.len()),
+                ("overrides", runs.overrides, all.overrides.len()),
+                ("constraints", runs.constraints, all.constraints.len()),
+                ("links", runs.links, all.links.len()),
+                ("targets", runs.targets, all.targets.len()),
+                ("stage_values", runs.values, all.stage_values.len()),
+            ] {
+                within(table, control, first, count, length)?;
+            }
+        }
+        self.control_spaces
+            .unchecked
+            .iter()
+            .try_for_each(|control| self.check_program(*control as usize))
+    }
+
+    fn check_program(&self, control: usize) -> Result<(), Error> {
+        let all = &self.all;
+        let row: Control = all.controls.as_slice()[control];
+        let steps = row.step_count as usize + row.pose_step_count as usize;
+        within("steps", control, row.step_first as usize, steps, all.steps.len())?;
+        within(
+            "overrides",
+            control,
+            row.local_first as usize,
+            row.local_count as usize,
+            all.overrides.len(),
+        )?;
+        if row.scale_first != NONE {
+            within("joint_scales", control, row.scale_first as usize, 1, all.joint_scales.len())?;
+        }
+        let steps = &all.steps.as_slice()[row.step_first as usize..][..steps];
+        steps.iter().try_for_each(|step| self.check_step(control, step))
+    }
+
+    fn check_step(&self, control: usize, step: &Step) -> Result<(), Error> {
+        let all = &self.all;
+        let index = step.index as usize;
+        match step.kind {
+            STEP_WATCH | STEP_CARRY | STEP_ATTACH => {
+                let watched = self.watched_elements() / WATCHED_ELEMENTS as usize;
+                within("watched", control, index, 1, watched)?;
+                let given = usize::from(step.kind == STEP_ATTACH);
+                within("overrides", control, step.turn as usize * given, given, all.overrides.len())
+            }
+            STEP_OVERRIDE => within("overrides", control, index, 1, all.overrides.len()),
+            STEP_GAZE | STEP_REACH | STEP_CHAIN | STEP_PELVIS | STEP_FOOT => {
+                within("constraints", control, index, 1, all.constraints.len())?;
+                let row = all.constraints.as_slice()[index];
+                within(
+                    "links",
+                    control,
+                    row.link_first as usize,
+                    row.link_count as usize,
+                    all.links.len(),
+                )?;
+                // For feet, `target_count` is the number of the member's feet.
+                if matches!(step.kind, STEP_PELVIS | STEP_FOOT) {
+                    return Ok(());
+                }
+                let (first, count) = (row.target_first as usize, row.target_count as usize);
+                within("targets", control, first, count, all.targets.len())
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn within(
+    table: &'static str,
+    control: usize,
+    first: usize,
+    count: usize,
+    length: usize,
+) -> Result<(), Error> {
+    if first.checked_add(count).is_some_and(|end| end <= length) {
+        return Ok(());
+    }
+    Err(Error::OutOfRange { table, control, first, count, length })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::control::Controls;
+    use crate::layout::Control;
+    use crate::{Error, JointOverride, Space, Tables};
+    use populace_model::{JointIndex, JointSource, Skeleton, Trs};
+
+    /// A member with joint 0 overridden in both spaces.
+    fn overridden() -> Tables {
+        let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
+        let skeleton = Skeleton::new(&[joint]).unwrap();
+        let mut tables = Tables::new(1);
+        let body = tables.add_body(&skeleton, &[]).unwrap();
+        let place = tables.add_member(body).unwrap();
+        let given = |space| JointOverride {
+            joint: JointIndex(0),
+            transform: Trs::IDENTITY,
+            weight: 1.0,
+            space,
+        };
+        let overrides = vec![given(Space::Local), given(Space::Model)];
+        tables
+            .set_controls(place, &skeleton, &Controls { overrides, ..Controls::default() })
+            .unwrap();
+        tables
+    }
+
+    #[track_caller]
+    fn assert_found(tables: &Tables, wanted: &str) {
+        match tables.check_ranges() {
+            Err(Error::OutOfRange { table, .. }) => assert_eq!(table, wanted),
+            other => panic!("{other:?}, but a range of {wanted} is past its end"),
+        }
+    }
+
+    #[test]
+    fn ranges_past_the_end_of_a_table_are_detected() {
+        let good = overridden();
+        assert_eq!(good.check_ranges(), Ok(()));
+        let mut tables = good.clone();
+        tables.mark_clean();
+        tables.all.overrides.truncate(1);
+        assert_found(&tables, "overrides");
+        let mut tables = good.clone();
+        tables.all.steps.truncate(0);
+        assert_found(&tables, "steps");
+        let mut tables = good.clone();
+        let row = Control { step_first: 1, ..tables.all.controls.as_slice()[0] };
+        tables.all.controls.set(0, row);
+        assert_found(&tables, "steps");
+        let mut tables = good;
+        let mut step = tables.all.steps.as_slice()[0];
+        step.index = 2;
+        tables.all.steps.set(0, step);
+        assert_found(&tables, "overrides");
+    }
+}

@@ -1,0 +1,26 @@
+//! Conversions between number types, and checks of numbers, that several crates need.
+
+/// Rounds to the nearest `f32`.
+#[must_use]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
+pub fn single(number: f64) -> f32 {
+    number as f32
+}
+
+/// An index as devices store it. Callers keep indices within 32 bits; a debug build panics on
+/// others.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "checked in debug builds")]
+pub fn u32_from(index: usize) -> u32 {
+    debug_assert!(u32::try_from(index).is_ok(), "{index} does not fit into 32 bits");
+    index as u32
+}
+
+/// The first value that is not finite.
+#[must_use]
+pub fn not_finite(values: &[f32]) -> Option<f32> {
+    values.iter().copied().find(|value| !value.is_finite())
+}

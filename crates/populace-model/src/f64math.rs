@@ -1,0 +1,89 @@
+//! Double-precision helpers for computations at load time.
+
+use glam::{DAffine3, DQuat, DVec3};
+
+use crate::{JointIndex, Trs};
+
+/// Three components in double precision.
+#[must_use]
+pub fn vec3(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}
+
+/// A quaternion `x y z w` in double precision, as long as it is.
+#[must_use]
+pub fn quat(q: [f32; 4]) -> DQuat {
+    DQuat::from_array(q.map(f64::from))
+}
+
+/// Each number rounded to the nearest `f32`.
+#[must_use]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
+pub fn to_f32<const N: usize>(v: [f64; N]) -> [f32; N] {
+    v.map(|x| x as f32)
+}
+
+/// Normalises a quaternion, with a single rounding.
+#[must_use]
+pub fn normalized(q: [f32; 4]) -> [f32; 4] {
+    to_f32(quat(q).normalize().to_array())
+}
+
+/// The matrix of a local transform.
+#[must_use]
+pub fn affine(trs: &Trs) -> DAffine3 {
+    DAffine3::from_scale_rotation_translation(
+        vec3(trs.scale),
+        quat(trs.rotation),
+        vec3(trs.translation),
+    )
+}
+
+/// Returns `model_from_joint` of each joint from local transforms; parents must come first.
+pub fn model_from_joints(
+    parents: &[Option<JointIndex>],
+    locals: impl Iterator<Item = DAffine3>,
+) -> Vec<DAffine3> {
+    let mut models: Vec<DAffine3> = Vec::with_capacity(parents.len());
+    for (parent, local) in parents.iter().zip(locals) {
+        models.push(parent.map_or(local, |p| models[p.index()] * local));
+    }
+    models
+}
+
+/// Rotations in model space of each joint, parents first, from local ones; scales above do not
+/// count.
+pub fn model_rotations(
+    parents: &[Option<JointIndex>],
+    locals: impl Iterator<Item = DQuat>,
+) -> Vec<DQuat> {
+    let mut rotations: Vec<DQuat> = Vec::with_capacity(parents.len());
+    for (parent, local) in parents.iter().zip(locals) {
+        rotations.push(parent.map_or(local, |p| rotations[p.index()] * local));
+    }
+    rotations
+}
+
+/// Returns the largest side of the box around the joints at rest; 1 if they coincide.
+pub(crate) fn rest_extent(parents: &[Option<JointIndex>], rest: &[Trs]) -> f32 {
+    let models = model_from_joints(parents, rest.iter().map(affine));
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for model in &models {
+        low = low.min(model.translation);
+        high = high.max(model.translation);
+    }
+    let size = (high - low).max_element();
+    if size > 1e-6 && size.is_finite() { to_f32([size])[0] } else { 1.0 }
+}
+
+/// A matrix in double precision.
+#[must_use]
+pub fn affine_from(m: &crate::Affine) -> DAffine3 {
+    let [a, b, c] = m.rows.map(|row| row.map(f64::from));
+    DAffine3::from_cols_array(&[
+        a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2], a[3], b[3], c[3],
+    ])
+}

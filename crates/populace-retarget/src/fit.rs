@@ -1,0 +1,134 @@
+//! Reports of how well a clip fits the skeleton that it is bound to.
+
+use populace_clip::Clip;
+use populace_model::{JointIndex, Skeleton, f64math};
+
+use crate::Error;
+use crate::common::Common;
+
+/// Method of matching a clip's joints with those of a skeleton.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BindingMethod {
+    /// By name; the skeleton has the same rest pose as the clip's own ([`Clip::is_made_for`]).
+    SameRest,
+    /// By humanoid roles, through a common pose of both bodies.
+    Roles,
+    /// By name only, regardless of rest poses.
+    Names,
+}
+
+/// Report on the fit of a clip to a skeleton.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BindingReport {
+    /// Method by which joints were matched.
+    pub way: BindingMethod,
+    /// Number of joints that the clip moves; for a clip that moves none, those that it sets.
+    pub moving_joints: usize,
+    /// Number of these joints that affect the skeleton.
+    pub bound_joints: usize,
+    /// Mean angle between the rest poses over bound joints, in radians. By names: between local
+    /// rotations. By roles: between the body's rest and the common pose.
+    pub rest_turn_rad: f32,
+    /// Mean difference of local translations at rest over bound joints, as a fraction of the larger
+    /// body's size. 0 by roles, which keep the body's own translations.
+    pub rest_shift: f32,
+}
+
+impl BindingReport {
+    /// Minimum share of a clip's moving joints that must be bound by name only, unless a partial
+    /// binding is asked for.
+    pub const LEAST_SHARE: f32 = 0.3;
+
+    /// Share of the clip's moving joints that affect the skeleton, 0 to 1; 1 for a clip without
+    /// joints.
+    #[must_use]
+    pub fn share(&self) -> f32 {
+        if self.moving_joints == 0 {
+            1.0
+        } else {
+            self.bound_joints as f32 / self.moving_joints as f32
+        }
+    }
+
+    /// Checks that a binding by name only covers enough of the clip.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::CannotBind`] if the share is below [`LEAST_SHARE`](Self::LEAST_SHARE).
+    pub fn check(&self, clip: &str) -> Result<(), Error> {
+        if self.way != BindingMethod::Names || self.share() >= Self::LEAST_SHARE {
+            return Ok(());
+        }
+        let what = format!(
+            "only {} of the {} joints that the clip moves are found by name, less than {:.0} %, \
+             and humanoid roles are not known for both skeletons; give roles with \
+             RoleMap::from_names, or play the clip as it is with Play::partial",
+            self.bound_joints,
+            self.moving_joints,
+            100.0 * Self::LEAST_SHARE
+        );
+        Err(Error::CannotBind { clip: clip.to_owned(), what })
+    }
+
+    pub(crate) fn by_name(clip: &Clip, skeleton: &Skeleton) -> Self {
+        let own = clip.skeleton();
+        let found = |joint: JointIndex| skeleton.find(own.name(joint)).map(|bound| (joint, bound));
+        let moving = moving(clip);
+        let pairs: Vec<_> = moving.iter().filter_map(|joint| found(*joint)).collect();
+        let size = f64::from(skeleton.size_m().max(own.size_m()));
+        let apart = |(a, b): &(JointIndex, JointIndex)| {
+            let (a, b) = (own.rest(*a), skeleton.rest(*b));
+            let turned = f64math::quat(a.rotation).angle_between(f64math::quat(b.rotation));
+            let shifted = f64math::vec3(a.translation).distance(f64math::vec3(b.translation));
+            [turned, shifted / size]
+        };
+        let [rest_turn_rad, rest_shift] = mean(pairs.iter().map(apart));
+        let way =
+            if clip.is_made_for(skeleton) { BindingMethod::SameRest } else { BindingMethod::Names };
+        Self {
+            way,
+            moving_joints: moving.len(),
+            bound_joints: pairs.len(),
+            rest_turn_rad,
+            rest_shift,
+        }
+    }
+
+    pub(crate) fn by_roles(clip: &Clip, skeleton: &Skeleton, common: &Common<'_>) -> Self {
+        let partners: Vec<_> =
+            skeleton.joints().filter_map(|joint| common.partner(joint)).collect();
+        // Joints above a partner turn it as well.
+        let leads = |joint: &JointIndex| {
+            partners
+                .iter()
+                .any(|partner| joint == partner || clip.skeleton().is_below(*partner, *joint))
+        };
+        let moving = moving(clip);
+        let bound_joints = moving.iter().filter(|joint| leads(joint)).count();
+        let paired = skeleton.joints().filter(|joint| common.partner(*joint).is_some());
+        let [rest_turn_rad, _] = mean(paired.map(|joint| [common.turned_rad(joint), 0.0]));
+        Self {
+            way: BindingMethod::Roles,
+            moving_joints: moving.len(),
+            bound_joints,
+            rest_turn_rad,
+            rest_shift: 0.0,
+        }
+    }
+}
+
+/// Returns the joints of its own skeleton that a clip moves, or those that it sets if it moves
+/// none.
+fn moving(clip: &Clip) -> Vec<JointIndex> {
+    let driven = || clip.skeleton().joints().filter(|joint| clip.drives(*joint));
+    let moves =
+        |joint: &JointIndex| clip.ranges()[joint.index()].iter().any(|range| range.step > 0.0);
+    let moving: Vec<_> = driven().filter(moves).collect();
+    if moving.is_empty() { driven().collect() } else { moving }
+}
+
+fn mean(values: impl Iterator<Item = [f64; 2]>) -> [f32; 2] {
+    let (sum, count) =
+        values.fold(([0.0; 2], 0.0), |([a, b], n), [x, y]| ([a + x, b + y], n + 1.0));
+    f64math::to_f32(sum.map(|sum| sum / f64::max(count, 1.0)))
+}
