@@ -29,7 +29,7 @@ fn format_is_detected_from_content_and_buffer_files_are_found() {
     std::fs::write(folder.path().join("data/a b.bin"), &file.bin[..8]).unwrap();
     let error = load(&path).unwrap_err().to_string();
     assert!(
-        error.contains("buffers[0].uri: refers to \"data/a b.bin\", which has 8 bytes where"),
+        error.contains("buffers[0].uri: refers to \"data/a b.bin\", which has 8 bytes, but"),
         "{error}"
     );
 }
