@@ -18,7 +18,7 @@ use std::sync::Arc;
 use populace::character::Character;
 use populace::model::math::{quat, vec3};
 use populace::{
-    CharacterId, Crowd, JointIndex, Member, Placement, Play, Reach, Target, Trs, Weight,
+    CharacterId, ClipPlayback, Crowd, JointIndex, MemberId, Placement, Reach, Target, Trs, Weight,
 };
 use populace_cast::{Look, person};
 
@@ -47,11 +47,11 @@ fn hat_offset(person: &Character, head: JointIndex) -> Trs {
 
 /// A person with a torch.
 struct Walker {
-    member: Member,
+    member: MemberId,
     hand: JointIndex,
     /// The torch's position relative to the hand.
     fist: [f32; 3],
-    torch: Member,
+    torch: MemberId,
 }
 
 /// Spawns a walking person with torch, hat and feather.
@@ -67,10 +67,11 @@ fn spawn_walker(
     let x = nth as f32 - 3.0;
     let member =
         crowd.spawn(id, Placement::at([0.85 * x, 0.0, 0.2 * x.abs()]).facing(0.25 - 0.1 * x))?;
-    crowd.play(member, crowd.clip(id, "Walk")?, Play::looping().phase(nth as f32 / 7.0))?;
+    let walk = crowd.clip(id, "Walk")?;
+    crowd.member_mut(member)?.play(walk, ClipPlayback::looping().phase(nth as f32 / 7.0))?;
     let size = person.height_m() / 1.7;
     let up = [-0.42 * size, (1.05 + 0.1 * (nth % 3) as f32) * size, 0.3 * size];
-    crowd.reach(member, Reach::with(hand), Target::InModel(up), Weight::FULL)?;
+    crowd.member_mut(member)?.reach(Reach::with(hand), Target::InModel(up), Weight::FULL)?;
 
     // The torch lies across the fist: it points forward if the arm hangs, and up if it is bent.
     let fist = person.skeleton.rest(knuckles).translation;
@@ -78,16 +79,15 @@ fn spawn_walker(
     let here = Placement::at([0.0; 3]);
     let [torch, hat, feather] =
         [crowd.spawn(torch, here)?, crowd.spawn(hat, here)?, crowd.spawn(feather, here)?];
-    crowd.attach(
-        torch,
+    crowd.member_mut(torch)?.attach_to(
         member,
         hand,
         Trs { translation: fist, rotation: across, scale: [0.9 * size; 3] },
     )?;
-    crowd.attach(hat, member, head, hat_offset(&person, head))?;
+    crowd.member_mut(hat)?.attach_to(member, head, hat_offset(&person, head))?;
     let aslant =
         Trs { translation: [0.1, 0.0, 0.0], rotation: [-0.3, 0.0, -0.2, 0.933], ..Trs::IDENTITY };
-    crowd.attach(feather, hat, JointIndex(0), aslant)?;
+    crowd.member_mut(feather)?.attach_to(hat, JointIndex(0), aslant)?;
     Ok(Walker { member, hand, fist, torch })
 }
 
@@ -113,8 +113,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         crowd.update(1.0 / 60.0)?;
     }
     for (nth, Walker { member, hand, fist, torch }) in walkers.into_iter().enumerate() {
-        let fist = crowd.model_from_joints(member)?[hand.index()].transform_point(fist);
-        let torch = crowd.model_from_joints(torch)?[0].origin();
+        let fist =
+            crowd.member_mut(member)?.model_from_joints()?[hand.index()].transform_point(fist);
+        let torch = crowd.member_mut(torch)?.model_from_joints()?[0].origin();
         let apart = vec3::length(vec3::sub(fist, torch));
         println!(
             "{nth}: the torch is {apart:.3} m from the fist, {:.2} m above the ground",

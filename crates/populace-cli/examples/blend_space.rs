@@ -11,7 +11,7 @@ mod shared;
 
 use std::error::Error;
 
-use populace::{BlendSpace, Crowd, Placement, Play};
+use populace::{BlendSpace, BlendSpacePlayback, Crowd, Placement};
 use populace_cast::{Look, person};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             samples.push((clip, speed_m_per_sec));
         }
     }
-    let gait = crowd.add_space(BlendSpace::line(&samples)?)?;
+    let gait = crowd.add_blend_space(BlendSpace::line(&samples)?)?;
 
     // All begin standing, and change to their speed within a second.
     let mut members = Vec::new();
@@ -35,8 +35,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let place = Placement::at([f32::from(nth) * 1.2 - 3.6, 0.0, 0.0])
             .facing(std::f32::consts::FRAC_PI_2);
         let member = crowd.spawn(id, place)?;
-        crowd.play_space(member, gait, 0.0, Play::looping())?;
-        crowd.steer(member, f32::from(nth) * 0.5, 1.0)?;
+        crowd.member_mut(member)?.play_blend_space(gait, 0.0, BlendSpacePlayback::new())?;
+        crowd.member_mut(member)?.set_blend_parameter(f32::from(nth) * 0.5, 1.0)?;
         members.push(member);
     }
     for _ in 0..72 {
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (nth, member) in (0..7_u8).zip(members) {
         let name =
             |clip| clips.iter().find(|(id, _)| *id == clip).map_or("", |(_, clip)| clip.name());
-        let playing = crowd.playing(member)?;
+        let playing = crowd.member(member)?.active_clips();
         let shares: Vec<_> =
             playing.iter().map(|p| format!("{} {:.0} %", name(p.clip), p.weight * 100.0)).collect();
         println!("{:.1} m/s: {}", f32::from(nth) * 0.5, shares.join(", "));

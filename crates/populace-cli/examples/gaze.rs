@@ -9,7 +9,7 @@ mod shared;
 
 use std::error::Error;
 
-use populace::{Crowd, Placement, Play, Target, Weight};
+use populace::{ClipPlayback, Crowd, Placement, Target, Weight};
 use populace_cast::{Look, person};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -21,23 +21,27 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let passer =
         crowd.spawn(id, Placement::at([-3.0, 0.0, 1.6]).facing(std::f32::consts::FRAC_PI_2))?;
-    crowd.play(passer, walk, Play::looping())?;
+    crowd.member_mut(passer)?.play(walk, ClipPlayback::looping())?;
     let mut row = Vec::new();
     for nth in 0..9_u8 {
         let member = crowd.spawn(id, Placement::at([f32::from(nth) * 0.75 - 3.0, 0.0, 0.0]))?;
-        crowd.play(member, idle, Play::looping().phase(f32::from(nth) / 9.0))?;
+        crowd
+            .member_mut(member)?
+            .play(idle, ClipPlayback::looping().phase(f32::from(nth) / 9.0))?;
         // The look-at weight fades in over a different time for each.
         let weight = Weight::new(1.0)?.over_secs(0.3 + 0.1 * f32::from(nth));
-        crowd.look_at(member, Target::Joint { member: passer, joint: head }, weight)?;
+        crowd.member_mut(member)?.look_at(Target::Joint { member: passer, joint: head }, weight)?;
         row.push(member);
     }
     for frame in 0..120_u8 {
         let x = f32::from(frame) / 60.0 * 1.4 - 3.0;
-        crowd.place(passer, Placement::at([x, 0.0, 1.6]).facing(std::f32::consts::FRAC_PI_2))?;
+        crowd
+            .member_mut(passer)?
+            .set_placement(Placement::at([x, 0.0, 1.6]).facing(std::f32::consts::FRAC_PI_2))?;
         crowd.update(1.0 / 60.0)?;
     }
     for (nth, &member) in row.iter().enumerate() {
-        let facing = crowd.model_from_joints(member)?[head.index()];
+        let facing = crowd.member_mut(member)?.model_from_joints()?[head.index()];
         // Rest rotations of these people are upright, so the third column is the facing direction.
         let (x, z) = (facing.rows[0][2], facing.rows[2][2]);
         println!("{nth}: the head is turned by {:.0} degrees", x.atan2(z).to_degrees());

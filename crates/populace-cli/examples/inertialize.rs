@@ -17,7 +17,7 @@ use std::error::Error;
 use glam::{Quat, Vec3};
 use populace::clip::Clip;
 use populace::model::{ClipSource, Interpolation, Property, Skeleton, Track};
-use populace::{Crowd, Placement, Play};
+use populace::{ClipPlayback, Crowd, Placement};
 use populace_cast::{Look, person};
 
 const FRAME_SECS: f32 = 1.0 / 60.0;
@@ -74,25 +74,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     let after = bead::bead("after", 0.016, [0.75, 0.05, 0.04, 1.0])?;
     let marks = [crowd.add_character(before.clone())?, crowd.add_character(after.clone())?];
     let kinds = [
-        ("cut", Play::looping()),
-        ("crossfaded", Play::looping().fade_in_secs(SECS)),
-        ("inertialized", Play::looping().inertialize_in_secs(SECS)),
+        ("cut", ClipPlayback::looping()),
+        ("crossfaded", ClipPlayback::looping().fade_in_secs(SECS)),
+        ("inertialized", ClipPlayback::looping().inertialize_in_secs(SECS)),
     ];
     let mut members = Vec::new();
     for (nth, (name, play)) in kinds.into_iter().enumerate() {
         let place = Placement::at([nth as f32 * 1.6 - 1.6, 0.0, 0.0]).facing(0.3);
         let member = crowd.spawn(id, place)?;
-        crowd.play(member, swing, Play::once())?;
+        crowd.member_mut(member)?.play(swing, ClipPlayback::once())?;
         members.push((name, play, member, place));
     }
     let mut trails = vec![Vec::new(); members.len()];
     for frame in 0..FRAMES {
         for (_, play, member, _) in members.iter().filter(|_| frame == SWING) {
-            crowd.play(*member, up, *play)?;
+            crowd.member_mut(*member)?.play(up, *play)?;
         }
         crowd.update(FRAME_SECS)?;
         for ((_, _, member, place), trail) in members.iter().zip(&mut trails) {
-            let joint = crowd.model_from_joints(*member)?[hand.index()];
+            let joint = crowd.member_mut(*member)?.model_from_joints()?[hand.index()];
             trail.push(place.world_from_model().mul(&joint).origin());
         }
     }

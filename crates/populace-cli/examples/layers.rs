@@ -13,7 +13,7 @@ use std::error::Error;
 use glam::{Quat, Vec3};
 use populace::clip::Clip;
 use populace::model::{ClipSource, Interpolation, Property, Skeleton, Track};
-use populace::{Crowd, LayerMode, LayerSettings, Mask, Placement, Play};
+use populace::{ClipPlayback, Crowd, LayerMode, LayerSettings, Mask, Placement};
 use populace_cast::{Look, person};
 
 /// Creates a clip that rotates joints about one axis. Angles are in radians, at keys a third of a
@@ -65,16 +65,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     {
         let member =
             crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.4))?;
-        crowd.set_layer(
-            member,
+        crowd.member_mut(member)?.set_layer(
             1,
             LayerSettings { weight: waves, ..LayerSettings::default() },
             Some(one_arm),
         )?;
-        crowd.set_layer(member, 2, LayerSettings { weight: bows, mode: added }, None)?;
-        crowd.play(member, walk, Play::looping())?;
-        crowd.play(member, wave, Play::looping().on_layer(1).fade_in_secs(0.3))?;
-        crowd.play(member, bow, Play::once().on_layer(2))?;
+        crowd.member_mut(member)?.set_layer(
+            2,
+            LayerSettings { weight: bows, mode: added },
+            None,
+        )?;
+        crowd.member_mut(member)?.play(walk, ClipPlayback::looping())?;
+        crowd
+            .member_mut(member)?
+            .play(wave, ClipPlayback::looping().on_layer(1).fade_in_secs(0.3))?;
+        crowd.member_mut(member)?.play(bow, ClipPlayback::once().on_layer(2))?;
         println!("{nth}: walks, waves by {waves}, bows by {bows}");
     }
     crowd.update(0.6)?;

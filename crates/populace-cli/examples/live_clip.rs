@@ -16,7 +16,7 @@ use std::error::Error;
 
 use glam::Quat;
 use populace::model::Skeleton;
-use populace::{Crowd, LiveSettings, Placement, Play, Streamed, Trs};
+use populace::{ClipPlayback, Crowd, LiveSettings, Placement, Streamed, Trs};
 use populace_cast::{Look, person};
 
 /// Returns the actor's pose: the right arm waves, the left arm swings, and the body sways.
@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for nth in 0..5_u8 {
         let nth = f32::from(nth);
         let member = crowd.spawn(id, Placement::at([nth * 1.1 - 2.2, 0.0, 0.0]).facing(0.2))?;
-        crowd.play(member, live, Play::live(0.1 + 0.15 * nth))?;
+        crowd.member_mut(member)?.play(live, ClipPlayback::live(0.1 + 0.15 * nth))?;
         followers.push(member);
     }
     // Before each frame of 1/60 s, the poses that have arrived are appended. They are early or late
@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         now += 1.0 / 60.0;
     }
     for (nth, &member) in followers.iter().enumerate() {
-        let shown = crowd.playing(member)?[0].time_secs;
+        let shown = crowd.member(member)?.active_clips()[0].time_secs;
         println!("{nth}: shows {shown:.2} s of the stream, {:.2} s ago", now - shown);
     }
     let path = shared::output("live_clip.png");

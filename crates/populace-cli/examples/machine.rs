@@ -11,7 +11,9 @@ mod shared;
 
 use std::error::Error;
 
-use populace::{ClipId, Condition, Crowd, Member, Placement, Play, StateMachine};
+use populace::{
+    ClipId, Condition, Crowd, MachinePlayback, MemberId, Placement, StateMachine, StatePlayback,
+};
 use populace_cast::{Look, person};
 
 const FRAME_SECS: f32 = 1.0 / 60.0;
@@ -20,7 +22,7 @@ const TURN_RAD_PER_SEC: f32 = 2.0;
 
 /// A person who walks to the camera.
 struct Walker {
-    member: Member,
+    member: MemberId,
     x: f32,
     z: f32,
     yaw_rad: f32,
@@ -46,9 +48,13 @@ impl Walker {
         self.speed_m_per_sec += (target_speed - self.speed_m_per_sec).clamp(-0.15, 0.06);
         self.yaw_rad -= turn;
         self.z += self.speed_m_per_sec * FRAME_SECS;
-        crowd.place(self.member, Placement::at([self.x, 0.0, self.z]).facing(self.yaw_rad))?;
-        crowd.set_parameter(self.member, "turn", turn / FRAME_SECS)?;
-        crowd.set_parameter(self.member, "speed", self.speed_m_per_sec)
+        crowd
+            .member_mut(self.member)?
+            .set_placement(Placement::at([self.x, 0.0, self.z]).facing(self.yaw_rad))?;
+        crowd.member_mut(self.member)?.set_parameter("turn", turn / FRAME_SECS)?;
+        crowd
+            .member_mut(self.member)
+            .and_then(|mut m| m.set_parameter("speed", self.speed_m_per_sec))
     }
 }
 
@@ -58,10 +64,10 @@ fn gait([idle, walk, run]: [ClipId; 3], [walking, running]: [f32; 2]) -> StateMa
     StateMachine::new()
         .parameter("speed", 0.0)
         .parameter("turn", 0.0)
-        .state("idle", idle, Play::looping())
-        .state("turn", walk, Play::looping().speed(0.7))
-        .state("walk", walk, Play::looping())
-        .state("run", run, Play::looping())
+        .state("idle", idle, StatePlayback::looping())
+        .state("turn", walk, StatePlayback::looping().speed(0.7))
+        .state("walk", walk, StatePlayback::looping())
+        .state("run", run, StatePlayback::looping())
         .transition("idle", "turn", 0.15, &[Condition::above("turn", 0.1)])
         .transition("turn", "walk", 0.25, std::slice::from_ref(&goes))
         .transition(
@@ -101,7 +107,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (x, z) = (f32::from(nth) * 1.0 - 3.0, -4.0);
         let yaw_rad = std::f32::consts::FRAC_PI_2;
         let member = crowd.spawn(*id, Placement::at([x, 0.0, z]).facing(yaw_rad))?;
-        crowd.run_machine(member, gait, Play::looping())?;
+        crowd.member_mut(member)?.play_machine(gait, MachinePlayback::new())?;
         let frames_to_call = u16::from(nth) * 32;
         walkers.push(Walker { member, x, z, yaw_rad, speed_m_per_sec: 0.0, frames_to_call });
     }
@@ -112,7 +118,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         crowd.update(FRAME_SECS)?;
     }
     for (nth, walker) in walkers.iter().enumerate() {
-        let state = crowd.state_of(walker.member, 0)?;
+        let state = crowd.member_mut(walker.member)?.machine_state(0)?;
         println!(
             "{nth}: {state} at {:.1} m/s, {:.1} m away",
             walker.speed_m_per_sec,

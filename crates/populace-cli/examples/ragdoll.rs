@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use populace::character::Image;
-use populace::{Crowd, Device, JointIndex, Member, Placement, Play};
+use populace::{ClipPlayback, Crowd, Device, JointIndex, MemberId, Placement};
 use populace_physics::{RagdollPlan, Ragdolls, State};
 use populace_render::{Camera, CharacterHandle, Instance, Renderer, Scene, write_png};
 
@@ -30,17 +30,16 @@ fn main() -> Result<()> {
     let mut renderer = Renderer::headless([1280, 720])?;
     let mut crowd = Crowd::builder().device(Device::native()).capacity(8).build()?;
     let mut handles: Vec<CharacterHandle> = Vec::new();
-    let mut people: Vec<(Member, Arc<RagdollPlan>)> = Vec::new();
+    let mut people: Vec<(MemberId, Arc<RagdollPlan>)> = Vec::new();
     for (number, person) in populace_cast::cast()?.into_iter().cycle().take(8).enumerate() {
         handles.push(renderer.add_character(&person, &|_| false)?);
         let plan = Arc::new(RagdollPlan::from_skeleton(&person.skeleton));
         let character = crowd.add_character(person)?;
         let member = crowd.spawn(character, place(number, 0))?;
-        crowd.play(
-            member,
-            crowd.clip(character, "Walk")?,
-            Play::looping().phase(0.37 * number as f32),
-        )?;
+        let walk = crowd.clip(character, "Walk")?;
+        crowd
+            .member_mut(member)?
+            .play(walk, ClipPlayback::looping().phase(0.37 * number as f32))?;
         people.push((member, plan));
     }
     crowd.update(0.0)?;
@@ -59,7 +58,7 @@ fn main() -> Result<()> {
         ragdolls.step(&mut crowd, DT_SECS)?;
         for (number, (member, _)) in people.iter().enumerate() {
             if number == LIMP_ARM_OF || !matches!(ragdolls.state(*member), State::Limp { .. }) {
-                crowd.place(*member, place(number, frame))?;
+                crowd.member_mut(*member)?.set_placement(place(number, frame))?;
             }
         }
         crowd.update(DT_SECS)?;
@@ -95,7 +94,7 @@ fn place(number: usize, frame: u16) -> Placement {
 }
 
 /// Finds a joint by its name in either of the two rigs.
-fn joint(crowd: &Crowd, member: Member, [one, other]: [&str; 2]) -> Result<JointIndex> {
-    let skeleton = &crowd.character(crowd.character_of(member)?)?.skeleton;
+fn joint(crowd: &Crowd, member: MemberId, [one, other]: [&str; 2]) -> Result<JointIndex> {
+    let skeleton = &crowd.character(crowd.member(member)?.character())?.skeleton;
     skeleton.find(one).or_else(|| skeleton.find(other)).context("the rig has no such joint")
 }

@@ -12,7 +12,7 @@ mod shared;
 use std::error::Error;
 
 use populace::model::math::vec3;
-use populace::{Crowd, Ground, Placement, Play, Reach, Target, Weight};
+use populace::{ClipPlayback, Crowd, Ground, Placement, Reach, Target, Weight};
 use populace_cast::{Look, person};
 
 /// Slope of the ground along +X.
@@ -37,19 +37,25 @@ fn main() -> Result<(), Box<dyn Error>> {
     for nth in 0..5_u8 {
         let x = f32::from(nth) * 1.3 - 2.6;
         let member = crowd.spawn(id, Placement::at([x, HEIGHT + RISE * x, 0.0]).facing(0.3))?;
-        crowd.play(member, idle, Play::looping().phase(f32::from(nth) / 5.0))?;
-        crowd.plant_feet(member, Weight::FULL)?;
+        crowd
+            .member_mut(member)?
+            .play(idle, ClipPlayback::looping().phase(f32::from(nth) / 5.0))?;
+        crowd.member_mut(member)?.plant_feet(1.0)?;
         let far = 0.25 + 0.12 * f32::from(nth);
         let target = [0.2 + 0.5 * far, 1.35 + 0.3 * far, 0.8 * far];
-        crowd.reach(member, Reach::with(hand), Target::InModel(target), Weight::FULL)?;
-        crowd.look_at(member, Target::InModel(target), Weight::FULL)?;
+        crowd.member_mut(member)?.reach(
+            Reach::with(hand),
+            Target::InModel(target),
+            Weight::FULL,
+        )?;
+        crowd.member_mut(member)?.look_at(Target::InModel(target), Weight::FULL)?;
         targets.push((member, target));
     }
     for _ in 0..60 {
         crowd.update(1.0 / 60.0)?;
     }
     for (nth, (member, target)) in targets.into_iter().enumerate() {
-        let joints = crowd.model_from_joints(member)?;
+        let joints = crowd.member_mut(member)?.model_from_joints()?;
         let distance = |from: [f32; 3]| vec3::length(vec3::sub(from, target));
         let [away, missed] = [shoulder, hand].map(|joint| distance(joints[joint.index()].origin()));
         println!(

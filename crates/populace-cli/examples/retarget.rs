@@ -10,7 +10,7 @@ mod shared;
 use std::error::Error;
 use std::sync::Arc;
 
-use populace::{Crowd, Placement, Play};
+use populace::{ClipPlayback, Crowd, Placement};
 use populace_cast::{Look, person};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let clip = crowd.add_clip(id, &source)?;
         let member =
             crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.6))?;
-        crowd.play(member, clip, Play::looping().phase(0.1))?;
+        crowd.member_mut(member)?.play(clip, ClipPlayback::looping().phase(0.1))?;
         if nth == 2 {
             // Longer legs and arms for this member alone.
             let lengths =
@@ -43,13 +43,13 @@ fn main() -> Result<(), Box<dyn Error>> {
                     "Pelvis" => 1.14,
                     _ => 1.0,
                 });
-            crowd.set_proportions(member, &lengths.collect::<Vec<f32>>())?;
+            crowd.member_mut(member)?.set_proportions(&lengths.collect::<Vec<f32>>())?;
         }
         people.push((member, character, crowd.roles(id)?.map_or("none", |roles| roles.naming())));
     }
     crowd.update(0.35)?;
     for (member, character, naming) in &people {
-        let joints = crowd.model_from_joints(*member)?;
+        let joints = crowd.member_mut(*member)?.model_from_joints()?;
         let hips = character
             .skeleton
             .joints()

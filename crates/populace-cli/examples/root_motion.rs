@@ -10,7 +10,7 @@ mod shared;
 use std::error::Error;
 use std::sync::Arc;
 
-use populace::{Crowd, MotionSettings, Placement, Play};
+use populace::{ClipPlayback, Crowd, MotionSettings, Placement};
 use populace_cast::{Look, person};
 
 /// Number of frames between the starts of two people.
@@ -35,15 +35,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (walk, run) = (moving("Walk")?, moving("Run")?);
         for nth in 0..7_u16 {
             let member = crowd.spawn(id, Placement::at([x, 0.0, -2.5 * (x + 4.5)]).facing(1.5))?;
-            crowd.move_by_clips(member, true)?;
+            crowd.member_mut(member)?.start_root_motion()?;
             let start_frame = nth * GAP_FRAMES;
-            crowd.play(member, walk, Play::looping().after_secs(f32::from(start_frame) / 60.0))?;
+            crowd
+                .member_mut(member)?
+                .play(walk, ClipPlayback::looping().after_secs(f32::from(start_frame) / 60.0))?;
             people.push((member, run, start_frame + WALK_FRAMES));
         }
     }
     for frame in 0..250_u16 {
         for &(member, run, _) in people.iter().filter(|(_, _, run_frame)| *run_frame == frame) {
-            crowd.crossfade(member, run, 0.5)?;
+            crowd.member_mut(member)?.crossfade(run, 0.5)?;
         }
         crowd.update(1.0 / 60.0)?;
     }
@@ -51,7 +53,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     crowd.finish()?;
     crowd.update(0.0)?;
     let first = people[0].0;
-    let (from, now) = (crowd.placement(first)?.position(), crowd.moved(first)?.position());
+    let (from, now) = (
+        crowd.member(first)?.placement().position(),
+        crowd.member_mut(first)?.moved_placement()?.position(),
+    );
     let metres = (now[0] - from[0]).hypot(now[2] - from[2]);
     println!("the first was placed once, and has moved {metres:.2} m");
     let path = shared::output("root_motion.png");

@@ -106,7 +106,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let place =
             Placement::at([12.0 * a - 6.0, 0.0, -9.0 * b]).scaled(0.85 + 0.3 * c).facing(6.0 * c);
         let member = crowd.spawn(id, place)?;
-        crowd.use_stage(member, wind, StageUse::on_all().with_values([0.12 * c, 0.0, 0.0, 0.0]))?;
+        crowd
+            .member_mut(member)?
+            .set_stage(wind, StageUse::on_all().with_values([0.12 * c, 0.0, 0.0, 0.0]))?;
     }
     let (path, points) = (shared::output("wind.png"), [[-3.2, 0.0, 0.0], [3.2, 1.3, -3.0]]);
     let mut pictures = Vec::new();

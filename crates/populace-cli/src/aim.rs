@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use populace::{CharacterId, Crowd, Member, Reach, Target, Weight};
+use populace::{CharacterId, Crowd, MemberId, Reach, Target, Weight};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -60,20 +60,24 @@ impl Point {
 /// Sets a member's look-at and reach targets at full weight, and describes them as JSON.
 pub(crate) fn apply(
     crowd: &mut Crowd,
-    (character, member): (CharacterId, Member),
+    (character, member): (CharacterId, MemberId),
     look: Option<Point>,
     reaches: &[ReachArg],
 ) -> Result<[Value; 2], Failure> {
     let at_once = Weight::FULL.over_secs(0.0);
     if let Some(Point(point)) = look {
-        crowd.look_at(member, Target::InModel(point), at_once).map_err(refused)?;
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.look_at(Target::InModel(point), at_once))
+            .map_err(refused)?;
     }
     let skeleton = crowd.character(character)?.skeleton.clone();
     let mut described = Vec::new();
     for ReachArg { joint, point } in reaches {
         let end = names::joint(&skeleton, joint)?;
         crowd
-            .reach(member, Reach::with(end), Target::InModel(point.0), at_once)
+            .member_mut(member)
+            .and_then(|mut m| m.reach(Reach::with(end), Target::InModel(point.0), at_once))
             .map_err(refused)?;
         described.push(json!({"joint": joint, "target": point.as_json()}));
     }

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use populace::{CharacterId, Crowd, LayerMode, LayerSettings, Mask, Member, Play};
+use populace::{CharacterId, ClipPlayback, Crowd, LayerMode, LayerSettings, Mask, MemberId};
 use populace::{MAX_LAYERS, MAX_SLOTS};
 use serde_json::{Value, json};
 
@@ -196,15 +196,16 @@ pub(crate) fn check(slots: &[SlotArg], layers: &[LayerArg]) -> Result<(), Failur
 /// name for the text typed.
 pub(crate) fn apply(
     crowd: &mut Crowd,
-    (id, member): (CharacterId, Member),
+    (id, member): (CharacterId, MemberId),
     (slots, layers): (&[SlotArg], &[LayerArg]),
     find: impl Fn(&Crowd, &str) -> Result<(populace::ClipId, String), Failure>,
 ) -> Result<(Vec<Value>, Vec<Value>), Failure> {
     let mut described = (Vec::new(), Vec::new());
     for slot in slots {
         let (clip, name) = find(crowd, &slot.clip)?;
-        let play = Play::held_at_secs(slot.time_secs).weight(slot.weight).on_layer(slot.layer);
-        crowd.blend(member, clip, if slot.partial { play.partial() } else { play })?;
+        let play =
+            ClipPlayback::held_at_secs(slot.time_secs).weight(slot.weight).on_layer(slot.layer);
+        crowd.member_mut(member)?.blend(clip, if slot.partial { play.partial() } else { play })?;
         let report = crowd.binding(id, clip)?;
         fit::warn(&name, &crowd.character(id)?.name, &report);
         described.0.push(json!({
@@ -225,7 +226,7 @@ pub(crate) fn apply(
             }
             None => None,
         };
-        crowd.set_layer(member, arg.layer, arg.settings, mask)?;
+        crowd.member_mut(member)?.set_layer(arg.layer, arg.settings, mask)?;
         let additive = arg.settings.mode == LayerMode::Additive;
         let weight = as_typed(arg.settings.weight);
         described.1.push(

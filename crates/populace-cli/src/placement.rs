@@ -1,4 +1,4 @@
-//! Member positions: apart from each other, in loose rows.
+//! MemberId positions: apart from each other, in loose rows.
 
 /// A small deterministic random number generator: SplitMix (Steele, Lea and Flood, "Fast
 /// splittable pseudorandom number generators", OOPSLA 2014) with the mixing function of Java's

@@ -1,7 +1,7 @@
 //! Spawns a crowd's members on the ground, and tracks their positions for the camera.
 
 use populace::clip::RootMotion;
-use populace::{Crowd, Placement, Play};
+use populace::{ClipPlayback, Crowd, Placement};
 
 use crate::failure::Failure;
 use crate::placement::{Random, positions};
@@ -74,10 +74,13 @@ impl Population {
             let mut motion = None;
             if !role.clips.is_empty() {
                 let clip = &role.clips[random.below(role.clips.len())];
-                crowd.play(member, clip.id, Play::looping().phase(phase))?;
+                let mut view = crowd.member_mut(member)?;
+                view.play(clip.id, ClipPlayback::looping().phase(phase))?;
+                if clip.motion.is_some() {
+                    view.start_root_motion()?;
+                }
                 motion = clip.motion.clone().map(|(motion, scale)| (motion, scale, phase));
             }
-            crowd.move_by_clips(member, motion.is_some())?;
             members.push(PlacedMember { placement, motion });
             progress.step();
         }
@@ -115,10 +118,10 @@ impl Population {
 fn footprint_m(crowd: &mut Crowd, role: &CrowdRole, hide: &[String]) -> Result<f32, Failure> {
     let member = crowd.spawn(role.id, Placement::at([0.0; 3]))?;
     if let Some(clip) = role.clips.first() {
-        crowd.play(member, clip.id, Play::looping())?;
+        crowd.member_mut(member)?.play(clip.id, ClipPlayback::looping())?;
     }
     crowd.update(0.0)?;
-    let palette = crowd.palette(member)?;
+    let palette = crowd.member_mut(member)?.palette()?;
     crowd.despawn(member)?;
     let shown = role.character.parts.iter().filter(|part| !hide.contains(&part.node_name));
     let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use populace::{Crowd, Device, Placement, Play, Schedule};
+use populace::{ClipPlayback, Crowd, Device, Placement, Schedule};
 use populace_cast::{Look, person};
 use populace_physics::{RagdollPlan, Ragdolls, State};
 
@@ -19,7 +19,11 @@ fn fall(device: Device, schedule: Schedule) -> (Vec<u32>, Vec<f32>) {
     let id = crowd.add_character(man).expect("room");
     let walk = crowd.clip(id, "Walk").expect("a walk");
     let member = crowd.spawn(id, Placement::at([1.0, 0.0, 2.0]).facing(0.4)).expect("room");
-    crowd.play(member, walk, Play::looping().phase(0.3)).expect("a clip");
+    crowd
+        .member_mut(member)
+        .expect("a clip")
+        .play(walk, ClipPlayback::looping().phase(0.3))
+        .expect("a clip");
     let plan =
         Arc::new(RagdollPlan::from_skeleton(&crowd.character(id).expect("a character").skeleton));
     let mut ragdolls = Ragdolls::new([0.0, -9.81, 0.0]).expect("gravity");
@@ -36,10 +40,14 @@ fn fall(device: Device, schedule: Schedule) -> (Vec<u32>, Vec<f32>) {
         ragdolls.step(&mut crowd, DT).expect("a step");
         crowd.update(DT).expect("a frame");
         if frame % 9 == 0 {
-            let palette = crowd.palette(member).expect("a palette");
+            let palette =
+                crowd.member_mut(member).expect("a palette").palette().expect("a palette");
             bits.extend(palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits));
-            heights
-                .push(crowd.model_from_joints(member).expect("joints")[hips.index()].origin()[1]);
+            heights.push(
+                crowd.member_mut(member).expect("joints").model_from_joints().expect("joints")
+                    [hips.index()]
+                .origin()[1],
+            );
         }
     }
     assert_eq!(ragdolls.state(member), State::Animated);

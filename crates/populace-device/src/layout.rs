@@ -262,6 +262,10 @@ device_consts! {
     pub const LEAST_SQUARE: f32 = 1e-20;
     /// First guess of an inverse square root: halves the exponent and balances the error.
     pub const INVERSE_SQRT_BITS: u32 = populace_model::math::INVERSE_SQRT_BITS;
+    /// Pi.
+    pub const HALF_TURN: f32 = populace_model::math::angle::HALF_TURN;
+    /// Pi / 2.
+    pub const QUARTER_TURN: f32 = std::f32::consts::FRAC_PI_2;
     /// Directions are looked along to this distance, in metres.
     pub const TARGET_FAR_M: f32 = 1000.0;
     /// Sine of the angle to straight up or down below which the side of a gaze's target counts for
@@ -272,6 +276,9 @@ device_consts! {
     /// Part of the first bone by which a limb's own bend must stand out to decide where the middle
     /// joint goes.
     pub const LIMB_OWN_BEND: f32 = 0.05;
+    /// Largest square in the solution of a limb, above which single precision overflows. Bones of
+    /// 1e9 metres reach it when their lengths differ by a factor of a million.
+    pub const LIMB_LARGEST_SQUARE: f32 = 1e38;
     /// Passes of the chain solver, always as many, so that the result follows targets smoothly.
     pub const CHAIN_PASSES: u32 = 16;
     /// Time in which a lifted foot makes up for half of what it was held back, in seconds.

@@ -4,7 +4,7 @@
 //! Reads steps, stage values and controls. Writes nothing but the transforms that it returns.
 
 use populace_clip::FIRST_TICK;
-use populace_device::layout::{Control, STAGE_PARAMETERS, Step};
+use populace_device::layout::{Control, STAGE_LARGEST, STAGE_PARAMETERS, Step};
 use populace_device::{Place, StageJoint};
 use populace_model::math::quat;
 use populace_model::{Affine, JointIndex, Trs};
@@ -12,9 +12,6 @@ use populace_model::{Affine, JointIndex, Trs};
 use crate::frame::FrameInputs;
 use crate::lanes::Width;
 use crate::local::Local;
-
-/// Largest absolute value accepted from a stage. Transforms of joints below it stay finite.
-const STAGE_BOUND: f32 = 1e9;
 
 /// `Float4` elements of a stage's parameters.
 const ELEMENTS: usize = STAGE_PARAMETERS as usize / 4;
@@ -40,9 +37,9 @@ fn stage_joint(inputs: &FrameInputs, step: &Step, control: &Control) -> StageJoi
     }
 }
 
-/// Returns whether all values are within [`STAGE_BOUND`]; false for NaN.
+/// Returns whether all values are within [`STAGE_LARGEST`]; false for NaN.
 fn stage_bounded(values: &[f32]) -> bool {
-    values.iter().all(|v| v.abs() <= STAGE_BOUND)
+    values.iter().all(|v| v.abs() <= STAGE_LARGEST)
 }
 
 /// Runs a stage on a model transform. Returns `None`, which keeps the transform, if the result is

@@ -3,7 +3,7 @@
 // A matrix is one float16: three rows of four, then four lanes that are never read. A product takes
 // three permutes, three repeated rows, and one more permute for the translation.
 //
-// Twin of populace-core/src/math/affine.rs: same arithmetic, same order of operations.
+// Twin of populace-model/src/math/affine.rs: same arithmetic, same order of operations.
 
 INLINE float16 repeated(float4 row) { return (float16)(row, row, row, row); }
 

@@ -1,6 +1,6 @@
 // angle.cl - Angles from sines and cosines, and back, by sums, products and quotients only.
 //
-// Twin of populace-core/src/math/angle.rs: same arithmetic, same order of operations.
+// Twin of populace-model/src/math/angle.rs: same arithmetic, same order of operations.
 
 // Returns the angle of (x, y) from +X towards +Y, in radians from -pi to pi; 0 for the origin.
 INLINE Real angle_of(Real y, Real x)
@@ -19,7 +19,7 @@ INLINE Real angle_of(Real y, Real x)
     const Real upper = steep ? QUARTER_TURN - near : near;
     const Real right = x < (Real)(0.0f) ? HALF_TURN - upper : upper;
     const Real angle = y < (Real)(0.0f) ? -right : right;
-    return high < (Real)(TINY) ? (Real)(0.0f) : angle;
+    return high < (Real)(LEAST_SQUARE) ? (Real)(0.0f) : angle;
 }
 
 // Computes sine and cosine of an angle in radians from -pi to pi.

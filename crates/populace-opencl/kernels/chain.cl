@@ -29,7 +29,7 @@ APART_STEP float16 chain(const Solver *s, Hierarchy joints, Step step, float16 o
         const Real softened = soft_distance(distance, total, 0.0f, constraint->limits.x);
         const float far = LANE(softened, 0);
         const float4 reached = add_scaled(places[0], to, far / distance);
-        for (uint pass = 0; pass < PASSES; pass++) {
+        for (uint pass = 0; pass < CHAIN_PASSES; pass++) {
             points[last] = reached;
             for (uint at = last; at-- > 0;)
                 points[at] = drawn(points[at + 1], points[at], lengths[at]);

@@ -1,5 +1,5 @@
 // corrections.cl - Retarget corrections of sampled poses; TURN_PLANES in
-// populace-core/src/layout.rs describes their planes.
+// populace-device/src/layout.rs describes their planes.
 //
 // Twin of populace-native/src/corrections.rs: same arithmetic, same order of operations.
 

@@ -56,7 +56,7 @@ INLINE float4 footing(const Solver *s, uint foot, __global const Constraint *con
     const float4 kept = ours ? vec(left.x, left.y, left.z) : vec(0.0f, 0.0f, 0.0f);
     float4 behind = was_planted
                         ? kept - clip
-                        : kept * (1.0f / (1.0f + s->tables->elapsed_secs * (1.0f / RELEASE_SECS)));
+                        : kept * (1.0f / (1.0f + s->tables->elapsed_secs * (1.0f / FOOT_RELEASE_SECS)));
     behind.y = 0.0f;
     bool stays = was_planted;
     const float far2 = vec_dot(behind, behind), held2 = held_most * held_most;
@@ -151,7 +151,7 @@ INLINE Real sinks(Limb limb, Real soft)
 {
     const Real length = square_root(vec3_dot(limb.upper, limb.upper))
                         + square_root(vec3_dot(limb.lower, limb.lower));
-    const Real reach = length * (1.0f - soft), most = length * SINKS_MOST;
+    const Real reach = length * (1.0f - soft), most = length * PELVIS_SINK_MOST;
     const Vec3 to = limb.to;
     const Real needed = -to.y - square_root(reach * reach - to.x * to.x - to.z * to.z);
     return needed > most ? most : needed;

@@ -47,7 +47,7 @@ INLINE Sight seen_in(Frame frame, Vec3 v)
 {
     const Real x = vec3_dot(v, frame.left), y = vec3_dot(v, frame.up), z = vec3_dot(v, frame.front);
     const Real level = x * x + z * z, squared = level + y * y;
-    const Real k = squared > (Real)(TINY) ? inverse_sqrt(squared) : (Real)(0.0f);
+    const Real k = squared > (Real)(LEAST_SQUARE) ? inverse_sqrt(squared) : (Real)(0.0f);
     const Sight sight = { x * k, y * k, z * k, square_root(level) * k };
     return sight;
 }
@@ -104,7 +104,7 @@ APART_STEP Quat aim_by_angles(const GazeBatch *g, Vec3 from)
         Real own;
         Choice counts;
         const Sight seen = see_target(g, t, from, &own, &counts);
-        const Real steep = seen.level < (Real)(STEEP) ? seen.level * (1.0f / STEEP) : (Real)(1.0f);
+        const Real steep = seen.level < (Real)(GAZE_STEEP) ? seen.level * (1.0f / GAZE_STEEP) : (Real)(1.0f);
         const Real up = angle_of(seen.up, seen.level), raised = up > most ? most : up;
         const Real to_side = held(angle_of(seen.left, seen.front), side) * steep * own;
         yaw += counts ? to_side : none;
@@ -137,7 +137,7 @@ INLINE Quat aim(const GazeBatch *g, Vec3 from, Real *weight)
     *weight = total < (Real)(1.0f) ? total : (Real)(1.0f);
     // Limits are compared by their tangents. If start and target are both in front, the short
     // rotation is the one through the front.
-    const Choice within = (to.level >= (Real)(STEEP)) & (fabs(to.left) <= g->tangents.x * to.front)
+    const Choice within = (to.level >= (Real)(GAZE_STEEP)) & (fabs(to.left) <= g->tangents.x * to.front)
                           & (to.up <= g->tangents.y * to.level)
                           & (-to.up <= g->tangents.z * to.level);
     const Choice some = seen_count > (Real)(0.0f), one = seen_count == (Real)(1.0f);
@@ -208,10 +208,10 @@ APART_STEP void gaze(YieldPoint *at, uint count)
     g.frame = frame_of(front, up);
     g.start = seen_in(g.frame, facing);
     // Straight up or down there is no side to turn from.
-    const Choice upright = g.start.level < (Real)(UPRIGHT);
+    const Choice upright = g.start.level < (Real)(GAZE_UPRIGHT);
     g.start.left = upright ? (Real)(0.0f) : g.start.left;
-    g.start.front = upright ? (Real)(UPRIGHT) : g.start.front;
-    g.start.level = upright ? (Real)(UPRIGHT) : g.start.level;
+    g.start.front = upright ? (Real)(GAZE_UPRIGHT) : g.start.front;
+    g.start.level = upright ? (Real)(GAZE_UPRIGHT) : g.start.level;
 
     Real weight, weight_there, shared = 0.0f;
     Quat turns[LINKS_MOST], so_far = quat_identity();

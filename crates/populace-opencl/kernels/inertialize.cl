@@ -3,7 +3,7 @@
 //
 // Twin of populace-native/src/inertialize.rs: same arithmetic, same order of operations.
 
-// A clip at an instant; see SampledState in populace-core/src/playback/inertialize.rs.
+// A clip at an instant; see SampledState in populace-device/src/playback/inertialize.rs.
 typedef struct {
     uint bound_clip;
     float row, pace;

@@ -31,7 +31,7 @@ INLINE Vec3 hinge(Limb limb, Real shrinks)
     const Vec3 upper = vec3_scale(limb.upper, shrinks),
                chain = vec3_add(upper, vec3_scale(limb.lower, shrinks));
     const Vec3 hinge =
-        vec3_cross(vec3_add_scaled(upper, vec3_unit_or(limb.bend, none), OWN_BEND), chain);
+        vec3_cross(vec3_add_scaled(upper, vec3_unit_or(limb.bend, none), LIMB_OWN_BEND), chain);
     const Choice stands = vec3_dot(hinge, hinge) > (Real)(1e-10f);
     return vec3_choose(stands, hinge,
                        vec3_cross(upper, vec3_choose(upper.x * upper.x < (Real)(0.5f), x, y)));
@@ -100,7 +100,8 @@ INLINE void limb_turns(Limb limb, Vec3 pole, Choice has_pole, Real soft, Quat *f
         first = quat_choose(has_pole, quat_mul(pole_turn(limb, first, axis, pole), first), first);
     const Vec3 bend = vec3_scale(quat_turned(first, axis), x * half_unit);
     const Quat second = { bend.x, bend.y, bend.z, w * half_unit };
-    const Choice stands = (shorter < distance ? shorter : distance) > (Real)(1e-6f);
+    const Real size = shorter < distance ? shorter : distance;
+    const Choice stands = (most < (Real)(LIMB_LARGEST_SQUARE) ? size : (Real)(0.0f)) > (Real)(1e-6f);
     *first_turn = quat_choose(stands, first, quat_identity());
     *second_turn = quat_choose(stands, second, quat_identity());
 }

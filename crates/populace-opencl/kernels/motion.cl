@@ -18,8 +18,8 @@ typedef struct {
 INLINE Move move_of(float x, float y, float z, float s, float c)
 {
     const float squared = s * s + c * c;
-    const float k = squared > TINY ? inverse_root(squared) : 0.0f;
-    const Move move = { x, y, z, squared > TINY ? s * k : 0.0f, squared > TINY ? c * k : 1.0f };
+    const float k = squared > LEAST_SQUARE ? inverse_root(squared) : 0.0f;
+    const Move move = { x, y, z, squared > LEAST_SQUARE ? s * k : 0.0f, squared > LEAST_SQUARE ? c * k : 1.0f };
     return move;
 }
 

@@ -1,7 +1,7 @@
 // quat.cl - Quaternions x y z w, in lanes. dot(), normalize() and mix() of OpenCL C are not used,
 // because they may sum in another order.
 //
-// Twin of populace-core/src/math/quat.rs: same arithmetic, same order of operations.
+// Twin of populace-model/src/math/quat.rs: same arithmetic, same order of operations.
 
 INLINE Quat quat_identity(void)
 {
@@ -39,7 +39,7 @@ INLINE Quat quat_choose(Choice which, Quat a, Quat b)
 INLINE Quat quat_normalize_or(Quat a, Quat fallback)
 {
     const Real length_squared = quat_dot(a, a);
-    return quat_choose(length_squared > (Real)(TINY), quat_scale(a, inverse_sqrt(length_squared)),
+    return quat_choose(length_squared > (Real)(LEAST_SQUARE), quat_scale(a, inverse_sqrt(length_squared)),
                        fallback);
 }
 

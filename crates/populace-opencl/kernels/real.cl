@@ -1,6 +1,6 @@
 // real.cl - Scalar arithmetic in lanes, by + - * / only.
 //
-// Twin of populace-core/src/math/real.rs: same arithmetic, same order of operations.
+// Twin of populace-model/src/math/real.rs: same arithmetic, same order of operations.
 
 INLINE Real mix_real(Real a, Real b, float t) { return a + (b - a) * t; }
 
@@ -10,24 +10,24 @@ INLINE Real mix_real(Real a, Real b, float t) { return a + (b - a) * t; }
 INLINE Real inverse_sqrt(Real x)
 {
     const Real half_x = 0.5f * x;
-    Real y = AS_REAL(INVERSE_SQRT_BITS - (AS_INTS(x) >> 1));
+    Real y = AS_REAL((int)INVERSE_SQRT_BITS - (AS_INTS(x) >> 1));
     y = y * (1.5f - half_x * y * y);
     y = y * (1.5f - half_x * y * y);
     y = y * (1.5f - half_x * y * y);
     return y;
 }
 
-INLINE Real square_root(Real x) { return x > (Real)(TINY) ? x * inverse_sqrt(x) : (Real)(0.0f); }
+INLINE Real square_root(Real x) { return x > (Real)(LEAST_SQUARE) ? x * inverse_sqrt(x) : (Real)(0.0f); }
 
 // inverse_sqrt() of one number.
 INLINE float inverse_root(float x)
 {
     const float half_x = 0.5f * x;
-    float y = as_float(INVERSE_SQRT_BITS - (as_int(x) >> 1));
+    float y = as_float((int)INVERSE_SQRT_BITS - (as_int(x) >> 1));
     y = y * (1.5f - half_x * y * y);
     y = y * (1.5f - half_x * y * y);
     y = y * (1.5f - half_x * y * y);
     return y;
 }
 
-INLINE float root(float x) { return x > TINY ? x * inverse_root(x) : 0.0f; }
+INLINE float root(float x) { return x > LEAST_SQUARE ? x * inverse_root(x) : 0.0f; }

@@ -1,7 +1,7 @@
 // rows.cl - Local transforms of one joint, or of sixteen neighbouring ones, from rows of a clip.
 // Twin of populace-native/src/rows.rs and sample.rs: same arithmetic, same order of operations.
 //
-// populace-core/src/clip/storage.rs describes a row. A component is `offset + step * n`. The step
+// populace-clip/src/storage.rs describes a row. A component is `offset + step * n`. The step
 // is 0 for a constant component or a joint that the clip does not drive, so the arithmetic is the
 // same for all joints.
 

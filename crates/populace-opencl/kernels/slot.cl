@@ -1,5 +1,5 @@
 // slot.cl - Rows and weight of a slot, in closed form from the clock. Slots are never written. Twin
-// of populace-native/src/slot.rs and populace-core/src/playback.rs: same arithmetic, same order of
+// of populace-native/src/slot.rs and populace-device/src/playback.rs: same arithmetic, same order of
 // operations.
 
 // Returns a weight that goes from `start` by `rate` per second to `end`.

@@ -5,7 +5,7 @@
 // users' stages, only an empty STAGE_TABLES remains.
 //
 // Twin of populace-native/src/stages.rs: same arithmetic, same order of operations. The functions
-// for users are twins of StageJoint in populace-core/src/stage.rs.
+// for users are twins of StageJoint in populace-device/src/stage.rs.
 
 #ifdef USER_STAGES
 
@@ -40,8 +40,8 @@ INLINE StageJoint stage_joint(StageTables tables, Step step, Control control)
 
 INLINE bool stage_bounded(float4 v)
 {
-    return fabs(v.x) <= STAGE_BOUND && fabs(v.y) <= STAGE_BOUND && fabs(v.z) <= STAGE_BOUND
-           && fabs(v.w) <= STAGE_BOUND;
+    return fabs(v.x) <= STAGE_LARGEST && fabs(v.y) <= STAGE_LARGEST && fabs(v.z) <= STAGE_LARGEST
+           && fabs(v.w) <= STAGE_LARGEST;
 }
 
 // Runs a stage on a model transform. A result out of bounds is dropped.

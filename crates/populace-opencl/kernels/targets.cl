@@ -82,7 +82,7 @@ INLINE float4 sight(const Solver *s, Target target, float4 from, float *weight)
     const float4 point = vec(target.point.x, target.point.y, target.point.z);
     if (target.kind == TARGET_WORLD) return to_model(s->control, point);
     if (target.kind == TARGET_DIRECTION)
-        return add_scaled(from, direction_to_model(s->control, point), FAR_M);
+        return add_scaled(from, direction_to_model(s->control, point), TARGET_FAR_M);
     if (target.kind == TARGET_WATCHED) {
         __global const float4 *rows = s->tables->watched_before + target.watched * WATCHED_ELEMENTS;
         const float4 a = rows[0];

@@ -3,7 +3,7 @@
 // vec3_ and quat_ functions work in lanes. The others work on one joint: vectors as float4 x y z 0,
 // rotations as unit quaternions x y z w.
 //
-// Twin of populace-core/src/math/vec3.rs: same arithmetic, same order of operations.
+// Twin of populace-model/src/math/vec3.rs: same arithmetic, same order of operations.
 
 // Vectors in lanes.
 
@@ -52,7 +52,7 @@ INLINE Vec3 vec3_choose(Choice which, Vec3 a, Vec3 b)
 INLINE Vec3 vec3_unit_or(Vec3 a, Vec3 fallback)
 {
     const Real squared = vec3_dot(a, a);
-    return vec3_choose(squared > (Real)(TINY), vec3_scale(a, inverse_sqrt(squared)), fallback);
+    return vec3_choose(squared > (Real)(LEAST_SQUARE), vec3_scale(a, inverse_sqrt(squared)), fallback);
 }
 
 INLINE Vec3 vec3_any_across(Vec3 a)
@@ -92,7 +92,7 @@ INLINE float vec_length(float4 a) { return root(vec_dot(a, a)); }
 INLINE float4 unit_or(float4 a, float4 fallback)
 {
     const float squared = vec_dot(a, a);
-    return squared > TINY ? a * inverse_root(squared) : fallback;
+    return squared > LEAST_SQUARE ? a * inverse_root(squared) : fallback;
 }
 
 // Returns `a` without its part along a unit vector.
@@ -110,7 +110,7 @@ INLINE float turn_dot(float4 a, float4 b) { return a.x * b.x + a.y * b.y + a.z *
 INLINE float4 turn_unit(float4 a)
 {
     const float squared = turn_dot(a, a);
-    return squared > TINY ? a * inverse_root(squared) : IDENTITY_TURN;
+    return squared > LEAST_SQUARE ? a * inverse_root(squared) : IDENTITY_TURN;
 }
 
 INLINE float4 turn_mul(float4 a, float4 b)

@@ -59,7 +59,6 @@ impl Form {
         let rules = "#pragma OPENCL FP_CONTRACT OFF\n";
         let settings = self.settings();
         let arithmetic = [
-            include_str!("../kernels/constants.cl"),
             include_str!("../kernels/lanes.cl"),
             include_str!("../kernels/real.cl"),
             include_str!("../kernels/quat.cl"),

@@ -9,7 +9,7 @@
 //! ```
 //! use std::sync::Arc;
 //!
-//! use populace::{Crowd, Device, Placement, Play};
+//! use populace::{ClipPlayback, Crowd, Device, Placement};
 //! use populace_physics::{RagdollPlan, Ragdolls, State};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,7 +17,7 @@
 //! let man = crowd.add_character(populace_cast::person(&populace_cast::Look::man())?)?;
 //! let walk = crowd.clip(man, "Walk")?;
 //! let member = crowd.spawn(man, Placement::at([0.0; 3]))?;
-//! crowd.play(member, walk, Play::looping())?;
+//! crowd.member_mut(member)?.play(walk, ClipPlayback::looping())?;
 //! crowd.update(0.1)?;
 //!
 //! let plan = Arc::new(RagdollPlan::from_skeleton(&crowd.character(man)?.skeleton));
@@ -29,7 +29,7 @@
 //!     ragdolls.step(&mut crowd, 1.0 / 60.0)?; // writes overrides for the update that follows
 //!     crowd.update(1.0 / 60.0)?;
 //! }
-//! let hips = crowd.model_from_joints(member)?[0];
+//! let hips = crowd.member_mut(member)?.model_from_joints()?[0];
 //! assert!(hips.rows[1][3] < 0.4, "he lies on the ground");
 //!
 //! ragdolls.get_up(&mut crowd, member, 1.0)?;

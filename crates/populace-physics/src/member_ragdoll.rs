@@ -6,7 +6,7 @@ mod overrides;
 
 use std::sync::Arc;
 
-use populace::Member;
+use populace::MemberId;
 use populace::model::Trs;
 use rapier3d::prelude::{ImpulseJointHandle, RigidBody, RigidBodyHandle};
 
@@ -82,7 +82,7 @@ impl Fade {
 
 /// The ragdoll of one member.
 pub(crate) struct MemberRagdoll {
-    pub(crate) member: Member,
+    pub(crate) member: MemberId,
     pub(crate) plan: Arc<RagdollPlan>,
     pub(crate) id: u64,
     /// Whether each body of the plan is limp. The others follow the clips.

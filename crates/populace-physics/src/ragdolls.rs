@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use populace::{Crowd, JointIndex, Member};
+use populace::{Crowd, JointIndex, MemberId};
 
 use crate::error::{finite, seconds};
 use crate::math::Vector;
@@ -43,7 +43,7 @@ struct Push {
 
 /// A member that goes limp once its velocity has been measured.
 struct PendingRagdoll {
-    member: Member,
+    member: MemberId,
     plan: Arc<RagdollPlan>,
     limp: Vec<bool>,
     /// The first snapshot, and the time to the next one in seconds.
@@ -124,7 +124,7 @@ impl Ragdolls {
     pub fn go_limp(
         &mut self,
         crowd: &Crowd,
-        member: Member,
+        member: MemberId,
         plan: &Arc<RagdollPlan>,
     ) -> Result<(), Error> {
         self.request(crowd, member, plan, vec![true; plan.bodies().len()])
@@ -140,7 +140,7 @@ impl Ragdolls {
     pub fn go_limp_from(
         &mut self,
         crowd: &Crowd,
-        member: Member,
+        member: MemberId,
         plan: &Arc<RagdollPlan>,
         joint: JointIndex,
     ) -> Result<(), Error> {
@@ -151,11 +151,11 @@ impl Ragdolls {
     fn request(
         &mut self,
         crowd: &Crowd,
-        member: Member,
+        member: MemberId,
         plan: &Arc<RagdollPlan>,
         mut limp: Vec<bool>,
     ) -> Result<(), Error> {
-        let skeleton = &crowd.character(crowd.character_of(member)?)?.skeleton;
+        let skeleton = &crowd.character(crowd.member(member)?.character())?.skeleton;
         if plan.joint_count() != skeleton.joint_count() {
             return Err(Error::WrongPlan {
                 plan: plan.joint_count(),
@@ -197,7 +197,7 @@ impl Ragdolls {
     /// [`Error::NotLimp`], [`Error::NoBody`], or [`Error::BadValue`] if a number is not finite.
     pub fn push(
         &mut self,
-        member: Member,
+        member: MemberId,
         joint: JointIndex,
         impulse_ns: [f32; 3],
         at: Option<[f32; 3]>,
@@ -231,11 +231,11 @@ impl Ragdolls {
     pub fn get_up(
         &mut self,
         crowd: &mut Crowd,
-        member: Member,
+        member: MemberId,
         over_secs: f32,
     ) -> Result<(), Error> {
         seconds("the time to get up", over_secs)?;
-        crowd.placement(member)?;
+        crowd.member(member)?;
         let was_pending = self.pending.iter().any(|w| w.member == member);
         self.pending.retain(|w| w.member != member);
         let Some(ragdoll) = self.active.iter_mut().find(|d| d.member == member) else {
@@ -245,10 +245,8 @@ impl Ragdolls {
             return Ok(());
         }
         if ragdoll.is_fully_limp() {
-            crowd.place(
-                member,
-                ragdoll.placement_to_get_up(crowd.placement(member)?, &self.world),
-            )?;
+            let mut view = crowd.member_mut(member)?;
+            view.set_placement(ragdoll.placement_to_get_up(view.placement(), &self.world))?;
         }
         ragdoll.fade = Some(Fade { elapsed_secs: 0.0, over_secs });
         ragdoll.write(crowd, &self.world)
@@ -298,11 +296,11 @@ impl Ragdolls {
 
     /// Removes the ragdolls of despawned members.
     fn remove_despawned(&mut self, crowd: &Crowd) {
-        self.pending.retain(|w| crowd.placement(w.member).is_ok());
-        for ragdoll in self.active.iter().filter(|d| crowd.placement(d.member).is_err()) {
+        self.pending.retain(|w| crowd.member(w.member).is_ok());
+        for ragdoll in self.active.iter().filter(|d| crowd.member(d.member).is_err()) {
             ragdoll.remove(&mut self.world);
         }
-        self.active.retain(|d| crowd.placement(d.member).is_ok());
+        self.active.retain(|d| crowd.member(d.member).is_ok());
     }
 
     /// Takes a snapshot of each pending member, and builds the ragdolls of those that have two.
@@ -326,7 +324,7 @@ impl Ragdolls {
                 old.release(crowd)?;
                 old.remove(&mut self.world);
             }
-            let character = crowd.character(crowd.character_of(pending.member)?)?;
+            let character = crowd.character(crowd.member(pending.member)?.character())?;
             let params = BuildParams {
                 member: pending.member,
                 skeleton: &character.skeleton,
@@ -349,7 +347,7 @@ impl Ragdolls {
 
     /// Returns the ragdoll state of a member.
     #[must_use]
-    pub fn state(&self, member: Member) -> State {
+    pub fn state(&self, member: MemberId) -> State {
         if self.pending.iter().any(|w| w.member == member) {
             return State::GoingLimp;
         }
@@ -365,7 +363,7 @@ impl Ragdolls {
     /// Returns the angles of each limp body against its parent body, with their limits. Empty for a
     /// member that is not limp.
     #[must_use]
-    pub fn joint_angles(&self, member: Member) -> Vec<JointAngles> {
+    pub fn joint_angles(&self, member: MemberId) -> Vec<JointAngles> {
         let ragdoll = self.active.iter().find(|d| d.member == member);
         ragdoll.map_or_else(Vec::new, |d| d.joint_angles(&self.world).collect())
     }
@@ -373,7 +371,7 @@ impl Ragdolls {
     /// Returns the kinetic plus potential energy of a member's limp bodies in joules. The potential
     /// energy is relative to height 0. Returns `None` for a member that is not limp.
     #[must_use]
-    pub fn energy_j(&self, member: Member) -> Option<f32> {
+    pub fn energy_j(&self, member: MemberId) -> Option<f32> {
         Some(self.active.iter().find(|d| d.member == member)?.energy_j(&self.world))
     }
 }

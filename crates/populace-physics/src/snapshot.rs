@@ -1,7 +1,7 @@
 //! Snapshots of a member's joints in world space.
 
 use populace::model::JointIndex;
-use populace::{Affine, BackendError, Crowd, Member, Placement};
+use populace::{Affine, BackendError, Crowd, MemberId, Placement};
 
 use crate::Error;
 use crate::math::{Pose, Rotation, Vector, local, origin, point, rotation_of, yaw_rotation};
@@ -22,13 +22,14 @@ pub(crate) struct Snapshot {
 impl Snapshot {
     /// Reads back a member's joints of the last update. Returns `None` if no update has evaluated
     /// the member on the crowd's device yet.
-    pub(crate) fn of(crowd: &mut Crowd, member: Member) -> Result<Option<Self>, Error> {
-        let placement = crowd.placement(member)?;
-        let model_from_joints = match crowd.model_from_joints(member) {
-            Ok(joints) => joints,
-            Err(populace::Error::Backend(BackendError::NotEvaluated)) => return Ok(None),
-            Err(error) => return Err(error.into()),
-        };
+    pub(crate) fn of(crowd: &mut Crowd, member: MemberId) -> Result<Option<Self>, Error> {
+        let placement = crowd.member(member)?.placement();
+        let model_from_joints =
+            match crowd.member_mut(member).and_then(|mut m| m.model_from_joints()) {
+                Ok(joints) => joints,
+                Err(populace::Error::Backend(BackendError::NotEvaluated)) => return Ok(None),
+                Err(error) => return Err(error.into()),
+            };
         if let Some(bad) =
             model_from_joints.iter().flat_map(|m| m.rows).flatten().find(|v| !v.is_finite())
         {
@@ -38,7 +39,7 @@ impl Snapshot {
                 rule: "finite",
             });
         }
-        let skeleton = &crowd.character(crowd.character_of(member)?)?.skeleton;
+        let skeleton = &crowd.character(crowd.member(member)?.character())?.skeleton;
         let mut rotations: Vec<Rotation> = Vec::with_capacity(model_from_joints.len());
         for joint in skeleton.joints() {
             let parent = skeleton.parent(joint).map(JointIndex::index);

@@ -9,7 +9,7 @@
 mod common;
 
 use common::{DT, Scene, length, minus};
-use populace::{Placement, Play};
+use populace::{ClipPlayback, Placement};
 use populace_physics::{Error, State};
 
 #[test]
@@ -50,7 +50,7 @@ fn limp_arm_follows_a_moving_member() {
     let mut scene = Scene::walking_man();
     let (arm, hand) = (scene.joint("RightUpperArm"), scene.joint("RightHand"));
     scene.ragdolls.go_limp_from(&scene.crowd, scene.member, &scene.plan, arm).unwrap();
-    scene.crowd.place(scene.member, Placement::at([0.0; 3])).unwrap();
+    scene.crowd.member_mut(scene.member).unwrap().set_placement(Placement::at([0.0; 3])).unwrap();
     let mut furthest: f32 = 0.0;
     let mut worst: f32 = 0.0;
     let mut before: Option<([f32; 3], [f32; 3])> = None;
@@ -58,7 +58,9 @@ fn limp_arm_follows_a_moving_member() {
         scene.ragdolls.step(&mut scene.crowd, DT).unwrap();
         scene
             .crowd
-            .place(scene.member, Placement::at([0.0, 0.0, 1.4 * DT * frame as f32]))
+            .member_mut(scene.member)
+            .unwrap()
+            .set_placement(Placement::at([0.0, 0.0, 1.4 * DT * frame as f32]))
             .unwrap();
         scene.crowd.update(DT).unwrap();
         let (shoulder, hand) = (scene.position(arm), scene.position(hand));
@@ -92,7 +94,7 @@ fn limp_parts_add_up_until_the_whole_is_limp() {
     scene.frames(200);
     assert!(scene.positions()[0][1] < 0.4, "he lies on the ground");
     let walk = scene.crowd.clip(scene.character, "Run").unwrap();
-    scene.crowd.play(scene.member, walk, Play::looping()).unwrap();
+    scene.crowd.member_mut(scene.member).unwrap().play(walk, ClipPlayback::looping()).unwrap();
     scene.frames(10);
     assert!(scene.positions()[0][1] < 0.4, "clips do not move him");
 }

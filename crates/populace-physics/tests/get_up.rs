@@ -39,8 +39,8 @@ fn getting_up_ends_bitwise_at_the_clip_and_keeps_buffers() {
     assert_eq!(scene.ragdolls.state(scene.member), State::Animated);
     assert_eq!(scene.joints(), twin.joints());
     assert_eq!(
-        scene.crowd.palette(scene.member).unwrap(),
-        twin.crowd.palette(twin.member).unwrap()
+        scene.crowd.member_mut(scene.member).unwrap().palette().unwrap(),
+        twin.crowd.member_mut(twin.member).unwrap().palette().unwrap()
     );
 }
 

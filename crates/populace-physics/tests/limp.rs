@@ -20,7 +20,12 @@ fn walk_frame(scene: &mut Scene, z: &mut f32) {
     scene.ragdolls.step(&mut scene.crowd, DT).unwrap();
     if !matches!(scene.ragdolls.state(scene.member), State::Limp { .. }) {
         *z += WALK_M_PER_SEC * DT;
-        scene.crowd.place(scene.member, Placement::at([0.0, 0.0, *z])).unwrap();
+        scene
+            .crowd
+            .member_mut(scene.member)
+            .unwrap()
+            .set_placement(Placement::at([0.0, 0.0, *z]))
+            .unwrap();
     }
     scene.crowd.update(DT).unwrap();
 }
@@ -83,11 +88,14 @@ fn angular_velocity_is_kept() {
             heading += turn;
             scene
                 .crowd
-                .place(scene.member, Placement::at([0.0, 5.0, 0.0]).facing(heading))
+                .member_mut(scene.member)
+                .unwrap()
+                .set_placement(Placement::at([0.0, 5.0, 0.0]).facing(heading))
                 .unwrap();
         }
         scene.crowd.update(DT).unwrap();
-        let world_from_model = scene.crowd.placement(scene.member).unwrap().world_from_model();
+        let world_from_model =
+            scene.crowd.member(scene.member).unwrap().placement().world_from_model();
         let rows = world_from_model.mul(&scene.joints()[0]).rows;
         seen.push(rows[0][2].atan2(rows[2][2]));
     }
@@ -229,7 +237,7 @@ fn planted_feet_do_not_move_a_limp_member() {
             let feet = Feet { pelvis: scene.joint("Pelvis"), feet, weight: 1.0 };
             scene.go_limp();
             scene.frames(2);
-            scene.crowd.plant_with(scene.member, &feet).unwrap();
+            scene.crowd.member_mut(scene.member).unwrap().plant_feet_with(&feet).unwrap();
         } else {
             scene.go_limp();
             scene.frames(2);

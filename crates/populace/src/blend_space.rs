@@ -1,25 +1,22 @@
-//! Blend spaces: clips at points of speed, or of speed and turn, and how much each weighs at a
-//! point between them.
+//! Blend spaces: clips at points of a line or a plane, and their weights at points between.
 
 mod plane;
-
-use populace_model::convert::single;
 
 use crate::error::bounded;
 use crate::{ClipId, Error};
 use plane::Plane;
 
-/// The most clips that weigh at once: the corners of a triangle.
+/// The most clips with a weight at one point: the corners of a triangle.
 pub(crate) const MOST: usize = 3;
-/// Clips and their weights at a point; those of weight 0 are places left over.
+/// Clips and their weights at a point; entries of weight 0 are unused.
 pub(crate) type Weights = [(usize, f32); MOST];
 
-/// A point of a blend space: a speed, or a speed and a turn, in the units of its samples.
+/// A point of a blend space: a speed, or a speed and a turn rate, in the units of its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpacePoint {
-    /// Along the first axis; a line has no other.
+    /// The coordinate on the first axis, the only one of a line.
     pub speed: f32,
-    /// Along the second axis; not looked at in a line.
+    /// The coordinate on the second axis; ignored by a line.
     pub turn: f32,
 }
 
@@ -44,49 +41,38 @@ impl SpacePoint {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
-    /// Values and the samples that stand there, in ascending order.
+    /// Values and the indices of their samples, in ascending order.
     Line(Vec<(f32, usize)>),
     Plane(Plane),
 }
 
-/// Clips at points of a line or a plane, mixed by where a member is between them: an idle, a walk
-/// and a run by speed, or turns to either side too.
+/// Clips at points of a line or a plane, mixed by the position of a member between them: idle, walk
+/// and run by speed, or by speed and turn rate.
 ///
-/// At a sample its clip alone plays; between samples the two or three around the point do, and
-/// their weights run evenly from one to the other. Outside of all samples the nearest point among
-/// them counts.
+/// At a sample its clip plays alone. Between samples the two or three nearest clips play, with
+/// linear weights. Outside of the samples the nearest point among them counts.
 ///
-/// All clips of a space share one phase, so that feet that touch the ground together stay together.
-/// It runs at the mean of the clips' own cycles per second, by their weights; clips of no length
-/// have none and follow. Where a clip begins with another foot than the others,
-/// [`with_offset`](Self::with_offset) says how far into the cycle.
+/// All clips share one phase, so that their feet touch the ground together. The phase advances at
+/// the weighted mean of the clips' own cycles per second. Clips of no length do not count towards
+/// it. [`with_offset`](Self::with_offset) aligns a clip that starts with the other foot.
 ///
 /// ```
-/// # use populace::{BlendSpace, Crowd, Device, Placement, Play};
-/// # use populace::character::{Character, CharacterSource, PaletteEntry};
-/// # use populace::clip::Clip;
-/// # use populace::model::{Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs};
-/// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
-/// # let skeleton = Skeleton::new(&[joint])?;
-/// # let clip = |name: &str, secs| { let track = Track { joint: "hips".into(), property: Property::Translation,
-/// #     interpolation: Interpolation::Linear, times: vec![0.0, secs], values: vec![0.0; 6] };
-/// #     Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, &skeleton) };
-/// # let clips = vec![clip("Idle", 4.0)?.into(), clip("Walk", 1.0)?.into(), clip("Run", 0.5)?.into()];
-/// # let knight = Character::new(CharacterSource { name: "knight".into(), palette: vec![],
-/// #     skeleton: skeleton.clone(), parts: vec![], materials: vec![], images: vec![], skins: vec![], clips })?;
+/// # use populace::{BlendSpace, BlendSpacePlayback, Crowd, Device, Placement};
 /// # let mut crowd = Crowd::builder().device(Device::native()).build()?;
-/// # let knight = crowd.add_character(knight)?;
+/// # let knight = populace::doc_fixture::knight(&mut crowd)?;
 /// # let member = crowd.spawn(knight, Placement::at([0.0; 3]))?;
-/// let (idle, walk, run) = (crowd.clip(knight, "Idle")?, crowd.clip(knight, "Walk")?, crowd.clip(knight, "Run")?);
+/// let idle = crowd.clip(knight, "Idle")?;
+/// let walk = crowd.clip(knight, "Walk")?;
+/// let run = crowd.clip(knight, "Run")?;
 /// let gait = BlendSpace::line(&[(idle, 0.0), (walk, 1.5), (run, 3.5)])?;
 /// assert_eq!(gait.weights(2.5)?, [(walk, 0.5), (run, 0.5)]);
 ///
-/// let gait = crowd.add_space(gait)?;
-/// crowd.play_space(member, gait, 1.5, Play::looping())?;
-/// crowd.update(0.1)?;
-/// crowd.steer(member, 3.5, 0.5)?; // from a walk into a run in half a second
+/// let gait = crowd.add_blend_space(gait)?;
+/// let mut knight = crowd.member_mut(member)?;
+/// knight.play_blend_space(gait, 1.5, BlendSpacePlayback::new())?;
+/// knight.set_blend_parameter(3.5, 0.5)?; // from a walk into a run in half a second
 /// crowd.update(0.25)?;
-/// assert_eq!(crowd.playing(member)?.len(), 2);
+/// assert_eq!(crowd.member(member)?.active_clips().len(), 2);
 /// # Ok::<(), populace::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -98,11 +84,12 @@ pub struct BlendSpace {
 }
 
 impl BlendSpace {
-    /// Clips at values of one axis, such as speeds in metres per second, in any order.
+    /// Returns a blend space of clips at values of one axis, such as speeds in metres per second,
+    /// in any order.
     ///
     /// # Errors
     ///
-    /// [`Error::BadBlendSpace`] without samples, with more than 1,000, or where two are at one
+    /// [`Error::BadBlendSpace`] without samples, with more than 1,000, or with two samples at one
     /// value; a value that is not finite.
     pub fn line(samples: &[(ClipId, f32)]) -> Result<Self, Error> {
         let mut values: Vec<_> =
@@ -118,11 +105,11 @@ impl BlendSpace {
         Self::new(samples.iter().map(|(clip, _)| *clip), Shape::Line(values))
     }
 
-    /// Clips at points of two axes, such as speed in metres per second and turn in radians per
-    /// second, in any order.
+    /// Returns a blend space of clips at points of two axes, such as speed in metres per second and
+    /// turn rate in radians per second, in any order.
     ///
-    /// Points are joined to triangles (Delaunay's, with each axis measured by how far the samples
-    /// spread along it). Where all stand on one line, the plane is that line.
+    /// The points are triangulated (Delaunay, each axis divided by the extent of the samples). If
+    /// all points lie on one line, the blend space is that line.
     ///
     /// # Errors
     ///
@@ -143,12 +130,12 @@ impl BlendSpace {
         Ok(Self { offsets: vec![0.0; clips.len()], clips, shape })
     }
 
-    /// Says how far into its own cycle a clip is when the space's phase begins, from 0 to 1, so
-    /// that its feet fall with those of the others.
+    /// Sets the phase of a clip, 0 to 1, at the start of the shared cycle, so that its feet touch
+    /// the ground together with those of the other clips.
     ///
     /// # Errors
     ///
-    /// [`Error::BadBlendSpace`] where the space has no such clip; an offset that is not finite.
+    /// [`Error::BadBlendSpace`] if the space has no such clip; an offset that is not finite.
     pub fn with_offset(mut self, clip: ClipId, cycles: f32) -> Result<Self, Error> {
         bounded("the phase offset of a clip", &[cycles])?;
         if !self.clips.contains(&clip) {
@@ -159,14 +146,14 @@ impl BlendSpace {
         Ok(self)
     }
 
-    /// The clips, in the order they were given.
+    /// The clips, in the order in which they were given.
     #[must_use]
     pub fn clips(&self) -> &[ClipId] {
         &self.clips
     }
 
-    /// The clips that play at a point with their weights, which sum to 1; at most two in a line and
-    /// three in a plane.
+    /// Returns the clips that play at a point and their weights, which sum to 1: at most two on a
+    /// line and three on a plane.
     ///
     /// # Errors
     ///
@@ -177,7 +164,7 @@ impl BlendSpace {
         Ok(weighing.map(|(index, weight)| (self.clips[*index], *weight)).collect())
     }
 
-    /// Slots that are needed to stand still at any point.
+    /// The number of slots that any one point needs.
     pub(crate) fn slots_needed(&self) -> usize {
         let most = match self.shape {
             Shape::Line(_) => 2,
@@ -219,4 +206,12 @@ fn check_count(count: usize) -> Result<(), Error> {
 
 pub(crate) fn bad(reason: &str) -> Error {
     Error::BadBlendSpace { reason: reason.to_owned() }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
+pub(crate) fn single(number: f64) -> f32 {
+    number as f32
 }

@@ -1,13 +1,14 @@
-//! What members look at and reach for, and how much.
+//! Targets, weights and settings of look-at and IK constraints.
 
+use populace_device::GazeLimits;
 use populace_device::layout;
 use populace_model::JointIndex;
 
 use crate::error::{bounded, finite};
-use crate::play::{check_secs, check_weight};
-use crate::{Error, Member};
+use crate::playback::{check_secs, check_weight};
+use crate::{Error, MemberId};
 
-/// Something to look at or to reach.
+/// The target of a look-at or reach constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
     /// A point in the world, in metres.
@@ -19,7 +20,7 @@ pub enum Target {
     /// A joint of another member, where it was in the frame before.
     Joint {
         /// The other member.
-        member: Member,
+        member: MemberId,
         /// Its joint, in level order.
         joint: JointIndex,
     },
@@ -44,7 +45,7 @@ impl Target {
         }
     }
 
-    /// As devices have it; of a joint, by its place among what is watched.
+    /// Returns the target as devices store it; `watched` is the index of a watched joint.
     pub(crate) fn device_target(&self, watched: u32) -> layout::Target {
         match *self {
             Self::Point(point) => layout::Target::in_world(point),
@@ -64,19 +65,32 @@ impl From<[f32; 3]> for Target {
     }
 }
 
-/// How much a constraint counts, and how long it takes to come to that: it eases in and out.
+/// A look-at constraint: the joints that share the rotation, and how far they turn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gaze {
+    /// The joints, from the root towards the one that is to face the target, each with its share of
+    /// the rotation. The shares are relative to each other.
+    pub chain: Vec<(JointIndex, f32)>,
+    /// The direction that the last joint faces at rest, in model space.
+    pub facing: [f32; 3],
+    /// The limits of the rotation.
+    pub limits: GazeLimits,
+}
+
+/// The weight of a constraint, and the time in which it eases to that weight.
 ///
-/// A call may be repeated, each frame if need be. With the same weight and time the ease goes on;
-/// with another weight or time a new one begins from the weight that the constraint has. With
-/// another target of the same kind ([`Target::Point`], [`Target::InModel`] or
-/// [`Target::Direction`]) it depends on when the last call was:
+/// A call may be repeated in every frame. With the same weight and time the ease continues; with
+/// another weight or time a new ease starts from the constraint's present weight. With another
+/// target of the same kind ([`Target::Point`], [`Target::InModel`] or
+/// [`Target::Direction`]) it depends on the time since the
+/// last call:
 ///
-/// - Less than the time to ease ago: the calls follow one moving target. The target moves at once,
-///   and the ease goes on.
-/// - Longer ago: the constraint eases over from the target of before to the new one.
+/// - Less than the ease time: the calls follow one moving target. The target moves at once, and the
+///   ease continues.
+/// - More: the constraint eases from the earlier target to the new one.
 ///
 /// With a target of another kind, or another joint, the constraint always eases over.
-/// [`easing_over`](Self::easing_over) asks for that in any case.
+/// [`easing_over`](Self::easing_over) forces it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weight {
     pub(crate) value: f32,
@@ -85,10 +99,10 @@ pub struct Weight {
 }
 
 impl Weight {
-    /// All of it, in 0.3 seconds.
+    /// Weight 1, reached in 0.3 seconds.
     pub const FULL: Self = Self { value: 1.0, secs: 0.3, eases_over: false };
 
-    /// From 0 to 1, in 0.3 seconds.
+    /// Returns a weight of 0 to 1 that is reached in 0.3 seconds.
     ///
     /// # Errors
     ///
@@ -98,16 +112,16 @@ impl Weight {
         Ok(Self { value, ..Self::FULL })
     }
 
-    /// In so many seconds; at once for 0.
+    /// Sets the ease time; 0 applies the weight at once.
     #[must_use]
     pub const fn over_secs(mut self, secs: f32) -> Self {
         self.secs = secs;
         self
     }
 
-    /// Eases over to another target even where calls have followed a moving one, such as from one
-    /// shop window to the next. It is for the one call with which the target changes: repeated with
-    /// a moving target, the ease begins over each time.
+    /// Eases over to another target even if recent calls followed a moving one, such as from one
+    /// shop window to the next. Use it for the one call that changes the target: repeated with a
+    /// moving target, each call restarts the ease.
     #[must_use]
     pub const fn easing_over(mut self) -> Self {
         self.eases_over = true;
@@ -126,7 +140,7 @@ impl Default for Weight {
     }
 }
 
-/// How a limb of two bones reaches.
+/// Settings of two-bone IK.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     pub(crate) end: JointIndex,
@@ -137,39 +151,39 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// With the limb that ends in a joint. Unless others are named, what bends and turns above a
-    /// hand or a foot is elbow and shoulder, or knee and hip, by the character's humanoid roles;
-    /// above any other joint, its parent and that one's parent.
+    /// Selects the limb that ends in `end`. For a hand or a foot the humanoid roles name elbow and
+    /// shoulder, or knee and hip; for any other joint the limb consists of its parent and
+    /// grandparent.
     #[must_use]
     pub const fn with(end: JointIndex) -> Self {
         Self { end, limb: None, pole: None, bend: None, keeps_end: false }
     }
 
-    /// Names the joint that turns, shoulder or hip, and the one that bends, elbow or knee.
+    /// Sets the first joint (shoulder, hip) and the middle joint (elbow, knee) of the limb.
     #[must_use]
     pub const fn limb(mut self, first: JointIndex, middle: JointIndex) -> Self {
         self.limb = Some([first, middle]);
         self
     }
 
-    /// Draws the joint that bends towards a direction in model space. Without this it stays on the
-    /// side where the clips have it.
+    /// Pulls the middle joint towards a direction in model space. Without a pole it bends to the
+    /// side to which the clips bend it.
     #[must_use]
     pub const fn pole(mut self, direction: [f32; 3]) -> Self {
         self.pole = Some(direction);
         self
     }
 
-    /// Where the middle joint bends to when the limb is straight, as a direction at rest in model
-    /// space. Unless named, it is where the rest pose bends, else what is usual: knees to the
-    /// front, elbows of outstretched arms to the back.
+    /// Sets the direction in which a straight limb bends, at rest in model space. Unless set it is
+    /// the bend of the rest pose; a straight rest pose bends knees to the front and elbows to the
+    /// back.
     #[must_use]
     pub const fn bending(mut self, direction: [f32; 3]) -> Self {
         self.bend = Some(direction);
         self
     }
 
-    /// Lets the end keep the rotation that it has without the constraint; else it follows the limb.
+    /// Keeps the rotation that the end has without the constraint. Otherwise it follows the limb.
     #[must_use]
     pub const fn keeping_rotation(mut self) -> Self {
         self.keeps_end = true;

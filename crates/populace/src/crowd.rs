@@ -11,6 +11,7 @@ mod hand_over;
 mod inertialization;
 mod live;
 mod machines;
+mod member;
 mod members;
 mod motion;
 mod people;
@@ -49,10 +50,11 @@ pub use builder::CrowdBuilder;
 use controls::{MemberControls, Watches};
 pub use events::{Event, EventKind};
 pub use machines::MachineId;
+pub use member::{MemberMut, MemberRef, MemberView};
 pub use members::Instance;
-pub use spaces::SpaceId;
+pub use spaces::BlendSpaceId;
 pub use stages::StageId;
-pub use watches::{Sighting, Watch};
+pub use watches::{JointReadback, Watch};
 
 /// A character of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -69,8 +71,8 @@ impl CharacterId {
     }
 }
 
-/// A clip of a crowd. Any member can play it: it drives the joints whose names it knows, and moves
-/// other bodies by their humanoid roles.
+/// A clip of a crowd. Any member can play it: it binds to joints by name, and to other bodies by
+/// their humanoid roles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClipId {
     crowd: u32,
@@ -86,34 +88,42 @@ pub struct MaskId {
 
 /// A handle to a member. It goes stale when the member is despawned, and is then refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Member {
+pub struct MemberId {
     crowd: u32,
-    place: u32,
+    index: u32,
     generation: u32,
 }
 
-impl Member {
-    /// A number below the crowd's capacity: that of no other member while this one is there. Users'
-    /// stages get it.
+impl MemberId {
+    /// The member's index, below the crowd's capacity and unique among present members. User stages
+    /// receive it.
     #[must_use]
     pub const fn number(self) -> u32 {
-        self.place
+        self.index
     }
 }
 
-/// A handle to a clip or a state machine that was started on a member. It goes stale once another
-/// clip has taken its slot, which happens after it has faded out, and when it was to start later
-/// and something else was started in its place.
+/// A handle to a clip or state machine that was started on a member. It goes stale when another
+/// clip takes its slot after it has faded out, and when something else replaces it before its
+/// scheduled start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct PlayId {
-    member: Member,
+pub struct PlaybackId {
+    member: MemberId,
     serial: u32,
 }
 
-/// The longest step of the clock; a longer one is a mistake.
+impl PlaybackId {
+    /// The member that plays it.
+    #[must_use]
+    pub const fn member(self) -> MemberId {
+        self.member
+    }
+}
+
+/// The longest time step that is accepted, in seconds.
 const MAX_STEP_SECS: f32 = 1e6;
 
-/// Time in whole ticks, with what is left over.
+/// Time in whole ticks, and the remaining fraction of a tick.
 #[derive(Clone, Copy, Debug)]
 struct Clock {
     tick: u64,
@@ -129,19 +139,20 @@ impl Default for Clock {
 struct CharacterState {
     character: Arc<Character>,
     body: BodyIndex,
-    /// Found by name, or given.
+    /// Detected from joint names, or set.
     roles: Option<RoleMap>,
-    /// The clips that came with the character or were added to it, by name.
+    /// The clips that came with the character or were added to it.
     clips: Vec<ClipId>,
 }
 
 #[derive(Clone, Copy)]
 struct MemberState {
     generation: u32,
-    /// `None` while the place is free.
+    /// `None` while the index is free.
     character: Option<CharacterId>,
     placement: Placement,
-    /// The number of updates when it came.
+    user_data: u64,
+    /// The number of updates when the member was spawned.
     since: u64,
 }
 
@@ -150,73 +161,73 @@ pub struct Crowd {
     number: u32,
     devices: Devices,
     opened: Opened,
-    /// Why it is the native device, where none was named.
+    /// The reason for the native device, if no device was selected.
     fallback: Option<String>,
-    /// What devices are opened for.
+    /// The OpenGL context that devices share buffers with.
     gl: Option<Arc<dyn GlContext>>,
     tables: Tables,
     clips: AnimationSet,
     characters: Vec<CharacterState>,
     bound_clips: HashMap<(BodyIndex, ClipIndex), bindings::Bound>,
-    /// Of the skeletons that clips were made for, where given.
+    /// Roles of the skeletons that clips were made for, where set.
     clip_roles: HashMap<ClipIndex, RoleMap>,
-    /// Of live clips that poses have come into.
+    /// Streams of the live clips that have received poses.
     streams: HashMap<ClipIndex, Stream>,
     members: Vec<MemberState>,
-    /// Of members that more than clips move, by place.
+    /// Constraint programs of members, by member index.
     controls: HashMap<u32, MemberControls>,
     watches: Watches,
-    /// Of members that are attached to others or bear some, by place.
+    /// Attachments of members, by member index.
     attachments: HashMap<u32, Attached>,
     stages: UserStages,
-    /// Watches that bring joints to the host, by serial number, and the clock when each began.
+    /// Watches that copy joints to the host, by serial number, and the tick at which each began.
     readers: BTreeMap<u32, (Watch, u64)>,
-    /// Members of whom is told what happens.
-    listening: Vec<Member>,
-    /// Moments of clips that were asked for.
+    /// Members whose events are reported.
+    listening: Vec<MemberId>,
+    /// Event markers of clips.
     marks: HashMap<ClipIndex, Vec<events::Mark>>,
-    /// What happened in the last update.
+    /// Events of the last update.
     events: Vec<Event>,
-    /// Slots of members that are listened to which were left in the course of an update, and when.
+    /// Slots of members with reported events that were left during an update, and the tick.
     left: Vec<(u32, Slot, u64)>,
-    /// What another device kept of members, for the next one.
+    /// History that the previous device held, for the next device.
     kept: Option<Kept>,
-    /// Updates that evaluated all members.
+    /// The number of updates.
     frame: u64,
-    /// Whether the device holds the results of the last of them.
+    /// Whether the device holds the results of the last update.
     is_readable: bool,
-    /// Where devices have the lengths of joints, by those.
+    /// Offsets of bone-length factors on the device, by the bits of the factors.
     proportions: HashMap<Vec<u32>, u32>,
     member_count: usize,
     capacity: usize,
     clock: Clock,
-    /// Beside each slot of the tables.
+    /// What was started in each slot of the tables.
     started: Vec<Started>,
     last_serial: u32,
-    /// How often a member's motion has begun.
+    /// The number of times that root motion has begun.
     motions: u32,
-    /// Members that their clips move, by place.
+    /// Members with root motion, by member index.
     moving: HashMap<u32, Moving>,
     waiting: Waiting,
     spaces: Vec<Space>,
-    /// The blend space that a member plays, by its place.
+    /// The blend space that a member plays, by member index.
     steered: HashMap<u32, Steered>,
     machines: Machines,
 }
 
 impl Crowd {
-    /// Settings to build a crowd from.
+    /// Returns the settings from which a crowd is built.
     #[must_use]
     pub fn builder() -> CrowdBuilder {
         CrowdBuilder::default()
     }
 
-    /// Moves the clock on, starts what was to start by then, and evaluates every member.
+    /// Advances the clock by `dt_secs`, starts what is scheduled by then, and evaluates every member.
     ///
     /// # Errors
     ///
-    /// A time that is negative or not finite, or a failing device; the crowd's state survives that,
-    /// see [`move_to`](Self::move_to).
+    /// A time that is negative or not finite, or a failing device. The crowd's state survives a
+    /// failing device: [`move_to`](Self::move_to) continues on another.
     pub fn update(&mut self, dt_secs: f32) -> Result<(), Error> {
         if !(0.0..=MAX_STEP_SECS).contains(&dt_secs) {
             let rule = "from 0 to 1,000,000 seconds";
@@ -254,7 +265,7 @@ impl Crowd {
         Ok(())
     }
 
-    /// Waits until the device has done all its work.
+    /// Waits until the device has finished all work.
     ///
     /// # Errors
     ///
@@ -263,7 +274,7 @@ impl Crowd {
         Ok(self.opened.backend_mut().finish()?)
     }
 
-    /// Pages of palettes in use.
+    /// The number of palette pages in use.
     #[must_use]
     pub fn page_count(&self) -> usize {
         self.tables.palette_places().div_ceil(PAGE_ENTRIES as usize)
@@ -273,15 +284,15 @@ impl Crowd {
         if crowd == self.number { Ok(()) } else { Err(Error::UnknownId { what, index }) }
     }
 
-    /// Refuses to read where the device holds no results of the last update.
+    /// Refuses to read if the device holds no results of the last update.
     fn check_readable(&self) -> Result<(), BackendError> {
         if self.is_readable { Ok(()) } else { Err(BackendError::NotEvaluated) }
     }
 
-    fn check(&self, member: Member) -> Result<CharacterId, Error> {
-        self.check_crowd("member", member.crowd, member.place)?;
+    fn check(&self, member: MemberId) -> Result<CharacterId, Error> {
+        self.check_crowd("member", member.crowd, member.index)?;
         let same = |s: &&MemberState| s.generation == member.generation;
-        let state = self.members.get(member.place as usize).filter(same);
+        let state = self.members.get(member.index as usize).filter(same);
         state.and_then(|s| s.character).ok_or(Error::StaleMember)
     }
 }

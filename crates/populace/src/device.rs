@@ -1,4 +1,4 @@
-//! Devices to evaluate a crowd on.
+//! Devices that evaluate a crowd.
 
 mod prepare;
 mod set;
@@ -15,72 +15,70 @@ use crate::split::SplitBackend;
 
 pub use set::{Devices, Split};
 
-/// A device, chosen by name; it is opened when a crowd is built on it.
+/// A device, selected by name. It is opened when a crowd is built on it.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Device {
-    /// The CPU, without a driver, on as many threads; 0 takes one for each core.
+    /// The CPU without a driver, on `threads` threads; 0 means one per core.
     Native {
-        /// How many threads.
+        /// The number of threads.
         threads: usize,
     },
-    /// The OpenCL device of a number, as [`devices`] lists them.
+    /// The OpenCL device with an index, as [`devices`] lists them.
     OpenCl {
-        /// The number.
+        /// The index.
         index: usize,
     },
-    /// One of several equal parts of an OpenCL device: so many of its compute units, that no other
-    /// part uses.
+    /// One of several equal parts of an OpenCL device. Each part has compute units of its own.
     OpenClPart {
-        /// The device's number.
+        /// The index of the device.
         index: usize,
-        /// Which part, from 1 to `parts`.
+        /// The part, from 1 to `parts`.
         part: usize,
-        /// Into how many parts the device is cut.
+        /// The number of parts.
         parts: usize,
     },
 }
 
 impl Device {
-    /// The CPU, on all cores.
+    /// Returns the native device on all cores.
     #[must_use]
     pub const fn native() -> Self {
         Self::Native { threads: 0 }
     }
 
-    /// The OpenCL device of a number.
+    /// Returns the OpenCL device with an index.
     #[must_use]
     pub const fn opencl(index: usize) -> Self {
         Self::OpenCl { index }
     }
 
-    /// Part `part`, from 1 to `parts`, of an OpenCL device that is cut into so many equal ones.
-    /// CPUs can be cut, down to single compute units, while drivers for graphics processors do not
-    /// offer it.
+    /// Returns part `part` (from 1) of an OpenCL device divided into `parts` equal parts. CPUs can
+    /// be divided down to single compute units; GPU drivers do not support it.
     #[must_use]
     pub const fn opencl_part(index: usize, part: usize, parts: usize) -> Self {
         Self::OpenClPart { index, part, parts }
     }
 
-    /// The best device of this machine: an OpenCL GPU, else an OpenCL CPU, else the native one.
-    /// OpenCL devices whose driver lacks something on this machine are passed over; [`devices`]
-    /// names what each lacks.
+    /// Returns the best device of this machine: an OpenCL GPU, else an OpenCL CPU, else the native
+    /// device. OpenCL devices with an incomplete driver are skipped; [`devices`] lists what each
+    /// lacks.
     #[must_use]
     pub fn best() -> Self {
         Self::best_opencl().unwrap_or(Self::native())
     }
 
-    /// The best OpenCL device, or why there is none.
+    /// Returns the best OpenCL device, or the reason why there is none.
     pub(crate) fn best_opencl() -> Result<Self, String> {
         opencl::best()
     }
 
-    /// The palettes of no member on this device, for `Renderer::connect_palettes`, which tells how
-    /// palettes reach a context of OpenGL's from here. No kernel is built for it.
+    /// Returns an empty source of palettes on this device for `Renderer::link_palettes`, which then
+    /// tells how palettes reach an OpenGL context from here. It builds no kernels.
     ///
     /// # Errors
     ///
-    /// A device that is not there or cannot be opened.
+    /// A device that does not exist or cannot be opened.
     pub fn empty_palettes(self, gl: &Arc<dyn GlContext>) -> Result<Box<dyn PaletteSource>, Error> {
         match self {
             Self::Native { threads } => {
@@ -93,8 +91,8 @@ impl Device {
         }
     }
 
-    /// Opens the device; for a context of OpenGL's where one is given and the device's driver takes
-    /// it.
+    /// Opens the device, sharing buffers with the OpenGL context if one is given and the driver
+    /// supports it.
     pub(crate) fn open(
         self,
         schedule: Schedule,
@@ -113,7 +111,7 @@ impl Device {
     }
 }
 
-/// What evaluates a crowd.
+/// The backend of a crowd.
 pub(crate) enum Engine {
     Alone(Box<dyn Backend>),
     Split(Box<SplitBackend>),
@@ -132,10 +130,10 @@ impl Engine {
     }
 }
 
-/// A device that is ready, or several that share their work.
+/// An opened device, or several that share a crowd.
 pub(crate) struct Opened {
     pub(crate) engine: Engine,
-    /// Why it was not opened for the context of OpenGL's that was given.
+    /// The reason why it does not share buffers with the given OpenGL context.
     pub(crate) not_for_gl: Option<String>,
 }
 
@@ -169,8 +167,8 @@ impl fmt::Display for Device {
 impl FromStr for Device {
     type Err = Error;
 
-    /// Reads `native`, `native:N` (on N threads), `opencl` (the first OpenCL device), `opencl:N`,
-    /// or `opencl:N:K/P` (part K of the device cut into P equal ones).
+    /// Parses `native`, `native:N` (N threads), `opencl` (the first OpenCL device), `opencl:N`, or
+    /// `opencl:N:K/P` (part K of P equal parts).
     fn from_str(name: &str) -> Result<Self, Error> {
         let words: Vec<&str> = name.split(':').collect();
         let number = |word: &str| word.parse::<usize>().ok();
@@ -195,18 +193,18 @@ impl FromStr for Device {
     }
 }
 
-/// A device of this machine, or why there is none of its kind.
+/// A device of this machine, or the reason why a kind is missing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceReport {
-    /// The device, `None` where the kind cannot be used.
+    /// The device; `None` if the kind cannot be used.
     pub device: Option<Device>,
-    /// What it is, or which kind is missing.
+    /// The name of the device, or of the missing kind.
     pub name: String,
-    /// Facts for people, or why the kind cannot be used and what would mend it.
+    /// A description, or the reason why the kind cannot be used and how to mend it.
     pub detail: String,
 }
 
-/// What can be used on this machine, and why not what cannot.
+/// Lists the devices of this machine, and the reasons why others cannot be used.
 #[must_use]
 pub fn devices() -> Vec<DeviceReport> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -229,7 +227,7 @@ mod opencl {
     use super::{Device, DeviceReport, Engine, Opened};
     use crate::Error;
 
-    /// A device's number, and which part of how many.
+    /// The index of a device, and its part if it is divided.
     type Name = (usize, Option<(usize, usize)>);
 
     pub(super) fn best() -> Result<Device, String> {
@@ -269,9 +267,9 @@ mod opencl {
         Ok(Box::new(EmptyPalettes::new(&device, not_for_gl)?))
     }
 
-    /// A device, and why it was not opened for the context of OpenGL's that was given. Its context
-    /// and kernels are for this caller alone if made for OpenGL, else all crowds of this process
-    /// share them.
+    /// Opens a device. Also returns the reason why it does not share buffers with the OpenGL
+    /// context. Context and kernels are shared by all crowds of the process, except those made for
+    /// OpenGL.
     fn ready(
         device: Name,
         gl: Option<&Arc<dyn GlContext>>,
@@ -281,7 +279,7 @@ mod opencl {
             Some(Ok(device)) => Ok((device, None)),
             Some(Err(error)) => {
                 let device = shared(device)?;
-                // Of a driver that does not offer it at all the backend itself tells.
+                // If the driver does not support sharing at all, the backend reports it.
                 let reason = device.info().shares_with_gl.then(|| error.to_string());
                 Ok((device, reason))
             }

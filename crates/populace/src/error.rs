@@ -1,10 +1,10 @@
-//! What can go wrong with a crowd; none of it harms the crowd.
+//! Errors of the library. A call that returns one leaves the crowd as it was.
 
 use populace_device::BackendError;
 use populace_model::convert::not_finite;
 use populace_model::{LARGEST, did_you_mean};
 
-/// Why a call was refused. The crowd is as it was before.
+/// The reason why a call was refused. The crowd is as it was before the call.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -26,17 +26,17 @@ pub enum Error {
     /// A device that failed, or is not there.
     #[error(transparent)]
     Backend(#[from] BackendError),
-    /// A clip name that the character does not have.
+    /// The character has no clip of this name.
     #[error("\"{character}\" has no clip \"{name}\"{}", did_you_mean(nearest))]
     UnknownClip {
         /// The character's name.
         character: String,
         /// The name asked for.
         name: String,
-        /// Names like it, nearest first.
+        /// Similar names, nearest first.
         nearest: Vec<String>,
     },
-    /// A device name that means nothing.
+    /// Text that names no device.
     #[error(
         "there is no device \"{name}\"; devices are native, opencl and opencl:N; native:2 takes \
          two threads, opencl:N:1/2 the first of two equal parts, and + joins several"
@@ -59,12 +59,12 @@ pub enum Error {
         /// What is wrong and how to mend it.
         reason: String,
     },
-    /// OpenCL asked for in a build without it.
+    /// OpenCL was requested from a build without it.
     #[error(
         "this build has no OpenCL; build with the feature \"opencl\", or choose the native device"
     )]
     WithoutOpenCl,
-    /// More members than the crowd was built for.
+    /// The crowd already has the number of members that it was built for.
     #[error("the crowd is full: it was built for {capacity} members")]
     Full {
         /// The capacity.
@@ -73,36 +73,38 @@ pub enum Error {
     /// A handle to a member that was despawned.
     #[error("the member handle is stale: its member was despawned")]
     StaleMember,
-    /// A handle to a clip that has faded out, or that something else was started in place of.
-    #[error("the handle is stale: the clip has ended, and another took its slot")]
-    StalePlay,
-    /// A blend space that cannot be, or cannot be played so.
+    /// A handle to a playback that has ended, or that something else replaced.
+    #[error("the playback handle is stale: its clip has ended or was replaced")]
+    StalePlayback,
+    /// A blend space that is invalid, or cannot be played as requested.
     #[error("the blend space {reason}")]
     BadBlendSpace {
         /// What is wrong and how to mend it.
         reason: String,
     },
-    /// A state machine that cannot be, or cannot be run so.
+    /// A state machine that is invalid, or cannot be run as requested.
     #[error("the state machine {reason}")]
     BadStateMachine {
         /// What is wrong and how to mend it.
         reason: String,
     },
-    /// Members that cannot be attached so, or one that is.
+    /// An attachment that is not possible, or a call that an attached member does not allow.
     #[error("{reason}")]
     BadAttachment {
         /// What is wrong and how to mend it.
         reason: String,
     },
-    /// An id of another crowd, or of something that is not there.
-    #[error("there is no {what} {index} in this crowd; ids are good for the crowd that gave them")]
+    /// An id of another crowd, or of something that does not exist.
+    #[error(
+        "there is no {what} {index} in this crowd; ids are valid in the crowd that returned them"
+    )]
     UnknownId {
         /// What kind of id.
         what: &'static str,
         /// Its number.
         index: u32,
     },
-    /// A number that would poison what follows.
+    /// A number out of its range.
     #[error("{what} is {value}; it must be {rule}")]
     BadValue {
         /// What was given.
@@ -114,7 +116,7 @@ pub enum Error {
     },
 }
 
-/// Refuses values that are not finite, or so large that products of them are not.
+/// Refuses values that are not finite or larger than [`LARGEST`], whose products overflow.
 pub(crate) fn bounded(what: &'static str, values: &[f32]) -> Result<(), Error> {
     match values.iter().find(|v| v.is_nan() || v.abs() > LARGEST) {
         Some(&value) => {

@@ -6,25 +6,14 @@
 //! space is placed in the *world* by its [`Placement`].
 //!
 //! ```
-//! use populace::{Crowd, Device, Placement, Play};
-//! # use populace::character::{Character, CharacterSource, PaletteEntry};
-//! # use populace::clip::Clip;
-//! # use populace::model::{Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs};
-//! # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
-//! # let skeleton = Skeleton::new(&[joint])?;
-//! # let track = Track { joint: "hips".into(), property: Property::Translation, interpolation: Interpolation::Linear,
-//! #     times: vec![0.0, 1.0], values: vec![0.0, 0.0, 0.0, 0.0, 2.0, 0.0] };
-//! # let clip = Clip::new(ClipSource { name: "Rise".into(), tracks: vec![track] }, &skeleton)?;
-//! # let knight = Character::new(CharacterSource { name: "knight".into(),
-//! #     palette: vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }],
-//! #     skeleton, parts: vec![], materials: vec![], images: vec![], skins: vec![], clips: vec![clip.into()] })?;
+//! use populace::{ClipPlayback, Crowd, Device, Placement};
 //! let mut crowd = Crowd::builder().device(Device::native()).capacity(100).build()?;
-//! let knight = crowd.add_character(knight)?;
+//! # let knight = populace::doc_fixture::knight(&mut crowd)?;
 //! let rise = crowd.clip(knight, "Rise")?;
 //! let member = crowd.spawn(knight, Placement::at([3.0, 0.0, 5.0]).facing(0.5))?;
-//! crowd.play(member, rise, Play::once())?;
+//! crowd.member_mut(member)?.play(rise, ClipPlayback::once())?;
 //! crowd.update(0.5)?;
-//! let hips = crowd.model_from_joints(member)?[0];
+//! let hips = crowd.member_mut(member)?.model_from_joints()?[0];
 //! assert!((hips.rows[1][3] - 1.0).abs() < 1e-3, "half way up");
 //!
 //! let error = crowd.clip(knight, "Raise").unwrap_err();
@@ -40,30 +29,35 @@ mod blend_space;
 mod control;
 mod crowd;
 mod device;
+#[doc(hidden)]
+pub mod doc_fixture;
 mod error;
 mod machine;
-mod play;
+mod placement;
+mod playback;
 mod split;
 mod stage;
 
 pub use populace_clip::{LiveSettings, MotionOrigin, MotionSettings, MotionSource, Streamed};
 pub use populace_device::{
-    After, BackendError, Error as TablesError, Feet, Foot, Gaze, GazeLimits, Ground, JointOverride,
+    After, BackendError, Error as TablesError, Feet, Foot, GazeLimits, Ground, JointOverride,
     LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Schedule, Space, Stage, StageJoint, UserStage,
 };
 pub use populace_model::{Affine, JointIndex, Mask, Trs, nearest_names};
 pub use populace_retarget::{BindingMethod, BindingReport};
 
 pub use blend_space::{BlendSpace, SpacePoint};
-pub use control::{Reach, Target, Weight};
+pub use control::{Gaze, Reach, Target, Weight};
 pub use crowd::{
-    CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance, MachineId, MaskId,
-    Member, PlayId, Sighting, SpaceId, StageId, Watch,
+    BlendSpaceId, CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance,
+    JointReadback, MachineId, MaskId, MemberId, MemberMut, MemberRef, MemberView, PlaybackId,
+    StageId, Watch,
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
 pub use machine::{Condition, StateMachine};
-pub use play::{Placement, Play, Playing};
+pub use placement::Placement;
+pub use playback::{ActiveClip, BlendSpacePlayback, ClipPlayback, MachinePlayback, StatePlayback};
 pub use stage::StageUse;
 
 /// Skeletons, tracks, masks and humanoid roles.

@@ -1,4 +1,4 @@
-//! State machines: clips as states, and what leads from one to another.
+//! State machines: clips as states, and the transitions between them.
 
 use std::sync::Arc;
 
@@ -8,30 +8,30 @@ use populace_device::{MachineState, Transition};
 use populace_model::{did_you_mean, nearest_names};
 
 use crate::error::bounded;
-use crate::play::{Mode, check_secs};
-use crate::{ClipId, Error, Play};
+use crate::playback::{Mode, Playback, check_secs};
+use crate::{ClipId, Error, StatePlayback};
 
-/// What must hold for a transition of a [`StateMachine`] to be taken.
+/// A condition of a transition of a [`StateMachine`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Condition {
-    /// The member's parameter of this name is above the number.
+    /// The member's parameter of this name is above the value.
     Above(String, f32),
-    /// The member's parameter of this name is below the number.
+    /// The member's parameter of this name is below the value.
     Below(String, f32),
-    /// The state was entered so many seconds ago, or more.
+    /// The state was entered at least this many seconds ago.
     AfterSecs(f32),
-    /// The state's clip, which plays once, has come to its end.
+    /// The state's clip, which plays once, has ended.
     Ended,
 }
 
 impl Condition {
-    /// The member's parameter of a name is above a number.
+    /// Holds while the member's parameter is above `value`.
     #[must_use]
     pub fn above(parameter: &str, value: f32) -> Self {
         Self::Above(parameter.to_owned(), value)
     }
 
-    /// The member's parameter of a name is below a number.
+    /// Holds while the member's parameter is below `value`.
     #[must_use]
     pub fn below(parameter: &str, value: f32) -> Self {
         Self::Below(parameter.to_owned(), value)
@@ -42,60 +42,50 @@ impl Condition {
 struct State {
     name: String,
     clip: ClipId,
-    play: Play,
+    play: Playback,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 struct Way {
-    /// `None` for any state but the one that it leads to.
+    /// `None` for every state except `to`.
     from: Option<String>,
     to: String,
     fade_secs: f32,
     conditions: Vec<Condition>,
 }
 
-/// States that each play a clip, transitions between them, and parameters by which every member
-/// that runs the machine goes its own way. Devices run it: a frame costs the host what parameters
-/// it sets, and nothing else.
+/// States that play clips, transitions between them, and parameters that each member sets for
+/// itself. Devices evaluate machines: the host uploads changed parameters and does nothing else.
 ///
-/// A member begins in the first state. Once a frame the transitions out of its state are looked at,
-/// in the order in which they were added, and the first of which all conditions hold is taken, as
-/// of that frame's tick: the new state's clip starts and fades in while the old one fades out. The
-/// next is looked at once that fade is over, so two clips at most mix and no pose jumps, however
-/// parameters change; one at most is taken a frame.
+/// A member starts in the first state. In each frame the device checks the transitions out of the
+/// state in the order in which they were added, and takes the first whose conditions all hold: the
+/// new state's clip starts at that frame's tick and fades in while the old one fades out. During
+/// the fade no transition is taken, so at most two clips are mixed and the pose never jumps.
 ///
 /// ```
-/// # use populace::{Condition, Crowd, Device, Placement, Play, StateMachine};
-/// # use populace::character::{Character, CharacterSource, PaletteEntry};
-/// # use populace::clip::Clip;
-/// # use populace::model::{Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs};
-/// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
-/// # let skeleton = Skeleton::new(&[joint])?;
-/// # let clip = |name: &str, secs| { let track = Track { joint: "hips".into(), property: Property::Translation,
-/// #     interpolation: Interpolation::Linear, times: vec![0.0, secs], values: vec![0.0; 6] };
-/// #     Clip::new(ClipSource { name: name.into(), tracks: vec![track] }, &skeleton) };
-/// # let clips = vec![clip("Idle", 4.0)?.into(), clip("Walk", 1.0)?.into(), clip("Jump", 0.5)?.into()];
-/// # let knight = Character::new(CharacterSource { name: "knight".into(), palette: vec![],
-/// #     skeleton: skeleton.clone(), parts: vec![], materials: vec![], images: vec![], skins: vec![], clips })?;
+/// # use populace::{Condition, Crowd, Device, MachinePlayback, Placement, StateMachine, StatePlayback};
 /// # let mut crowd = Crowd::builder().device(Device::native()).build()?;
-/// # let knight = crowd.add_character(knight)?;
+/// # let knight = populace::doc_fixture::knight(&mut crowd)?;
 /// # let member = crowd.spawn(knight, Placement::at([0.0; 3]))?;
-/// let (idle, walk, jump) = (crowd.clip(knight, "Idle")?, crowd.clip(knight, "Walk")?, crowd.clip(knight, "Jump")?);
+/// let idle = crowd.clip(knight, "Idle")?;
+/// let walk = crowd.clip(knight, "Walk")?;
+/// let jump = crowd.clip(knight, "Jump")?;
 /// let gait = StateMachine::new()
 ///     .parameter("speed", 0.0)
 ///     .parameter("jump", 0.0)
-///     .state("idle", idle, Play::looping())
-///     .state("walk", walk, Play::looping())
-///     .state("jump", jump, Play::once())
+///     .state("idle", idle, StatePlayback::looping())
+///     .state("walk", walk, StatePlayback::looping())
+///     .state("jump", jump, StatePlayback::once())
 ///     .transition_from_any("jump", 0.1, &[Condition::above("jump", 0.5)])
 ///     .transition("idle", "walk", 0.2, &[Condition::above("speed", 0.5)])
 ///     .transition("walk", "idle", 0.2, &[Condition::below("speed", 0.4)])
 ///     .transition("jump", "idle", 0.2, &[Condition::Ended, Condition::below("jump", 0.5)]);
 /// let gait = crowd.add_machine(&gait)?;
-/// crowd.run_machine(member, gait, Play::looping())?;
-/// crowd.set_parameter(member, "speed", 1.4)?;
+/// let mut knight = crowd.member_mut(member)?;
+/// knight.play_machine(gait, MachinePlayback::new())?;
+/// knight.set_parameter("speed", 1.4)?;
 /// crowd.update(0.1)?;
-/// assert_eq!(&*crowd.state_of(member, 0)?, "walk");
+/// assert_eq!(&*crowd.member_mut(member)?.machine_state(0)?, "walk");
 /// # Ok::<(), populace::Error>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -106,31 +96,31 @@ pub struct StateMachine {
 }
 
 impl StateMachine {
-    /// Nothing yet. What is wrong with a machine [`Crowd::add_machine`](crate::Crowd::add_machine)
-    /// tells.
+    /// Returns a machine without states. [`Crowd::add_machine`](crate::Crowd::add_machine) checks
+    /// the finished machine.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Names a parameter, 8 at most, and what it is until it is set.
+    /// Adds a parameter and its initial value. A machine has at most 8.
     #[must_use]
     pub fn parameter(mut self, name: &str, value: f32) -> Self {
         self.parameters.push((name.to_owned(), value));
         self
     }
 
-    /// Adds a state that plays a clip: again and again, once, held or live, at a speed and from a
-    /// phase on. The first state is the one that members begin in.
+    /// Adds a state that plays a clip. Members start in the first state.
     #[must_use]
-    pub fn state(mut self, name: &str, clip: ClipId, play: Play) -> Self {
+    pub fn state(mut self, name: &str, clip: ClipId, playback: StatePlayback) -> Self {
+        let play = playback.0;
         self.states.push(State { name: name.to_owned(), clip, play });
         self
     }
 
-    /// Adds a transition, with a crossfade of so many seconds, for when all conditions hold;
-    /// without any it is taken as soon as it can be. One that leads back to its own state starts
-    /// the clip anew.
+    /// Adds a transition that is taken when all conditions hold, with a crossfade of `fade_secs`.
+    /// Without conditions it is taken as soon as the state has faded in. A transition to its own
+    /// state restarts the clip.
     #[must_use]
     pub fn transition(
         self,
@@ -142,7 +132,7 @@ impl StateMachine {
         self.way(Some(from), to, fade_secs, conditions)
     }
 
-    /// Adds a transition from every state but the one that it leads to.
+    /// Adds a transition from every state except `to`.
     #[must_use]
     pub fn transition_from_any(self, to: &str, fade_secs: f32, conditions: &[Condition]) -> Self {
         self.way(None, to, fade_secs, conditions)
@@ -160,8 +150,8 @@ impl StateMachine {
         self
     }
 
-    /// Checks all, and brings names to numbers. `duration_of` tells a clip's seconds, where it can
-    /// be played so.
+    /// Checks the machine and resolves names to indices. `duration_of` returns the seconds of a
+    /// clip, or an error if the clip cannot be played in this mode.
     pub(crate) fn compile(
         &self,
         duration_of: impl Fn(ClipId, Mode) -> Result<f32, Error>,
@@ -169,10 +159,10 @@ impl StateMachine {
         self.check_names()?;
         let mut states = Vec::new();
         for state in &self.states {
-            check_play(state)?;
+            state.play.check()?;
             let duration = duration_of(state.clip, state.play.mode)?;
             let slot = state.play.slot(0, 0, duration);
-            // One of no length is at its end at once; one that stands never comes to it.
+            // A clip of no length ends at once; one at speed 0 never ends.
             let end_ticks = if duration > 0.0 { slot.end_tick(0).unwrap_or(u64::MAX) } else { 0 };
             let transitions = self.transitions_of(state, end_ticks)?;
             let rows = MachineState { slot, transitions };
@@ -224,7 +214,7 @@ impl StateMachine {
                     let from = from.unwrap_or("any state");
                     return Err(bad(&format!(
                         "waits in \"{from}\" for the end of a clip that has none; play it by \
-                         Play::once()"
+                         Playback::once()"
                     )));
                 }
             }
@@ -236,7 +226,7 @@ impl StateMachine {
         find("parameter", name, self.parameters.iter().map(|(name, _)| name.as_str()))
     }
 
-    /// The transitions out of a state, in order.
+    /// Returns the transitions out of a state, in order.
     fn transitions_of(&self, state: &State, end_ticks: u64) -> Result<Vec<Transition>, Error> {
         let leads_out = |way: &&Way| match &way.from {
             Some(from) => *from == state.name,
@@ -271,9 +261,9 @@ impl StateMachine {
     }
 }
 
-/// A machine by numbers.
+/// A machine whose names are resolved to indices.
 pub(crate) struct Compiled {
-    /// Names, and what they are at the start.
+    /// Names and initial values.
     pub(crate) parameters: Vec<(String, f32)>,
     pub(crate) states: Vec<CompiledState>,
 }
@@ -281,9 +271,9 @@ pub(crate) struct Compiled {
 pub(crate) struct CompiledState {
     pub(crate) name: Arc<str>,
     pub(crate) clip: ClipId,
-    /// Whether names alone may bind any share of the clip.
+    /// Whether names alone may bind any share of the clip's joints.
     pub(crate) partial: bool,
-    /// Bound to no body yet.
+    /// Its rows, not yet bound to a body.
     pub(crate) rows: MachineState,
 }
 
@@ -297,7 +287,7 @@ pub(crate) fn bad(reason: &str) -> Error {
     Error::BadStateMachine { reason: reason.to_owned() }
 }
 
-/// Refuses a name that is not among others, and names those like it.
+/// Returns the index of a name, or an error with similar names.
 pub(crate) fn find<'a>(
     what: &str,
     name: &str,
@@ -316,16 +306,4 @@ fn check_unique<'a>(what: &str, names: impl Iterator<Item = &'a str> + Clone) ->
         }
     }
     Ok(())
-}
-
-fn check_play(State { name, play, .. }: &State) -> Result<(), Error> {
-    play.check()?;
-    let Play { mode, speed, phase, partial, .. } = *play;
-    if *play == (Play { mode, speed, phase, partial, ..Play::looping() }) {
-        return Ok(());
-    }
-    Err(bad(&format!(
-        "gives its state \"{name}\" a weight, layer, fade or delay; transitions fade, and the \
-         rest is for run_machine"
-    )))
 }

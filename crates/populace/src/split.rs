@@ -1,5 +1,5 @@
-//! Several devices that evaluate one crowd: each takes the members of one range of places, all at
-//! the same time.
+//! Several devices that evaluate one crowd at the same time. Each takes the members of one range of
+//! indices.
 
 mod balance;
 mod kept;
@@ -20,39 +20,38 @@ use places::{Places, Run};
 
 pub(crate) use kept::Kept;
 
-/// Elements of a page of palettes.
+/// Elements of a palette page.
 const PAGE: usize = PAGE_ENTRIES as usize * 3;
 
-/// Runs of palettes that a driver is given one by one. Each call takes as long as copying some
-/// hundred kilobytes: where there are more, as come with members that come and go, the page is
-/// written as a whole.
+/// The most runs of palettes that are written one by one. Each write costs as much as copying some
+/// hundred kilobytes, so a page with more runs is written as a whole.
 const CALLS: usize = 64;
 
-/// A crowd on several devices. Each keeps copies of all tables and has room for all palettes, so
-/// that members change over from one to another at no cost. Palettes are gathered on the first
-/// device, once somebody looks at pages.
+/// A crowd on several devices. Each device holds a copy of all tables and space for all palettes,
+/// so members move between devices at no cost. Palettes are gathered on the first device when pages
+/// are read.
 pub(crate) struct SplitBackend {
-    /// Two or more.
+    /// The devices, two or more.
     parts: Vec<Part>,
     balance: Balance,
     places: Places,
     /// Whether the first device holds all palettes of the last frame.
     is_gathered: bool,
-    /// A page on which palettes of both sides are laid together.
+    /// Scratch memory for a page that holds palettes of two devices.
     page: Vec<Float4>,
-    /// Whether a whole frame ran that `balance` does not know of yet.
+    /// Whether a frame ran that `balance` has not been told of.
     is_measurable: bool,
-    /// Users', as all devices have them.
+    /// The user stages that all devices have.
     stages: Vec<Option<UserStage>>,
 }
 
-/// A device, and what it evaluated last.
+/// A device and the range that it evaluated last.
 struct Part {
     backend: Box<dyn Backend>,
     places: Range<u32>,
     members: usize,
-    /// Whether it has a part in frames. The first has even without a member: others' palettes are
-    /// written into its pages, and only a frame turns it to pages that OpenGL does not draw from.
+    /// Whether the device runs frames. The first always does: the palettes of others are written
+    /// into its pages, and only a frame swaps them for pages that OpenGL does not draw.
     is_at_work: bool,
 }
 
@@ -65,7 +64,7 @@ impl Part {
         self.backend.run(tables, self.own(frame))
     }
 
-    /// What of a frame is this device's.
+    /// Returns this device's part of a frame.
     fn own(&self, frame: Frame) -> Frame {
         let place_first = frame.place_first.max(self.places.start);
         Frame { place_first, place_end: frame.place_end.min(self.places.end), ..frame }
@@ -73,7 +72,7 @@ impl Part {
 }
 
 impl SplitBackend {
-    /// Lets devices share a crowd, by fixed shares of 1 in all, or as they are measured.
+    /// Shares a crowd among devices, by fixed shares whose sum is 1 or by measured speed.
     pub(crate) fn new(backends: Vec<Box<dyn Backend>>, shares: Option<Vec<f64>>) -> Self {
         let balance = Balance::new(backends.len(), shares);
         let parts = backends.into_iter().map(Part::new).collect();
@@ -88,19 +87,19 @@ impl SplitBackend {
         }
     }
 
-    /// Replaces the shares, from the next frame on.
+    /// Sets the shares from the next frame on.
     pub(crate) fn set_shares(&mut self, shares: Option<Vec<f64>>) {
         if shares.is_some() || self.balance.is_fixed() {
             self.balance = Balance::new(self.parts.len(), shares);
         }
     }
 
-    /// The share of each device, of 1 in all.
+    /// The share of each device; the sum is 1.
     pub(crate) fn shares(&self) -> &[f64] {
         self.balance.shares()
     }
 
-    /// Learns from the last frame and divides the places anew.
+    /// Updates the shares from the last frame and divides the members.
     fn divide(&mut self, tables: &Tables) {
         if std::mem::take(&mut self.is_measurable) && !self.balance.is_fixed() {
             let work: Vec<_> = self
@@ -115,11 +114,11 @@ impl SplitBackend {
         for (part, own) in self.parts.iter_mut().zip(self.balance.shares()) {
             share += own;
             let end = nth_of(share, all).max(first);
-            // Whoever has the last member has the places after it too.
+            // The device of the last member also takes the free indices after it.
             let place_end = self.places.place_after(end);
             (part.places, part.members) = (place..place_end, end - first);
-            // Each device moves all state machines on, so that it knows where they are once it gets
-            // members.
+            // Each device advances all state machines, so that it knows their states when it
+            // receives members.
             part.is_at_work = part.members > 0 || !tables.machine_instances().as_slice().is_empty();
             (first, place) = (end, place_end);
         }
@@ -136,7 +135,8 @@ impl SplitBackend {
         self.parts.iter_mut().filter(|part| part.members > 0)
     }
 
-    /// The device that evaluated an element, and the first element that may be another's.
+    /// Returns the device that evaluated an element, and the first element that may belong to
+    /// another.
     fn owner_of(&self, tables: &Tables, buffer: StageBuffer, element: usize) -> (usize, usize) {
         let block = match buffer {
             StageBuffer::Samples => tables.slots_per_member(),
@@ -153,10 +153,9 @@ impl SplitBackend {
         (place.and_then(of_place).unwrap_or(0), (element / block + 1) * block)
     }
 
-    /// Lets every device have what each keeps of its members, and what of them is watched: a
-    /// member's next frame may be another device's, and so may those that look at it, or that are
-    /// attached to it in the next phase. This waits for all devices, and nothing is done where
-    /// there is nothing to share.
+    /// Exchanges history and watched joints between the devices: in the next frame, or the next
+    /// phase, another device may evaluate a member, look at it or follow it. Waits for all devices.
+    /// Does nothing if there is nothing to exchange.
     fn share_kept(&mut self, tables: &Tables) -> Result<(), BackendError> {
         let mut all = Kept::default();
         if !all.make_room(tables) {
@@ -174,7 +173,7 @@ impl SplitBackend {
         self.parts.iter_mut().try_for_each(|part| all.write(&mut *part.backend, tables))
     }
 
-    /// Brings the palettes that other devices wrote into the pages of the first.
+    /// Copies the palettes that other devices wrote to the pages of the first.
     fn gather(&mut self) -> Result<(), BackendError> {
         let Self { parts, places, is_gathered, page, .. } = self;
         if let Some((first, others)) = parts.split_first_mut().filter(|_| !*is_gathered) {
@@ -189,8 +188,8 @@ impl SplitBackend {
     }
 }
 
-/// Runs a frame on devices whose `run` waits until it is done: one on this thread, others on
-/// threads of their own.
+/// Runs a frame on devices whose `run` blocks: one on this thread, the others on threads of their
+/// own.
 fn run_together<'a>(
     parts: impl Iterator<Item = &'a mut Part>,
     tables: &Tables,
@@ -212,7 +211,7 @@ fn run_together<'a>(
     })
 }
 
-/// Brings runs of one page from one device to another. `copy` is memory to work in.
+/// Copies runs of one page from one device to another. `copy` is scratch memory.
 fn bring(
     from: &mut dyn Backend,
     to: &mut dyn Backend,
@@ -242,7 +241,7 @@ fn bring(
     if scattered { to.write(StageBuffer::Palette, page * PAGE, copy) } else { Ok(()) }
 }
 
-/// How many of all members a share comes to.
+/// Returns the number of members of a share.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -272,7 +271,7 @@ impl Backend for SplitBackend {
         for at in 0..self.parts.len() {
             if let Err(error) = self.parts[at].backend.set_stages(stages) {
                 for part in &mut self.parts[..at] {
-                    // It keeps what all had, or can build it again: it did before.
+                    // It keeps the stages that all devices had, or can build them again.
                     let _kept = part.backend.set_stages(&self.stages);
                 }
                 return Err(error);
@@ -311,7 +310,7 @@ impl Backend for SplitBackend {
         self.divide(tables);
         for phase in frame.phases(tables) {
             let frame = frame.of_phase(phase);
-            // First those that need only be told.
+            // First the devices whose `run` does not block.
             self.at_work(true).try_for_each(|part| part.run(tables, frame))?;
             run_together(self.at_work(false), tables, frame)?;
             self.share_kept(tables)?;
@@ -346,7 +345,7 @@ impl Backend for SplitBackend {
         Ok(())
     }
 
-    /// Every device gets them: which one the next stage needs them on is then no matter.
+    /// Every device receives them, because any of them may run the next stage.
     fn write(
         &mut self,
         buffer: StageBuffer,
@@ -360,7 +359,7 @@ impl Backend for SplitBackend {
         self.parts.iter_mut().try_for_each(|part| part.backend.finish())
     }
 
-    /// The first has what is watched of all members.
+    /// The first device holds the watched joints of all members.
     fn fetch_watched(&mut self, tables: &Tables, tick: u64) -> Result<(), BackendError> {
         self.parts[0].backend.fetch_watched(tables, tick)
     }
@@ -373,7 +372,7 @@ impl Backend for SplitBackend {
         self.parts.iter().map(|part| part.backend.waits()).max().unwrap_or(0)
     }
 
-    /// The longest of all: they work at the same time.
+    /// The longest time: the devices work at the same time.
     fn frame_time_ms(&mut self) -> Option<f64> {
         let times: Option<Vec<f64>> =
             self.with_members().map(|part| part.backend.frame_time_ms()).collect();
@@ -390,7 +389,7 @@ impl Backend for SplitBackend {
         Stage::ALL.into_iter().filter_map(longest).collect()
     }
 
-    /// The least of all: each writes every palette.
+    /// The shortest time: each device writes every palette.
     fn write_floor(&mut self, tables: &Tables) -> Result<f64, BackendError> {
         let times: Result<Vec<f64>, _> =
             self.parts.iter_mut().map(|part| part.backend.write_floor(tables)).collect();

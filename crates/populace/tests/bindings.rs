@@ -12,8 +12,8 @@ use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
-    Affine, BindingMethod, BlendSpace, Crowd, Device, JointIndex, Placement, Play, StateMachine,
-    Trs,
+    Affine, BindingMethod, BlendSpace, BlendSpacePlayback, ClipPlayback, Crowd, Device, JointIndex,
+    MachinePlayback, Placement, StateMachine, StatePlayback, Trs,
 };
 
 /// A chain of joints, each turned by an angle from the one before.
@@ -99,16 +99,27 @@ fn a_clip_that_shares_an_accidental_name_plays_on_request_alone() {
     let stray = crowd.add_clip(id, &clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)).unwrap();
     let own = crowd.clip(id, "Own").unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    let machine = |play: Play| StateMachine::new().state("stray", stray, play);
+    let machine = |play: StatePlayback| StateMachine::new().state("stray", stray, play);
     for requested in [false, true, false] {
-        let play = if requested { Play::looping().partial() } else { Play::looping() };
+        let (play, state, blended) = if requested {
+            (
+                ClipPlayback::looping().partial(),
+                StatePlayback::looping().partial(),
+                BlendSpacePlayback::new().partial(),
+            )
+        } else {
+            (ClipPlayback::looping(), StatePlayback::looping(), BlendSpacePlayback::new())
+        };
         let space =
-            crowd.add_space(BlendSpace::line(&[(own, 0.0), (stray, 1.0)]).unwrap()).unwrap();
-        let machine = crowd.add_machine(&machine(play)).unwrap();
+            crowd.add_blend_space(BlendSpace::line(&[(own, 0.0), (stray, 1.0)]).unwrap()).unwrap();
+        let machine = crowd.add_machine(&machine(state)).unwrap();
         let results = [
-            crowd.run_machine(member, machine, Play::looping()).map(|_| ()),
-            crowd.play_space(member, space, 0.5, play),
-            crowd.play(member, stray, play).map(|_| ()),
+            crowd
+                .member_mut(member)
+                .and_then(|mut m| m.play_machine(machine, MachinePlayback::new()))
+                .map(|_| ()),
+            crowd.member_mut(member).and_then(|mut m| m.play_blend_space(space, 0.5, blended)),
+            crowd.member_mut(member).and_then(|mut m| m.play(stray, play)).map(|_| ()),
         ];
         for result in results {
             match result {
@@ -124,5 +135,5 @@ fn a_clip_that_shares_an_accidental_name_plays_on_request_alone() {
         }
     }
     crowd.update(0.5).unwrap();
-    assert_eq!(crowd.playing(member).unwrap()[0].clip, stray);
+    assert_eq!(crowd.member(member).unwrap().active_clips()[0].clip, stray);
 }

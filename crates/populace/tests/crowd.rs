@@ -11,7 +11,8 @@ use populace::model::{
 };
 use populace::model::{Role, RoleMap, Side};
 use populace::{
-    Affine, Crowd, Device, Error, LayerMode, LayerSettings, Mask, Member, Placement, Play, Trs,
+    Affine, ClipPlayback, Crowd, Device, Error, LayerMode, LayerSettings, Mask, MemberId,
+    Placement, Trs,
 };
 
 fn track(joint: &str, height: f32) -> Track {
@@ -95,25 +96,32 @@ fn clips_play_by_roles_that_a_user_gives(device: Device) {
     let (tall, short) = (crowd.add_character(tall).unwrap(), crowd.add_character(short).unwrap());
     let jump = crowd.clip(tall, "jump").unwrap();
     let member = crowd.spawn(short, Placement::at([0.0; 3])).unwrap();
-    let refused = crowd.play(member, jump, Play::held_at_secs(0.5)).unwrap_err().to_string();
+    let refused = crowd
+        .member_mut(member)
+        .and_then(|mut m| m.play(jump, ClipPlayback::held_at_secs(0.5)))
+        .unwrap_err()
+        .to_string();
     assert!(
         refused.contains("\"tall middle\"") && refused.contains("RoleMap::from_names"),
         "{refused}"
     );
     crowd.set_roles(short, short_roles).unwrap();
     assert!(
-        crowd.play(member, jump, Play::held_at_secs(0.5)).is_err(),
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.play(jump, ClipPlayback::held_at_secs(0.5)))
+            .is_err(),
         "the clip's skeleton has none yet"
     );
     crowd.set_clip_roles(jump, tall_roles).unwrap();
-    crowd.play(member, jump, Play::held_at_secs(0.5)).unwrap();
+    crowd.member_mut(member).unwrap().play(jump, ClipPlayback::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
     // Half way up: one and a half times its own height of 0.5 m, not that of the other.
     assert_near(height(&mut crowd, member, 0), 0.75);
 }
 
-fn height(crowd: &mut Crowd, member: Member, joint: usize) -> f32 {
-    crowd.model_from_joints(member).unwrap()[joint].rows[1][3]
+fn height(crowd: &mut Crowd, member: MemberId, joint: usize) -> f32 {
+    crowd.member_mut(member).unwrap().model_from_joints().unwrap()[joint].rows[1][3]
 }
 
 #[track_caller]
@@ -135,17 +143,25 @@ fn play_crossfade_and_stop(device: Device) {
     assert_near(height(&mut crowd, member, 0), 0.0); // rest
 
     // The first clip starts at full weight although it was asked to fade in.
-    crowd.play(member, low, Play::held_at_secs(0.5).fade_in_secs(1.0)).unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .play(low, ClipPlayback::held_at_secs(0.5).fade_in_secs(1.0))
+        .unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.5);
 
-    crowd.play(member, high, Play::held_at_secs(0.5).fade_in_secs(1.0)).unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .play(high, ClipPlayback::held_at_secs(0.5).fade_in_secs(1.0))
+        .unwrap();
     crowd.update(0.25).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.75 * 0.5 + 0.25 * 10.5);
     crowd.update(0.75).unwrap();
     assert_near(height(&mut crowd, member, 0), 10.5);
 
-    crowd.stop(member, 0, 0.0).unwrap();
+    crowd.member_mut(member).unwrap().stop(0, 0.0).unwrap();
     crowd.update(0.1).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.0);
 }
@@ -154,8 +170,16 @@ fn blends_and_layers(device: Device) {
     let (mut crowd, id) = crowd_of(device, 4);
     let [low, high, tip] = ["low", "high", "tip"].map(|name| crowd.clip(id, name).unwrap());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    crowd.play(member, low, Play::held_at_secs(0.0).weight(0.25)).unwrap();
-    crowd.blend(member, high, Play::held_at_secs(0.0).weight(0.75)).unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .play(low, ClipPlayback::held_at_secs(0.0).weight(0.25))
+        .unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .blend(high, ClipPlayback::held_at_secs(0.0).weight(0.75))
+        .unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 0), 7.5);
 
@@ -163,16 +187,26 @@ fn blends_and_layers(device: Device) {
     let on_tip = Mask::subtree(&skeleton, skeleton.find("tip").unwrap());
     let on_tip = crowd.add_mask(id, &on_tip).unwrap();
     let half = LayerSettings { mode: LayerMode::Override, weight: 0.5 };
-    crowd.play(member, tip, Play::held_at_secs(0.0).on_layer(1)).unwrap();
-    crowd.set_layer(member, 1, half, Some(on_tip)).unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .play(tip, ClipPlayback::held_at_secs(0.0).on_layer(1))
+        .unwrap();
+    crowd.member_mut(member).unwrap().set_layer(1, half, Some(on_tip)).unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 0), 7.5); // masked
     assert_near(height(&mut crowd, member, 1), 7.5 + 2.5);
 
     // "tip" rises by 0.4 m from its first row to 0.4 s.
-    crowd.play(member, tip, Play::held_at_secs(0.4).on_layer(2)).unwrap();
     crowd
-        .set_layer(member, 2, LayerSettings { mode: LayerMode::Additive, weight: 1.0 }, None)
+        .member_mut(member)
+        .unwrap()
+        .play(tip, ClipPlayback::held_at_secs(0.4).on_layer(2))
+        .unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .set_layer(2, LayerSettings { mode: LayerMode::Additive, weight: 1.0 }, None)
         .unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 1), 7.5 + 2.5 + 0.4);
@@ -185,15 +219,18 @@ fn members_come_and_go(device: Device) {
     let members: Vec<_> = (0..3).map(|_| spawn(&mut crowd).unwrap()).collect();
     assert_eq!(spawn(&mut crowd), Err(Error::Full { capacity: 3 }));
     for &member in &members {
-        crowd.play(member, high, Play::held_at_secs(0.0)).unwrap();
+        crowd.member_mut(member).unwrap().play(high, ClipPlayback::held_at_secs(0.0)).unwrap();
     }
     crowd.update(0.0).unwrap();
     crowd.despawn(members[1]).unwrap();
     assert_eq!(crowd.despawn(members[1]), Err(Error::StaleMember));
 
     let newcomer = spawn(&mut crowd).unwrap();
-    assert_eq!(crowd.place(members[1], Placement::at([1.0; 3])), Err(Error::StaleMember));
-    crowd.play(newcomer, low, Play::held_at_secs(1.0)).unwrap();
+    assert_eq!(
+        crowd.member_mut(members[1]).and_then(|mut m| m.set_placement(Placement::at([1.0; 3]))),
+        Err(Error::StaleMember)
+    );
+    crowd.member_mut(newcomer).unwrap().play(low, ClipPlayback::held_at_secs(1.0)).unwrap();
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, newcomer, 0), 1.0);
     assert_near(height(&mut crowd, members[0], 0), 10.0);
@@ -206,10 +243,14 @@ fn twenty_clips_in_a_third_of_a_second(device: Device) {
     let (mut crowd, id) = crowd_of(device, 1);
     let [low, high] = ["low", "high"].map(|name| crowd.clip(id, name).unwrap());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    crowd.play(member, high, Play::held_at_secs(0.0)).unwrap();
+    crowd.member_mut(member).unwrap().play(high, ClipPlayback::held_at_secs(0.0)).unwrap();
     for step in 0..20 {
         let clip = if step % 2 == 0 { high } else { low };
-        crowd.play(member, clip, Play::held_at_secs(1.0).fade_in_secs(0.2)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clip, ClipPlayback::held_at_secs(1.0).fade_in_secs(0.2))
+            .unwrap();
         crowd.update(0.015).unwrap();
         assert!(height(&mut crowd, member, 0) > 0.9, "step {step}");
     }
@@ -223,7 +264,7 @@ fn a_clip_added_now_plays_now(device: Device) {
     let source = ClipSource { name: "late".into(), tracks: vec![track("base", 20.0)] };
     let late = crowd.add_clip(id, &Arc::new(Clip::new(source, &skeleton).unwrap())).unwrap();
     assert_eq!(crowd.clip(id, "late").unwrap(), late);
-    crowd.play(member, late, Play::looping().phase(0.5)).unwrap();
+    crowd.member_mut(member).unwrap().play(late, ClipPlayback::looping().phase(0.5)).unwrap();
     crowd.update(0.25).unwrap();
     assert_near(height(&mut crowd, member, 0), 20.75);
 }
@@ -233,10 +274,30 @@ fn bad_values_are_refused_and_harm_nobody(device: Device) {
     let low = crowd.clip(id, "low").unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     assert!(crowd.spawn(id, Placement::at([f32::NAN, 0.0, 0.0])).is_err());
-    assert!(crowd.place(member, Placement::at([0.0; 3]).scaled(0.0)).is_err());
-    assert!(crowd.play(member, low, Play::looping().speed(f32::INFINITY)).is_err());
-    assert!(crowd.play(member, low, Play::looping().weight(1.5)).is_err());
-    assert!(crowd.play(member, low, Play::looping().on_layer(4)).is_err());
+    assert!(
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.set_placement(Placement::at([0.0; 3]).scaled(0.0)))
+            .is_err()
+    );
+    assert!(
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.play(low, ClipPlayback::looping().speed(f32::INFINITY)))
+            .is_err()
+    );
+    assert!(
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.play(low, ClipPlayback::looping().weight(1.5)))
+            .is_err()
+    );
+    assert!(
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.play(low, ClipPlayback::looping().on_layer(4)))
+            .is_err()
+    );
     assert!(crowd.update(-1.0).is_err());
     assert!(crowd.update(1e30).is_err());
     assert!(crowd.update(f32::NAN).is_err());
@@ -257,10 +318,10 @@ fn palettes_on_the_second_page_are_right_too(device: Device) {
     let high = crowd.clip(id, "high").unwrap();
     let members: Vec<_> =
         (0..3).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
-    crowd.play(members[2], high, Play::held_at_secs(0.5)).unwrap();
+    crowd.member_mut(members[2]).unwrap().play(high, ClipPlayback::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
     assert_eq!(crowd.page_count(), 2);
-    let palette = crowd.palette(members[2]).unwrap();
+    let palette = crowd.member_mut(members[2]).unwrap().palette().unwrap();
     assert_near(palette[0].rows[1][3], 10.5);
     assert!(palette.iter().all(|matrix| *matrix == palette[0]));
     let last = crowd.instances().last().unwrap();
@@ -301,12 +362,12 @@ fn a_crowd_moves_to_another_device_and_goes_on() {
     let (mut crowd, id) = crowd_of(Device::native(), 2);
     let low = crowd.clip(id, "low").unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    crowd.play(member, low, Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(low, ClipPlayback::looping()).unwrap();
     crowd.update(0.25).unwrap();
-    let before = crowd.palette(member).unwrap();
+    let before = crowd.member_mut(member).unwrap().palette().unwrap();
     crowd.move_to(Device::opencl(0)).unwrap();
     crowd.update(0.0).unwrap();
-    assert_eq!(crowd.palette(member).unwrap(), before);
+    assert_eq!(crowd.member_mut(member).unwrap().palette().unwrap(), before);
     crowd.update(0.5).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.75);
     assert!(crowd.move_to(Device::opencl(99)).is_err());
@@ -320,7 +381,12 @@ fn a_mask_of_another_character_is_refused() {
     let skeleton = crowd.character(other).unwrap().skeleton.clone();
     let mask = crowd.add_mask(other, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    assert!(crowd.set_layer(member, 1, LayerSettings::default(), Some(mask)).is_err());
+    assert!(
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.set_layer(1, LayerSettings::default(), Some(mask)))
+            .is_err()
+    );
 }
 
 #[test]
@@ -349,8 +415,9 @@ fn ids_of_another_crowd_are_refused() {
     let (clip, other_clip) = (ours.clip(id, "low").unwrap(), other.clip(other_id, "low").unwrap());
     let skeleton = other.character(other_id).unwrap().skeleton.clone();
     let mask = other.add_mask(other_id, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
-    let played = other.play(stranger, other_clip, Play::looping()).unwrap();
-    let watch = other.watch(stranger, JointIndex(0)).unwrap();
+    let played =
+        other.member_mut(stranger).unwrap().play(other_clip, ClipPlayback::looping()).unwrap();
+    let watch = other.member_mut(stranger).unwrap().watch_joint(JointIndex(0)).unwrap();
     let unknown = |what, result: Result<(), Error>| {
         assert!(
             matches!(&result, Err(Error::UnknownId { what: w, .. }) if *w == what),
@@ -358,13 +425,25 @@ fn ids_of_another_crowd_are_refused() {
         );
     };
     unknown("member", ours.despawn(stranger));
-    unknown("member", ours.playing(stranger).map(drop));
-    unknown("play", ours.set_weight(played, 1.0, 0.0));
-    unknown("play", ours.set_speed(played, 1.0));
-    unknown("watch", ours.sighting(watch).map(drop));
+    unknown("member", ours.member(stranger).map(|m| m.active_clips()).map(drop));
+    unknown(
+        "member",
+        ours.member_mut(played.member()).and_then(|mut m| m.set_weight(played, 1.0, 0.0)),
+    );
+    unknown("member", ours.member_mut(played.member()).and_then(|mut m| m.set_speed(played, 1.0)));
+    unknown("watch", ours.readback(watch).map(drop));
     unknown("character", ours.spawn(other_id, Placement::at([0.0; 3])).map(drop));
-    unknown("clip", ours.play(member, other_clip, Play::looping()).map(drop));
-    assert!(ours.set_layer(member, 1, LayerSettings::default(), Some(mask)).is_err());
-    ours.play(member, clip, Play::looping()).unwrap();
+    unknown(
+        "clip",
+        ours.member_mut(member)
+            .and_then(|mut m| m.play(other_clip, ClipPlayback::looping()))
+            .map(drop),
+    );
+    assert!(
+        ours.member_mut(member)
+            .and_then(|mut m| m.set_layer(1, LayerSettings::default(), Some(mask)))
+            .is_err()
+    );
+    ours.member_mut(member).unwrap().play(clip, ClipPlayback::looping()).unwrap();
     ours.update(0.1).unwrap();
 }

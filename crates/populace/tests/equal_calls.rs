@@ -3,7 +3,7 @@
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::model::{JointSource, Skeleton};
 use populace::{
-    Affine, Crowd, Device, Gaze, GazeLimits, JointIndex, Member, Placement, Target, Trs, Weight,
+    Affine, Crowd, Device, Gaze, GazeLimits, JointIndex, MemberId, Placement, Target, Trs, Weight,
 };
 
 const JOINTS: u32 = 8;
@@ -34,9 +34,13 @@ fn chain() -> Character {
     .expect("a good call")
 }
 
-fn watch_all(crowd: &mut Crowd, member: Member) {
+fn watch_all(crowd: &mut Crowd, member: MemberId) {
     for joint in 0..JOINTS {
-        crowd.watch(member, JointIndex(joint)).expect("a good call");
+        crowd
+            .member_mut(member)
+            .expect("a good call")
+            .watch_joint(JointIndex(joint))
+            .expect("a good call");
     }
 }
 
@@ -50,16 +54,20 @@ fn palette_after_a_watched_member_left() -> Vec<Affine> {
     let [leaving, looking, other] =
         [0.0, 1.0, 2.0].map(|x| crowd.spawn(chain, at(x)).expect("a good call"));
     watch_all(&mut crowd, leaving);
-    crowd.watch(other, JointIndex(0)).expect("a good call");
+    crowd.member_mut(other).expect("a good call").watch_joint(JointIndex(0)).expect("a good call");
     crowd.update(0.1).expect("a good call");
     crowd.despawn(leaving).expect("a good call");
     let limits = GazeLimits { yaw_rad: 1.5, up_rad: 1.0, down_rad: 1.0 };
     let chain = vec![(JointIndex(1), 1.0)];
-    let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits, targets: vec![] };
+    let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits };
     let target = Target::Joint { member: other, joint: JointIndex(3) };
-    crowd.look_with(looking, &gaze, target, Weight::FULL.over_secs(0.0)).expect("a good call");
+    crowd
+        .member_mut(looking)
+        .expect("a good call")
+        .look_at_with(&gaze, target, Weight::FULL.over_secs(0.0))
+        .expect("a good call");
     crowd.update(0.1).expect("a good call");
-    crowd.palette(looking).expect("a good call")
+    crowd.member_mut(looking).expect("a good call").palette().expect("a good call")
 }
 
 #[test]

@@ -14,7 +14,10 @@
 mod body;
 
 use body::{Stage, stage};
-use populace::{BlendSpace, Crowd, Device, Error, Event, EventKind, Placement, Play, Schedule};
+use populace::{
+    BlendSpace, BlendSpacePlayback, ClipPlayback, Crowd, Device, Error, Event, EventKind,
+    Placement, Schedule,
+};
 
 fn native() -> Stage {
     stage(Device::native(), Schedule::Fused)
@@ -46,10 +49,12 @@ fn feet_that_come_down_are_told_of_once_each_however_long_the_steps_of_the_clock
         for member in [member, other] {
             stage
                 .crowd
-                .play(member, clip, Play::looping().speed(1.5).phase(0.37))
+                .member_mut(member)
+                .expect("a clip that plays")
+                .play(clip, ClipPlayback::looping().speed(1.5).phase(0.37))
                 .expect("a clip that plays");
         }
-        stage.crowd.listen(member).expect("a member");
+        stage.crowd.member_mut(member).expect("a member").subscribe_events();
         let events = events(&mut stage, step, 5.0);
         assert!(events.iter().all(|event| event.member == member && event.clip == clip));
         events
@@ -77,7 +82,12 @@ fn feet_that_come_down_are_told_of_once_each_however_long_the_steps_of_the_clock
     let height = |stage: &mut Stage, at: f64| {
         let member = stage.member(Placement::at([0.0; 3]));
         #[expect(clippy::cast_possible_truncation, reason = "the nearest will do")]
-        stage.crowd.play(member, clip, Play::held_at_secs(at as f32)).expect("a clip that plays");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a clip that plays")
+            .play(clip, ClipPlayback::held_at_secs(at as f32))
+            .expect("a clip that plays");
         stage.update(0.0);
         [stage.place(member, "leftFoot")[1], stage.place(member, "rightFoot")[1]]
     };
@@ -90,21 +100,31 @@ fn moments_and_ends_are_told_of_when_they_are_reached_forwards_and_backwards() {
     for (speed, moment_secs) in [(1.0, 0.5), (-1.0, 1.5), (2.0, 0.25)] {
         let mut stage = native();
         let clip = stage.clip("sway");
-        stage.crowd.name_moment(clip, "swish", 0.5).expect("a moment of two seconds");
+        stage.crowd.add_event_marker(clip, "swish", 0.5).expect("a moment of two seconds");
         let member = stage.member(Placement::at([0.0; 3]));
-        stage.crowd.listen(member).expect("a member");
-        stage.crowd.play(member, clip, Play::once().speed(speed)).expect("a clip that plays");
+        stage.crowd.member_mut(member).expect("a member").subscribe_events();
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a clip that plays")
+            .play(clip, ClipPlayback::once().speed(speed))
+            .expect("a clip that plays");
         let found: Vec<_> = events(&mut stage, 0.05, 4.0)
             .into_iter()
             .filter(|event| !matches!(event.kind, EventKind::Footstep { .. }))
             .collect();
         let [moment, end] = &found[..] else { panic!("{found:?}") };
-        assert_eq!(moment.kind, EventKind::Moment { name: "swish".into() });
+        assert_eq!(moment.kind, EventKind::Marker { name: "swish".into() });
         assert_eq!(end.kind, EventKind::ClipEnd);
         assert!((moment.at_secs - moment_secs).abs() < 1e-5, "{moment:?}");
         assert!((end.at_secs - 2.0 / f64::from(speed.abs())).abs() < 1e-5, "{end:?}");
-        stage.crowd.ignore(member);
-        stage.crowd.play(member, clip, Play::once()).expect("a clip that plays");
+        stage.crowd.member_mut(member).unwrap().unsubscribe_events();
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a clip that plays")
+            .play(clip, ClipPlayback::once())
+            .expect("a clip that plays");
         assert_eq!(events(&mut stage, 0.05, 4.0), []);
     }
 }
@@ -114,28 +134,40 @@ fn what_is_not_within_a_clip_is_refused_and_those_who_leave_are_told_of_no_more(
     let mut stage = native();
     let clip = stage.clip("sway");
     for secs in [-0.1, 2.1, f32::NAN] {
-        let error =
-            stage.crowd.name_moment(clip, "never", secs).expect_err("it is not within two seconds");
+        let error = stage
+            .crowd
+            .add_event_marker(clip, "never", secs)
+            .expect_err("it is not within two seconds");
         assert!(matches!(error, Error::BadValue { .. }), "{error}");
     }
     let member = stage.member(Placement::at([0.0; 3]));
-    stage.crowd.listen(member).expect("a member");
-    stage.crowd.play(member, clip, Play::once()).expect("a clip that plays");
+    stage.crowd.member_mut(member).expect("a member").subscribe_events();
+    stage
+        .crowd
+        .member_mut(member)
+        .expect("a clip that plays")
+        .play(clip, ClipPlayback::once())
+        .expect("a clip that plays");
     stage.crowd.despawn(member).expect("a member");
     assert_eq!(events(&mut stage, 0.5, 4.0), []);
-    assert!(stage.crowd.listen(member).is_err());
+    assert!(stage.crowd.member_mut(member).map(|mut m| m.subscribe_events()).is_err());
 }
 
 /// The end of the first of several clips is told of once, and all else alike, whatever the steps
 /// are.
-fn ends_once(next: impl Fn(&mut Stage, populace::Member)) {
+fn ends_once(next: impl Fn(&mut Stage, populace::MemberId)) {
     let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
         let mut stage = native();
         let clip = stage.clip("walk");
         let member = stage.member(Placement::at([0.0; 3]));
-        stage.crowd.play(member, clip, Play::once()).expect("a clip that plays");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a clip that plays")
+            .play(clip, ClipPlayback::once())
+            .expect("a clip that plays");
         next(&mut stage, member);
-        stage.crowd.listen(member).expect("a member");
+        stage.crowd.member_mut(member).expect("a member").subscribe_events();
         events(&mut stage, step, 3.0)
     });
     let ends =
@@ -153,7 +185,9 @@ fn what_is_left_is_told_of_up_to_then() {
         let clip = stage.clip("walk");
         stage
             .crowd
-            .queue(member, clip, Play::looping().inertialize_in_secs(0.3))
+            .member_mut(member)
+            .expect("a clip to follow")
+            .queue(clip, ClipPlayback::looping().inertialize_in_secs(0.3))
             .expect("a clip to follow");
     });
 }
@@ -164,7 +198,12 @@ fn what_is_cut_is_told_of_up_to_then() {
     ends_once(|stage, member| {
         for name in ["sway", "walk"] {
             let clip = stage.clip(name);
-            stage.crowd.queue(member, clip, Play::looping()).expect("a clip to follow");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a clip to follow")
+                .queue(clip, ClipPlayback::looping())
+                .expect("a clip to follow");
         }
     });
 }
@@ -180,14 +219,21 @@ fn what_is_steered_within_a_step_is_told_of_before_and_after() {
         let mut stage = Stage { crowd, body };
         let (walk, sway) = (stage.clip("walk"), stage.clip("sway"));
         let space = BlendSpace::line(&[(walk, 0.0), (sway, 1.0)]).expect("a space");
-        let space = stage.crowd.add_space(space).expect("a space");
+        let space = stage.crowd.add_blend_space(space).expect("a space");
         let member = stage.member(Placement::at([0.0; 3]));
-        stage.crowd.play(member, sway, Play::held_at_secs(0.0)).expect("a clip that plays");
         stage
             .crowd
-            .play_space(member, space, 0.4, Play::looping().fade_in_secs(0.9))
+            .member_mut(member)
+            .expect("a clip that plays")
+            .play(sway, ClipPlayback::held_at_secs(0.0))
+            .expect("a clip that plays");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a space")
+            .play_blend_space(space, 0.4, BlendSpacePlayback::new().fade_in_secs(0.9))
             .expect("a space");
-        stage.crowd.listen(member).expect("a member");
+        stage.crowd.member_mut(member).expect("a member").subscribe_events();
         events(&mut stage, step, 3.0)
     });
     assert!(found[0].len() > 4, "{found:?}");

@@ -22,8 +22,8 @@ use populace::model::{
     ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side, Skeleton, Track,
 };
 use populace::{
-    Affine, ClipId, Device, LayerMode, LayerSettings, LiveSettings, Member, Placement, Play,
-    Schedule, Streamed, Trs,
+    Affine, ClipId, ClipPlayback, Device, LayerMode, LayerSettings, LiveSettings, MemberId,
+    Placement, Schedule, Streamed, Trs,
 };
 
 const HZ: f64 = 30.0;
@@ -83,7 +83,7 @@ fn even(secs: f64, first: u32, last: u32) -> Vec<DAffine3> {
 }
 
 #[track_caller]
-fn assert_shows(stage: &mut Stage, member: Member, wanted: &[DAffine3], most_m: f64, what: &str) {
+fn assert_shows(stage: &mut Stage, member: MemberId, wanted: &[DAffine3], most_m: f64, what: &str) {
     let found = stage.models(member);
     let worst = found.iter().zip(wanted).map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
     assert!(worst <= most_m, "{what}: {worst} m off, {:?}", stage.crowd.schedule());
@@ -104,12 +104,17 @@ fn settings(secs: f32) -> LiveSettings {
 }
 
 /// A live clip and members that follow it with these delays.
-fn followers(stage: &mut Stage, secs: f32, delays: &[f32]) -> (ClipId, Vec<Member>) {
+fn followers(stage: &mut Stage, secs: f32, delays: &[f32]) -> (ClipId, Vec<MemberId>) {
     let live =
         stage.crowd.add_live_clip(stage.body, "actor", &settings(secs)).expect("a live clip");
     let follow = |delay: &f32| {
         let member = stage.member(Placement::at([0.0; 3]));
-        stage.crowd.play(member, live, Play::live(*delay)).expect("a live clip");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a live clip")
+            .play(live, ClipPlayback::live(*delay))
+            .expect("a live clip");
         member
     };
     (live, delays.iter().map(follow).collect())
@@ -157,7 +162,7 @@ fn members_show_the_stream_each_with_its_delay_and_hold_its_end() {
                 let wanted = even(now - f64::from(delay), 0, last);
                 assert_shows(stage, member, &wanted, 2e-5, &format!("{now} s, {delay} s late"));
             }
-            let playing = stage.crowd.playing(members[2]).expect("a member")[0];
+            let playing = stage.crowd.member(members[2]).expect("a member").active_clips()[0];
             let wanted = (now - 0.25).clamp(0.0, f64::from(last) / HZ);
             assert!((f64::from(playing.time_secs) - wanted).abs() < 1e-4, "{playing:?} {wanted}");
             assert_eq!((playing.clip, playing.speed, playing.ends_in_secs), (live, 1.0, None));
@@ -199,25 +204,42 @@ fn an_ordinary_clip_of_the_same_poses_looks_the_same() {
         let clip = stage.crowd.add_clip(stage.body, &clip.into()).expect("room");
         let held = stage.clip("sway");
         let pairs = [0, 1].map(|layer| {
-            [(live, Play::live(0.3)), (clip, Play::looping())].map(|(clip, play)| {
-                let member = stage.member(Placement::at([0.0; 3]));
-                if layer == 1 {
-                    stage.crowd.play(member, held, Play::held_at_secs(0.4)).expect("a clip");
-                    let mode = LayerMode::Additive;
-                    let added = LayerSettings { mode, weight: 0.7 };
-                    stage.crowd.set_layer(member, 1, added, None).expect("a layer");
-                }
-                (member, clip, play.on_layer(layer), layer)
-            })
+            [(live, ClipPlayback::live(0.3)), (clip, ClipPlayback::looping())].map(
+                |(clip, play)| {
+                    let member = stage.member(Placement::at([0.0; 3]));
+                    if layer == 1 {
+                        stage
+                            .crowd
+                            .member_mut(member)
+                            .expect("a clip")
+                            .play(held, ClipPlayback::held_at_secs(0.4))
+                            .expect("a clip");
+                        let mode = LayerMode::Additive;
+                        let added = LayerSettings { mode, weight: 0.7 };
+                        stage
+                            .crowd
+                            .member_mut(member)
+                            .expect("a layer")
+                            .set_layer(1, added, None)
+                            .expect("a layer");
+                    }
+                    (member, clip, play.on_layer(layer), layer)
+                },
+            )
         });
         for [follows, _] in pairs {
-            stage.crowd.play(follows.0, follows.1, follows.2).expect("a clip");
+            stage
+                .crowd
+                .member_mut(follows.0)
+                .expect("a clip")
+                .play(follows.1, follows.2)
+                .expect("a clip");
         }
         let now = run_evenly(stage, live, 40, |_, _, _| {});
         let at = (now - f64::from(0.3_f32)) as f32;
         for [(follows, ..), (plays, clip, _, layer)] in pairs {
-            let held = Play::held_at_secs(at).on_layer(layer);
-            stage.crowd.play(plays, clip, held).expect("a clip");
+            let held = ClipPlayback::held_at_secs(at).on_layer(layer);
+            stage.crowd.member_mut(plays).expect("a clip").play(clip, held).expect("a clip");
             stage.update(0.0);
             let wanted = stage.models(plays);
             let found = stage.models(follows);
@@ -322,10 +344,10 @@ fn after_a_hundred_hours_nothing_is_lost() {
 fn a_stream_is_tied_anew_to_the_crowds_clock() {
     everywhere(|stage| {
         let (live, members) = followers(stage, 2.0, &[0.1]);
-        assert!(stage.crowd.tie_live(live, 0.0).is_err(), "nothing to tie yet");
+        assert!(stage.crowd.resync_live(live, 0.0).is_err(), "nothing to tie yet");
         run_evenly(stage, live, 30, |_, _, _| {});
         stage.update(77.0);
-        stage.crowd.tie_live(live, 0.75).expect("a stream");
+        stage.crowd.resync_live(live, 0.75).expect("a stream");
         stage.update(0.0);
         assert_shows(stage, members[0], &even(0.65, 0, 29), 2e-5, "0.1 s before what is now");
         stage.update(0.04);
@@ -340,7 +362,12 @@ fn joints_come_by_name_and_what_is_not_streamed_stays() {
             LiveSettings { translations: Streamed::Joints(vec!["hips".into()]), ..settings(1.0) };
         let live = stage.crowd.add_live_clip(stage.body, "hips", &settings).expect("a live clip");
         let member = stage.member(Placement::at([0.0; 3]));
-        stage.crowd.play(member, live, Play::live(0.0)).expect("a live clip");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a live clip")
+            .play(live, ClipPlayback::live(0.0))
+            .expect("a live clip");
         let (skeleton, shown) = (skeleton(), pose(0.4));
         let joint = |name: &str| skeleton.find(name).expect("a joint");
         let mut head = shown[joint("head").index()];
@@ -414,10 +441,15 @@ fn a_live_clip_moves_other_bodies_by_their_roles() {
         let clip = stage.crowd.add_clip(stage.body, &clip.into()).expect("room");
         let members =
             [0, 1].map(|_| stage.crowd.spawn(other, Placement::at([0.0; 3])).expect("room"));
-        stage.crowd.play(members[0], live, Play::live(0.3)).expect("a live clip");
+        stage
+            .crowd
+            .member_mut(members[0])
+            .expect("a live clip")
+            .play(live, ClipPlayback::live(0.3))
+            .expect("a live clip");
         let now = run_evenly(stage, live, 40, |_, _, _| {});
-        let held = Play::held_at_secs((now - f64::from(0.3_f32)) as f32);
-        stage.crowd.play(members[1], clip, held).expect("a clip");
+        let held = ClipPlayback::held_at_secs((now - f64::from(0.3_f32)) as f32);
+        stage.crowd.member_mut(members[1]).expect("a clip").play(clip, held).expect("a clip");
         stage.update(0.0);
         let [found, wanted] = members.map(|member| stage.models(member));
         let hips = body::joint("hips").index();
@@ -464,7 +496,7 @@ fn what_cannot_be_is_refused_and_harms_nothing() {
         assert!(error.contains(words), "{error}");
     };
     bad(5.0, "a pose of 5 s after one of 5 s");
-    bad(4.0, "\"actor\" got a pose of 4 s after one of 5 s; times must rise");
+    bad(4.0, "\"actor\" got a pose at 4 s after one at 5 s; times must increase");
     bad(1e300, "within 1e10 s");
     let refused = |result: Result<(), populace::Error>, words: &str| {
         let error = result.expect_err(words).to_string();
@@ -472,13 +504,28 @@ fn what_cannot_be_is_refused_and_harms_nothing() {
     };
     refused(crowd.append(sway, 6.0, &good), "\"sway\" is not live");
     refused(crowd.append_joints(live, 6.0, &[("hip", good[0])]), "did you mean \"hips\"");
-    for play in [Play::looping(), Play::once(), Play::held_at_secs(0.0)] {
-        refused(crowd.play(members[0], live, play).map(drop), "\"actor\" is live; it has no end");
+    for play in [ClipPlayback::looping(), ClipPlayback::once(), ClipPlayback::held_at_secs(0.0)] {
+        refused(
+            crowd.member_mut(members[0]).and_then(|mut m| m.play(live, play)).map(drop),
+            "\"actor\" is live; it has no end",
+        );
     }
-    refused(crowd.play(members[0], sway, Play::live(0.1)).map(drop), "\"sway\" is not live");
-    refused(crowd.play(members[0], live, Play::live(-0.1)).map(drop), "the delay of a live clip");
+    refused(
+        crowd
+            .member_mut(members[0])
+            .and_then(|mut m| m.play(sway, ClipPlayback::live(0.1)))
+            .map(drop),
+        "\"sway\" is not live",
+    );
+    refused(
+        crowd
+            .member_mut(members[0])
+            .and_then(|mut m| m.play(live, ClipPlayback::live(-0.1)))
+            .map(drop),
+        "the delay of a live clip",
+    );
     let space = populace::BlendSpace::line(&[(live, 0.0), (sway, 1.0)]).expect("points");
-    refused(crowd.add_space(space).map(drop), "has the live clip \"actor\"");
+    refused(crowd.add_blend_space(space).map(drop), "has the live clip \"actor\"");
     for (rows_per_sec, secs) in
         [(0.5, 1.0), (f32::NAN, 1.0), (30.0, 0.0), (30.0, f32::NAN), (1000.0, 1e9)]
     {
@@ -486,7 +533,11 @@ fn what_cannot_be_is_refused_and_harms_nothing() {
         refused(crowd.add_live_clip(stage.body, "bad", &bad).map(drop), "the clip \"bad\" is to");
     }
     crowd.append(live, 5.1, &pose(0.3)).expect("a pose");
-    crowd.play(members[0], live, Play::live(1e9).fade_in_secs(0.1)).expect("as late as can be");
+    crowd
+        .member_mut(members[0])
+        .expect("as late as can be")
+        .play(live, ClipPlayback::live(1e9).fade_in_secs(0.1))
+        .expect("as late as can be");
     stage.update(0.2);
     assert_shows(&mut stage, members[0], &between(&good, &good, 0.0), 2e-6, "the oldest pose");
 }

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use body::stage;
-use populace::{Device, Placement, Play, Schedule};
+use populace::{ClipPlayback, Device, Placement, Schedule};
 
 /// Names PoCL's folder of kernels; the test runs once more in a process that begins with an empty
 /// one.
@@ -50,10 +50,15 @@ fn moves_to_what_is_built(kernels: &Path) {
     stage.update(0.0);
     stage.crowd.move_to(Device::opencl(0)).expect("a device");
     for &member in &members {
-        stage.crowd.play(member, walk, Play::looping()).expect("a slot");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a slot")
+            .play(walk, ClipPlayback::looping())
+            .expect("a slot");
         stage.update(0.1);
     }
-    stage.crowd.local_pose(members[0]).expect("a pose");
+    stage.crowd.member_mut(members[0]).expect("a pose").local_pose().expect("a pose");
     assert!(!before.is_empty());
     assert_eq!(compiled(kernels), before);
 }

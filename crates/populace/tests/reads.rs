@@ -7,8 +7,8 @@ use populace::clip::Clip;
 use populace::hand_over::PaletteSource;
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
-    Affine, BackendError, ClipId, Crowd, Device, Devices, Error, Gaze, GazeLimits, JointIndex,
-    Member, Placement, Play, Schedule, Target, Trs, Weight,
+    Affine, BackendError, ClipId, ClipPlayback, Crowd, Device, Devices, Error, Gaze, GazeLimits,
+    JointIndex, MemberId, Placement, Schedule, Target, Trs, Weight,
 };
 
 /// All devices and schedules, and two devices that share a crowd.
@@ -69,23 +69,30 @@ fn post(entries: usize) -> Character {
 }
 
 /// A crowd of one member that stands, before its first update.
-fn standing(devices: Devices, schedule: Schedule) -> (Crowd, Member, ClipId) {
+fn standing(devices: Devices, schedule: Schedule) -> (Crowd, MemberId, ClipId) {
     let mut crowd =
         Crowd::builder().devices(devices).schedule(schedule).build().expect("a good call");
     let post = crowd.add_character(post(1)).expect("a good call");
     let [stand, rise] = ["Stand", "Rise"].map(|name| crowd.clip(post, name).expect("a good call"));
     let member = crowd.spawn(post, Placement::at([0.0; 3])).expect("a good call");
-    crowd.play(member, stand, Play::looping()).expect("a good call");
+    crowd
+        .member_mut(member)
+        .expect("a good call")
+        .play(stand, ClipPlayback::looping())
+        .expect("a good call");
     (crowd, member, rise)
 }
 
 /// The height of a member's joint, as each way to read it tells.
-fn heights(crowd: &mut Crowd, member: Member) -> [Result<f32, Error>; 3] {
+fn heights(crowd: &mut Crowd, member: MemberId) -> [Result<f32, Error>; 3] {
     let height = |joints: Vec<Affine>| joints[0].rows[1][3];
     [
-        crowd.palette(member).map(height),
-        crowd.model_from_joints(member).map(height),
-        crowd.local_pose(member).map(|pose| pose[0].translation[1]),
+        crowd.member_mut(member).and_then(|mut m| m.palette()).map(height),
+        crowd.member_mut(member).and_then(|mut m| m.model_from_joints()).map(height),
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.local_pose())
+            .map(|pose| pose[0].translation[1]),
     ]
 }
 
@@ -96,7 +103,7 @@ fn pages(crowd: &mut Crowd) -> [Result<(), Error>; 2] {
 }
 
 #[track_caller]
-fn assert_not_evaluated(crowd: &mut Crowd, member: Member, state: &str) {
+fn assert_not_evaluated(crowd: &mut Crowd, member: MemberId, state: &str) {
     for found in heights(crowd, member) {
         let found = found.expect_err(state);
         assert_eq!(found, Error::Backend(BackendError::NotEvaluated), "{state}");
@@ -104,7 +111,7 @@ fn assert_not_evaluated(crowd: &mut Crowd, member: Member, state: &str) {
 }
 
 #[track_caller]
-fn assert_height(crowd: &mut Crowd, member: Member, wanted: f32, state: &str) {
+fn assert_height(crowd: &mut Crowd, member: MemberId, wanted: f32, state: &str) {
     assert_eq!(heights(crowd, member), [wanted; 3].map(Ok), "{state}");
     assert_eq!(pages(crowd), [Ok(()), Ok(())], "{state}");
 }
@@ -118,16 +125,20 @@ fn every_read_has_one_answer_in_every_state() {
         assert_not_evaluated(&mut crowd, member, &at("new"));
         assert_eq!(pages(&mut crowd), no_pages, "{}", at("new"));
         assert!(PaletteSource::hand_over(&mut crowd).unwrap().is_none(), "{}", at("new"));
-        assert_eq!(crowd.moved(member), Ok(Placement::at([0.0; 3])));
-        let watch = crowd.watch(member, JointIndex(0)).unwrap();
-        assert_eq!(crowd.sighting(watch), Ok(None), "{}", at("new"));
+        assert_eq!(
+            crowd.member_mut(member).and_then(|mut m| m.moved_placement()),
+            Ok(Placement::at([0.0; 3]))
+        );
+        let watch = crowd.member_mut(member).unwrap().watch_joint(JointIndex(0)).unwrap();
+        assert_eq!(crowd.readback(watch), Ok(None), "{}", at("new"));
 
         crowd.update(0.1).unwrap();
         assert_height(&mut crowd, member, 0.0, &at("updated"));
-        crowd.play(member, rise, Play::looping()).unwrap();
+        crowd.member_mut(member).unwrap().play(rise, ClipPlayback::looping()).unwrap();
         assert_height(&mut crowd, member, 0.0, &at("changed"));
-        let late =
-            crowd.spawn(crowd.character_of(member).unwrap(), Placement::at([1.0; 3])).unwrap();
+        let late = crowd
+            .spawn(crowd.member(member).unwrap().character(), Placement::at([1.0; 3]))
+            .unwrap();
         assert_not_evaluated(&mut crowd, late, &at("spawned"));
         assert_height(&mut crowd, member, 0.0, &at("beside one that was spawned"));
         assert!(crowd.with_page(1, &mut |_| {}).unwrap_err().to_string().contains("no page 1"));
@@ -152,21 +163,22 @@ fn every_read_has_one_answer_in_every_state() {
 fn a_watch_never_shows_the_joint_that_had_its_place_before() {
     for (devices, schedule) in everywhere() {
         let (mut crowd, member, rise) = standing(devices.clone(), schedule);
-        crowd.play(member, rise, Play::looping()).unwrap();
-        let first = crowd.watch(member, JointIndex(0)).unwrap();
+        crowd.member_mut(member).unwrap().play(rise, ClipPlayback::looping()).unwrap();
+        let first = crowd.member_mut(member).unwrap().watch_joint(JointIndex(0)).unwrap();
         for _ in 0..2 {
             crowd.update(0.1).unwrap();
             crowd.finish().unwrap();
         }
-        assert!(crowd.sighting(first).unwrap().is_some(), "{devices}, {schedule}");
+        assert!(crowd.readback(first).unwrap().is_some(), "{devices}, {schedule}");
         crowd.unwatch(first);
-        let other =
-            crowd.spawn(crowd.character_of(member).unwrap(), Placement::at([5.0; 3])).unwrap();
-        let second = crowd.watch(other, JointIndex(0)).unwrap();
-        assert_eq!(crowd.sighting(second), Ok(None), "{devices}, {schedule}");
+        let other = crowd
+            .spawn(crowd.member(member).unwrap().character(), Placement::at([5.0; 3]))
+            .unwrap();
+        let second = crowd.member_mut(other).unwrap().watch_joint(JointIndex(0)).unwrap();
+        assert_eq!(crowd.readback(second), Ok(None), "{devices}, {schedule}");
         crowd.update(0.1).unwrap();
         crowd.finish().unwrap();
-        let seen = crowd.sighting(second).unwrap().expect("the device has finished");
+        let seen = crowd.readback(second).unwrap().expect("the device has finished");
         assert_eq!(seen.world_from_joint.rows[0][3], 5.0, "{devices}, {schedule}");
     }
 }
@@ -181,16 +193,20 @@ fn a_read_leaves_no_trace_in_the_frames_to_come() {
             let bare = crowd.spawn(bare, Placement::at([3.0, 0.0, 1.0])).unwrap();
             let chain = vec![(JointIndex(0), 1.0)];
             let limits = GazeLimits { yaw_rad: 1.5, up_rad: 1.0, down_rad: 1.0 };
-            let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits, targets: vec![] };
+            let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits };
             let target = Target::Joint { member: bare, joint: JointIndex(0) };
-            crowd.look_with(member, &gaze, target, Weight::FULL.over_secs(0.0)).unwrap();
+            crowd
+                .member_mut(member)
+                .unwrap()
+                .look_at_with(&gaze, target, Weight::FULL.over_secs(0.0))
+                .unwrap();
             for _ in 0..3 {
                 crowd.update(0.1).unwrap();
                 if reads {
-                    crowd.model_from_joints(bare).unwrap();
+                    crowd.member_mut(bare).unwrap().model_from_joints().unwrap();
                 }
             }
-            crowd.palette(member).unwrap()
+            crowd.member_mut(member).unwrap().palette().unwrap()
         };
         assert_eq!(turned(true), turned(false), "{devices}, {schedule}");
     }

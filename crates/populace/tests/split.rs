@@ -6,14 +6,23 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
-use populace::hand_over::Float4;
-use populace::model::{
-    Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track,
-};
+use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
+use populace::{Affine, JointIndex};
 use populace::{
-    CharacterId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split, Trs,
+    CharacterId, ClipPlayback, Crowd, Device, Devices, Error, MemberId, Placement, Schedule, Split,
+    Trs,
 };
-use populace_testkit::Rng;
+use populace_device::layout::Float4;
+
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, below: usize) -> usize {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        usize::try_from(self.0 >> 33).unwrap() % below
+    }
+}
 
 /// A chain of joints that a clip lifts one by one.
 fn chain(joint_count: u16) -> Arc<Character> {
@@ -49,8 +58,8 @@ fn chain(joint_count: u16) -> Arc<Character> {
 struct Troupe {
     crowd: Crowd,
     roles: Vec<CharacterId>,
-    members: Vec<Member>,
-    random: Rng,
+    members: Vec<MemberId>,
+    random: Random,
 }
 
 impl Troupe {
@@ -58,7 +67,7 @@ impl Troupe {
         let builder = Crowd::builder().devices(devices.clone()).schedule(schedule).split(split);
         let mut crowd = builder.capacity(5000).build().unwrap();
         let roles = [1, 5, 40].map(|joints| crowd.add_character(chain(joints)).unwrap()).to_vec();
-        Self { crowd, roles, members: Vec::new(), random: Rng::new(11) }
+        Self { crowd, roles, members: Vec::new(), random: Random(11) }
     }
 
     fn step(&mut self) {
@@ -67,7 +76,11 @@ impl Troupe {
             let member = self.crowd.spawn(role, Placement::at([0.0; 3])).unwrap();
             let lift = self.crowd.clip(role, "Lift").unwrap();
             let phase = f32::from(u16::try_from(self.random.below(100)).unwrap()) / 100.0;
-            self.crowd.play(member, lift, Play::looping().phase(phase)).unwrap();
+            self.crowd
+                .member_mut(member)
+                .unwrap()
+                .play(lift, ClipPlayback::looping().phase(phase))
+                .unwrap();
             self.members.push(member);
         }
         for _ in 0..self.random.below(self.members.len().min(180) + 1) {
@@ -90,8 +103,11 @@ impl Troupe {
         assert_eq!(firsts, twin.crowd.instances().map(|i| i.palette_first).collect::<Vec<_>>());
         let pairs: Vec<_> = self.crowd.instances().zip(twin.crowd.instances()).collect();
         for (nth, (ours, theirs)) in pairs.into_iter().enumerate() {
-            let palette = twin.crowd.palette(theirs.member).unwrap();
-            assert!(self.crowd.palette(ours.member).unwrap() == palette, "{when}: member {nth}");
+            let palette = twin.crowd.member_mut(theirs.member).unwrap().palette().unwrap();
+            assert!(
+                self.crowd.member_mut(ours.member).unwrap().palette().unwrap() == palette,
+                "{when}: member {nth}"
+            );
             let first = ours.palette_first as usize * 3;
             for (entry, matrix) in palette.iter().enumerate() {
                 let at = first + entry * 3;
@@ -99,14 +115,21 @@ impl Troupe {
                 assert!(rows == matrix.rows, "{when}: entry {entry} of member {nth} in its page");
             }
             if nth % 7 == 0 {
-                let joints = self.crowd.model_from_joints(ours.member).unwrap();
+                let joints =
+                    self.crowd.member_mut(ours.member).unwrap().model_from_joints().unwrap();
                 assert!(
-                    joints == twin.crowd.model_from_joints(theirs.member).unwrap(),
+                    joints
+                        == twin
+                            .crowd
+                            .member_mut(theirs.member)
+                            .unwrap()
+                            .model_from_joints()
+                            .unwrap(),
                     "{when}: member {nth}"
                 );
-                let pose = self.crowd.local_pose(ours.member).unwrap();
+                let pose = self.crowd.member_mut(ours.member).unwrap().local_pose().unwrap();
                 assert!(
-                    pose == twin.crowd.local_pose(theirs.member).unwrap(),
+                    pose == twin.crowd.member_mut(theirs.member).unwrap().local_pose().unwrap(),
                     "{when}: member {nth}"
                 );
             }
@@ -118,7 +141,7 @@ impl Troupe {
 fn nobody_can_tell(devices: &Devices, schedule: Schedule) {
     let mut troupe = Troupe::new(devices, schedule, Split::Measured);
     let mut twin = Troupe::new(&Device::native().into(), schedule, Split::Measured);
-    let (count, mut random) = (devices.as_slice().len(), Rng::new(3));
+    let (count, mut random) = (devices.as_slice().len(), Random(3));
     for step in 0..60 {
         let mut parts: Vec<f64> =
             (0..count).map(|_| f64::from(u16::try_from(random.below(4)).unwrap())).collect();

@@ -17,8 +17,9 @@ mod body;
 use body::{joint, stage};
 use populace::model::math::quat;
 use populace::{
-    ClipId, Condition, Crowd, Device, Feet, Foot, JointOverride, LayerSettings, Member, Placement,
-    Play, Reach, Schedule, Space, StateMachine, Target, Trs, Weight,
+    ClipId, ClipPlayback, Condition, Crowd, Device, Feet, Foot, JointOverride, LayerSettings,
+    MachinePlayback, MemberId, Placement, Reach, Schedule, Space, StateMachine, StatePlayback,
+    Target, Trs, Weight,
 };
 
 fn feet() -> Feet {
@@ -31,33 +32,58 @@ fn feet() -> Feet {
 }
 
 /// All sway or walk in a layer above, by a parameter.
-fn run_machines(stage: &mut body::Stage, clips: [ClipId; 2], members: &[Member]) {
+fn run_machines(stage: &mut body::Stage, clips: [ClipId; 2], members: &[MemberId]) {
     let sways = StateMachine::new()
         .parameter("swap", 0.0)
-        .state("sway", clips[0], Play::looping())
-        .state("walk", clips[1], Play::looping())
+        .state("sway", clips[0], StatePlayback::looping())
+        .state("walk", clips[1], StatePlayback::looping())
         .transition("sway", "walk", 0.1, &[Condition::above("swap", 0.5)])
         .transition("walk", "sway", 0.1, &[Condition::below("swap", 0.5)]);
     let sways = stage.crowd.add_machine(&sways).expect("a machine");
     for &member in members {
-        stage.crowd.run_machine(member, sways, Play::looping().on_layer(1)).expect("slots");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("slots")
+            .play_machine(sways, MachinePlayback::new().on_layer(1))
+            .expect("slots");
     }
 }
 
 /// Changes all that one member can be told.
-fn change_all(crowd: &mut Crowd, member: Member, clip: ClipId, nth: usize) {
+fn change_all(crowd: &mut Crowd, member: MemberId, clip: ClipId, nth: usize) {
     let x = nth as f32;
-    crowd.play(member, clip, Play::looping().fade_in_secs(0.2)).expect("a clip");
-    crowd.set_layer(member, 1, LayerSettings::default(), None).expect("a layer");
-    crowd.set_parameter(member, "swap", (x * 0.1).sin()).expect("a machine that runs");
-    crowd.place(member, Placement::at([(nth % 20) as f32, 0.0, x * 0.001])).expect("a place");
-    crowd.move_by_clips(member, true).expect("a member");
+    crowd
+        .member_mut(member)
+        .expect("a clip")
+        .play(clip, ClipPlayback::looping().fade_in_secs(0.2))
+        .expect("a clip");
+    crowd
+        .member_mut(member)
+        .expect("a layer")
+        .set_layer(1, LayerSettings::default(), None)
+        .expect("a layer");
+    crowd
+        .member_mut(member)
+        .expect("a machine that runs")
+        .set_parameter("swap", (x * 0.1).sin())
+        .expect("a machine that runs");
+    crowd
+        .member_mut(member)
+        .expect("a place")
+        .set_placement(Placement::at([(nth % 20) as f32, 0.0, x * 0.001]))
+        .expect("a place");
+    crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
     let target = Target::Point([x.sin(), 1.2, 1.0]);
-    crowd.reach(member, Reach::with(joint("leftHand")), target, Weight::FULL).expect("a limb");
-    crowd.plant_with(member, &feet()).expect("feet");
+    crowd
+        .member_mut(member)
+        .expect("a limb")
+        .reach(Reach::with(joint("leftHand")), target, Weight::FULL)
+        .expect("a limb");
+    crowd.member_mut(member).expect("feet").plant_feet_with(&feet()).expect("feet");
     let transform = Trs { rotation: quat::identity(), ..Trs::IDENTITY };
     let o = JointOverride { joint: joint("head"), space: Space::Local, transform, weight: 0.5 };
-    crowd.override_joints(member, &[o]).expect("an override");
+    crowd.member_mut(member).expect("an override").override_joints(&[o]).expect("an override");
 }
 
 fn frames(stage: &mut body::Stage) {
@@ -71,39 +97,59 @@ fn frames(stage: &mut body::Stage) {
     for frame in 0..60_usize {
         if frame == 10 {
             // All has grown as far as it will.
-            waited = stage.crowd.waits();
+            waited = stage.crowd.host_waits();
         }
         for (n, &member) in members.iter().enumerate() {
             change_all(&mut stage.crowd, member, clips[(frame + n) % 2], frame * 20 + n);
             let crowd = &mut stage.crowd;
             let to = if frame % 2 == 0 { "head" } else { "leftHand" };
-            crowd.attach(hats[n], member, joint(to), Trs::IDENTITY).expect("a hat");
+            crowd
+                .member_mut(hats[n])
+                .expect("a hat")
+                .attach_to(member, joint(to), Trs::IDENTITY)
+                .expect("a hat");
             if (frame + n) % 5 == 0 {
-                crowd.detach(hats[n]).expect("a hat");
+                crowd.member_mut(hats[n]).expect("a hat").detach().expect("a hat");
             }
         }
         if frame == 2 {
-            watch = Some(stage.crowd.watch(members[7], joint("leftHand")).expect("a joint"));
+            watch = Some(
+                stage
+                    .crowd
+                    .member_mut(members[7])
+                    .expect("a joint")
+                    .watch_joint(joint("leftHand"))
+                    .expect("a joint"),
+            );
         }
         stage.update(1.0 / 60.0);
         if let Some(watch) = watch {
-            stage.crowd.sighting(watch).expect("a device");
+            stage.crowd.readback(watch).expect("a device");
         }
     }
-    assert_eq!(stage.crowd.waits(), waited, "{:?}: the host waited", stage.crowd.schedule());
+    assert_eq!(stage.crowd.host_waits(), waited, "{:?}: the host waited", stage.crowd.schedule());
     stage.crowd.finish().expect("a device");
     let opencl = stage.crowd.device_name().starts_with("OpenCL");
-    assert_eq!(stage.crowd.waits(), waited + u64::from(opencl), "an explicit wait is counted");
-    stage.crowd.state_of(members[0], 1).expect("a machine that runs");
-    assert_eq!(stage.crowd.waits(), waited + 2 * u64::from(opencl), "and so is asking for a state");
+    assert_eq!(stage.crowd.host_waits(), waited + u64::from(opencl), "an explicit wait is counted");
+    stage
+        .crowd
+        .member_mut(members[0])
+        .expect("a machine that runs")
+        .machine_state(1)
+        .expect("a machine that runs");
+    assert_eq!(
+        stage.crowd.host_waits(),
+        waited + 2 * u64::from(opencl),
+        "and so is asking for a state"
+    );
     let watch = watch.expect("it was made");
-    let seen = stage.crowd.sighting(watch).expect("a device").expect("it has come by now");
-    let world = stage.crowd.placement(members[7]).expect("a member").world_from_model();
+    let seen = stage.crowd.readback(watch).expect("a device").expect("it has come by now");
+    let world = stage.crowd.member(members[7]).expect("a member").placement().world_from_model();
     let hand = world.transform_point(stage.place(members[7], "leftHand"));
     assert!(body::distance(seen.world_from_joint.origin(), hand) < 1e-5, "{seen:?} {hand:?}");
     assert!((seen.at_secs - 1.0).abs() < 1e-3, "{seen:?}");
     stage.crowd.unwatch(watch);
-    assert_eq!(stage.crowd.sighting(watch).expect("a device"), None);
+    assert_eq!(stage.crowd.readback(watch).expect("a device"), None);
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]

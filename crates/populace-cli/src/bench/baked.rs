@@ -4,7 +4,7 @@
 //! hierarchy and bind matrices, so clips cannot be blended, and joints cannot be masked or moved.
 
 use populace::model::Affine;
-use populace::{Crowd, Device, Error, Placement, Play, Schedule};
+use populace::{ClipPlayback, Crowd, Device, Error, Placement, Schedule};
 use rayon::prelude::*;
 
 use super::scene::Scene;
@@ -161,7 +161,7 @@ fn bake(scene: &Scene, character: usize) -> Result<Vec<Table>, Error> {
             let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
             let share = row as f32 / (rows - 1) as f32;
             let secs = clip.start_secs() + share * clip.duration_secs();
-            crowd.play(member, clip_id, Play::held_at_secs(secs))?;
+            crowd.member_mut(member)?.play(clip_id, ClipPlayback::held_at_secs(secs))?;
             members.push(member);
         }
     }
@@ -175,7 +175,7 @@ fn bake(scene: &Scene, character: usize) -> Result<Vec<Table>, Error> {
             duration_secs: f64::from(clip.duration_secs()),
         };
         for member in members.by_ref().take(rows) {
-            table.rows.extend(crowd.palette(member)?);
+            table.rows.extend(crowd.member_mut(member)?.palette()?);
         }
         tables.push(table);
     }

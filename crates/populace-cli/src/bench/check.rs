@@ -179,7 +179,11 @@ mod tests {
     fn error_m(scene: &Scene, staging: &mut Staging, of: impl Fn(usize) -> usize) -> f64 {
         let members = (0..scene.member_count).collect();
         let check = OracleCheck { scene, frames: FRAMES, members, slots: scene.slot_count };
-        check.worst_error_m(|member| staging.crowd.palette(staging.members[of(member)])).unwrap()
+        check
+            .worst_error_m(|member| {
+                staging.crowd.member_mut(staging.members[of(member)]).and_then(|mut m| m.palette())
+            })
+            .unwrap()
     }
 
     #[test]

@@ -5,7 +5,7 @@ use populace::character::Character;
 use populace::model::Skeleton;
 use populace::{
     Crowd, Error, Feet, Foot, Gaze, GazeLimits, JointIndex, LayerMode, LayerSettings, Mask, MaskId,
-    Member, Target, Weight,
+    MemberId, Target, Weight,
 };
 use populace_testkit::oracle::{OracleLayer, OraclePose};
 
@@ -30,10 +30,12 @@ pub(super) fn mask(skeleton: &Skeleton) -> Result<Mask, Error> {
 }
 
 /// Sets a masked override layer and an additive layer.
-pub(super) fn set_layers(crowd: &mut Crowd, member: Member, mask: MaskId) -> Result<(), Error> {
+pub(super) fn set_layers(crowd: &mut Crowd, member: MemberId, mask: MaskId) -> Result<(), Error> {
     let masked = LayerSettings { mode: LayerMode::Override, weight: 0.7 };
-    crowd.set_layer(member, 1, masked, Some(mask))?;
-    crowd.set_layer(member, 2, LayerSettings { mode: LayerMode::Additive, weight: 0.6 }, None)
+    crowd.member_mut(member)?.set_layer(1, masked, Some(mask))?;
+    crowd.member_mut(member).and_then(|mut m| {
+        m.set_layer(2, LayerSettings { mode: LayerMode::Additive, weight: 0.6 }, None)
+    })
 }
 
 /// Returns the same layers for the oracle.
@@ -56,7 +58,7 @@ pub(super) fn oracle_layers(character: &Character) -> Result<Vec<OracleLayer>, E
 /// Makes a member look at a point in its model space and plant both feet.
 pub(super) fn constrain(
     crowd: &mut Crowd,
-    member: Member,
+    member: MemberId,
     skeleton: &Skeleton,
     target: [f32; 3],
 ) -> Result<(), Error> {
@@ -66,15 +68,21 @@ pub(super) fn constrain(
         chain.push((joint(skeleton, source)?, share));
     }
     let limits = GazeLimits { yaw_rad: 1.5, up_rad: 1.0, down_rad: 1.0 };
-    let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits, targets: Vec::new() };
-    crowd.look_with(member, &gaze, Target::InModel(target), Weight::FULL.over_secs(0.0))?;
+    let gaze = Gaze { chain, facing: [0.0, 0.0, 1.0], limits };
+    crowd.member_mut(member)?.look_at_with(
+        &gaze,
+        Target::InModel(target),
+        Weight::FULL.over_secs(0.0),
+    )?;
     let mut feet = Vec::new();
     for [hip, knee, ankle] in LEGS {
         let [hip, knee, ankle] =
             [joint(skeleton, hip)?, joint(skeleton, knee)?, joint(skeleton, ankle)?];
         feet.push(Foot { hip, knee, ankle });
     }
-    crowd.plant_with(member, &Feet { pelvis: joint(skeleton, 0)?, feet, weight: 1.0 })
+    crowd.member_mut(member).and_then(|mut m| {
+        m.plant_feet_with(&Feet { pelvis: joint(skeleton, 0)?, feet, weight: 1.0 })
+    })
 }
 
 /// Returns the largest error of a constrained member in metres; `found` is in source order.

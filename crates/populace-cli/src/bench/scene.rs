@@ -5,7 +5,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use populace::character::Character;
-use populace::{ClipId, Crowd, Device, Devices, Error, Member, Placement, Play, Schedule, Split};
+use populace::{
+    ClipId, ClipPlayback, Crowd, Device, Devices, Error, MemberId, Placement, Schedule, Split,
+};
 
 use super::{constraints, rigs};
 use crate::placement::Random;
@@ -99,7 +101,7 @@ pub(crate) struct InitialSlot {
 /// A crowd set up for a scene.
 pub(crate) struct Staging {
     pub(crate) crowd: Crowd,
-    pub(crate) members: Vec<Member>,
+    pub(crate) members: Vec<MemberId>,
     /// Clips of each character.
     clips: Vec<Vec<ClipId>>,
 }
@@ -226,9 +228,11 @@ impl Scene {
             let kind = self.character_index(index);
             let member = crowd.spawn(ids[kind], Placement::at([0.0; 3]))?;
             for slot in self.initial_slots(index) {
-                let play =
-                    Play::looping().phase(slot.phase).weight(slot.weight).on_layer(slot.layer);
-                crowd.blend(member, clips[kind][slot.clip], play)?;
+                let play = ClipPlayback::looping()
+                    .phase(slot.phase)
+                    .weight(slot.weight)
+                    .on_layer(slot.layer);
+                crowd.member_mut(member)?.blend(clips[kind][slot.clip], play)?;
             }
             if self.load == Load::Full {
                 constraints::set_layers(&mut crowd, member, masks[kind])?;
@@ -265,7 +269,7 @@ impl Staging {
     pub(crate) fn change(&mut self, scene: &Scene, frame: u32) -> Result<(), Error> {
         for (member, clip) in scene.changes(frame) {
             let clip = self.clips[scene.character_index(member)][clip];
-            self.crowd.crossfade(self.members[member], clip, FADE_SECS)?;
+            self.crowd.member_mut(self.members[member])?.crossfade(clip, FADE_SECS)?;
         }
         Ok(())
     }

@@ -159,8 +159,9 @@ impl<'a> Session<'a> {
         match self.evaluator {
             Evaluator::Crowd(mut staging) => {
                 let members = [sample(scene), at_page_boundaries(&staging.crowd)].concat();
-                let error_m = check(members, scene.slot_count)
-                    .worst_error_m(|member| staging.crowd.palette(staging.members[member]))?;
+                let error_m = check(members, scene.slot_count).worst_error_m(|member| {
+                    staging.crowd.member_mut(staging.members[member]).and_then(|mut m| m.palette())
+                })?;
                 let (memory_bytes, schedule) =
                     (staging.crowd.device_memory_bytes(), staging.crowd.schedule());
                 if on.is_shared() {

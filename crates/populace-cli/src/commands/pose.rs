@@ -48,8 +48,8 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let (mixed, layers) = mix::apply(&mut crowd, (id, member), (slots, &args.layer), find)?;
     let [looks_at, reaches] = aim::apply(&mut crowd, (id, member), args.look_at, &args.reach)?;
     crowd.update(0.0)?;
-    let palette = crowd.palette(member)?;
-    let models = crowd.model_from_joints(member)?;
+    let palette = crowd.member_mut(member)?.palette()?;
+    let models = crowd.member_mut(member)?.model_from_joints()?;
     let skins: Vec<_> = character
         .skins
         .iter()

@@ -8,7 +8,7 @@ use populace::hand_over::Float4;
 use populace::hand_over::{
     GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
 };
-use populace::{CharacterId, Crowd, Devices, Placement, Play};
+use populace::{CharacterId, ClipPlayback, Crowd, Devices, Placement};
 use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};
 
 pub(crate) const FRAME_SECS: f32 = 0.11;
@@ -77,7 +77,9 @@ impl PeopleCrowd {
             let member = self.crowd.spawn(role, Placement::at(at)).unwrap();
             let clip = self.crowd.clip(role, "Run").unwrap();
             self.crowd
-                .play(member, clip, Play::looping().phase(f32::from(index) * 0.37 % 1.0))
+                .member_mut(member)
+                .unwrap()
+                .play(clip, ClipPlayback::looping().phase(f32::from(index) * 0.37 % 1.0))
                 .unwrap();
         }
         self.spawned += members;

@@ -10,7 +10,7 @@ use populace::hand_over::PAGE_ENTRIES;
 use populace::model::{
     Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs,
 };
-use populace::{Crowd, Device, Devices, Placement, Play};
+use populace::{ClipPlayback, Crowd, Device, Devices, Placement};
 
 use crate::assert_same;
 use crate::fixture::{ByCopy, PeopleCrowd, RenderSession, pictures_by_copy};
@@ -169,7 +169,7 @@ pub(crate) fn second_page_is_drawn(device: &Devices) {
         let mut frames = Vec::new();
         for x in [-2.0, 0.0, 2.0] {
             let member = crowd.spawn(id, Placement::at([x, 0.0, -4.0])).unwrap();
-            crowd.play(member, rise, Play::looping()).unwrap();
+            crowd.member_mut(member).unwrap().play(rise, ClipPlayback::looping()).unwrap();
             crowd.update(0.2).unwrap();
             if by_copy {
                 session.renderer.acquire_palettes(&mut ByCopy(&mut crowd)).unwrap();

@@ -111,7 +111,10 @@ fn palettes_can_be_read_back_from_any_memory(device: &Devices) {
         let [a, b] =
             [&*people, &*twin].map(|t| t.crowd.instances().map(|i| i.member).collect::<Vec<_>>());
         for (i, (a, b)) in a.into_iter().zip(b).enumerate() {
-            let (a, b) = (people.crowd.palette(a).unwrap(), twin.crowd.palette(b).unwrap());
+            let (a, b) = (
+                people.crowd.member_mut(a).unwrap().palette().unwrap(),
+                twin.crowd.member_mut(b).unwrap().palette().unwrap(),
+            );
             assert!(a == b, "{when}: member {i}");
         }
         assert!(

@@ -13,7 +13,8 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use populace::character::Character;
 use populace::model::{Affine, JointIndex, Role, RoleMap, Side};
 use populace::{
-    CharacterId, ClipId, Crowd, Device, Member, MotionSettings, MotionSource, Placement, Play,
+    CharacterId, ClipId, ClipPlayback, Crowd, Device, MemberId, MotionSettings, MotionSource,
+    Placement,
 };
 use populace_cast::{Look, person};
 use soles::Feet;
@@ -83,7 +84,7 @@ fn refused(folder: &Path) -> Result<(), Failed> {
     let (mut crowd, [(id, member), _]) = crowd_of([&knight, &fox])?;
     let walk = fox.clips.iter().find(|c| c.name() == "Walk").ok_or("no walk")?;
     let clip = crowd.add_clip(id, walk)?;
-    let refused = crowd.play(member, clip, Play::looping());
+    let refused = crowd.member_mut(member).and_then(|mut m| m.play(clip, ClipPlayback::looping()));
     let text = refused.err().ok_or("a knight walks like a fox")?.to_string();
     let explains = text.contains("\"Walk\" cannot move this skeleton")
         && text.contains("this skeleton has them");
@@ -102,20 +103,20 @@ fn feet_on_legs(folder: &Path) -> Result<(), Failed> {
     let (mut crowd, members) = crowd_of([&loose, &attached])?;
     for (id, member) in members {
         let walk = crowd.clip(id, "Robot_Walking")?;
-        crowd.play(member, walk, Play::looping())?;
+        crowd.member_mut(member)?.play(walk, ClipPlayback::looping())?;
     }
     let feet = [Side::Left, Side::Right].map(Role::Foot);
     let mut apart: f64 = 0.0;
     for planted in [false, true] {
         if planted {
             crowd.set_ground(&populace::Ground::plane(0.0, [SLOPE, 0.0])?)?;
-            crowd.plant_feet(members[1].1, populace::Weight::FULL)?;
+            crowd.member_mut(members[1].1)?.plant_feet(1.0)?;
         }
         for _ in 0..SAMPLES {
             crowd.update(0.03)?;
             let [was, now] = [(members[0].1, &roles), (members[1].1, &attached_roles)];
-            let was = positions(&crowd.model_from_joints(was.0)?, was.1);
-            let now = positions(&crowd.model_from_joints(now.0)?, now.1);
+            let was = positions(&crowd.member_mut(was.0)?.model_from_joints()?, was.1);
+            let now = positions(&crowd.member_mut(now.0)?.model_from_joints()?, now.1);
             for foot in feet {
                 let ground = if planted { f64::from(SLOPE) * now[&foot][0] } else { 0.0 };
                 let off = now[&foot][1] - was[&foot][1] - ground;
@@ -159,7 +160,7 @@ fn load(folder: &Path, name: &str) -> Result<Character, Failed> {
 }
 
 /// Creates a crowd with a member of each body.
-fn crowd_of(bodies: [&Character; 2]) -> Result<(Crowd, [(CharacterId, Member); 2]), Failed> {
+fn crowd_of(bodies: [&Character; 2]) -> Result<(Crowd, [(CharacterId, MemberId); 2]), Failed> {
     let mut crowd =
         Crowd::builder().device(Device::native()).capacity(2).slots_per_member(1).build()?;
     let mut add = |body: &Character| -> Result<_, Failed> {
@@ -245,7 +246,7 @@ fn walk(folder: &Path, (from, clip): (&str, &str), target_name: &str) -> Result<
 
 fn measure(
     crowd: &mut Crowd,
-    members: [(CharacterId, Member); 2],
+    members: [(CharacterId, MemberId); 2],
     clip: ClipId,
     roles: [&RoleMap; 2],
 ) -> Result<Measured, Failed> {
@@ -253,7 +254,7 @@ fn measure(
     crowd.update(0.0)?;
     let at = |crowd: &mut Crowd| -> Result<_, Failed> {
         let mut one = |n: usize| -> Result<_, Failed> {
-            Ok(positions(&crowd.model_from_joints(members[n].1)?, roles[n]))
+            Ok(positions(&crowd.member_mut(members[n].1)?.model_from_joints()?, roles[n]))
         };
         Ok([one(0)?, one(1)?])
     };
@@ -265,7 +266,7 @@ fn measure(
         let part = sample as f32 / SAMPLES as f32;
         for (_, member) in members {
             let secs = motion.start_secs() + part * motion.duration_secs();
-            crowd.play(member, clip, Play::held_at_secs(secs))?;
+            crowd.member_mut(member)?.play(clip, ClipPlayback::held_at_secs(secs))?;
         }
         crowd.update(0.0)?;
         let now = at(crowd)?;
@@ -312,19 +313,19 @@ fn check_sliding(
     let (mut crowd, [_, (id, member)]) = crowd_of([&source, &target])?;
     let step_secs = walk.duration_secs() / SAMPLES as f32;
     let clip = crowd.add_clip(id, &walk.into())?;
-    crowd.play(member, clip, Play::looping())?;
-    crowd.move_by_clips(member, true)?;
+    crowd.member_mut(member)?.play(clip, ClipPlayback::looping())?;
+    crowd.member_mut(member)?.start_root_motion()?;
     crowd.update(0.0)?;
     let sole = |side| {
         if roles.joint(Role::Toes(side)).is_some() { Role::Toes(side) } else { Role::Foot(side) }
     };
     let feet = [Side::Left, Side::Right].map(sole);
-    let mut before = positions(&crowd.model_from_joints(member)?, &roles);
+    let mut before = positions(&crowd.member_mut(member)?.model_from_joints()?, &roles);
     let start = before[&Role::Hips][2];
     let mut sliding = 0.0;
     for _ in 0..SAMPLES {
         crowd.update(step_secs)?;
-        let now = positions(&crowd.model_from_joints(member)?, &roles);
+        let now = positions(&crowd.member_mut(member)?.model_from_joints()?, &roles);
         let height = |role: &Role| now[role][1] + before[role][1];
         let foot =
             feet.into_iter().min_by(|a, b| height(a).total_cmp(&height(b))).ok_or("no feet")?;
@@ -397,9 +398,9 @@ fn by_name(folder: &Path) -> Result<(), Failed> {
     let (mut crowd, [(id, member), _]) = crowd_of([&mage, &knight])?;
     let mut pose = |clip| -> Result<_, Failed> {
         let clip = crowd.add_clip(id, clip)?;
-        crowd.play(member, clip, Play::held_at_secs(0.4))?;
+        crowd.member_mut(member)?.play(clip, ClipPlayback::held_at_secs(0.4))?;
         crowd.update(0.0)?;
-        Ok(crowd.model_from_joints(member)?)
+        Ok(crowd.member_mut(member)?.model_from_joints()?)
     };
     let (a, b) = (pose(&own)?, pose(&foreign)?);
     let far = a.iter().zip(&b).any(|(a, b)| {

@@ -4,7 +4,7 @@ use libtest_mimic::Failed;
 use populace::character::{Character, Part};
 use populace::clip::Clip;
 use populace::model::{Affine, JointIndex, Role, RoleMap, Side};
-use populace::{ClipId, Crowd, Member, Play};
+use populace::{ClipId, ClipPlayback, Crowd, MemberId};
 
 /// Samples of a cycle.
 const SAMPLES: u32 = 96;
@@ -64,25 +64,25 @@ impl<'a> Feet<'a> {
     pub(crate) fn measure(
         &self,
         crowd: &mut Crowd,
-        member: Member,
+        member: MemberId,
         (clip, motion): (ClipId, &Clip),
     ) -> Result<FeetMeasurement, Failed> {
         crowd.update(0.0)?;
-        let rest = self.lowest(&crowd.palette(member)?);
+        let rest = self.lowest(&crowd.member_mut(member)?.palette()?);
         let mut result =
             FeetMeasurement { sinking: f64::NEG_INFINITY, phase: 0.0, rotation_rad: 0.0 };
         let mut before: Option<Vec<Affine>> = None;
         for sample in 0..=SAMPLES {
             let part = sample as f32 / SAMPLES as f32;
             let secs = motion.start_secs() + part * motion.duration_secs();
-            crowd.play(member, clip, Play::held_at_secs(secs))?;
+            crowd.member_mut(member)?.play(clip, ClipPlayback::held_at_secs(secs))?;
             crowd.update(0.0)?;
-            let sinking =
-                (rest - self.lowest(&crowd.palette(member)?)) / f64::from(self.body.height_m());
+            let sinking = (rest - self.lowest(&crowd.member_mut(member)?.palette()?))
+                / f64::from(self.body.height_m());
             if sinking > result.sinking {
                 (result.sinking, result.phase) = (sinking, part);
             }
-            let now = crowd.model_from_joints(member)?;
+            let now = crowd.member_mut(member)?.model_from_joints()?;
             for joint in &self.joints {
                 let rotation = before
                     .as_ref()

@@ -6,7 +6,7 @@ use populace::MotionSettings;
 use populace::character::Character;
 use populace::clip::Clip;
 use populace::model::{Role, RoleMap, Side};
-use populace::{CharacterId, ClipId, Crowd, Error, JointIndex, Member, Placement};
+use populace::{CharacterId, ClipId, Crowd, Error, JointIndex, MemberId, Placement};
 use populace_cast::{Look, person};
 
 /// Two built-in people with different skeletons, and their clips.
@@ -49,7 +49,7 @@ impl Cast {
     }
 
     /// `count` men in a row, 1 m apart, each turned by 0.7 radians from the one before.
-    pub(crate) fn men(&self, crowd: &mut Crowd, count: usize) -> Result<Vec<Member>, Error> {
+    pub(crate) fn men(&self, crowd: &mut Crowd, count: usize) -> Result<Vec<MemberId>, Error> {
         let at = |n: usize| Placement::at([n as f32, 0.0, 0.0]).facing(0.7 * n as f32);
         (0..count).map(|n| crowd.spawn(self.man, at(n))).collect()
     }

@@ -6,7 +6,7 @@
 mod cast;
 mod scenes;
 
-use populace::{Crowd, Device, Devices, Error, Member, Schedule};
+use populace::{Crowd, Device, Devices, Error, MemberId, Schedule};
 
 use cast::Cast;
 
@@ -24,9 +24,9 @@ impl Hash {
         }
     }
 
-    fn add_palettes(&mut self, crowd: &mut Crowd, members: &[Member]) -> Result<(), Error> {
+    fn add_palettes(&mut self, crowd: &mut Crowd, members: &[MemberId]) -> Result<(), Error> {
         for member in members {
-            let palette = crowd.palette(*member)?;
+            let palette = crowd.member_mut(*member)?.palette()?;
             assert!(!palette.is_empty(), "a member without a palette proves nothing");
             for number in palette.iter().flat_map(|entry| entry.rows).flatten() {
                 assert!(number.is_finite());

@@ -2,9 +2,10 @@
 
 use populace::model::Role;
 use populace::{
-    After, BlendSpace, Condition, Crowd, Error, Ground, JointOverride, LayerMode, LayerSettings,
-    LiveSettings, Mask, Member, Placement, Play, Reach, Space, StageJoint, StageUse, StateMachine,
-    Target, Trs, UserStage, Weight,
+    After, BlendSpace, BlendSpacePlayback, ClipPlayback, Condition, Crowd, Error, Ground,
+    JointOverride, LayerMode, LayerSettings, LiveSettings, MachinePlayback, Mask, MemberId,
+    Placement, Reach, Space, StageJoint, StageUse, StateMachine, StatePlayback, Target, Trs,
+    UserStage, Weight,
 };
 
 use crate::cast::Cast;
@@ -13,13 +14,13 @@ type Step = Box<dyn FnMut(&mut Crowd, usize) -> Result<(), Error>>;
 
 /// A scene under way.
 pub(crate) struct Run {
-    pub(crate) members: Vec<Member>,
+    pub(crate) members: Vec<MemberId>,
     /// Called before each frame.
     pub(crate) step: Step,
 }
 
 impl Run {
-    fn still(members: Vec<Member>) -> Self {
+    fn still(members: Vec<MemberId>) -> Self {
         Self { members, step: Box::new(|_, _| Ok(())) }
     }
 }
@@ -48,19 +49,26 @@ pub(crate) const ALL: [Scene; 12] = [
 
 fn clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 6)?;
-    crowd.play(men[0], cast.walk, Play::looping().phase(0.3).speed(1.2))?;
-    crowd.play(men[1], cast.run, Play::once().speed(2.0))?;
-    crowd.queue(men[1], cast.idle, Play::looping().fade_in_secs(0.2))?;
-    crowd.play(men[2], cast.walk, Play::held_at_secs(0.4))?;
-    crowd.play(men[3], cast.walk, Play::looping())?;
-    crowd.blend(men[3], cast.idle, Play::looping().weight(0.4).fade_in_secs(0.3))?;
-    crowd.play(men[4], cast.idle, Play::looping().after_secs(0.2))?;
-    let fading = crowd.play(men[5], cast.walk, Play::looping().speed(-0.7))?;
+    crowd.member_mut(men[0])?.play(cast.walk, ClipPlayback::looping().phase(0.3).speed(1.2))?;
+    crowd.member_mut(men[1])?.play(cast.run, ClipPlayback::once().speed(2.0))?;
+    crowd.member_mut(men[1])?.queue(cast.idle, ClipPlayback::looping().fade_in_secs(0.2))?;
+    crowd.member_mut(men[2])?.play(cast.walk, ClipPlayback::held_at_secs(0.4))?;
+    crowd.member_mut(men[3])?.play(cast.walk, ClipPlayback::looping())?;
+    crowd
+        .member_mut(men[3])?
+        .blend(cast.idle, ClipPlayback::looping().weight(0.4).fade_in_secs(0.3))?;
+    crowd.member_mut(men[4])?.play(cast.idle, ClipPlayback::looping().after_secs(0.2))?;
+    let fading = crowd.member_mut(men[5])?.play(cast.walk, ClipPlayback::looping().speed(-0.7))?;
     let (four, walk, members) = (men[4], cast.walk, men.clone());
     let step = move |crowd: &mut Crowd, frame| match frame {
-        6 => crowd.crossfade(four, walk, 0.4).map(drop),
-        9 => crowd.set_weight(fading, 0.5, 0.2).and_then(|()| crowd.set_speed(fading, 1.5)),
-        15 => crowd.stop(four, 0, 0.25),
+        6 => crowd.member_mut(four).and_then(|mut m| m.crossfade(walk, 0.4)).map(drop),
+        9 => crowd
+            .member_mut(fading.member())
+            .and_then(|mut m| m.set_weight(fading, 0.5, 0.2))
+            .and_then(|()| {
+                crowd.member_mut(fading.member()).and_then(|mut m| m.set_speed(fading, 1.5))
+            }),
+        15 => crowd.member_mut(four).and_then(|mut m| m.stop(0, 0.25)),
         _ => Ok(()),
     };
     Ok(Run { members, step: Box::new(step) })
@@ -72,32 +80,37 @@ fn layers(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let upper = Mask::subtree(&skeleton, cast.joint(Role::Spine));
     let mask = crowd.add_mask(cast.man, &upper)?;
     for (nth, man) in men.iter().enumerate() {
-        crowd.play(*man, cast.walk, Play::looping().phase(0.2 * nth as f32))?;
-        crowd.play(*man, cast.run, Play::looping().on_layer(1).fade_in_secs(0.1))?;
-        crowd.play(*man, cast.idle, Play::looping().on_layer(2))?;
+        crowd.member_mut(*man)?.play(cast.walk, ClipPlayback::looping().phase(0.2 * nth as f32))?;
+        crowd
+            .member_mut(*man)?
+            .play(cast.run, ClipPlayback::looping().on_layer(1).fade_in_secs(0.1))?;
+        crowd.member_mut(*man)?.play(cast.idle, ClipPlayback::looping().on_layer(2))?;
     }
     let over = LayerSettings { mode: LayerMode::Override, weight: 0.8 };
     let adds = LayerSettings { mode: LayerMode::Additive, weight: 0.6 };
-    crowd.set_layer(men[0], 1, over, Some(mask))?;
-    crowd.set_layer(men[1], 1, adds, Some(mask))?;
-    crowd.set_layer(men[2], 1, over, None)?;
-    crowd.set_layer(men[2], 2, adds, None)?;
+    crowd.member_mut(men[0])?.set_layer(1, over, Some(mask))?;
+    crowd.member_mut(men[1])?.set_layer(1, adds, Some(mask))?;
+    crowd.member_mut(men[2])?.set_layer(1, over, None)?;
+    crowd.member_mut(men[2])?.set_layer(2, adds, None)?;
     Ok(Run::still(men))
 }
 
 fn inertialization(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 3)?;
     for man in &men {
-        crowd.play(*man, cast.walk, Play::looping())?;
+        crowd.member_mut(*man)?.play(cast.walk, ClipPlayback::looping())?;
     }
     let (members, [idle, walk, run]) = (men.clone(), [cast.idle, cast.walk, cast.run]);
     let step = move |crowd: &mut Crowd, frame| {
-        let eases = |secs| Play::looping().inertialize_in_secs(secs);
+        let eases = |secs| ClipPlayback::looping().inertialize_in_secs(secs);
         match frame {
-            3 => crowd.play(men[0], idle, eases(0.3)).map(drop),
-            5 => crowd.play(men[1], run, eases(0.4)).map(drop),
-            8 => crowd.play(men[1], walk, eases(0.4)).map(drop),
-            10 => crowd.play(men[2], run, eases(0.2).after_secs(0.1)).map(drop),
+            3 => crowd.member_mut(men[0]).and_then(|mut m| m.play(idle, eases(0.3))).map(drop),
+            5 => crowd.member_mut(men[1]).and_then(|mut m| m.play(run, eases(0.4))).map(drop),
+            8 => crowd.member_mut(men[1]).and_then(|mut m| m.play(walk, eases(0.4))).map(drop),
+            10 => crowd
+                .member_mut(men[2])
+                .and_then(|mut m| m.play(run, eases(0.2).after_secs(0.1)))
+                .map(drop),
             _ => Ok(()),
         }
     };
@@ -107,25 +120,25 @@ fn inertialization(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
 fn retargeting(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let child = crowd.spawn(cast.child, Placement::at([0.0; 3]).scaled(1.1))?;
     let other = crowd.spawn(cast.child, Placement::at([1.0, 0.0, 0.0]))?;
-    crowd.play(child, cast.walk, Play::looping())?;
-    crowd.play(other, cast.run, Play::looping().fade_in_secs(0.2))?;
-    crowd.blend(other, cast.idle, Play::looping().weight(0.5))?;
+    crowd.member_mut(child)?.play(cast.walk, ClipPlayback::looping())?;
+    crowd.member_mut(other)?.play(cast.run, ClipPlayback::looping().fade_in_secs(0.2))?;
+    crowd.member_mut(other)?.blend(cast.idle, ClipPlayback::looping().weight(0.5))?;
     Ok(Run::still(vec![child, other]))
 }
 
 fn blend_spaces(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 2)?;
     let (idle, walk, run) = (cast.idle, cast.walk, cast.run);
-    let line = crowd.add_space(BlendSpace::line(&[(idle, 0.0), (walk, 1.4), (run, 3.5)])?)?;
+    let line = crowd.add_blend_space(BlendSpace::line(&[(idle, 0.0), (walk, 1.4), (run, 3.5)])?)?;
     let corners = [(idle, [0.0, 0.0]), (walk, [1.0, 0.0]), (run, [0.0, 1.0])];
-    let plane = crowd.add_space(BlendSpace::plane(&corners)?)?;
-    crowd.play_space(men[0], line, 0.5, Play::looping())?;
-    crowd.play_space(men[1], plane, [0.2, 0.3], Play::looping())?;
+    let plane = crowd.add_blend_space(BlendSpace::plane(&corners)?)?;
+    crowd.member_mut(men[0])?.play_blend_space(line, 0.5, BlendSpacePlayback::new())?;
+    crowd.member_mut(men[1])?.play_blend_space(plane, [0.2, 0.3], BlendSpacePlayback::new())?;
     let members = men.clone();
     let step = move |crowd: &mut Crowd, frame| match frame {
-        4 => crowd.steer(men[0], 2.5, 0.3),
-        8 => crowd.steer(men[1], [0.6, 0.1], 0.2),
-        14 => crowd.steer(men[0], 1.0, 0.0),
+        4 => crowd.member_mut(men[0]).and_then(|mut m| m.set_blend_parameter(2.5, 0.3)),
+        8 => crowd.member_mut(men[1]).and_then(|mut m| m.set_blend_parameter([0.6, 0.1], 0.2)),
+        14 => crowd.member_mut(men[0]).and_then(|mut m| m.set_blend_parameter(1.0, 0.0)),
         _ => Ok(()),
     };
     Ok(Run { members, step: Box::new(step) })
@@ -135,21 +148,23 @@ fn state_machines(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 2)?;
     let machine = StateMachine::new()
         .parameter("speed", 0.0)
-        .state("idle", cast.idle, Play::looping())
-        .state("walk", cast.walk, Play::looping().speed(1.1))
-        .state("run", cast.run, Play::looping())
+        .state("idle", cast.idle, StatePlayback::looping())
+        .state("walk", cast.walk, StatePlayback::looping().speed(1.1))
+        .state("run", cast.run, StatePlayback::looping())
         .transition("idle", "walk", 0.2, &[Condition::above("speed", 0.5)])
         .transition("walk", "run", 0.3, &[Condition::above("speed", 2.0)])
         .transition("run", "idle", 0.2, &[Condition::AfterSecs(0.2)]);
     let machine = crowd.add_machine(&machine)?;
-    crowd.run_machine(men[0], machine, Play::looping())?;
-    crowd.play(men[1], cast.walk, Play::looping())?;
-    crowd.run_machine(men[1], machine, Play::looping().fade_in_secs(0.2).on_layer(1))?;
+    crowd.member_mut(men[0])?.play_machine(machine, MachinePlayback::new())?;
+    crowd.member_mut(men[1])?.play(cast.walk, ClipPlayback::looping())?;
+    crowd
+        .member_mut(men[1])?
+        .play_machine(machine, MachinePlayback::new().fade_in_secs(0.2).on_layer(1))?;
     let members = men.clone();
     let step = move |crowd: &mut Crowd, frame| match frame {
-        3 => crowd.set_parameter(men[0], "speed", 1.0),
-        7 => crowd.set_parameter(men[1], "speed", 3.0),
-        9 => crowd.set_parameter(men[0], "speed", 2.5),
+        3 => crowd.member_mut(men[0]).and_then(|mut m| m.set_parameter("speed", 1.0)),
+        7 => crowd.member_mut(men[1]).and_then(|mut m| m.set_parameter("speed", 3.0)),
+        9 => crowd.member_mut(men[0]).and_then(|mut m| m.set_parameter("speed", 2.5)),
         _ => Ok(()),
     };
     Ok(Run { members, step: Box::new(step) })
@@ -162,9 +177,9 @@ fn live_clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
         skeleton.joints().map(|joint| *skeleton.rest(joint)).collect()
     };
     let live = crowd.add_live_clip(cast.man, "live", &LiveSettings::default())?;
-    crowd.play(men[0], live, Play::live(0.1))?;
-    crowd.play(men[1], cast.walk, Play::looping())?;
-    crowd.blend(men[1], live, Play::live(0.05).weight(0.5))?;
+    crowd.member_mut(men[0])?.play(live, ClipPlayback::live(0.1))?;
+    crowd.member_mut(men[1])?.play(cast.walk, ClipPlayback::looping())?;
+    crowd.member_mut(men[1])?.blend(live, ClipPlayback::live(0.05).weight(0.5))?;
     let hips = cast.joint(Role::Hips).index();
     let step = move |crowd: &mut Crowd, frame: usize| {
         let mut pose = rest.clone();
@@ -178,20 +193,26 @@ fn live_clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
 fn gaze_and_reach(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 4)?;
     for man in &men {
-        crowd.play(*man, cast.walk, Play::looping())?;
+        crowd.member_mut(*man)?.play(cast.walk, ClipPlayback::looping())?;
     }
     let head = cast.joint(Role::Head);
-    crowd.look_at(men[0], [3.0, 1.2, 4.0], Weight::FULL)?;
-    crowd.look_at(men[1], Target::Joint { member: men[2], joint: head }, Weight::FULL)?;
-    crowd.reach(men[2], Reach::with(cast.hand()), [2.0, 1.3, 0.5], Weight::new(0.7)?)?;
+    crowd.member_mut(men[0])?.look_at([3.0, 1.2, 4.0], Weight::FULL)?;
+    crowd
+        .member_mut(men[1])?
+        .look_at(Target::Joint { member: men[2], joint: head }, Weight::FULL)?;
+    crowd.member_mut(men[2])?.reach(
+        Reach::with(cast.hand()),
+        [2.0, 1.3, 0.5],
+        Weight::new(0.7)?,
+    )?;
     let (spine, hand) = (cast.joint(Role::Spine), cast.hand());
     let near = Target::InModel([0.4, 1.5, 0.4]);
-    crowd.reach_with_chain(men[3], spine, hand, near, Weight::FULL.over_secs(0.2))?;
+    crowd.member_mut(men[3])?.reach_with_chain(spine, hand, near, Weight::FULL.over_secs(0.2))?;
     let members = men.clone();
     let step = move |crowd: &mut Crowd, frame| match frame {
-        6 => crowd.look_at(men[0], [-3.0, 1.8, 4.0], Weight::FULL),
-        9 => crowd.let_go(men[2], hand, 0.2),
-        12 => crowd.look_ahead(men[1], 0.3),
+        6 => crowd.member_mut(men[0]).and_then(|mut m| m.look_at([-3.0, 1.8, 4.0], Weight::FULL)),
+        9 => crowd.member_mut(men[2]).and_then(|mut m| m.clear_reach(hand, 0.2)),
+        12 => crowd.member_mut(men[1]).and_then(|mut m| m.clear_look_at(0.3)),
         _ => Ok(()),
     };
     Ok(Run { members, step: Box::new(step) })
@@ -202,15 +223,17 @@ fn feet(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let heights = vec![0.0, 0.1, 0.05, 0.12, 0.0, 0.08, 0.02, 0.1, 0.15];
     crowd.set_ground(&Ground::height_field([-4.0; 2], 4.0, 3, heights)?)?;
     for (nth, man) in men.iter().enumerate() {
-        crowd.play(*man, cast.walk, Play::looping().phase(0.3 * nth as f32))?;
-        crowd.plant_feet(*man, Weight::new(1.0 - 0.3 * nth as f32)?)?;
+        crowd.member_mut(*man)?.play(cast.walk, ClipPlayback::looping().phase(0.3 * nth as f32))?;
+        crowd.member_mut(*man)?.plant_feet(1.0 - 0.3 * nth as f32)?;
     }
     let members = men.clone();
     let step = move |crowd: &mut Crowd, frame: usize| {
         if frame == 18 {
             crowd.set_ground(&Ground::plane(0.05, [0.1, 0.02])?)?;
         }
-        crowd.place(men[0], Placement::at([0.0, 0.0, 0.04 * frame as f32]))
+        crowd
+            .member_mut(men[0])
+            .and_then(|mut m| m.set_placement(Placement::at([0.0, 0.0, 0.04 * frame as f32])))
     };
     Ok(Run { members, step: Box::new(step) })
 }
@@ -218,7 +241,7 @@ fn feet(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
 fn overrides(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 3)?;
     for man in &men {
-        crowd.play(*man, cast.run, Play::looping())?;
+        crowd.member_mut(*man)?.play(cast.run, ClipPlayback::looping())?;
     }
     let hand = cast.hand();
     let set = |space, weight| JointOverride {
@@ -227,14 +250,14 @@ fn overrides(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
         transform: Trs { translation: [0.2, 1.1, 0.3], ..Trs::IDENTITY },
         weight,
     };
-    crowd.override_joints(men[0], &[set(Space::Model, 0.8)])?;
-    crowd.override_joints(men[1], &[set(Space::Local, 1.0)])?;
+    crowd.member_mut(men[0])?.override_joints(&[set(Space::Model, 0.8)])?;
+    crowd.member_mut(men[1])?.override_joints(&[set(Space::Local, 1.0)])?;
     let factors: Vec<f32> = (0..cast.joints).map(|n| 0.9 + 0.02 * (n % 9) as f32).collect();
-    crowd.set_proportions(men[2], &factors)?;
+    crowd.member_mut(men[2])?.set_proportions(&factors)?;
     let members = men.clone();
     let step = move |crowd: &mut Crowd, frame| match frame {
-        12 => crowd.release_joints(men[0], Space::Model, &[hand]),
-        16 => crowd.release_all(men[1]),
+        12 => crowd.member_mut(men[0]).and_then(|mut m| m.release_joints(Space::Model, &[hand])),
+        16 => crowd.member_mut(men[1]).and_then(|mut m| m.release_all_joints()),
         _ => Ok(()),
     };
     Ok(Run { members, step: Box::new(step) })
@@ -242,22 +265,26 @@ fn overrides(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
 
 fn attachments(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 3)?;
-    crowd.play(men[0], cast.walk_on, Play::looping())?;
-    crowd.move_by_clips(men[0], true)?;
-    crowd.play(men[1], cast.idle, Play::looping())?;
+    crowd.member_mut(men[0])?.play(cast.walk_on, ClipPlayback::looping())?;
+    crowd.member_mut(men[0])?.start_root_motion()?;
+    crowd.member_mut(men[1])?.play(cast.idle, ClipPlayback::looping())?;
     let offset = Trs { translation: [0.1, 0.0, 0.05], ..Trs::IDENTITY };
-    crowd.attach(men[1], men[0], cast.hand(), offset)?;
-    crowd.play(men[2], cast.walk_on, Play::looping().speed(1.5))?;
-    crowd.move_by_clips(men[2], true)?;
+    crowd.member_mut(men[1])?.attach_to(men[0], cast.hand(), offset)?;
+    crowd.member_mut(men[2])?.play(cast.walk_on, ClipPlayback::looping().speed(1.5))?;
+    crowd.member_mut(men[2])?.start_root_motion()?;
     let members = men.clone();
     let (run, spare) = (cast.run, cast.child);
     let mut extra = None;
     let step = move |crowd: &mut Crowd, frame| {
         match frame {
             5 => extra = Some(crowd.spawn(spare, Placement::at([4.0, 0.0, 1.0]))?),
-            8 => drop(crowd.play(men[2], run, Play::looping().inertialize_in_secs(0.3))?),
-            12 => crowd.detach(men[1])?,
-            15 => drop(crowd.place_where_moved(men[0])?),
+            8 => drop(
+                crowd
+                    .member_mut(men[2])?
+                    .play(run, ClipPlayback::looping().inertialize_in_secs(0.3))?,
+            ),
+            12 => crowd.member_mut(men[1])?.detach()?,
+            15 => drop(crowd.member_mut(men[0])?.commit_root_motion()?),
             18 => crowd.despawn(extra.take().expect("spawned at frame 5"))?,
             _ => {}
         }
@@ -285,16 +312,20 @@ fn user_stages(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let lifts = crowd.add_stage(After::Transform, lifts)?;
     let stretches = crowd.add_stage(After::Pose, stretches)?;
     let head = cast.joint(Role::Head);
-    crowd.use_stage(men[0], lifts, StageUse::on_all().with_values([0.0, 0.1, 0.0, 0.0]))?;
-    crowd.use_stage(men[1], stretches, StageUse::on([head]).with_values([0.5, 0.0, 0.0, 0.0]))?;
+    crowd
+        .member_mut(men[0])?
+        .set_stage(lifts, StageUse::on_all().with_values([0.0, 0.1, 0.0, 0.0]))?;
+    crowd
+        .member_mut(men[1])?
+        .set_stage(stretches, StageUse::on([head]).with_values([0.5, 0.0, 0.0, 0.0]))?;
     for man in &men {
-        crowd.play(*man, cast.walk, Play::looping())?;
+        crowd.member_mut(*man)?.play(cast.walk, ClipPlayback::looping())?;
     }
     let members = men.clone();
     let step = move |crowd: &mut Crowd, frame| match frame {
         4 => crowd.set_stage_parameters(lifts, &[0.05, 0.0]),
         6 => crowd.set_stage_parameters(stretches, &[0.0, 0.3]),
-        14 => crowd.leave_stage(men[0], lifts),
+        14 => crowd.member_mut(men[0]).and_then(|mut m| m.clear_stage(lifts)),
         _ => Ok(()),
     };
     Ok(Run { members, step: Box::new(step) })

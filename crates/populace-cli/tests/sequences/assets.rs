@@ -2,11 +2,11 @@
 
 use populace::model::Skeleton;
 use populace::{
-    After, BlendSpace, ClipId, Condition, JointIndex, LiveSettings, Mask, Play, SpacePoint,
-    StateMachine, Trs,
+    After, BlendSpace, BlendSpacePlayback, ClipId, Condition, JointIndex, LiveSettings,
+    MachinePlayback, Mask, SpacePoint, StateMachine, StatePlayback, Trs,
 };
 
-use crate::calls::{play_settings, record_play};
+use crate::calls::record_play;
 use crate::draw::Draw;
 use crate::fixture::stages;
 use crate::world::{Outcome, World};
@@ -53,7 +53,7 @@ pub(crate) fn add_space(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     } else {
         BlendSpace::plane(&[(first, [0.0, 0.0]), (second, [1.0, 0.0]), (first, [0.0, 1.0])])
     };
-    let result = space.and_then(|space| world.crowd.add_space(space));
+    let result = space.and_then(|space| world.crowd.add_blend_space(space));
     if let Ok(space) = result {
         world.spaces.push(space);
     }
@@ -70,14 +70,23 @@ pub(crate) fn play_space(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
     let count = world.spaces.len();
     let space = (count > 0).then(|| world.spaces[draw.index("space", count)])?;
     let secs = draw.secs("secs");
-    let (at, play) = (point(draw), play_settings(draw, secs));
-    Some(Outcome::of(world.crowd.play_space(member, space, at, play)))
+    let (at, speed) = (point(draw), draw.number("speed", -2.0, 2.0));
+    let play = BlendSpacePlayback::new().fade_in_secs(secs).speed(speed);
+    let play = play.weight(draw.number("weight", 0.0, 1.0)).on_layer(draw.index("layer", 5));
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.play_blend_space(space, at, play)),
+    ))
 }
 
 pub(crate) fn steer(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
     let at = point(draw);
-    Some(Outcome::of(world.crowd.steer(member, at, draw.secs("secs"))))
+    Some(Outcome::of(
+        world
+            .crowd
+            .member_mut(member)
+            .and_then(|mut m| m.set_blend_parameter(at, draw.secs("secs"))),
+    ))
 }
 
 pub(crate) fn add_machine(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -87,8 +96,8 @@ pub(crate) fn add_machine(world: &mut World, draw: &mut Draw) -> Option<Outcome>
     let [first, second] = cycles(world, draw.index("body", world.bodies.len()));
     let machine = StateMachine::new()
         .parameter("speed", 0.0)
-        .state("slow", first, Play::looping())
-        .state("fast", second, Play::looping().speed(draw.number("speed", 0.5, 2.0)))
+        .state("slow", first, StatePlayback::looping())
+        .state("fast", second, StatePlayback::looping().speed(draw.number("speed", 0.5, 2.0)))
         .transition("slow", "fast", draw.secs("fade"), &[Condition::above("speed", 0.5)])
         .transition(
             "fast",
@@ -107,14 +116,20 @@ pub(crate) fn run_machine(world: &mut World, draw: &mut Draw) -> Option<Outcome>
     let (member, _) = world.member(draw, "member")?;
     let count = world.machines.len();
     let machine = (count > 0).then(|| world.machines[draw.index("machine", count)])?;
-    let play = Play::looping().fade_in_secs(draw.secs("secs")).on_layer(draw.index("layer", 5));
-    let result = world.crowd.run_machine(member, machine, play);
+    let play =
+        MachinePlayback::new().fade_in_secs(draw.secs("secs")).on_layer(draw.index("layer", 5));
+    let result = world.crowd.member_mut(member).and_then(|mut m| m.play_machine(machine, play));
     Some(record_play(world, result))
 }
 
 pub(crate) fn set_parameter(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::of(world.crowd.set_parameter(member, "speed", draw.number("value", 0.0, 1.0))))
+    Some(Outcome::of(
+        world
+            .crowd
+            .member_mut(member)
+            .and_then(|mut m| m.set_parameter("speed", draw.number("value", 0.0, 1.0))),
+    ))
 }
 
 pub(crate) fn add_live_clip(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -154,7 +169,9 @@ pub(crate) fn append(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 pub(crate) fn tie_live(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let count = world.live.len();
     let (clip, _, newest) = (count > 0).then(|| world.live[draw.index("live", count)])?;
-    Some(Outcome::of(world.crowd.tie_live(clip, newest - f64::from(draw.number("ago", 0.0, 0.2)))))
+    Some(Outcome::of(
+        world.crowd.resync_live(clip, newest - f64::from(draw.number("ago", 0.0, 0.2))),
+    ))
 }
 
 /// Runs rarely, since moments cannot be removed.
@@ -163,7 +180,7 @@ pub(crate) fn name_moment(world: &mut World, draw: &mut Draw) -> Option<Outcome>
         return None;
     }
     let clip = world.bodies[draw.index("body", world.bodies.len())].clips[0];
-    Some(Outcome::of(world.crowd.name_moment(clip, "moment", draw.number("secs", 0.0, 0.5))))
+    Some(Outcome::of(world.crowd.add_event_marker(clip, "moment", draw.number("secs", 0.0, 0.5))))
 }
 
 pub(crate) fn add_stage(world: &mut World, draw: &mut Draw) -> Option<Outcome> {

@@ -1,8 +1,8 @@
 //! The calls of a sequence.
 
 use populace::{
-    Affine, JointOverride, LayerMode, LayerSettings, Placement, Play, Space, StageUse, Target, Trs,
-    Weight,
+    Affine, ClipPlayback, JointOverride, LayerMode, LayerSettings, Placement, Space, StageUse,
+    Target, Trs, Weight,
 };
 
 use crate::draw::Draw;
@@ -39,7 +39,7 @@ calls! {
     Spawn: 14 => spawn,
     Despawn: 10 => despawn,
     Place: 8 => place,
-    Play: 14 => play,
+    ClipPlayback: 14 => play,
     Blend: 4 => blend,
     Queue: 4 => queue,
     Crossfade: 6 => crossfade,
@@ -47,7 +47,7 @@ calls! {
     SetWeight: 4 => set_weight,
     SetSpeed: 3 => set_speed,
     SetLayer: 5 => set_layer,
-    Playing: 2 => reads::playing,
+    ActiveClip: 2 => reads::playing,
     OverrideJoints: 8 => override_joints,
     ReleaseJoints: 3 => release_joints,
     ReleaseAll: 2 => release_all,
@@ -71,7 +71,7 @@ calls! {
     GetUp: 4 => controls::get_up,
     Watch: 5 => reads::watch,
     Unwatch: 4 => reads::unwatch,
-    Sighting: 3 => reads::sighting,
+    JointReadback: 3 => reads::sighting,
     Listen: 1 => reads::listen,
     Ignore: 1 => reads::ignore,
     Events: 2 => reads::events,
@@ -146,16 +146,18 @@ fn despawn(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 
 fn place(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::of(world.crowd.place(member, placement(draw))))
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.set_placement(placement(draw))),
+    ))
 }
 
 /// Draws play settings: mostly looping, on layer 0.
-pub(crate) fn play_settings(draw: &mut Draw, secs: f32) -> Play {
+pub(crate) fn play_settings(draw: &mut Draw, secs: f32) -> ClipPlayback {
     let play = match draw.index("mode", 8) {
-        0 => Play::once(),
-        1 => Play::held_at_secs(draw.number("at", -0.5, 1.5)),
-        2 => Play::live(draw.number("delay", 0.0, 0.3)),
-        _ => Play::looping().phase(draw.number("phase", 0.0, 1.0)),
+        0 => ClipPlayback::once(),
+        1 => ClipPlayback::held_at_secs(draw.number("at", -0.5, 1.5)),
+        2 => ClipPlayback::live(draw.number("delay", 0.0, 0.3)),
+        _ => ClipPlayback::looping().phase(draw.number("phase", 0.0, 1.0)),
     };
     let play = if draw.chance("inertializes", 0.3) {
         play.inertialize_in_secs(secs)
@@ -191,34 +193,37 @@ fn clip(world: &World, draw: &mut Draw, own: usize) -> populace::ClipId {
 fn play(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (clip, secs) = (clip(world, draw, body), draw.secs("secs"));
-    let result = world.crowd.play(member, clip, play_settings(draw, secs));
+    let result =
+        world.crowd.member_mut(member).and_then(|mut m| m.play(clip, play_settings(draw, secs)));
     Some(record_play(world, result))
 }
 
 fn blend(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (clip, secs) = (clip(world, draw, body), draw.secs("secs"));
-    let result = world.crowd.blend(member, clip, play_settings(draw, secs));
+    let result =
+        world.crowd.member_mut(member).and_then(|mut m| m.blend(clip, play_settings(draw, secs)));
     Some(record_play(world, result))
 }
 
 fn queue(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (clip, secs) = (clip(world, draw, body), draw.secs("secs"));
-    let result = world.crowd.queue(member, clip, play_settings(draw, secs));
+    let result =
+        world.crowd.member_mut(member).and_then(|mut m| m.queue(clip, play_settings(draw, secs)));
     Some(record_play(world, result))
 }
 
 fn crossfade(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (clip, secs) = (clip(world, draw, body), draw.secs("secs"));
-    let result = world.crowd.crossfade(member, clip, secs);
+    let result = world.crowd.member_mut(member).and_then(|mut m| m.crossfade(clip, secs));
     Some(record_play(world, result))
 }
 
 pub(crate) fn record_play(
     world: &mut World,
-    result: Result<populace::PlayId, populace::Error>,
+    result: Result<populace::PlaybackId, populace::Error>,
 ) -> Outcome {
     if let Ok(play) = result {
         World::keep(&mut world.plays, play);
@@ -229,20 +234,27 @@ pub(crate) fn record_play(
 fn stop(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
     let (layer, secs) = (draw.index("layer", 5), draw.secs("secs"));
-    Some(Outcome::of(world.crowd.stop(member, layer, secs)))
+    Some(Outcome::of(world.crowd.member_mut(member).and_then(|mut m| m.stop(layer, secs))))
 }
 
 fn set_weight(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let count = world.plays.len();
     let play = (count > 0).then(|| world.plays[draw.index("play", count)])?;
     let (weight, secs) = (draw.number("weight", 0.0, 1.0), draw.secs("secs"));
-    Some(Outcome::of(world.crowd.set_weight(play, weight, secs)))
+    Some(Outcome::of(
+        world.crowd.member_mut(play.member()).and_then(|mut m| m.set_weight(play, weight, secs)),
+    ))
 }
 
 fn set_speed(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let count = world.plays.len();
     let play = (count > 0).then(|| world.plays[draw.index("play", count)])?;
-    Some(Outcome::of(world.crowd.set_speed(play, draw.number("speed", -2.0, 2.0))))
+    Some(Outcome::of(
+        world
+            .crowd
+            .member_mut(play.member())
+            .and_then(|mut m| m.set_speed(play, draw.number("speed", -2.0, 2.0))),
+    ))
 }
 
 fn set_layer(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -254,7 +266,9 @@ fn set_layer(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let mode = if additive { LayerMode::Additive } else { LayerMode::Override };
     let settings = LayerSettings { mode, weight: draw.number("weight", 0.0, 1.0) };
     let layer = draw.index("layer", 5);
-    Some(Outcome::of(world.crowd.set_layer(member, layer, settings, mask)))
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.set_layer(layer, settings, mask)),
+    ))
 }
 
 fn space(draw: &mut Draw) -> Space {
@@ -275,18 +289,22 @@ fn override_joints(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
         weight: draw.number("weight", 0.0, 1.0),
     };
     let overrides: Vec<_> = (0..count).map(|_| one()).collect();
-    Some(Outcome::of(world.crowd.override_joints(member, &overrides)))
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.override_joints(&overrides)),
+    ))
 }
 
 fn release_joints(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let joints = [world.joint(draw, "joint", body), world.joint(draw, "other", body)];
-    Some(Outcome::of(world.crowd.release_joints(member, space(draw), &joints)))
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.release_joints(space(draw), &joints)),
+    ))
 }
 
 fn release_all(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::of(world.crowd.release_all(member)))
+    Some(Outcome::of(world.crowd.member_mut(member).and_then(|mut m| m.release_all_joints())))
 }
 
 /// Draws a target for looking or reaching; often a joint of another member.
@@ -315,14 +333,19 @@ fn use_stage(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let on =
         if on_all { StageUse::on_all() } else { StageUse::on([world.joint(draw, "joint", body)]) };
     let [x, y, z] = draw.vector("values", -0.1, 0.1);
-    Some(Outcome::of(world.crowd.use_stage(member, stage, on.with_values([x, y, z, 0.0]))))
+    Some(Outcome::of(
+        world
+            .crowd
+            .member_mut(member)
+            .and_then(|mut m| m.set_stage(stage, on.with_values([x, y, z, 0.0]))),
+    ))
 }
 
 fn leave_stage(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
     let count = world.stages.len();
     let stage = (count > 0).then(|| world.stages[draw.index("stage", count)])?;
-    Some(Outcome::of(world.crowd.leave_stage(member, stage)))
+    Some(Outcome::of(world.crowd.member_mut(member).and_then(|mut m| m.clear_stage(stage))))
 }
 
 fn move_to(world: &mut World, draw: &mut Draw) -> Option<Outcome> {

@@ -12,21 +12,29 @@ pub(crate) fn look_with(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let joint = world.joint(draw, "joint", body);
     let limits = GazeLimits { yaw_rad: draw.number("yaw", 0.1, 1.5), up_rad: 0.7, down_rad: 0.8 };
-    let gaze =
-        Gaze { chain: vec![(joint, 1.0)], facing: [0.0, 0.0, 1.0], limits, targets: Vec::new() };
+    let gaze = Gaze { chain: vec![(joint, 1.0)], facing: [0.0, 0.0, 1.0], limits };
     let target = target(world, draw);
-    Some(Outcome::of(world.crowd.look_with(member, &gaze, target, weight(draw))))
+    Some(Outcome::of(
+        world
+            .crowd
+            .member_mut(member)
+            .and_then(|mut m| m.look_at_with(&gaze, target, weight(draw))),
+    ))
 }
 
 pub(crate) fn look_at(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
     let target = target(world, draw);
-    Some(Outcome::of(world.crowd.look_at(member, target, weight(draw))))
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.look_at(target, weight(draw))),
+    ))
 }
 
 pub(crate) fn look_ahead(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::of(world.crowd.look_ahead(member, draw.secs("secs"))))
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.clear_look_at(draw.secs("secs"))),
+    ))
 }
 
 pub(crate) fn reach(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -39,25 +47,35 @@ pub(crate) fn reach(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
         reach = reach.keeping_rotation();
     }
     let target = target(world, draw);
-    Some(Outcome::of(world.crowd.reach(member, reach, target, weight(draw))))
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.reach(reach, target, weight(draw))),
+    ))
 }
 
 pub(crate) fn reach_with_chain(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let (first, end) = (world.joint(draw, "first", body), world.joint(draw, "end", body));
     let target = target(world, draw);
-    Some(Outcome::of(world.crowd.reach_with_chain(member, first, end, target, weight(draw))))
+    Some(Outcome::of(
+        world
+            .crowd
+            .member_mut(member)
+            .and_then(|mut m| m.reach_with_chain(first, end, target, weight(draw))),
+    ))
 }
 
 pub(crate) fn let_go(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let end = world.joint(draw, "end", body);
-    Some(Outcome::of(world.crowd.let_go(member, end, draw.secs("secs"))))
+    Some(Outcome::of(
+        world.crowd.member_mut(member).and_then(|mut m| m.clear_reach(end, draw.secs("secs"))),
+    ))
 }
 
 pub(crate) fn plant_feet(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::of(world.crowd.plant_feet(member, weight(draw))))
+    let weight = draw.number("weight", 0.0, 1.0);
+    Some(Outcome::of(world.crowd.member_mut(member).and_then(|mut m| m.plant_feet(weight))))
 }
 
 /// Uses joints 1, 2 and 3 as a leg; they form a chain below joint 0 in all bodies.
@@ -66,7 +84,7 @@ pub(crate) fn plant_with(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
     let foot = Foot { hip: JointIndex(1), knee: JointIndex(2), ankle: JointIndex(3) };
     let feet =
         Feet { pelvis: JointIndex(0), feet: vec![foot], weight: draw.number("weight", 0.0, 1.0) };
-    Some(Outcome::of(world.crowd.plant_with(member, &feet)))
+    Some(Outcome::of(world.crowd.member_mut(member).and_then(|mut m| m.plant_feet_with(&feet))))
 }
 
 pub(crate) fn set_ground(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -86,29 +104,38 @@ pub(crate) fn set_ground(world: &mut World, draw: &mut Draw) -> Option<Outcome> 
 pub(crate) fn set_proportions(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
     let length = [0.8, 1.0, 1.3, f32::NAN][draw.index("length", 4)];
-    Some(Outcome::of(world.crowd.set_proportions(member, &vec![length; world.bodies[body].joints])))
+    Some(Outcome::of(
+        world
+            .crowd
+            .member_mut(member)
+            .and_then(|mut m| m.set_proportions(&vec![length; world.bodies[body].joints])),
+    ))
 }
 
 pub(crate) fn attach(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let ((prop, _), (to, body)) = (world.member(draw, "prop")?, world.member(draw, "to")?);
     let joint = world.joint(draw, "joint", body);
     let offset = Trs { translation: draw.vector("offset", -0.3, 0.3), ..Trs::IDENTITY };
-    Some(Outcome::of(world.crowd.attach(prop, to, joint, offset)))
+    Some(Outcome::of(world.crowd.member_mut(prop).and_then(|mut m| m.attach_to(to, joint, offset))))
 }
 
 pub(crate) fn detach(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::of(world.crowd.detach(member)))
+    Some(Outcome::of(world.crowd.member_mut(member).and_then(|mut m| m.detach())))
 }
 
 pub(crate) fn move_by_clips(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::of(world.crowd.move_by_clips(member, draw.chance("moves", 0.7))))
+    let moves = draw.chance("moves", 0.7);
+    let view = world.crowd.member_mut(member);
+    Some(Outcome::of(
+        view.and_then(|mut m| if moves { m.start_root_motion() } else { m.stop_root_motion() }),
+    ))
 }
 
 pub(crate) fn place_where_moved(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    let placed = world.crowd.place_where_moved(member);
+    let placed = world.crowd.member_mut(member).and_then(|mut m| m.commit_root_motion());
     Some(Outcome::read(placed.map(|p| p.position())))
 }
 

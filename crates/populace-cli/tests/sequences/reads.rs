@@ -8,7 +8,7 @@ use crate::world::{Outcome, World};
 
 pub(crate) fn playing(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    let playing = world.crowd.playing(member);
+    let playing = world.crowd.member(member).map(|m| m.active_clips());
     let numbers =
         playing.map(|all| all.into_iter().flat_map(|p| [p.time_secs, p.weight, p.speed]).collect());
     Some(Outcome::read::<Vec<f32>>(numbers))
@@ -16,7 +16,8 @@ pub(crate) fn playing(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 
 pub(crate) fn watch(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, body) = world.member(draw, "member")?;
-    let result = world.crowd.watch(member, world.joint(draw, "joint", body));
+    let joint = world.joint(draw, "joint", body);
+    let result = world.crowd.member_mut(member).and_then(|mut m| m.watch_joint(joint));
     if let Ok(watch) = result {
         World::keep(&mut world.watches, watch);
     }
@@ -34,7 +35,7 @@ pub(crate) fn unwatch(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 pub(crate) fn sighting(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let count = world.watches.len();
     let watch = (count > 0).then(|| world.watches[draw.index("watch", count)])?;
-    let sighting = world.crowd.sighting(watch);
+    let sighting = world.crowd.readback(watch);
     if world.setup.needs_opencl {
         return Some(Outcome::of(sighting));
     }
@@ -45,13 +46,13 @@ pub(crate) fn sighting(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 
 pub(crate) fn listen(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::of(world.crowd.listen(member)))
+    Some(Outcome::of(world.crowd.member_mut(member).map(|mut m| m.subscribe_events())))
 }
 
 pub(crate) fn ignore(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    world.crowd.ignore(member);
-    Some(Outcome::Done)
+    let view = world.crowd.member_mut(member);
+    Some(Outcome::of(view.map(|mut m| m.unsubscribe_events())))
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "close enough for the comparison")]
@@ -63,24 +64,26 @@ pub(crate) fn events(world: &mut World, _draw: &mut Draw) -> Option<Outcome> {
 
 pub(crate) fn moved(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    let moved = world.crowd.moved(member);
+    let moved = world.crowd.member_mut(member).and_then(|mut m| m.moved_placement());
     Some(Outcome::read(moved.map(|p| p.position().into_iter().chain([p.yaw_rad(), p.scale()]))))
 }
 
 pub(crate) fn palette(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::read(world.crowd.palette(member).map(numbers)))
+    Some(Outcome::read(world.crowd.member_mut(member).and_then(|mut m| m.palette()).map(numbers)))
 }
 
 pub(crate) fn joints(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    Some(Outcome::read(world.crowd.model_from_joints(member).map(numbers)))
+    Some(Outcome::read(
+        world.crowd.member_mut(member).and_then(|mut m| m.model_from_joints()).map(numbers),
+    ))
 }
 
 pub(crate) fn local_pose(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
     let numbers = |trs: Trs| trs.translation.into_iter().chain(trs.rotation).chain(trs.scale);
-    let pose = world.crowd.local_pose(member);
+    let pose = world.crowd.member_mut(member).and_then(|mut m| m.local_pose());
     Some(Outcome::read(pose.map(|pose| pose.into_iter().flat_map(numbers))))
 }
 
@@ -99,6 +102,7 @@ pub(crate) fn instances(world: &mut World, _draw: &mut Draw) -> Option<Outcome> 
 
 pub(crate) fn state_of(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let (member, _) = world.member(draw, "member")?;
-    let state = world.crowd.state_of(member, draw.index("layer", 5));
+    let state =
+        world.crowd.member_mut(member).and_then(|mut m| m.machine_state(draw.index("layer", 5)));
     Some(Outcome::read(state.map(|name| name.bytes().map(f32::from).collect::<Vec<_>>())))
 }

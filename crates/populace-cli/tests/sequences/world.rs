@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use populace::{
-    CharacterId, ClipId, Crowd, Error, JointIndex, MachineId, MaskId, Member, PlayId, SpaceId,
-    StageId, Watch,
+    BlendSpaceId, CharacterId, ClipId, Crowd, Error, JointIndex, MachineId, MaskId, MemberId,
+    PlaybackId, StageId, Watch,
 };
 use populace_physics::{RagdollPlan, Ragdolls};
 
@@ -33,11 +33,11 @@ pub(crate) struct World {
     /// Index of the current devices in the set-up.
     pub(crate) device: usize,
     pub(crate) bodies: Vec<Body>,
-    pub(crate) members: Vec<(Member, usize)>,
-    pub(crate) stale: Vec<(Member, usize)>,
-    pub(crate) plays: Vec<PlayId>,
+    pub(crate) members: Vec<(MemberId, usize)>,
+    pub(crate) stale: Vec<(MemberId, usize)>,
+    pub(crate) plays: Vec<PlaybackId>,
     pub(crate) live: Vec<(ClipId, usize, f64)>,
-    pub(crate) spaces: Vec<SpaceId>,
+    pub(crate) spaces: Vec<BlendSpaceId>,
     pub(crate) machines: Vec<MachineId>,
     pub(crate) stages: Vec<StageId>,
     pub(crate) watches: Vec<Watch>,
@@ -102,7 +102,7 @@ impl World {
     }
 
     /// Draws a member and its body's index; sometimes a despawned one.
-    pub(crate) fn member(&self, draw: &mut Draw, name: &str) -> Option<(Member, usize)> {
+    pub(crate) fn member(&self, draw: &mut Draw, name: &str) -> Option<(MemberId, usize)> {
         if !self.stale.is_empty() && draw.chance("stale", 0.02) {
             let index = draw.index(name, self.stale.len());
             return Some(self.stale[index]);
@@ -120,7 +120,7 @@ impl World {
     }
 
     /// Moves a despawned member to the stale handles.
-    pub(crate) fn retire(&mut self, member: (Member, usize)) {
+    pub(crate) fn retire(&mut self, member: (MemberId, usize)) {
         self.members.retain(|other| *other != member);
         self.stale.push(member);
         if self.stale.len() > MAX_STALE {
@@ -142,6 +142,11 @@ impl World {
         let bits = |palette: Vec<populace::Affine>| {
             palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
         };
-        members.iter().map(|(member, _)| self.crowd.palette(*member).map(bits)).collect()
+        members
+            .iter()
+            .map(|(member, _)| {
+                self.crowd.member_mut(*member).and_then(|mut m| m.palette()).map(bits)
+            })
+            .collect()
     }
 }

@@ -4,16 +4,12 @@
 //! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
 //! transform, and rotations for the others.
 
-use populace_device::layout::{LINKS_MOST, Step};
+use populace_device::layout::{CHAIN_PASSES, LINKS_MOST, Step};
 use populace_model::math::{quat, vec3};
 
 use super::limb::soft_distance;
 use super::targets::{Chain, Solver, WeightedPoint};
 use crate::hierarchy::Hierarchy;
-
-/// Passes along the chain and back. The number is fixed, so that the result moves smoothly with the
-/// target.
-const PASSES: usize = 16;
 
 /// Returns the point at `length` from `to` in the direction of `from`.
 fn drawn(to: [f32; 3], from: [f32; 3], length: f32) -> [f32; 3] {
@@ -43,7 +39,7 @@ impl Solver<'_> {
         if weight > 0.0 && total > 1e-6 && distance > 1e-6 {
             let reach = soft_distance(distance, total, 0.0, constraint.limits.0[0]);
             let goal = vec3::add_scaled(positions[0], to, reach / distance);
-            for _ in 0..PASSES {
+            for _ in 0..CHAIN_PASSES {
                 points[last] = goal;
                 for at in (0..last).rev() {
                     points[at] = drawn(points[at + 1], points[at], lengths[at]);

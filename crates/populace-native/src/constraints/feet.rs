@@ -10,7 +10,9 @@
 //! however the member moves. Once lifted, it catches up with the clip.
 
 use populace_device::Tables;
-use populace_device::layout::{Constraint, FEET_MOST, Float4, Link, Step};
+use populace_device::layout::{
+    Constraint, FEET_MOST, FOOT_RELEASE_SECS, Float4, Link, PELVIS_SINK_MOST, Step,
+};
 use populace_model::Affine;
 use populace_model::math::{Real, quat, vec3};
 
@@ -18,11 +20,6 @@ use super::limb::Limb;
 use super::targets::Solver;
 use crate::hierarchy::Hierarchy;
 use crate::lanes::Simd;
-
-/// Decay time of a lifted foot's offset, in seconds: a frame of this length halves it.
-const RELEASE_SECS: f32 = 0.06;
-/// Largest drop of the pelvis, in lengths of a leg.
-const SINKS_MOST: f32 = 0.5;
 
 /// Returns the last sample at or before a position on a grid, except the very last one, and the
 /// part of the way to the next sample. Positions are in samples, and clamped to the grid.
@@ -142,7 +139,8 @@ impl Legs {
     #[inline(always)]
     fn sinks(&self, soft: f32) -> Feet {
         let length = vec3::length(self.limb.upper) + vec3::length(self.limb.lower);
-        let (reach, most) = (length * Feet::splat(1.0 - soft), length * Feet::splat(SINKS_MOST));
+        let (reach, most) =
+            (length * Feet::splat(1.0 - soft), length * Feet::splat(PELVIS_SINK_MOST));
         let [x, y, z] = self.limb.to;
         let needed = -y - vec3::root(reach * reach - x * x - z * z);
         Feet::choose(most.less(needed), most, needed)
@@ -172,7 +170,7 @@ impl Solver<'_> {
             vec3::sub(state.vector, clip)
         } else {
             let elapsed_secs = self.inputs.frame.elapsed_secs();
-            vec3::scale(state.vector, 1.0 / (1.0 + elapsed_secs * (1.0 / RELEASE_SECS)))
+            vec3::scale(state.vector, 1.0 / (1.0 + elapsed_secs * (1.0 / FOOT_RELEASE_SECS)))
         };
         vector[1] = 0.0;
         let (far, held) = (vec3::dot(vector, vector), held_most * held_most);

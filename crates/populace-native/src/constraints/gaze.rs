@@ -8,18 +8,12 @@
 //! that carries the chain, so that heads do not tilt. Both come straight from the directions before
 //! and after. Angles are needed only beyond the limits and between several targets.
 
-use populace_device::layout::{Constraint, NONE, Step};
+use populace_device::layout::{Constraint, GAZE_STEEP, GAZE_UPRIGHT, NONE, Step};
 use populace_model::Affine;
 use populace_model::math::{Real, angle, quat, vec3};
 
 use super::targets::{Chain, Solver, WeightedPoint};
 use crate::hierarchy::Hierarchy;
-
-/// Sine of the angle to straight up or down below which a target's side counts for less and less:
-/// nearer to the pole it would spin the gaze.
-const STEEP: f32 = 0.17;
-/// Level part of a unit direction below which it has no side.
-const UPRIGHT: f32 = 1e-3;
 
 /// Front, left and up of the parent that carries a chain, in model space.
 struct Frame {
@@ -76,8 +70,8 @@ impl Frame {
     #[inline(always)]
     fn start(&self, facing: [f32; 3]) -> Sight {
         let start = self.seen_in(facing).unwrap_or_default();
-        if start.level < UPRIGHT {
-            return Sight { left: 0.0, up: start.up, front: UPRIGHT, level: UPRIGHT };
+        if start.level < GAZE_UPRIGHT {
+            return Sight { left: 0.0, up: start.up, front: GAZE_UPRIGHT, level: GAZE_UPRIGHT };
         }
         start
     }
@@ -134,7 +128,7 @@ impl Solver<'_> {
             else {
                 continue;
             };
-            let steep = if seen.level < STEEP { seen.level * (1.0 / STEEP) } else { 1.0 };
+            let steep = if seen.level < GAZE_STEEP { seen.level * (1.0 / GAZE_STEEP) } else { 1.0 };
             let upwards = angle::of(seen.up, seen.level);
             let raised = if upwards > up { up } else { upwards };
             yaw += held(angle::of(seen.left, seen.front), side) * steep * weight;
@@ -175,7 +169,7 @@ impl Solver<'_> {
         // Tangents of the limits. If start and target are both in front, the shortest rotation
         // passes the front.
         let [side, up, down] = [constraint.axis, constraint.front, constraint.up].map(|v| v.0[3]);
-        let within = to.level >= STEEP
+        let within = to.level >= GAZE_STEEP
             && to.left.abs() <= side * to.front
             && to.up <= up * to.level
             && -to.up <= down * to.level;

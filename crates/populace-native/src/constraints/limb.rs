@@ -3,15 +3,11 @@
 //! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
 //! transform, and rotations for the others.
 
-use populace_device::layout::Step;
+use populace_device::layout::{LIMB_LARGEST_SQUARE, LIMB_OWN_BEND, Step};
 use populace_model::math::{Real, quat, vec3};
 
 use super::targets::{Chain, Solver, WeightedPoint};
 use crate::hierarchy::Hierarchy;
-
-/// Weight of the limb's preferred bend direction against its own bend, in lengths of the first
-/// bone.
-const OWN_BEND: f32 = 0.05;
 
 /// A limb before the constraint, in model space, and its goal.
 pub(super) struct Limb<R> {
@@ -62,7 +58,8 @@ impl<R: Real> Limb<R> {
         let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|axis: [f32; 3]| axis.map(R::splat));
         let upper = vec3::scale(self.upper, shrinks);
         let chain = vec3::add(upper, vec3::scale(self.lower, shrinks));
-        let out = vec3::add_scaled(upper, vec3::unit_or(self.bend, none()), R::splat(OWN_BEND));
+        let out =
+            vec3::add_scaled(upper, vec3::unit_or(self.bend, none()), R::splat(LIMB_OWN_BEND));
         let hinge = vec3::cross(out, chain);
         let stands = R::splat(1e-10).less(vec3::dot(hinge, hinge));
         let leans = (upper[0] * upper[0]).less(R::splat(0.5));
@@ -128,7 +125,9 @@ impl<R: Real> Limb<R> {
         }
         let bend = vec3::scale(vec3::turned(first, axis), x * half_unit);
         let second = [bend[0], bend[1], bend[2], w * half_unit];
-        let stands = R::splat(1e-6).less(R::choose(shorter.less(distance), shorter, distance));
+        let size = R::choose(shorter.less(distance), shorter, distance);
+        let size = R::choose(most.less(R::splat(LIMB_LARGEST_SQUARE)), size, zero);
+        let stands = R::splat(1e-6).less(size);
         [first, second].map(|turn| quat::choose::<R>(stands, turn, quat::identity()))
     }
 }

@@ -7,7 +7,7 @@
 use populace_device::Tables;
 use populace_device::layout::{
     Constraint, Control, Float4, LINKS_MOST, Link, STATES_PER_CONTROL, Step, TARGET_DIRECTION,
-    TARGET_WATCHED, TARGET_WORLD, TURNS_MOST, Target,
+    TARGET_FAR_M, TARGET_WATCHED, TARGET_WORLD, TURNS_MOST, Target,
 };
 use populace_model::Affine;
 use populace_model::math::{quat, vec3};
@@ -16,9 +16,6 @@ use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::history::DeferredWrites;
 use crate::members::control_of;
-
-/// Distance of the point aimed at for a direction, in metres.
-const FAR_M: f32 = 1000.0;
 
 /// Solver of one member's constraints.
 pub(crate) struct Solver<'a> {
@@ -117,7 +114,9 @@ impl<'a> Solver<'a> {
         let point = target.point.xyz();
         let position = match target.kind {
             TARGET_WORLD => self.to_model(point),
-            TARGET_DIRECTION => vec3::add_scaled(from, self.direction_to_model(point), FAR_M),
+            TARGET_DIRECTION => {
+                vec3::add_scaled(from, self.direction_to_model(point), TARGET_FAR_M)
+            }
             TARGET_WATCHED => {
                 let rows = self.inputs.history.watched_before(target.watched);
                 let [a, b, c] = rows.map_or([[0.0; 4]; 3], |joint| joint.rows);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use populace::model::{JointIndex, Skeleton};
-use populace::{Affine, Member};
+use populace::{Affine, MemberId};
 use rapier3d::prelude::{
     ColliderBuilder, GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MassProperties,
     RigidBodyBuilder, RigidBodyHandle,
@@ -32,7 +32,7 @@ const SLACK_RAD: f32 = 0.01;
 
 /// The inputs for a ragdoll.
 pub(crate) struct BuildParams<'a> {
-    pub(crate) member: Member,
+    pub(crate) member: MemberId,
     pub(crate) skeleton: &'a Skeleton,
     pub(crate) plan: &'a Arc<RagdollPlan>,
     pub(crate) id: u64,

@@ -16,7 +16,7 @@ impl CarriedJoint {
 impl MemberRagdoll {
     /// Writes the current joint overrides with the remaining weight of the ragdoll.
     pub(crate) fn write(&mut self, crowd: &mut Crowd, world: &World) -> Result<(), Error> {
-        let place = crowd.placement(self.member)?;
+        let place = crowd.member(self.member)?.placement();
         let is_resting = self.fade.is_none() && self.is_fully_limp() && self.is_asleep(world);
         if is_resting && self.resting_placement == Some(place) {
             return Ok(());
@@ -31,7 +31,7 @@ impl MemberRagdoll {
             let model_overrides = self.model_overrides(&overrides);
             overrides.extend(model_overrides);
         }
-        crowd.override_joints(self.member, &overrides)?;
+        crowd.member_mut(self.member)?.override_joints(&overrides)?;
         self.resting_placement = is_resting.then_some(place);
         Ok(())
     }
@@ -39,8 +39,8 @@ impl MemberRagdoll {
     /// Releases all overrides, so that the clips move the joints again.
     pub(crate) fn release(&self, crowd: &mut Crowd) -> Result<(), Error> {
         let joints: Vec<JointIndex> = self.carried.iter().map(|c| joint_index(c.joint)).collect();
-        crowd.release_joints(self.member, Space::Local, &joints)?;
-        crowd.release_joints(self.member, Space::Model, &joints)?;
+        crowd.member_mut(self.member)?.release_joints(Space::Local, &joints)?;
+        crowd.member_mut(self.member)?.release_joints(Space::Model, &joints)?;
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::model::{Affine, JointSource, Skeleton, Trs};
-use populace::{CharacterId, Crowd, Device, JointIndex, Member, Placement, Play};
+use populace::{CharacterId, ClipPlayback, Crowd, Device, JointIndex, MemberId, Placement};
 use populace_physics::{JointAngles, Limits, RagdollPlan, Ragdolls};
 
 pub(crate) const DT: f32 = 1.0 / 60.0;
@@ -17,7 +17,7 @@ pub(crate) struct Scene {
     pub(crate) ragdolls: Ragdolls,
     pub(crate) plan: Arc<RagdollPlan>,
     pub(crate) character: CharacterId,
-    pub(crate) member: Member,
+    pub(crate) member: MemberId,
 }
 
 impl Scene {
@@ -28,7 +28,11 @@ impl Scene {
         let member = crowd.spawn(character, placement).unwrap();
         if let Some(clip) = clip {
             let clip = crowd.clip(character, clip).unwrap();
-            crowd.play(member, clip, Play::looping().phase(0.2)).unwrap();
+            crowd
+                .member_mut(member)
+                .unwrap()
+                .play(clip, ClipPlayback::looping().phase(0.2))
+                .unwrap();
         }
         let plan =
             Arc::new(RagdollPlan::from_skeleton(&crowd.character(character).unwrap().skeleton));
@@ -68,12 +72,13 @@ impl Scene {
     }
 
     pub(crate) fn joints(&mut self) -> Vec<Affine> {
-        self.crowd.model_from_joints(self.member).unwrap()
+        self.crowd.member_mut(self.member).unwrap().model_from_joints().unwrap()
     }
 
     /// Returns the positions of all joints in world space.
     pub(crate) fn positions(&mut self) -> Vec<[f32; 3]> {
-        let world_from_model = self.crowd.placement(self.member).unwrap().world_from_model();
+        let world_from_model =
+            self.crowd.member(self.member).unwrap().placement().world_from_model();
         self.joints().iter().map(|m| world_from_model.mul(m).transform_point([0.0; 3])).collect()
     }
 

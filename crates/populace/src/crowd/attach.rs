@@ -1,24 +1,24 @@
-//! Props: members that follow a joint of another one, on the device and in the same frame.
+//! Attachments: members that follow a joint of another, on the device and in the same frame.
 
 use populace_device::layout::PHASES_MOST;
 use populace_model::{JointIndex, Trs};
 
-use super::{Crowd, Member};
+use super::{Crowd, MemberId};
 use crate::Error;
 
-/// What a member is attached to, and what is attached to it.
+/// The parent and the children of a member.
 #[derive(Debug, Default)]
 pub(crate) struct Attached {
     bearer: Option<Bearer>,
-    props: Vec<Member>,
+    props: Vec<MemberId>,
 }
 
-/// The joint that a prop follows.
+/// The joint that an attached member follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Bearer {
-    member: Member,
+    member: MemberId,
     joint: JointIndex,
-    /// Where devices find it, among what is watched.
+    /// Its index among the watched joints.
     watched: u32,
 }
 
@@ -27,24 +27,10 @@ fn refused<T>(reason: impl Into<String>) -> Result<T, Error> {
 }
 
 impl Crowd {
-    /// Attaches a member to a joint of another, in place of what it was attached to: its model
-    /// space then lies at that joint times `offset`, scale included, where the same frame draws the
-    /// joint, after all that moves it. The host reads nothing for that. Members can be attached to
-    /// attached ones, four levels deep.
-    ///
-    /// The prop's placement is its bearer's from now on, and follows it. Its joints in model space,
-    /// and what it is told in model space (targets, overrides, stages), count from that placement,
-    /// not from the joint.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a joint that is not there, an offset that is not finite or whose
-    /// rotation is not of length 1, or [`Error::BadAttachment`] for a member attached to itself or
-    /// to its own props, past four levels, and to one that is never drawn; all is then as it was.
-    pub fn attach(
+    pub(super) fn attach(
         &mut self,
-        prop: Member,
-        to: Member,
+        prop: MemberId,
+        to: MemberId,
         joint: JointIndex,
         offset: Trs,
     ) -> Result<(), Error> {
@@ -67,19 +53,12 @@ impl Crowd {
             return Err(error);
         }
         self.let_go_of(prop)?;
-        self.attachments.entry(prop.place).or_default().bearer = Some(bearer);
-        self.attachments.entry(to.place).or_default().props.push(prop);
+        self.attachments.entry(prop.index).or_default().bearer = Some(bearer);
+        self.attachments.entry(to.index).or_default().props.push(prop);
         self.bring_props(to)
     }
 
-    /// Lets a member that is attached fall off; it stays at the placement that it has of its
-    /// bearer, wherever clips have moved that one ([`place_where_moved`](Self::place_where_moved)
-    /// makes placements follow). Nothing happens to one that is not attached.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`].
-    pub fn detach(&mut self, prop: Member) -> Result<(), Error> {
+    pub(super) fn detach(&mut self, prop: MemberId) -> Result<(), Error> {
         self.check(prop)?;
         if self.bearer(prop).is_none() {
             return Ok(());
@@ -89,22 +68,16 @@ impl Crowd {
             Ok(())
         })?;
         self.let_go_of(prop)?;
-        self.tables.set_phase(prop.place, 0)?;
+        self.tables.set_phase(prop.index, 0)?;
         self.bring_props(prop)
     }
 
-    /// The member and the joint that a member is attached to, if it is.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`].
-    pub fn attached_to(&self, prop: Member) -> Result<Option<(Member, JointIndex)>, Error> {
-        self.check(prop)?;
-        Ok(self.bearer(prop).map(|bearer| (bearer.member, bearer.joint)))
+    pub(super) fn attached_to(&self, prop: MemberId) -> Option<(MemberId, JointIndex)> {
+        self.bearer(prop).map(|bearer| (bearer.member, bearer.joint))
     }
 
-    /// Detaches a member that leaves, and all its props.
-    pub(super) fn detach_all(&mut self, member: Member) -> Result<(), Error> {
+    /// Detaches a member that is despawned, and all its children.
+    pub(super) fn detach_all(&mut self, member: MemberId) -> Result<(), Error> {
         self.detach(member)?;
         while let Some(prop) = self.prop(member, 0) {
             self.detach(prop)?;
@@ -112,24 +85,24 @@ impl Crowd {
         Ok(())
     }
 
-    /// Refuses to place a member whose bearer does.
-    pub(super) fn check_placeable(&self, member: Member) -> Result<(), Error> {
+    /// Refuses to place a member that is attached.
+    pub(super) fn check_placeable(&self, member: MemberId) -> Result<(), Error> {
         match self.bearer(member) {
             None => Ok(()),
             Some(_) => refused(
-                "an attached member stands where its bearer does; place that one, or detach the \
-                 member first",
+                "an attached member has the placement of its parent; place the parent, or detach \
+                 the member first",
             ),
         }
     }
 
-    /// Lets the props of a member, and theirs, stand where it does and be evaluated after it.
-    pub(super) fn bring_props(&mut self, bearer: Member) -> Result<(), Error> {
-        let placement = self.members[bearer.place as usize].placement;
+    /// Gives all attachments of a member its placement and evaluates them after it.
+    pub(super) fn bring_props(&mut self, bearer: MemberId) -> Result<(), Error> {
+        let placement = self.members[bearer.index as usize].placement;
         let mut nth = 0;
         while let Some(prop) = self.prop(bearer, nth) {
-            self.members[prop.place as usize].placement = placement;
-            self.tables.set_phase(prop.place, self.phase(bearer) + 1)?;
+            self.members[prop.index as usize].placement = placement;
+            self.tables.set_phase(prop.index, self.phase(bearer) + 1)?;
             self.stand(prop)?;
             self.bring_props(prop)?;
             nth += 1;
@@ -137,46 +110,46 @@ impl Crowd {
         Ok(())
     }
 
-    fn bearer(&self, prop: Member) -> Option<Bearer> {
-        self.attachments.get(&prop.place)?.bearer
+    fn bearer(&self, prop: MemberId) -> Option<Bearer> {
+        self.attachments.get(&prop.index)?.bearer
     }
 
-    /// The place of what the member of a place is attached to.
+    /// Returns the index of the parent of the member at an index.
     pub(super) fn bearer_place(&self, place: u32) -> Option<u32> {
-        Some(self.attachments.get(&place)?.bearer?.member.place)
+        Some(self.attachments.get(&place)?.bearer?.member.index)
     }
 
-    fn prop(&self, bearer: Member, nth: usize) -> Option<Member> {
-        self.attachments.get(&bearer.place)?.props.get(nth).copied()
+    fn prop(&self, bearer: MemberId, nth: usize) -> Option<MemberId> {
+        self.attachments.get(&bearer.index)?.props.get(nth).copied()
     }
 
-    fn phase(&self, member: Member) -> u32 {
-        self.tables.members().as_slice()[member.place as usize].phase()
+    fn phase(&self, member: MemberId) -> u32 {
+        self.tables.members().as_slice()[member.index as usize].phase()
     }
 
-    /// Levels of props on a member.
-    fn levels(&self, member: Member) -> u32 {
+    /// Returns the number of levels of attachments on a member.
+    fn levels(&self, member: MemberId) -> u32 {
         let props =
-            self.attachments.get(&member.place).into_iter().flat_map(|attached| &attached.props);
+            self.attachments.get(&member.index).into_iter().flat_map(|attached| &attached.props);
         props.map(|prop| 1 + self.levels(*prop)).max().unwrap_or(0)
     }
 
-    fn check_bearer(&self, prop: Member, to: Member) -> Result<(), Error> {
+    fn check_bearer(&self, prop: MemberId, to: MemberId) -> Result<(), Error> {
         let character = self.character_state(self.check(to)?)?;
         // Fused schedules go by pages of palettes.
         if character.character.palette.is_empty() {
             let name = &character.character.name;
             return refused(format!(
-                "nothing can be attached to a member of \"{name}\": it has no mesh, so devices \
-                 never evaluate it"
+                "nothing can be attached to a member of \"{name}\": it has no mesh, so devices do \
+                 not evaluate it"
             ));
         }
         let mut above = Some(to);
         while let Some(member) = above {
             if member == prop {
                 return refused(
-                    "a member cannot be attached to itself or to what is attached to it; detach \
-                     that first",
+                    "a member cannot be attached to itself or to its own attachments; detach those \
+                     first",
                 );
             }
             above = self.bearer(member).map(|bearer| bearer.member);
@@ -184,15 +157,15 @@ impl Crowd {
         let (levels, most) = (self.phase(to) + 1 + self.levels(prop), PHASES_MOST - 1);
         if levels > most {
             return refused(format!(
-                "members would be attached to each other {levels} levels deep; {most} at most can \
-                 be, so attach this one nearer to where the chain begins"
+                "attachments would be {levels} levels deep; at most {most} are possible, so attach \
+                 this member nearer to the first of the chain"
             ));
         }
         Ok(())
     }
 
-    /// Lets a joint be written for a prop to follow.
-    fn carry(&mut self, member: Member, joint: JointIndex) -> Result<Bearer, Error> {
+    /// Makes devices write a joint that attachments can follow.
+    fn carry(&mut self, member: MemberId, joint: JointIndex) -> Result<Bearer, Error> {
         let watched = self.tables.add_watched();
         let changed = self.change_controls(member, |controls| {
             controls.carries.push((joint, watched));
@@ -205,7 +178,7 @@ impl Crowd {
         Ok(Bearer { member, joint, watched })
     }
 
-    /// Lets it be written no longer.
+    /// Ends the writing of a followed joint.
     fn put_down(&mut self, bearer: Bearer) -> Result<(), Error> {
         self.change_controls(bearer.member, |controls| {
             controls.carries.retain(|(_, watched)| *watched != bearer.watched);
@@ -215,17 +188,17 @@ impl Crowd {
         Ok(())
     }
 
-    /// Forgets what a prop was attached to.
-    fn let_go_of(&mut self, prop: Member) -> Result<(), Error> {
+    /// Removes the link between a member and its parent.
+    fn let_go_of(&mut self, prop: MemberId) -> Result<(), Error> {
         let Some(bearer) = self.bearer(prop) else { return Ok(()) };
         self.put_down(bearer)?;
-        if let Some(attached) = self.attachments.get_mut(&prop.place) {
+        if let Some(attached) = self.attachments.get_mut(&prop.index) {
             attached.bearer = None;
         }
-        if let Some(attached) = self.attachments.get_mut(&bearer.member.place) {
+        if let Some(attached) = self.attachments.get_mut(&bearer.member.index) {
             attached.props.retain(|other| *other != prop);
         }
-        for place in [prop.place, bearer.member.place] {
+        for place in [prop.index, bearer.member.index] {
             let is_done =
                 |attached: &Attached| attached.bearer.is_none() && attached.props.is_empty();
             if self.attachments.get(&place).is_some_and(is_done) {

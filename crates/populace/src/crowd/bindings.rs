@@ -1,4 +1,4 @@
-//! Clips bound to the bodies that play them, and how well they fit.
+//! Bindings of clips to bodies.
 
 use std::sync::Arc;
 
@@ -11,18 +11,18 @@ use crate::Error;
 /// A clip bound to a body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bound {
-    /// Among the bound clips of the tables.
+    /// The index among the bound clips of the tables.
     pub(super) index: u32,
     report: BindingReport,
 }
 
 impl Crowd {
-    /// How well a clip fits a character: the way in which its joints are found, the share of those
-    /// it moves that are bound, and how far the rest poses are apart.
+    /// Reports how well a clip fits a character: how its joints are found, the share of its joints
+    /// that are bound, and the difference of the rest poses.
     ///
-    /// Below [`BindingReport::LEAST_SHARE`] a clip that is bound by names alone is refused when it
-    /// is played, unless by [`Play::partial`](crate::Play::partial). Between that and 80 % it
-    /// plays, and a part of the motion is missing.
+    /// A clip bound by names alone is refused below [`BindingReport::LEAST_SHARE`], unless played by
+    /// [`ClipPlayback::partial`](crate::ClipPlayback::partial). Between that and 80 % it plays with
+    /// a part of its motion missing.
     ///
     /// # Errors
     ///
@@ -35,8 +35,8 @@ impl Crowd {
         }
     }
 
-    /// Binds a clip to a character's body, or finds how it was bound. `partial` lets names alone
-    /// bind any share of it.
+    /// Returns the index of the clip's binding to a character's body, and makes it if needed.
+    /// `partial` accepts any share bound by names alone.
     pub(super) fn bind(
         &mut self,
         character: CharacterId,

@@ -1,4 +1,4 @@
-//! Building a crowd.
+//! The builder of a crowd.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use super::{Clock, Crowd};
 use crate::device::Opened;
 use crate::{Device, Devices, Error, Split};
 
-/// Settings of a crowd to be built.
+/// Settings from which a crowd is built.
 #[derive(Clone, Debug)]
 pub struct CrowdBuilder {
     devices: Option<Devices>,
@@ -40,74 +40,71 @@ impl Default for CrowdBuilder {
 }
 
 impl CrowdBuilder {
-    /// The device to evaluate on. Unless one is named, [`Device::best`], or the native one where
-    /// that cannot be opened; [`Crowd::fallback`] then tells why.
+    /// Sets the device. Unless set it is [`Device::best`], or the native device if that cannot be
+    /// opened; [`Crowd::fallback`] then returns the reason.
     #[must_use]
     pub fn device(self, device: Device) -> Self {
         self.devices(device)
     }
 
-    /// Several devices to evaluate on at the same time, such as
-    /// `[Device::native(), Device::opencl(0)]`: each takes some of the members. The first is linked
-    /// to OpenGL. Each holds the whole crowd's tables and has room for all palettes.
+    /// Sets several devices that evaluate at the same time, such as
+    /// `[Device::native(), Device::opencl(0)]`. Each takes a share of the members. Each holds the
+    /// tables of the whole crowd and space for all palettes. The first shares buffers with OpenGL.
     #[must_use]
     pub fn devices(mut self, devices: impl Into<Devices>) -> Self {
         self.devices = Some(devices.into());
         self
     }
 
-    /// How several devices share the members; [`Split::Measured`] unless set.
+    /// Sets the shares of several devices; [`Split::Measured`] unless set.
     #[must_use]
     pub fn split(mut self, split: Split) -> Self {
         self.split = split;
         self
     }
 
-    /// How stages are mapped to work-items; [`Schedule::Fused`] unless named. All give the same
-    /// poses.
+    /// Sets how stages are mapped to work-items; [`Schedule::Fused`] unless set. All schedules
+    /// compute the same poses.
     #[must_use]
     pub fn schedule(mut self, schedule: Schedule) -> Self {
         self.schedule = schedule;
         self
     }
 
-    /// The context of OpenGL's to be drawn with. A device that shares buffers with OpenGL, as
-    /// graphics processors do, then writes palettes where OpenGL draws from; others are opened as
-    /// ever.
+    /// Sets the OpenGL context that draws the crowd. A device that can share buffers with OpenGL,
+    /// as GPUs can, then writes palettes into buffers of that context.
     ///
-    /// Call [`build`](Self::build) on the thread on which that context is current: some drivers
-    /// want that.
+    /// Call [`build`](Self::build) on the thread on which the context is current: some drivers
+    /// require it.
     #[must_use]
     pub fn for_gl(mut self, context: Arc<dyn GlContext>) -> Self {
         self.gl = Some(context);
         self
     }
 
-    /// The most members there may be at once; 1,000 unless set. The device makes room for all of
-    /// them with the first.
+    /// Sets the largest number of members; 1,000 unless set. The device allocates for all of them
+    /// when the first is added.
     #[must_use]
     pub fn capacity(mut self, members: usize) -> Self {
         self.capacity = members;
         self
     }
 
-    /// Clips that a member can play at once, 1 to 8; 4 unless set. [`build`](Self::build) refuses
-    /// others.
+    /// Sets the number of clips that a member can play at once, 1 to 8; 4 unless set.
     #[must_use]
     pub fn slots_per_member(mut self, slots: usize) -> Self {
         self.slots_per_member = slots;
         self
     }
 
-    /// Opens the devices.
+    /// Opens the devices and returns an empty crowd.
     ///
     /// # Errors
     ///
-    /// A number of slots that is out of its range, a device that is not there or cannot be opened,
+    /// A number of slots that is out of its range, a device that does not exist or cannot be opened,
     /// [`Error::BadDevices`] or [`Error::BadSplit`].
     pub fn build(self) -> Result<Crowd, Error> {
-        // Ids carry their crowd's number, so that those of another crowd are refused rather than
-        // mistaken.
+        // Ids carry the number of their crowd, so that ids of another crowd are refused.
         static CROWDS: AtomicU32 = AtomicU32::new(0);
         if !(1..=MAX_SLOTS).contains(&self.slots_per_member) {
             return Err(Error::BadValue {
@@ -157,7 +154,7 @@ impl CrowdBuilder {
         })
     }
 
-    /// Opens the devices named, or the best device that opens.
+    /// Opens the selected devices, or the best device that opens.
     fn open(&self) -> Result<Start, Error> {
         let open = |devices: Devices, fallback| {
             let opened = devices.open(self.schedule, &self.split, self.gl.as_ref())?;
@@ -172,10 +169,10 @@ impl CrowdBuilder {
     }
 }
 
-/// The devices that a crowd starts on.
+/// The devices on which a crowd starts.
 struct Start {
     devices: Devices,
     opened: Opened,
-    /// Why it is the native one, where none was named.
+    /// The reason for the native device, if none was selected.
     fallback: Option<String>,
 }

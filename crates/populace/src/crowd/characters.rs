@@ -31,7 +31,7 @@ impl Crowd {
         Ok(id)
     }
 
-    /// Adds a clip for a character to find by name, at any time; other characters can play it too.
+    /// Adds a clip under its name to a character, at any time. Other characters can play it too.
     ///
     /// # Errors
     ///
@@ -49,7 +49,7 @@ impl Crowd {
         Ok(id)
     }
 
-    /// The character of an id.
+    /// Returns the character of an id.
     ///
     /// # Errors
     ///
@@ -58,11 +58,11 @@ impl Crowd {
         Ok(&self.character_state(character)?.character)
     }
 
-    /// A character's clip of a name.
+    /// Returns the clip of a character by name.
     ///
     /// # Errors
     ///
-    /// [`Error::UnknownClip`] with the nearest names.
+    /// [`Error::UnknownClip`] with similar names.
     pub fn clip(&self, character: CharacterId, name: &str) -> Result<ClipId, Error> {
         let state = self.character_state(character)?;
         let named =
@@ -76,7 +76,7 @@ impl Crowd {
         })
     }
 
-    /// A character's clips, in the order they were added.
+    /// Returns the clips of a character, in the order in which they were added.
     ///
     /// # Errors
     ///

@@ -1,55 +1,47 @@
-//! What beside clips moves members: overrides, look-at, reaching, feet on the ground.
+//! Constraint programs of members: overrides, look-at, reach, planted feet, proportions.
 
 use std::collections::HashMap;
 use std::mem::{Discriminant, discriminant};
 
 use populace_device::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
 use populace_device::{
-    Chain, Constraint, Controls, Feet, Gaze, Ground, JointOverride, Limb, Place, Space,
+    Chain, Constraint, Controls, Feet, Ground, JointOverride, Limb, Place, Space,
 };
 use populace_model::{JointIndex, LARGEST_SCALE, Skeleton};
 
 use super::people::limb_above;
-use super::{Crowd, Member};
-use crate::{Error, Reach, Target, Weight};
+use super::{Crowd, MemberId};
+use crate::{Error, Gaze, Reach, Target, Weight};
 
-/// Targets that one constraint can change over between; when there are more, the weakest gives way.
+/// The most targets between which one constraint eases; the weakest is dropped.
 const TARGETS: usize = LAYERS_PER_MEMBER as usize;
-/// Part of a limb's length in which it straightens.
+/// The fraction of a limb's length within which it straightens softly.
 const SOFT: f32 = 0.03;
-/// A rest pose bends a limb where its middle joint is off the straight line by more than this part
-/// of its length.
+/// The distance of the middle joint from the straight line above which a rest pose counts as bent,
+/// as a fraction of the limb's length.
 const BENT: f32 = 0.01;
 
-/// What is watched of members, by place and joint, with how many look at it.
+/// Watched joints: index on the device and number of users, by member and joint.
 #[derive(Debug, Default)]
-pub(crate) struct Watches(pub(super) HashMap<(Member, JointIndex), (u32, usize)>);
+pub(crate) struct Watches(pub(super) HashMap<(MemberId, JointIndex), (u32, usize)>);
 
-/// A member's controls, and what its targets watch.
+/// A member's constraint program and the joints that its targets watch.
 #[derive(Debug, Default)]
 pub(crate) struct MemberControls {
     pub(super) controls: Controls,
-    watching: Vec<(Member, JointIndex)>,
-    /// The clock when each constraint was last given a target.
+    watching: Vec<(MemberId, JointIndex)>,
+    /// The tick at which each constraint last received a target.
     aimed: Vec<(Goal, u64)>,
 }
 
-/// A constraint of a member apart from all others: its kind, and the joint that is to face or meet
-/// the target.
+/// The identity of a constraint within a member: its kind, and the joint that faces or meets the
+/// target.
 type Goal = (Discriminant<Constraint>, Option<JointIndex>);
 
 impl Crowd {
-    /// Gives joints of a member transforms, in place of those given before to the same joints in
-    /// the same space. What hangs on them follows; all else goes on playing. They hold until they
-    /// are released.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a joint that is not there, a transform that is not finite or whose
-    /// rotation is not of length 1, or a weight that is not from 0 to 1; all is then as it was.
-    pub fn override_joints(
+    pub(super) fn override_joints(
         &mut self,
-        member: Member,
+        member: MemberId,
         overrides: &[JointOverride],
     ) -> Result<(), Error> {
         self.change_controls(member, |controls| {
@@ -65,14 +57,9 @@ impl Crowd {
         })
     }
 
-    /// Lets joints of a member go on as if no transform had been given to them in that space.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`].
-    pub fn release_joints(
+    pub(super) fn release_joints(
         &mut self,
-        member: Member,
+        member: MemberId,
         space: Space,
         joints: &[JointIndex],
     ) -> Result<(), Error> {
@@ -82,48 +69,30 @@ impl Crowd {
         })
     }
 
-    /// Lets all joints of a member go on as if no transform had been given to any.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`].
-    pub fn release_all(&mut self, member: Member) -> Result<(), Error> {
+    pub(super) fn release_all(&mut self, member: MemberId) -> Result<(), Error> {
         self.change_controls(member, |controls| {
             controls.overrides.clear();
             Ok(())
         })
     }
 
-    /// Lets a member look at something with a chain of joints, from now on and in place of what it
-    /// looked at before with the chain's last joint: the gaze eases over, or follows where calls
-    /// move its target ([`Weight`]).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a chain that is none, or a target or weight that is out of its
-    /// range.
-    pub fn look_with(
+    pub(super) fn look_with(
         &mut self,
-        member: Member,
-        gaze: &Gaze,
-        target: impl Into<Target>,
+        member: MemberId,
+        gaze: Gaze,
+        target: Target,
         weight: Weight,
     ) -> Result<(), Error> {
-        self.aim(member, target.into(), weight, &Constraint::Gaze(gaze.clone()))
+        let Gaze { chain, facing, limits } = gaze;
+        let gaze = populace_device::Gaze { chain, facing, limits, targets: Vec::new() };
+        self.aim(member, target, weight, &Constraint::Gaze(gaze))
     }
 
-    /// Lets a limb of a member reach for something, from now on and in place of what it reached for
-    /// before: it eases over, or follows where calls move its target ([`Weight`]).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a limb that is none, or a target, pole or weight that is out of its
-    /// range.
-    pub fn reach(
+    pub(super) fn reach(
         &mut self,
-        member: Member,
+        member: MemberId,
         reach: Reach,
-        target: impl Into<Target>,
+        target: Target,
         weight: Weight,
     ) -> Result<(), Error> {
         let character = self.check(member)?;
@@ -131,40 +100,26 @@ impl Crowd {
         let by_roles = limb_above(state.roles.as_ref(), reach.end);
         let limb =
             limb_of(&state.character.skeleton, &Reach { limb: reach.limb.or(by_roles), ..reach })?;
-        self.aim(member, target.into(), weight, &Constraint::Limb(limb))
+        self.aim(member, target, weight, &Constraint::Limb(limb))
     }
 
-    /// Lets a chain of any length reach for something with its last joint, from now on and in place
-    /// of what it reached for before: it eases over, or follows where calls move its target
-    /// ([`Weight`]).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a chain that is none, or a target or weight that is out of its
-    /// range.
-    pub fn reach_with_chain(
+    pub(super) fn reach_with_chain(
         &mut self,
-        member: Member,
-        first: JointIndex,
-        end: JointIndex,
-        target: impl Into<Target>,
+        member: MemberId,
+        [first, end]: [JointIndex; 2],
+        target: Target,
         weight: Weight,
     ) -> Result<(), Error> {
         let chain = Chain { first, end, soft: SOFT, targets: Vec::new() };
-        self.aim(member, target.into(), weight, &Constraint::Chain(chain))
+        self.aim(member, target, weight, &Constraint::Chain(chain))
     }
 
-    /// Lets a member's feet keep to the ground, or no longer where the weight is 0.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], legs that are none, or a weight that is not from 0 to 1.
-    pub fn plant_with(&mut self, member: Member, feet: &Feet) -> Result<(), Error> {
+    pub(super) fn plant_with(&mut self, member: MemberId, feet: &Feet) -> Result<(), Error> {
         let feet = Constraint::Feet(feet.clone());
         let stays = matches!(&feet, Constraint::Feet(feet) if feet.weight > 0.0);
         self.change_controls(member, |controls| {
             let all = &mut controls.constraints;
-            // One that is there keeps its turn among the others.
+            // An existing constraint keeps its position among the others.
             match all.iter().position(|constraint| matches!(constraint, Constraint::Feet(_))) {
                 Some(at) if stays => all[at] = feet,
                 Some(at) => drop(all.remove(at)),
@@ -175,7 +130,7 @@ impl Crowd {
         })
     }
 
-    /// Sets the ground that feet keep to; it is level at height 0 unless set.
+    /// Sets the ground for planted feet: level at height 0 unless set.
     ///
     /// # Errors
     ///
@@ -184,13 +139,11 @@ impl Crowd {
         Ok(self.tables.set_ground(ground)?)
     }
 
-    /// Sets the lengths of a member's joints as factors, one for each joint in level order: each is
-    /// that of the joint's distance from its parent. All 1 is the character's own build.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or factors that are not one for each joint, finite and above 0.
-    pub fn set_proportions(&mut self, member: Member, factors: &[f32]) -> Result<(), Error> {
+    pub(super) fn set_proportions(
+        &mut self,
+        member: MemberId,
+        factors: &[f32],
+    ) -> Result<(), Error> {
         let character = self.check(member)?;
         let joints = self.character_state(character)?.character.skeleton.joint_count();
         let good =
@@ -218,14 +171,14 @@ impl Crowd {
         })
     }
 
-    /// Lets constraints of a member ease out and then end: those that `which` names.
+    /// Fades out and then removes the constraints that `which` selects.
     fn ease_out(
         &mut self,
-        member: Member,
+        member: MemberId,
         secs: f32,
         which: impl Fn(&Constraint) -> bool,
     ) -> Result<(), Error> {
-        crate::play::check_secs("the time to come to a weight", secs)?;
+        crate::playback::check_secs("the time to come to a weight", secs)?;
         let tick = self.clock.tick;
         self.change_controls(member, |controls| {
             for constraint in controls.constraints.iter_mut().filter(|c| which(c)) {
@@ -237,21 +190,16 @@ impl Crowd {
         })
     }
 
-    /// Lets a member look where its clips look again.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a time that is out of its range.
-    pub fn look_ahead(&mut self, member: Member, over_secs: f32) -> Result<(), Error> {
+    pub(super) fn look_ahead(&mut self, member: MemberId, over_secs: f32) -> Result<(), Error> {
         self.ease_out(member, over_secs, |constraint| matches!(constraint, Constraint::Gaze(_)))
     }
 
-    /// Lets a limb or chain go back to where its clips have it, by its last joint.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a time that is out of its range.
-    pub fn let_go(&mut self, member: Member, end: JointIndex, over_secs: f32) -> Result<(), Error> {
+    pub(super) fn let_go(
+        &mut self,
+        member: MemberId,
+        end: JointIndex,
+        over_secs: f32,
+    ) -> Result<(), Error> {
         self.ease_out(member, over_secs, |constraint| match constraint {
             Constraint::Limb(limb) => limb.end == end,
             Constraint::Chain(chain) => chain.end == end,
@@ -259,10 +207,10 @@ impl Crowd {
         })
     }
 
-    /// Adds a target to a constraint: `new`, or what there is already of its kind.
+    /// Adds a target to the constraint `new`, or to the existing constraint of the same identity.
     fn aim(
         &mut self,
-        member: Member,
+        member: MemberId,
         target: Target,
         weight: Weight,
         new: &Constraint,
@@ -290,39 +238,39 @@ impl Crowd {
             }
             Ok(())
         })?;
-        let aimed = &mut self.controls.entry(member.place).or_default().aimed;
+        let aimed = &mut self.controls.entry(member.index).or_default().aimed;
         aimed.retain(|(other, _)| *other != goal);
         aimed.push((goal, tick));
         Ok(())
     }
 
-    /// Whether a constraint was given a target less than so many seconds ago.
-    fn was_aimed_within(&self, member: Member, goal: Goal, secs: f32) -> bool {
-        let aimed = self.controls.get(&member.place).into_iter().flat_map(|state| &state.aimed);
+    /// Returns whether a constraint received a target less than `secs` ago.
+    fn was_aimed_within(&self, member: MemberId, goal: Goal, secs: f32) -> bool {
+        let aimed = self.controls.get(&member.index).into_iter().flat_map(|state| &state.aimed);
         let mut of_goal = aimed.filter(|(other, _)| *other == goal);
         let ticks = populace_clip::ticks_from_secs(f64::from(secs));
         of_goal.any(|(_, tick)| self.clock.tick - tick < ticks)
     }
 
-    /// Lets a member's joint be written for others to see, and returns where.
+    /// Watches a joint for a target of `watcher` and returns its index on the device.
     fn watch_for(
         &mut self,
-        watcher: Member,
-        other: Member,
+        watcher: MemberId,
+        other: MemberId,
         joint: JointIndex,
     ) -> Result<u32, Error> {
         let key = (other, joint);
         let watching =
-            self.controls.get(&watcher.place).is_some_and(|state| state.watching.contains(&key));
+            self.controls.get(&watcher.index).is_some_and(|state| state.watching.contains(&key));
         if let Some((watched, _)) = self.watches.0.get(&key).filter(|_| watching) {
             return Ok(*watched);
         }
         let watched = self.watch_joint(other, joint)?;
-        self.controls.entry(watcher.place).or_default().watching.push(key);
+        self.controls.entry(watcher.index).or_default().watching.push(key);
         Ok(watched)
     }
 
-    pub(super) fn watch_joint(&mut self, other: Member, joint: JointIndex) -> Result<u32, Error> {
+    pub(super) fn watch_joint(&mut self, other: MemberId, joint: JointIndex) -> Result<u32, Error> {
         self.check(other)?;
         if let Some((watched, count)) = self.watches.0.get_mut(&(other, joint)) {
             *count += 1;
@@ -341,7 +289,7 @@ impl Crowd {
         Ok(watched)
     }
 
-    pub(super) fn unwatch_joint(&mut self, other: Member, joint: JointIndex) {
+    pub(super) fn unwatch_joint(&mut self, other: MemberId, joint: JointIndex) {
         let Some((watched, count)) = self.watches.0.get_mut(&(other, joint)) else { return };
         *count -= 1;
         if *count > 0 {
@@ -350,36 +298,36 @@ impl Crowd {
         let watched = *watched;
         self.watches.0.remove(&(other, joint));
         self.tables.remove_watched(watched);
-        // Where the other has left there is nothing more to do.
+        // If the other member is gone there is nothing to change.
         let _left = self.change_controls(other, |controls| {
             controls.watches.retain(|(_, place)| *place != watched);
             Ok(())
         });
     }
 
-    /// Changes a member's controls, or leaves all as it was.
+    /// Changes a member's constraint program. Nothing is changed on an error.
     pub(super) fn change_controls(
         &mut self,
-        member: Member,
+        member: MemberId,
         change: impl FnOnce(&mut Controls) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let character = self.check(member)?;
         let skeleton = &self.characters[character.index()].character.skeleton;
-        let state = self.controls.entry(member.place).or_default();
+        let state = self.controls.entry(member.index).or_default();
         let mut controls = state.controls.clone();
         change(&mut controls)?;
         forget_faded(&mut controls, self.clock.tick);
-        self.tables.set_controls(member.place, skeleton, &controls)?;
+        self.tables.set_controls(member.index, skeleton, &controls)?;
         state.controls = controls;
         self.stand(member)?;
         self.unwatch_what_no_target_names(member);
         Ok(())
     }
 
-    /// Ends the watches of joints that were targets of a member's constraints and are no longer.
-    fn unwatch_what_no_target_names(&mut self, member: Member) {
+    /// Ends the watches of joints that no target of the member names any longer.
+    fn unwatch_what_no_target_names(&mut self, member: MemberId) {
         let Some(state) =
-            self.controls.get_mut(&member.place).filter(|state| !state.watching.is_empty())
+            self.controls.get_mut(&member.index).filter(|state| !state.watching.is_empty())
         else {
             return;
         };
@@ -389,7 +337,7 @@ impl Crowd {
             .map(|target| target.watched)
             .collect();
         let watches = &self.watches.0;
-        let is_over = |key: &mut (Member, JointIndex)| {
+        let is_over = |key: &mut (MemberId, JointIndex)| {
             watches.get(key).is_none_or(|(watched, _)| !named.contains(watched))
         };
         for (other, joint) in state.watching.extract_if(.., is_over).collect::<Vec<_>>() {
@@ -397,21 +345,21 @@ impl Crowd {
         }
     }
 
-    /// Tells devices where a member stands, if they have to know.
-    pub(super) fn stand(&mut self, member: Member) -> Result<(), Error> {
-        let placement = self.members[member.place as usize].placement;
+    /// Uploads the placement of a member that has a constraint program.
+    pub(super) fn stand(&mut self, member: MemberId) -> Result<(), Error> {
+        let placement = self.members[member.index as usize].placement;
         let [cos_row, _, _] = crate::Placement { scale: 1.0, ..placement }.world_from_model().rows;
         let place = Place {
             position: placement.position,
             sin_cos: [cos_row[2], cos_row[0]],
             scale: placement.scale,
         };
-        Ok(self.tables.set_place(member.place, &place)?)
+        Ok(self.tables.set_place(member.index, &place)?)
     }
 
-    /// Forgets the controls of a member that leaves.
-    pub(super) fn forget_controls(&mut self, member: Member) {
-        if let Some(state) = self.controls.remove(&member.place) {
+    /// Removes the constraint program of a member that is despawned.
+    pub(super) fn forget_controls(&mut self, member: MemberId) {
+        if let Some(state) = self.controls.remove(&member.index) {
             for (other, joint) in state.watching {
                 self.unwatch_joint(other, joint);
             }
@@ -419,8 +367,8 @@ impl Crowd {
     }
 }
 
-/// Lets one target take over from all others. Where calls follow a moving target, it takes the
-/// place of the one before of its kind.
+/// Fades to one target from all others. If `follows` is set, the target replaces the previous one of
+/// its kind.
 fn aim_at(
     targets: &mut Vec<layout::Target>,
     target: layout::Target,
@@ -445,12 +393,12 @@ fn aim_at(
     targets.push(taking.ramped_to(tick, weight.value, weight.secs));
 }
 
-/// Whether a target's weight comes down to 0.
+/// Returns whether a target's weight ends at 0.
 fn leaves(target: &layout::Target) -> bool {
     target.end_weight <= 0.0
 }
 
-/// Whether a target's weight has come down to 0 and stays there.
+/// Returns whether a target's weight has reached 0 for good.
 fn faded(target: &layout::Target, tick: u64) -> bool {
     leaves(target) && target.ramp_at(tick) <= 0.0
 }
@@ -465,7 +413,7 @@ fn goal_of(constraint: &Constraint) -> Goal {
     (discriminant(constraint), end)
 }
 
-/// Lets go of constraints whose targets have all faded out.
+/// Removes constraints whose targets have all faded out.
 fn forget_faded(controls: &mut Controls, tick: u64) {
     controls.constraints.retain_mut(|constraint| {
         let stays = matches!(constraint, Constraint::Feet(_));
@@ -496,8 +444,7 @@ fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
         let known = (reach.end.index() < skeleton.joint_count()).then(|| skeleton.name(reach.end));
         let joint = known.map_or_else(|| reach.end.0.to_string(), |name| format!("\"{name}\""));
         let what = format!(
-            "joint {joint} does not end a limb of two bones: it needs a parent, and that one a \
-             parent"
+            "joint {joint} does not end a limb of two bones: it needs a parent and a grandparent"
         );
         Error::from(populace_device::Error::BadConstraint { what })
     };
@@ -519,7 +466,8 @@ fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
     Ok(Limb { first, middle, end, bend, pole, keeps_end, soft: SOFT, targets: Vec::new() })
 }
 
-/// Where a limb bends to: as at rest, else knees to the front and elbows to the back.
+/// Returns the direction in which a limb bends: as at rest, else knees to the front and elbows to
+/// the back.
 fn usual_bend(skeleton: &Skeleton, joints: [JointIndex; 3]) -> [f32; 3] {
     use populace_model::math::vec3;
     let [first, middle, end] = joints.map(|joint| skeleton.rest_model(joint).origin());

@@ -1,4 +1,4 @@
-//! The devices of a crowd: which they are, what each takes, and moves to others.
+//! The devices of a crowd: their names, their shares, and moves to other devices.
 
 use populace_device::Schedule;
 
@@ -14,21 +14,21 @@ impl Crowd {
         &self.devices
     }
 
-    /// Why the crowd is on the native device although none was named: what OpenCL lacks on this
-    /// machine, for people. `None` where devices were named, or an OpenCL one is in use.
+    /// The reason why the crowd is on the native device although none was selected, in words.
+    /// `None` if devices were selected or an OpenCL device is in use.
     #[must_use]
     pub fn fallback(&self) -> Option<&str> {
         self.fallback.as_deref()
     }
 
-    /// The devices' own names, for people.
+    /// The names that the devices report.
     #[must_use]
     pub fn device_name(&self) -> String {
         self.opened.backend().device_name()
     }
 
-    /// The share of the members that each device takes, of 1 in all; measured ones change from
-    /// frame to frame.
+    /// The share of the members that each device evaluates; the sum is 1. Measured shares change
+    /// from frame to frame.
     #[must_use]
     pub fn shares(&self) -> Vec<f64> {
         match &self.opened.engine {
@@ -37,11 +37,11 @@ impl Crowd {
         }
     }
 
-    /// Lets the devices share the members in another way, from the next update on.
+    /// Sets the shares of the devices from the next update on.
     ///
     /// # Errors
     ///
-    /// [`Error::BadSplit`] for one that does not fit the devices; the split then stays as it is.
+    /// [`Error::BadSplit`] for a split that does not fit the devices; the split then stays.
     pub fn set_split(&mut self, split: &Split) -> Result<(), Error> {
         let shares = split.shares(&self.devices)?;
         if let Engine::Split(backend) = &mut self.opened.engine {
@@ -50,26 +50,26 @@ impl Crowd {
         Ok(())
     }
 
-    /// How stages are mapped to work-items.
+    /// The schedule that maps stages to work-items.
     #[must_use]
     pub fn schedule(&self) -> Schedule {
         self.opened.backend().schedule()
     }
 
-    /// Moves the crowd to another device or to several, after one was lost or to compare them.
-    /// Members, clips and clock go on. Several share the members by their measured speed, until
-    /// [`set_split`](Self::set_split) says otherwise. A driver that has to build kernels first can
-    /// take seconds; [`Device::prepare`](crate::Device::prepare) does that ahead.
+    /// Moves the crowd to one or several other devices, such as after a device was lost. Members,
+    /// clips and clock continue. Several devices share the members by measured speed until
+    /// [`set_split`](Self::set_split) is called. A driver that has to build kernels can take
+    /// seconds; [`Device::prepare`](crate::Device::prepare) builds them ahead.
     ///
     /// # Errors
     ///
-    /// A device that is not there or cannot be opened, or that cannot run a user's stage, or
+    /// A device that does not exist, cannot be opened or cannot run a user stage, or
     /// [`Error::BadDevices`]; the crowd then stays where it is.
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
         let mut opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;
         opened.backend_mut().set_stages(self.stages.as_slice())?;
-        // What the device before this one kept is still here where this one has run no frame.
+        // If this device has run no frame, `kept` still holds the history of the one before.
         if self.kept.is_none() {
             self.kept = Some(Kept::read_all(self.opened.backend_mut(), &self.tables));
         }

@@ -1,51 +1,50 @@
-//! What happens while clips play: feet that come down, clips that end, moments that were named.
-//! Slots are closed-form, so the host knows of all of it from the clock alone: nothing is read from
-//! a device. What state machines play it does not know.
+//! Events of clips: footsteps, ends and markers. Slots are closed-form, so the host finds events
+//! from the clock alone and reads nothing from a device. It does not know what state machines play.
 
 use std::sync::Arc;
 
 use populace_clip::{ClipIndex, TICKS_PER_SEC};
 use populace_device::layout::{NONE, SLOT_LOOP, SLOT_ONCE, Slot};
 
-use super::{ClipId, Crowd, FIRST_TICK, Member};
+use super::{ClipId, Crowd, FIRST_TICK, MemberId};
 use crate::Error;
 
-/// Of one moment of one clip at most so many in one step of the clock are told, the last ones.
+/// The most repeats of one marker that are reported per update; earlier ones are dropped.
 const TOLD_MOST: i128 = 16;
 
-/// What happened.
+/// The kind of an event.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventKind {
-    /// A foot came down.
+    /// A foot touched the ground.
     Footstep {
-        /// The joint that touches the ground, by its name in the clip's own skeleton.
+        /// The name of the joint that touches the ground, in the clip's own skeleton.
         joint: Arc<str>,
     },
-    /// A clip that plays once came to its end.
+    /// A clip that plays once ended.
     ClipEnd,
-    /// A clip came to a moment that was named.
-    Moment {
-        /// Its name.
+    /// A clip reached a marker.
+    Marker {
+        /// The marker's name.
         name: Arc<str>,
     },
 }
 
-/// Something that happened to a member.
+/// An event of a member.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Event {
     /// The member.
-    pub member: Member,
-    /// The clip by which it happened.
+    pub member: MemberId,
+    /// The clip that caused it.
     pub clip: ClipId,
-    /// What it was.
+    /// The kind of event.
     pub kind: EventKind,
-    /// When, on the crowd's clock from its beginning on.
+    /// The time of the event, in seconds since the crowd was built.
     pub at_secs: f64,
-    /// How much the clip weighed then, before its layer's weights are divided by their sum.
+    /// The weight of the clip at that time, before the weights of its layer are normalised.
     pub weight: f32,
 }
 
-/// A moment of a clip, as a fraction of it in 2^-64.
+/// A marker of a clip; its phase in 2^-64 of the clip.
 #[derive(Clone, Debug)]
 pub(super) struct Mark {
     phase: i128,
@@ -53,57 +52,49 @@ pub(super) struct Mark {
 }
 
 impl Crowd {
-    /// Tells from the next update on what happens to a member, but for the clips that its state
-    /// machines play.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`].
-    pub fn listen(&mut self, member: Member) -> Result<(), Error> {
-        self.check(member)?;
+    pub(super) fn listen(&mut self, member: MemberId) {
         if !self.listening.contains(&member) {
             self.listening.push(member);
         }
-        Ok(())
     }
 
-    /// Tells nothing more of a member.
-    pub fn ignore(&mut self, member: Member) {
+    pub(super) fn ignore(&mut self, member: MemberId) {
         self.listening.retain(|other| *other != member);
     }
 
-    /// Names a moment of a clip, on its own axis; those who are listened to then tell of it.
+    /// Adds an event marker to a clip, at `secs` on the clip's own time axis. Members with
+    /// [subscribed events](crate::MemberMut::subscribe_events) report it.
     ///
     /// # Errors
     ///
-    /// A clip of another crowd, or a moment that is not within it.
-    pub fn name_moment(&mut self, clip: ClipId, name: &str, secs: f32) -> Result<(), Error> {
+    /// A clip of another crowd, or a time outside of the clip.
+    pub fn add_event_marker(&mut self, clip: ClipId, name: &str, secs: f32) -> Result<(), Error> {
         self.check_crowd("clip", clip.crowd, clip.index.0)?;
         let known = self.clips.get(clip.index);
         let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
         let (start, duration) = (known.start_secs(), known.duration_secs());
         if !(start..=start + duration).contains(&secs) {
             return Err(Error::BadValue {
-                what: "a moment of a clip",
+                what: "the time of an event marker",
                 value: secs,
                 rule: "within the clip",
             });
         }
         let phase = phase_of(secs, start, duration);
         self.marks_of(clip.index)
-            .push(Mark { phase, kind: EventKind::Moment { name: name.into() } });
+            .push(Mark { phase, kind: EventKind::Marker { name: name.into() } });
         Ok(())
     }
 
-    /// What happened in the last update to the members that are listened to, in order of time.
-    /// Nothing is told of clips that state machines play: only the device knows which, and
-    /// [`state_of`](Self::state_of), which asks it, waits.
+    /// The events of the last update, in order of time, of members that
+    /// [subscribed](crate::MemberMut::subscribe_events). Clips of state machines report none: only
+    /// the device knows their state.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
-    /// A clip's moments: its footsteps, and those that were named.
+    /// The markers of a clip: its footsteps, and those added by the caller.
     fn marks_of(&mut self, clip: ClipIndex) -> &mut Vec<Mark> {
         let clips = &self.clips;
         self.marks.entry(clip).or_insert_with(|| {
@@ -117,7 +108,7 @@ impl Crowd {
         })
     }
 
-    /// Finds out what happens after one tick and up to another.
+    /// Collects the events after tick `after` and up to tick `until`.
     pub(super) fn find_events(&mut self, after: u64, until: u64) {
         self.events.clear();
         let mut listening = std::mem::take(&mut self.listening);
@@ -125,9 +116,9 @@ impl Crowd {
         let mut found = std::mem::take(&mut self.events);
         let left = std::mem::take(&mut self.left);
         for &member in &listening {
-            let of_member = left.iter().filter(|(place, ..)| *place == member.place);
+            let of_member = left.iter().filter(|(place, ..)| *place == member.index);
             let gone = of_member.map(|(_, slot, tick)| (*slot, *tick));
-            let there = self.slots(member.place).iter().map(|slot| (*slot, until));
+            let there = self.slots(member.index).iter().map(|slot| (*slot, until));
             for (slot, until) in gone.chain(there).collect::<Vec<_>>() {
                 if slot.bound_clip != NONE && runs(&slot) && slot.start_tick <= until {
                     let clip = self.tables.bound_clips().as_slice()[slot.bound_clip as usize].clip;
@@ -148,7 +139,7 @@ impl Crowd {
 
     fn events_of_slot(
         &mut self,
-        member: Member,
+        member: MemberId,
         slot: &Slot,
         clip: ClipIndex,
         (after, until): (u64, u64),
@@ -178,12 +169,12 @@ impl Crowd {
     }
 }
 
-/// Whether a slot goes through a clip of a length that is known.
+/// Returns whether a slot plays through a clip of known length.
 fn runs(slot: &Slot) -> bool {
     matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE)
 }
 
-/// Where in a clip a moment is, in 2^-64 of its length.
+/// Returns the phase of a time within a clip, in 2^-64 of its length.
 #[expect(clippy::cast_possible_truncation, reason = "a fraction of 2^64")]
 fn phase_of(secs: f32, start: f32, duration: f32) -> i128 {
     let part = if duration > 0.0 {
@@ -194,7 +185,7 @@ fn phase_of(secs: f32, start: f32, duration: f32) -> i128 {
     (part * 18_446_744_073_709_551_616.0) as i128
 }
 
-/// How a slot runs through its clip, in 2^-64 of its length.
+/// The phase of a slot over time, in 2^-64 of its clip.
 struct Run {
     start_tick: u64,
     start: i128,
@@ -219,20 +210,20 @@ impl Run {
         Self { start_tick: slot.start_tick, start, rate, once }
     }
 
-    /// When a clip that plays once is at its end.
+    /// The tick at which a clip that plays once ends.
     fn end_tick(&self) -> Option<u64> {
         let ticks = CYCLE.checked_div(self.rate.abs())? + i128::from(CYCLE % self.rate.abs() != 0);
         let ticks = u64::try_from(ticks).ok().filter(|_| self.once)?;
         self.start_tick.checked_add(ticks)
     }
 
-    /// The ticks after `after` and up to `until` at which a moment is reached. A moment at which
-    /// the slot begins counts as reached a tick later.
+    /// Iterates over the ticks after `after` and up to `until` at which a phase is reached. The phase
+    /// at which the slot starts counts as reached one tick later.
     fn crossings(&self, phase: i128, after: u64, until: u64) -> impl Iterator<Item = u64> + use<> {
         let at = |tick: u64| self.start + self.rate * i128::from(tick - self.start_tick);
         let (from, to) = (at(after.max(self.start_tick)), at(until.max(self.start_tick)));
-        // Forwards the moments in [from, to) are reached, backwards those in (to, from]; each turn
-        // of the clip has one.
+        // Forwards, phases in [from, to) are reached; backwards, those in (to, from]. Each cycle of
+        // the clip has one.
         let cycles = if self.rate >= 0 {
             (from - phase + CYCLE - 1).div_euclid(CYCLE)..(to - phase + CYCLE - 1).div_euclid(CYCLE)
         } else {

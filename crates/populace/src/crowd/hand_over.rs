@@ -1,4 +1,4 @@
-//! A crowd as a source of palettes, for renderers that draw from where a device writes them.
+//! The crowd as a source of palettes for renderers that draw from device buffers.
 
 use populace_device::layout::Float4;
 use populace_device::{

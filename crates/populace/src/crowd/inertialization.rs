@@ -1,4 +1,4 @@
-//! Inertialised transitions: slots that are left become slots that inertialize, each in its place.
+//! Inertialized transitions: slots that are left become inertializing slots in place.
 
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;
@@ -8,15 +8,14 @@ use super::room::{Started, faded_out};
 use crate::Error;
 
 impl Crowd {
-    /// Whether what a layer plays can inertialize into what starts: all of it runs by the clock
-    /// alone.
+    /// Returns whether all slots of the layer can inertialize into `starting`: all are closed-form.
     pub(super) fn can_inertialize(&self, place: u32, starting: &Slot, tick: u64) -> bool {
         let left = self.weighing(place, starting.layer(), tick);
         starting.can_inertialize()
             && left.iter().all(|index| self.slots(place)[*index].can_inertialize())
     }
 
-    /// Those slots of a layer that play.
+    /// Returns the slots of a layer that have not faded out.
     fn weighing(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
         let slots = self.slots(place);
         (0..slots.len())
@@ -24,8 +23,8 @@ impl Crowd {
             .collect()
     }
 
-    /// Those that inertialize in a layer since this very tick: what they inertialize into has not
-    /// been seen.
+    /// Returns the slots of a layer whose inertialization began at this tick: their target has not
+    /// been evaluated yet.
     pub(super) fn unseen(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
         let unseen = |slot: &Slot| {
             slot.is_inertialization() && slot.layer() == layer && slot.start_tick == tick
@@ -34,8 +33,8 @@ impl Crowd {
         (0..slots.len()).filter(|index| unseen(&slots[*index])).collect()
     }
 
-    /// Lets all that a layer plays inertialize into what starts, and what has not been seen go.
-    /// Returns what it weighed.
+    /// Starts the inertialization of every playing slot of the layer into `starting`, drops the
+    /// unevaluated ones, and returns the total weight of the playing slots.
     pub(super) fn inertialize(
         &mut self,
         place: u32,
@@ -78,7 +77,7 @@ impl Crowd {
     }
 }
 
-/// A slot's weight, and by how much it has been changing in a second.
+/// Returns a slot's weight and its rate of change per second.
 fn weight_and_rate(slot: &Slot, tick: u64) -> [f32; 2] {
     let weight = slot.weight_at(tick);
     let ramps = slot.weight_tick < tick && weight != slot.end_weight;

@@ -1,38 +1,37 @@
-//! Live clips: poses that come in while members play them.
+//! Live clips: poses that arrive while members play them.
 
 use std::sync::Arc;
 
 use populace_clip::{Clip, ClipIndex, LiveRing, LiveSettings, TICKS_PER_SEC, ticks_from_secs};
 use populace_device::{LiveNewest, Tables};
 use populace_model::Trs;
-use populace_model::convert::single;
 
 use super::{CharacterId, ClipId, Crowd};
 use crate::Error;
-use crate::play::Mode;
+use crate::playback::Mode;
 
-/// A stream's time runs at most this far from its first pose.
+/// The largest distance of a stream's time from its first pose, in seconds.
 const MAX_STREAM_SECS: f64 = 1e10;
 
-/// How far a live clip's stream has come. Its time is counted in ticks from the first pose on; rows
-/// stand at multiples of the ring's spacing, but for the newest, which is the newest pose itself.
+/// The state of a live clip's stream. Its time is counted in ticks from the first pose. Rows are at
+/// multiples of the ring's spacing, except for the newest, which is the newest pose itself.
 pub(crate) struct Stream {
     ring: LiveRing,
-    /// The stream's own time at the first pose.
+    /// The stream's time at the first pose.
     first_secs: f64,
-    /// The clock at the first pose.
+    /// The crowd's tick at the first pose.
     first_tick: u64,
-    /// When the newest pose came, and that pose.
+    /// The time of the newest pose in ticks, and that pose.
     newest: u64,
     pose: Vec<Trs>,
-    /// The next multiple of the spacing, not before the newest pose, and where in the ring it goes.
+    /// The next multiple of the spacing at or after the newest pose, and its row in the ring.
     next: u64,
     row: u32,
     row_count: u32,
 }
 
 impl Stream {
-    /// Ticks from the first pose to a time of the stream.
+    /// Returns the ticks from the first pose to a time of the stream.
     fn ticks_at(&self, time_secs: f64) -> u64 {
         ticks_from_secs(time_secs - self.first_secs)
     }
@@ -43,8 +42,7 @@ impl Stream {
         self.row_count = self.ring.rows.min(self.row_count + 1);
     }
 
-    /// Writes the rows that a pose makes known: those at multiples of the spacing since the one
-    /// before, and itself.
+    /// Writes the rows between the previous pose and `pose`, and `pose` itself.
     fn take(
         &mut self,
         tables: &mut Tables,
@@ -54,7 +52,7 @@ impl Stream {
         pose: Vec<Trs>,
     ) -> Result<(), Error> {
         let row_ticks = u64::from(self.ring.row_ticks);
-        // After a long pause only what the ring has room for.
+        // After a long pause, only as many rows as the ring holds.
         let passed = at.saturating_sub(self.next).div_ceil(row_ticks);
         let skipped = passed.saturating_sub(u64::from(self.ring.rows));
         if skipped > 0 {
@@ -73,7 +71,7 @@ impl Stream {
         self.tell(tables, index)
     }
 
-    /// Tells devices where the newest row stands.
+    /// Uploads the position of the newest row.
     fn tell(&self, tables: &mut Tables, index: u32) -> Result<(), Error> {
         let early = self.next - self.newest;
         let ticks = u64::from(self.ring.row_ticks) - early;
@@ -88,37 +86,32 @@ impl Stream {
 }
 
 impl Crowd {
-    /// Adds a live clip for a character: one into which [`append`](Self::append) puts poses of the
-    /// character's skeleton while members play it by [`Play::live`](crate::Play::live). Other
-    /// characters can play it as any other clip. One for a skeleton that is no character's is made
-    /// by [`Clip::live`] and added by [`add_clip`](Self::add_clip).
+    /// Adds a live clip to a character: [`append`](Self::append) adds poses of the character's
+    /// skeleton while members play it with [`ClipPlayback::live`](crate::ClipPlayback::live). Other
+    /// characters can play it like any clip. [`Clip::live`] makes a live clip for any skeleton,
+    /// [`add_clip`](Self::add_clip) adds it.
     ///
     /// ```
-    /// # use populace::{Crowd, Device, LiveSettings, Placement, Play, Trs};
-    /// # use populace::character::{Character, CharacterSource};
-    /// # use populace::model::{JointSource, Skeleton};
-    /// # let joint = JointSource { name: "hips".into(), parent: None, rest: Trs::IDENTITY };
-    /// # let knight = Character::new(CharacterSource { name: "knight".into(), palette: vec![], clips: vec![],
-    /// #     skeleton: Skeleton::new(&[joint])?, parts: vec![], materials: vec![], images: vec![], skins: vec![] })?;
+    /// # use populace::{Crowd, Device, LiveSettings, Placement, ClipPlayback, Trs};
     /// # let mut crowd = Crowd::builder().device(Device::native()).build()?;
-    /// # let knight = crowd.add_character(knight)?;
+    /// # let knight = populace::doc_fixture::knight(&mut crowd)?;
     /// # let member = crowd.spawn(knight, Placement::at([0.0; 3]))?;
     /// let actor = crowd.add_live_clip(knight, "Actor", &LiveSettings::default())?;
-    /// crowd.play(member, actor, Play::live(0.1))?;
+    /// crowd.member_mut(member)?.play(actor, ClipPlayback::live(0.1))?;
     /// for frame in 0..60 {
     ///     let pose = Trs { translation: [0.0, frame as f32 / 60.0, 0.0], ..Trs::IDENTITY };
     ///     crowd.append(actor, f64::from(frame) / 60.0, &[pose])?;
     ///     crowd.update(1.0 / 60.0)?;
     /// }
-    /// let hips = crowd.model_from_joints(member)?[0];
-    /// assert!((hips.rows[1][3] - 0.9).abs() < 1e-3, "where they were 0.1 seconds ago");
+    /// let hips = crowd.member_mut(member)?.model_from_joints()?[0];
+    /// assert!((hips.rows[1][3] - 0.9).abs() < 1e-3, "the hips 0.1 seconds ago");
     /// # Ok::<(), populace::Error>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// A character of another crowd, settings out of their range, names of joints that are not
-    /// there, or more data than devices can address.
+    /// A character of another crowd, settings out of their range, names of joints that do not
+    /// exist, or more data than devices can address.
     pub fn add_live_clip(
         &mut self,
         character: CharacterId,
@@ -129,33 +122,33 @@ impl Crowd {
         self.add_clip(character, &Arc::new(clip))
     }
 
-    /// Takes in a pose of a live clip: local transforms of all joints of the clip's own skeleton,
-    /// in its level order, metres. `time_secs` is when it was, on the stream's own clock: any, but
-    /// later than that of the pose before.
+    /// Appends a pose to a live clip: local transforms of all joints of the clip's own skeleton, in
+    /// level order, in metres. `time_secs` is the time of the pose on the stream's clock, later
+    /// than that of the pose before.
     ///
-    /// The first pose is taken to be of the crowd's present, that of the last update; from then on
-    /// a second of the stream is one of the crowd's, and [`tie_live`](Self::tie_live) ties them
-    /// anew. Poses may come unevenly, and several between two updates or none: rows are
-    /// interpolated between them, linearly, rotations on the shorter way. Nobody waits for a
-    /// device.
+    /// The first pose is aligned with the present of the crowd, the last update. From then on a
+    /// second of the stream is a second of the crowd; [`resync_live`](Self::resync_live) aligns
+    /// them again. Poses may arrive unevenly, several or none between two updates: rows are
+    /// interpolated linearly between them, rotations on the shorter way. The call does not wait for
+    /// a device.
     ///
     /// # Errors
     ///
     /// [`populace_clip::Error::BadLive`] for a clip that is not live, a time that is not after the
-    /// last, another number of joints, numbers that are not finite, or a rotation of no length.
+    /// last, a wrong number of joints, numbers that are not finite, or a rotation of no length.
     pub fn append(&mut self, clip: ClipId, time_secs: f64, pose: &[Trs]) -> Result<(), Error> {
         let known = self.live_clip(clip)?;
         let pose = checked(&known, pose)?;
         self.append_checked(clip.index, &known, time_secs, pose)
     }
 
-    /// As [`append`](Self::append), of the joints named alone: others stay as they last were, which
-    /// is at rest to begin with.
+    /// Appends a pose of the named joints. The others keep their last transforms, at first the rest
+    /// pose. Otherwise as [`append`](Self::append).
     ///
     /// # Errors
     ///
-    /// As for [`append`](Self::append), and [`populace_model::Error::UnknownJoints`] with the
-    /// nearest names.
+    /// As for [`append`](Self::append), and [`populace_model::Error::UnknownJoints`] with similar
+    /// names.
     pub fn append_joints(
         &mut self,
         clip: ClipId,
@@ -176,20 +169,21 @@ impl Crowd {
         self.append_checked(clip.index, &known, time_secs, pose)
     }
 
-    /// Takes a live clip's `time_secs` to be the crowd's present from now on: after the crowd stood
-    /// still while poses came in, or where clocks ran apart. Who plays the clip goes over at once.
+    /// Aligns `time_secs` of a live clip's stream with the present of the crowd, such as after the
+    /// crowd was paused while poses arrived, or when the clocks have drifted apart. Members that play
+    /// the clip jump to the new time.
     ///
     /// # Errors
     ///
-    /// [`populace_clip::Error::BadLive`] for a clip that is not live or that nothing has come into
-    /// yet, or a time that is not finite or far from the stream's.
-    pub fn tie_live(&mut self, clip: ClipId, time_secs: f64) -> Result<(), Error> {
+    /// [`populace_clip::Error::BadLive`] for a clip that is not live or has no pose yet, or a time
+    /// that is not finite or far from the stream's.
+    pub fn resync_live(&mut self, clip: ClipId, time_secs: f64) -> Result<(), Error> {
         let known = self.live_clip(clip)?;
         let tick = self.clock.tick;
         let Some(stream) = self.streams.get_mut(&clip.index) else {
             return refused(
                 &known,
-                "has no pose yet, and is tied to the crowd's clock by its first".into(),
+                "has no pose yet; its first pose aligns it with the crowd's clock".into(),
             );
         };
         check_time(&known, time_secs, stream.first_secs)?;
@@ -230,7 +224,7 @@ impl Crowd {
             let last = stream.first_secs + stream.newest as f64 / TICKS_PER_SEC as f64;
             return refused(
                 clip,
-                format!("got a pose of {time_secs} s after one of {last} s; times must rise"),
+                format!("got a pose at {time_secs} s after one at {last} s; times must increase"),
             );
         }
         for (now, before) in pose.iter_mut().zip(&stream.pose) {
@@ -242,7 +236,7 @@ impl Crowd {
         stream.take(&mut self.tables, index.0, clip, at, pose)
     }
 
-    /// The time on a stream's own axis that is shown so many ticks late.
+    /// Returns the stream time that is shown with a delay of `delay_ticks`.
     pub(super) fn live_secs(&self, clip: u32, delay_ticks: u64) -> f32 {
         let Some(stream) = self.streams.get(&ClipIndex(clip)) else { return 0.0 };
         let shown = self.clock.tick.saturating_sub(delay_ticks).saturating_sub(stream.first_tick);
@@ -258,7 +252,7 @@ impl Crowd {
         secs
     }
 
-    /// Refuses to play a live clip as others are played, and others as live ones.
+    /// Refuses other modes for live clips, and the live mode for other clips.
     pub(super) fn check_mode(&self, clip: ClipId, mode: Mode) -> Result<(), Error> {
         let Some(known) = self.clips.get(clip.index) else {
             return Err(Error::UnknownId { what: "clip", index: clip.index.0 });
@@ -267,7 +261,7 @@ impl Crowd {
             (None, Mode::Live { .. }) => refused(known, NOT_LIVE.into()),
             (Some(_), Mode::Looping | Mode::Once | Mode::Held { .. }) => refused(
                 known,
-                "is live; it has no end and no cycle, and is played by Play::live".into(),
+                "is live and has neither end nor cycle; play it with ClipPlayback::live".into(),
             ),
             _ => Ok(()),
         }
@@ -281,7 +275,7 @@ impl Crowd {
     }
 }
 
-const NOT_LIVE: &str = "is not live; Crowd::add_live_clip and Clip::live make those that are";
+const NOT_LIVE: &str = "is not live; Crowd::add_live_clip and Clip::live make live clips";
 
 fn refused<T>(clip: &Clip, what: String) -> Result<T, Error> {
     Err(populace_clip::Error::BadLive { clip: clip.name().to_owned(), what }.into())
@@ -299,7 +293,7 @@ fn check_time(clip: &Clip, time_secs: f64, first_secs: f64) -> Result<(), Error>
     )
 }
 
-/// A pose with rotations of length 1, where it is one of the clip's skeleton.
+/// Checks a pose for the clip's skeleton and returns it with rotations of length 1.
 fn checked(clip: &Clip, pose: &[Trs]) -> Result<Vec<Trs>, Error> {
     let skeleton = clip.skeleton();
     if pose.len() != skeleton.joint_count() {
@@ -319,7 +313,7 @@ fn checked(clip: &Clip, pose: &[Trs]) -> Result<Vec<Trs>, Error> {
     skeleton.joints().zip(pose).map(one).collect()
 }
 
-/// Part of the way from one pose of a joint to another, whose rotation lies on the same side.
+/// Interpolates a joint from `a` to `b`, whose rotations lie in the same hemisphere.
 fn mix(a: &Trs, b: &Trs, between: f64) -> Trs {
     let one = |(a, b): (f32, f32)| f64::from(a) * (1.0 - between) + f64::from(b) * between;
     let three = |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|i| single(one((a[i], b[i]))));
@@ -330,4 +324,12 @@ fn mix(a: &Trs, b: &Trs, between: f64) -> Trs {
         rotation: turned.map(|c| single(c / length)),
         scale: three(a.scale, b.scale),
     }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "rounding to the nearest f32 is what is wanted"
+)]
+fn single(x: f64) -> f32 {
+    x as f32
 }

@@ -1,4 +1,4 @@
-//! State machines on members: who runs which, by what parameters, and in which state it is.
+//! State machines that members run: their parameters and states.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -8,11 +8,11 @@ use populace_device::{BodyIndex, StageBuffer};
 
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
-use super::{CharacterId, Crowd, Member, PlayId, u32_from};
+use super::{CharacterId, Crowd, MemberId, PlaybackId, u32_from};
 use crate::error::bounded;
 use crate::machine::{Compiled, bad, find};
-use crate::play::check_layer;
-use crate::{Error, Play, StateMachine};
+use crate::playback::{Playback, check_layer};
+use crate::{Error, StateMachine};
 
 /// A state machine of a crowd. Members of any character can run it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -25,34 +25,32 @@ pub struct MachineId {
 #[derive(Default)]
 pub(super) struct Machines {
     all: Vec<Compiled>,
-    /// Where devices have the states of a machine for a body.
+    /// The first state row on the device of each machine bound to a body.
     bound: HashMap<(BodyIndex, u32), u32>,
-    /// Whose states begin there.
+    /// The machine whose states begin at a row.
     by_state: HashMap<u32, u32>,
 }
 
 impl Machines {
-    /// Lets machines be bound anew once somebody runs them: clips are to move bodies in another
-    /// way.
+    /// Forgets the bindings of machines, after the roles of a body have changed.
     pub(super) fn unbind(&mut self) {
         self.bound.clear();
     }
 
-    /// The machine whose states begin there.
+    /// Returns the machine whose states begin at a row.
     fn of_state(&self, state: u32) -> Option<&Compiled> {
         self.all.get(*self.by_state.get(&state)? as usize)
     }
 }
 
 impl Crowd {
-    /// Adds a state machine for members to run.
+    /// Adds a state machine. Members of any character can run it.
     ///
     /// # Errors
     ///
-    /// [`Error::BadStateMachine`] for one without states, with more than 8 parameters, with two of
-    /// a name, with a state or parameter that is not there, or that waits for the end of a clip
-    /// that has none; a clip of another crowd; a number that is not finite; a live clip that is not
-    /// played as one.
+    /// [`Error::BadStateMachine`] for a machine without states, with more than 8 parameters, with a
+    /// duplicate or unknown name, or with a condition on the end of a clip that has none; a clip of
+    /// another crowd; a number that is not finite; a live clip that is not played as one.
     pub fn add_machine(&mut self, machine: &StateMachine) -> Result<MachineId, Error> {
         let compiled = machine.compile(|clip, mode| {
             self.check_crowd("clip", clip.crowd, clip.index.0)?;
@@ -65,58 +63,39 @@ impl Crowd {
         Ok(id)
     }
 
-    /// The layer runs a state machine from its first state on; what it played before fades out as
-    /// this fades in. It is ended by whatever else the layer is given to play, and by
-    /// [`stop`](Self::stop).
-    ///
-    /// It takes two slots. `play` tells layer, weight, fade and delay; speed and phase are the
-    /// states' own. A member can run one in each layer. What it plays only the device knows:
-    /// [`playing`](Self::playing) and [`events`](Self::events) tell nothing of it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a machine of another crowd, a setting that is out of its range,
-    /// [`Error::BadStateMachine`] for members of one slot and for a speed or phase, or a clip that
-    /// can move nothing of the member's body.
-    pub fn run_machine(
+    pub(super) fn run_machine(
         &mut self,
-        member: Member,
+        member: MemberId,
         machine: MachineId,
-        play: Play,
-    ) -> Result<PlayId, Error> {
+        play: Playback,
+    ) -> Result<PlaybackId, Error> {
         let character = self.check(member)?;
         self.check_crowd("state machine", machine.crowd, machine.index)?;
         play.check()?;
-        let Play { mode, speed, phase, .. } = Play::looping();
-        if play != (Play { mode, speed, phase, ..play }) {
-            return Err(bad(
-                "runs at its states' own speeds and phases; give it Play::looping() as it is",
-            ));
-        }
         if self.tables.slots_per_member() < 2 {
-            return Err(bad("takes 2 slots, and members have 1: see slots_per_member"));
+            return Err(bad(
+                "takes 2 slots, but members have 1; see CrowdBuilder::slots_per_member",
+            ));
         }
         let state = self.bind_machine(character, machine.index)?;
         let mut parameters = [0.0; MACHINE_PARAMETERS as usize];
         let initial = self.machines.all[machine.index as usize].parameters.iter();
         parameters.iter_mut().zip(initial).for_each(|(own, (_, value))| *own = *value);
-        self.waiting.retain(member.place, |waiting| waiting.play.layer != play.layer);
+        self.waiting.retain(member.index, |waiting| waiting.play.layer != play.layer);
         let action = Action::Machine { state, parameters };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
         self.begin_after(member, start, play.after_secs)
     }
 
-    /// Sets a parameter of all state machines that the member runs, or is to run, and that have one
-    /// of this name. It costs no more than its 4 bytes on their way to the device.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a value that is not finite, or [`Error::BadStateMachine`] where the
-    /// member runs no machine with such a parameter.
-    pub fn set_parameter(&mut self, member: Member, name: &str, value: f32) -> Result<(), Error> {
+    pub(super) fn set_parameter(
+        &mut self,
+        member: MemberId,
+        name: &str,
+        value: f32,
+    ) -> Result<(), Error> {
         self.check(member)?;
         bounded("a parameter of a state machine", &[value])?;
-        let (tick, place) = (self.clock.tick, member.place);
+        let (tick, place) = (self.clock.tick, member.index);
         let mut is_found = false;
         for index in self.tables.slot_range(place) {
             let slot = self.tables.slots().as_slice()[index];
@@ -156,43 +135,33 @@ impl Crowd {
             machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
         match find("parameter", name, names) {
             Err(error) if !machines.is_empty() => error,
-            _ => bad("to set a parameter of is not there: the member runs none; start one by \
-                      run_machine"),
+            _ => bad("parameter cannot be set: the member runs no state machine; start one with \
+                      play_machine"),
         }
     }
 
-    /// The name of the state in which the machine of a layer was after the last update: while a
-    /// transition fades, the state that it leads to. This waits for the device.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a layer that is not there, [`Error::BadStateMachine`] where the
-    /// layer runs no machine, or one that has not begun, or a failing device.
-    pub fn state_of(&mut self, member: Member, layer: usize) -> Result<Arc<str>, Error> {
+    pub(super) fn state_of(&mut self, member: MemberId, layer: usize) -> Result<Arc<str>, Error> {
         self.check(member)?;
         check_layer(layer)?;
-        let (tick, place) = (self.clock.tick, member.place);
+        let (tick, place) = (self.clock.tick, member.index);
         let slots = self.slots(place).iter().enumerate();
         let running =
             slots.filter(|(_, slot)| slot.layer() as usize == layer && !faded_out(slot, tick));
         let machine_instances =
             running.filter_map(|(index, slot)| Some((index, slot.machine_instance()?)));
         let newest = machine_instances.max_by_key(|(index, _)| self.started(place, *index).serial);
-        let none = || {
-            bad(&format!(
-                "to ask for the state of is not there: the member runs none in layer {layer}"
-            ))
-        };
+        let none =
+            || bad(&format!("of layer {layer} has no state: the layer runs no state machine"));
         let waits = |start: &Start| start.play.layer == layer && start.machine().is_some();
         if newest.is_none() && self.waiting.of(place).any(|(_, start)| waits(start)) {
             return Err(bad(&format!(
-                "of layer {layer} has not begun: it waits; ask for its state after the update in \
-                 which it begins"
+                "of layer {layer} has not started yet; ask for its state after the update in \
+                 which it starts"
             )));
         }
         let (_, index) = newest.ok_or_else(none)?;
         let (machine_instance, at) = (self.tables.machine_instance(index)?, self.running(index)?);
-        // One that no frame has run yet is where it begins.
+        // An instance that no frame has run is in its first state.
         let state = if at.epoch == machine_instance.epoch {
             at.state.wrapping_sub(machine_instance.state)
         } else {
@@ -202,7 +171,7 @@ impl Crowd {
         Ok(Arc::clone(&machine.states.get(state as usize).ok_or_else(none)?.name))
     }
 
-    /// Where a machine instance was after the last update.
+    /// Returns the state of a machine instance after the last update.
     fn running(&mut self, machine_instance: u32) -> Result<Running, Error> {
         if let Some(kept) = &self.kept {
             return Ok(kept.running(machine_instance));
@@ -247,7 +216,7 @@ impl Crowd {
         (state, parameters): (u32, [f32; MACHINE_PARAMETERS as usize]),
         tick: u64,
     ) -> Result<(), Error> {
-        let Play { layer, fade_in_secs: secs, weight, .. } = start.play;
+        let Playback { layer, fade_in_secs: secs, weight, .. } = start.play;
         if secs <= 0.0 {
             self.fade_out(place, layer, 0.0, tick)?;
         }
@@ -278,29 +247,37 @@ mod tests {
     use populace_testkit::Rng;
 
     use super::*;
-    use crate::{ClipId, Device, Placement, StateMachine};
+    use crate::{
+        ClipId, ClipPlayback, Device, MachinePlayback, Placement, StateMachine, StatePlayback,
+    };
 
     fn run(slots: usize, mut look: impl FnMut(&Crowd, u32)) {
         let builder = Crowd::builder().device(Device::native()).slots_per_member(slots);
         let mut crowd = builder.build().unwrap();
         let lift = crowd.add_character(super::super::tests::lift()).unwrap();
         let clip: ClipId = crowd.clips(lift).unwrap()[0].0;
-        let machine = StateMachine::new().state("lifts", clip, Play::looping());
+        let machine = StateMachine::new().state("lifts", clip, StatePlayback::looping());
         let machine = crowd.add_machine(&machine).unwrap();
         let member = crowd.spawn(lift, Placement::at([0.0; 3])).unwrap();
-        crowd.play(member, clip, Play::looping()).unwrap();
+        crowd.member_mut(member).unwrap().play(clip, ClipPlayback::looping()).unwrap();
         let mut random = Rng::new(slots as u64);
         for _ in 0..6000 {
             let secs =
                 u8::try_from(2 + random.below(4)).map_or(0.2, |tenths| f32::from(tenths) / 10.0);
-            let play = Play::looping().fade_in_secs(secs);
+            let play = ClipPlayback::looping().fade_in_secs(secs);
             match random.below(20) {
-                0 => drop(crowd.play(member, clip, play).unwrap()),
-                1 => drop(crowd.run_machine(member, machine, play).unwrap()),
+                0 => drop(crowd.member_mut(member).unwrap().play(clip, play).unwrap()),
+                1 => drop(
+                    crowd
+                        .member_mut(member)
+                        .unwrap()
+                        .play_machine(machine, MachinePlayback::new().fade_in_secs(secs))
+                        .unwrap(),
+                ),
                 _ => {}
             }
             crowd.update(0.01).unwrap();
-            look(&crowd, member.place);
+            look(&crowd, member.index);
         }
     }
 

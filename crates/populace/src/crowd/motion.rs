@@ -1,43 +1,25 @@
-//! Members that their clips move over the ground.
+//! Root motion of members.
 
 use populace_device::layout::{Float4, MOTION_STATE, NONE, STATES_PER_CONTROL, WATCHED_ELEMENTS};
 use populace_device::{BackendError, StageBuffer};
 use populace_model::JointIndex;
 
-use super::{Crowd, Member, MemberState, Watch};
+use super::{Crowd, MemberId, MemberState, Watch};
 use crate::{Error, Placement};
 
-/// A member that its clips move.
+/// The root motion of a member.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moving {
-    /// The clock when it began.
+    /// The tick at which it began.
     since: u64,
-    /// Its root, brought to the host.
+    /// The readback of its root joint.
     watch: Watch,
-    /// How far that was from the member's placement when palettes were last taken.
+    /// The root's offset from the placement when palettes were last acquired, in metres.
     pub(super) moved: [f32; 3],
 }
 
 impl Crowd {
-    /// Lets the root motion of its clips
-    /// ([`Clip::with_root_motion`](populace_clip::Clip::with_root_motion)) move a member from where
-    /// it was placed, from now on, or no longer: it then stands where it was placed.
-    ///
-    /// The device moves it, and nobody waits for that: [`placement`](Self::placement) still tells
-    /// where it was placed, and its joints and palette where it is. Constraints and watches see it
-    /// there; what is told in model space (targets, poles, overrides) counts from the placement.
-    /// Motion is mixed as poses are, by the weights of slots and layers and what masks let through
-    /// at the first joint; layers that add move nobody. What plays for a part of an update moves it
-    /// for that part, unless something else took its slot, or a blend space that waited for one
-    /// went on, within the same update. Fused schedules move those who have a mesh: others are not
-    /// evaluated.
-    ///
-    /// A member that its clips move already goes on from where they have moved it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`].
-    pub fn move_by_clips(&mut self, member: Member, moves: bool) -> Result<(), Error> {
+    pub(super) fn move_by_clips(&mut self, member: MemberId, moves: bool) -> Result<(), Error> {
         self.check(member)?;
         if moves && self.motion_of(member).is_some() {
             return Ok(());
@@ -45,9 +27,9 @@ impl Crowd {
         self.begin_or_end_motion(member, moves)
     }
 
-    /// Lets clips move a member from its placement, or no longer.
-    fn begin_or_end_motion(&mut self, member: Member, moves: bool) -> Result<(), Error> {
-        let known = self.moving.get(&member.place).map(|moving| moving.watch);
+    /// Starts or stops root motion from the member's placement.
+    fn begin_or_end_motion(&mut self, member: MemberId, moves: bool) -> Result<(), Error> {
+        let known = self.moving.get(&member.index).map(|moving| moving.watch);
         let watch = match known {
             None if moves => Some(self.watch(member, JointIndex(0))?),
             known => known,
@@ -60,7 +42,7 @@ impl Crowd {
         match watch {
             Some(watch) if moves && changed.is_ok() => self.note_moving(member, watch),
             Some(watch) if !moves || known.is_none() => {
-                self.moving.remove(&member.place);
+                self.moving.remove(&member.index);
                 self.unwatch(watch);
             }
             _ => {}
@@ -68,12 +50,12 @@ impl Crowd {
         changed
     }
 
-    fn note_moving(&mut self, member: Member, watch: Watch) {
+    fn note_moving(&mut self, member: MemberId, watch: Watch) {
         let moving = Moving { since: self.clock.tick, watch, moved: [0.0; 3] };
-        self.moving.insert(member.place, moving);
+        self.moving.insert(member.index, moving);
     }
 
-    /// Takes over where members were when what last came to the host was so.
+    /// Updates the cached root-motion offsets from the newest readback.
     pub(super) fn look_where_moved(&mut self) -> Result<(), BackendError> {
         if self.moving.is_empty() {
             return Ok(());
@@ -94,8 +76,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// How far a member, or what it is attached to, was moved by its clips when palettes were last
-    /// taken.
+    /// Returns the root-motion offset of a member, or of its parent, when palettes were last
+    /// acquired.
     pub(super) fn shift_of(&self, mut place: u32) -> [f32; 3] {
         loop {
             if let Some(moving) = self.moving.get(&place) {
@@ -108,35 +90,18 @@ impl Crowd {
         }
     }
 
-    /// Lets go of what is known of the motion of a member that leaves.
-    pub(super) fn forget_motion(&mut self, member: Member) {
-        if let Some(moving) = self.moving.remove(&member.place) {
+    /// Ends the root motion of a member that is despawned.
+    pub(super) fn forget_motion(&mut self, member: MemberId) {
+        if let Some(moving) = self.moving.remove(&member.index) {
             self.unwatch(moving.watch);
         }
     }
 
-    /// Whether the root motion of its clips moves a member.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`].
-    pub fn is_moved_by_clips(&self, member: Member) -> Result<bool, Error> {
-        self.check(member)?;
-        Ok(self.motion_of(member).is_some())
-    }
-
-    /// Where a member stands after the last update, moved there from its placement by its clips;
-    /// what it is attached to is not looked at. Waits for the device; a [`watch`](Self::watch) on
-    /// its root does not.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a failing device.
-    pub fn moved(&mut self, member: Member) -> Result<Placement, Error> {
-        let placement = self.placement(member)?;
-        let control = self.tables.members().as_slice()[member.place as usize].control;
+    pub(super) fn moved(&mut self, member: MemberId) -> Result<Placement, Error> {
+        let placement = self.members[member.index as usize].placement;
+        let control = self.tables.members().as_slice()[member.index as usize].control;
         let begun =
-            self.moving.get(&member.place).is_some_and(|moving| moving.since < self.clock.tick);
+            self.moving.get(&member.index).is_some_and(|moving| moving.since < self.clock.tick);
         let Some(motion) = self.motion_of(member).filter(|_| begun && control != NONE) else {
             return Ok(placement);
         };
@@ -159,28 +124,22 @@ impl Crowd {
         Ok(Placement { position, yaw_rad: placement.yaw_rad + sin.atan2(cos), ..placement })
     }
 
-    /// Places a member where its clips have moved it, from where they move it on. Waits as
-    /// [`moved`](Self::moved) does.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a failing device.
-    pub fn place_where_moved(&mut self, member: Member) -> Result<Placement, Error> {
+    pub(super) fn place_where_moved(&mut self, member: MemberId) -> Result<Placement, Error> {
         let placement = self.moved(member)?;
         self.place(member, placement)?;
         Ok(placement)
     }
 
-    /// Lets clips move a member from its placement again, if they move it.
-    pub(super) fn begin_motion_anew(&mut self, member: Member) -> Result<(), Error> {
+    /// Restarts root motion from a new placement, if the member has root motion.
+    pub(super) fn begin_motion_anew(&mut self, member: MemberId) -> Result<(), Error> {
         match self.motion_of(member) {
             Some(_) => self.begin_or_end_motion(member, true),
             None => Ok(()),
         }
     }
 
-    fn motion_of(&self, member: Member) -> Option<u32> {
-        self.controls.get(&member.place)?.controls.motion
+    pub(super) fn motion_of(&self, member: MemberId) -> Option<u32> {
+        self.controls.get(&member.index)?.controls.motion
     }
 
     /// A number that no other motion has. Devices keep it as the bits of a number, 0 for none yet.

@@ -1,20 +1,20 @@
-//! What the device computed, for those who draw or look at it.
+//! Reads of device results.
 
 use populace_device::layout::{Body, Float4};
 use populace_device::{BackendError, Stage, StageBuffer};
 use populace_model::{Affine, Trs};
 
-use super::{Crowd, Member};
+use super::{Crowd, MemberId};
 use crate::Error;
 
 impl Crowd {
-    /// Hands a page of palettes to `reader`, three elements for each palette entry, waiting for the
-    /// last update. Where the device shares memory with the host, nothing is copied.
+    /// Calls `reader` with a page of palettes, three elements for each palette entry. Waits for the
+    /// last update. Nothing is copied if the device shares memory with the host.
     ///
     /// # Errors
     ///
-    /// [`BackendError::NotEvaluated`] where no update has evaluated the crowd on this device, a
-    /// page that is not in use, or a failing device.
+    /// [`BackendError::NotEvaluated`] if no update has evaluated the crowd on this device, a page
+    /// that is not in use, or a failing device.
     pub fn with_page(
         &mut self,
         page: usize,
@@ -25,14 +25,7 @@ impl Crowd {
         Ok(self.look_where_moved()?)
     }
 
-    /// A member's matrix palette after the last update: `model_from_bind`, one for each palette
-    /// entry. Waits for it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the
-    /// member on this device, or a failing device.
-    pub fn palette(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
+    pub(super) fn palette(&mut self, member: MemberId) -> Result<Vec<Affine>, Error> {
         let (row, body) = self.device_member(member)?;
         let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
         let Self { tables, opened, .. } = self;
@@ -48,25 +41,13 @@ impl Crowd {
             .collect())
     }
 
-    /// A member's joints in model space after the last update, in level order. Waits for it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the
-    /// member on this device, or a failing device.
-    pub fn model_from_joints(&mut self, member: Member) -> Result<Vec<Affine>, Error> {
+    pub(super) fn model_from_joints(&mut self, member: MemberId) -> Result<Vec<Affine>, Error> {
         let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
         let [a, b, c] = self.read_joints(member, buffers)?;
         Ok(a.iter().zip(&b).zip(&c).map(|((a, b), c)| Affine { rows: [a.0, b.0, c.0] }).collect())
     }
 
-    /// A member's local transforms after the last update, in level order. Waits for it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], [`BackendError::NotEvaluated`] where no update has evaluated the
-    /// member on this device, or a failing device.
-    pub fn local_pose(&mut self, member: Member) -> Result<Vec<Trs>, Error> {
+    pub(super) fn local_pose(&mut self, member: MemberId) -> Result<Vec<Trs>, Error> {
         let buffers = [StageBuffer::Translations, StageBuffer::Rotations, StageBuffer::Scales];
         let [t, r, s] = self.read_joints(member, buffers)?;
         let joints = t.iter().zip(&r).zip(&s);
@@ -75,20 +56,20 @@ impl Crowd {
             .collect())
     }
 
-    /// Milliseconds that the last update took on the device, where it measures that and has
-    /// finished.
+    /// The milliseconds that the last update took on the device, if it has finished and the device
+    /// measures time.
     pub fn frame_time_ms(&mut self) -> Option<f64> {
         self.opened.backend_mut().frame_time_ms()
     }
 
-    /// Milliseconds that each stage of the last update took on the device, where there are stages
-    /// and it measures that.
+    /// The milliseconds that each stage of the last update took on the device, if the schedule has
+    /// stages and the device measures time.
     pub fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
         self.opened.backend_mut().stage_times_ms()
     }
 
-    /// Milliseconds that writing every palette with a constant takes: the floor under an update,
-    /// for benchmarks. The palettes are wrong until the next update.
+    /// Fills every palette with a constant and returns the milliseconds that it took: the lower
+    /// bound of an update, for benchmarks. The palettes are wrong until the next update.
     ///
     /// # Errors
     ///
@@ -97,7 +78,7 @@ impl Crowd {
         Ok(self.opened.backend_mut().write_floor(&self.tables)?)
     }
 
-    /// Bytes that the device holds for this crowd.
+    /// The bytes that the device has allocated for this crowd.
     #[must_use]
     pub fn device_memory_bytes(&self) -> usize {
         self.opened.backend().memory_bytes()
@@ -105,7 +86,7 @@ impl Crowd {
 
     fn read_joints(
         &mut self,
-        member: Member,
+        member: MemberId,
         buffers: [StageBuffer; 3],
     ) -> Result<[Vec<Float4>; 3], Error> {
         let (row, body) = self.device_member(member)?;
@@ -121,17 +102,17 @@ impl Crowd {
         Ok(arrays)
     }
 
-    /// Where a member stands on the device, if it was there at the last update.
+    /// Returns the device rows of a member, if it was present at the last update.
     fn device_member(
         &self,
-        member: Member,
+        member: MemberId,
     ) -> Result<(populace_device::layout::Member, Body), Error> {
         self.check(member)?;
         self.check_readable()?;
-        if self.members[member.place as usize].since == self.frame {
+        if self.members[member.index as usize].since == self.frame {
             return Err(BackendError::NotEvaluated.into());
         }
-        let row = self.tables.members().as_slice()[member.place as usize];
+        let row = self.tables.members().as_slice()[member.index as usize];
         Ok((row, self.tables.bodies().as_slice()[row.body as usize]))
     }
 }

@@ -1,4 +1,4 @@
-//! Humanoid roles of characters, by which clips of one body play on others.
+//! Humanoid roles of characters, by which clips of one body are retargeted to others.
 
 use populace_clip::Clip;
 use populace_model::RoleMap;
@@ -7,8 +7,8 @@ use super::{CharacterId, ClipId, Crowd};
 use crate::Error;
 
 impl Crowd {
-    /// The humanoid roles of a character's joints: found by their names, or given; `None` where
-    /// neither is the case.
+    /// Returns the humanoid roles of a character's joints, detected from their names or set; `None`
+    /// if neither.
     ///
     /// # Errors
     ///
@@ -17,9 +17,9 @@ impl Crowd {
         Ok(self.character_state(character)?.roles.as_ref())
     }
 
-    /// Says which joints of a character have which humanoid roles, in place of those found by name.
-    /// Its clips then play on other bodies by these, and theirs on it. What members already play
-    /// stays bound as it was.
+    /// Sets the humanoid roles of a character's joints, in place of those detected from names.
+    /// Retargeting from and to the character uses them from now on. Clips that already play keep
+    /// their binding.
     ///
     /// # Errors
     ///
@@ -39,7 +39,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// The same for the skeleton that a clip was made for, which need not be that of any character.
+    /// Sets the humanoid roles of the skeleton that a clip was made for, which need not be the
+    /// skeleton of a character.
     ///
     /// # Errors
     ///
@@ -58,8 +59,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// The roles of the skeleton that a clip was made for: given for it, else those of the
-    /// character whose skeleton it is, else found by name.
+    /// Returns the roles of the skeleton that a clip was made for: set for the clip, else those of
+    /// the character with that skeleton, else detected from names.
     pub(super) fn roles_of(&self, clip: &std::sync::Arc<Clip>) -> Option<RoleMap> {
         if let Some(given) = self.clips.find(clip).and_then(|index| self.clip_roles.get(&index)) {
             return Some(given.clone());
@@ -71,7 +72,7 @@ impl Crowd {
 
 fn other_skeleton(name: &str, roles: &RoleMap, joints: usize) -> Error {
     let what = format!(
-        "the roles are those of a skeleton of {} joints, and that of \"{name}\" has {joints}",
+        "the roles are for a skeleton of {} joints, but the skeleton of \"{name}\" has {joints}",
         roles.joint_count()
     );
     populace_model::Error::BadRole { role: "hips".into(), what }.into()

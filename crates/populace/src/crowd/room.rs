@@ -1,10 +1,10 @@
-//! Slots for what starts: which one is free, and what happens when none is.
+//! Slot allocation: finding a free slot, and evicting the weakest if none is free.
 //!
-//! Nothing that weighs is dropped. Where no slot is free, the weakest fades out first, as fast as
-//! the crossfade that was asked for would move the pose, and what was to start waits until it has
-//! gone: a fade of its share of the layer, so the less it weighed the sooner. Slots that
-//! inertialize cannot be hurried; before something else has to give way, what was to start waits
-//! for the first of them.
+//! A slot with weight is never dropped. If no slot is free, the weakest fades out first and the
+//! start is scheduled for the end of that fade. The fade takes the start's own fade time times the
+//! slot's share of the layer, so the pose moves no faster than by the requested crossfade.
+//! Inertializing slots cannot be hastened: the start waits for the first of them to end before
+//! another slot is evicted.
 
 use populace_clip::ticks_from_secs;
 use populace_device::layout::{NONE, Slot};
@@ -13,34 +13,33 @@ use populace_device::{MAX_LAYERS, MAX_SLOTS};
 use super::Crowd;
 use crate::Error;
 
-/// A slot that has faded to less than this share of its layer is free: to drop it moves the pose by
-/// less than a frame of any crossfade that takes less than ten seconds.
+/// The share of a layer below which a slot that fades out counts as free. Dropping it moves the
+/// pose by less than one frame of any crossfade shorter than ten seconds.
 const NEGLIGIBLE: f32 = 1e-3;
 
-/// What a start means for a slot that is there.
+/// The effect of a start on an occupied slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Plan {
-    /// It will fade out.
+    /// The slot will fade out.
     Leaves,
-    /// It will go on with another weight.
+    /// The slot continues with another weight.
     Stays,
-    /// It is not touched.
+    /// The slot is not affected.
     Apart,
 }
 
-/// What the host knows of a slot beside what devices do.
+/// Data of a slot that only the host has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Started {
-    /// Which start of the crowd it was; all slots of a blend space are of one.
+    /// The serial number of the start. All slots of a blend space share one.
     pub(crate) serial: u32,
-    /// Which clip of its blend space it plays, if it is of one.
+    /// The index of the clip in its blend space, if it belongs to one.
     pub(crate) sample: Option<u16>,
-    /// Whether it plays once, which one that stands still does not tell itself.
+    /// Whether the clip plays once; a slot at speed 0 does not show it.
     pub(crate) once: bool,
 }
 
-/// Whether a slot's weight has come down to 0 and stays there, as that of one that inertializes
-/// has.
+/// Returns whether the weight of a slot is 0 for good. Inertializing slots have no weight.
 pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
     slot.bound_clip == NONE
         || slot.is_inertialization()
@@ -56,8 +55,8 @@ impl Crowd {
         self.started[self.tables.slot_range(place).start + index]
     }
 
-    /// Each slot's part of what its layer shows, from 0 to 1; 0 for those that inertialize, nothing
-    /// for free ones.
+    /// Returns the share of each slot in its layer, 0 to 1: 0 for inertializing slots, `None` for
+    /// free ones.
     fn slot_shares(&self, place: u32, tick: u64) -> [Option<f32>; MAX_SLOTS] {
         let mut totals = [0.0_f32; MAX_LAYERS];
         let weighing =
@@ -65,8 +64,7 @@ impl Crowd {
         for slot in self.slots(place) {
             totals[slot.layer() as usize] += weighing(slot);
         }
-        // Layer 0 is divided by its total however small; layers above it leave the remainder to
-        // what lies beneath.
+        // Layer 0 is always normalised. Layers above it leave the remainder to the layers beneath.
         totals[1..].iter_mut().for_each(|total| *total = total.max(1.0));
         let mut shares = [None; MAX_SLOTS];
         for (share, slot) in shares.iter_mut().zip(self.slots(place)) {
@@ -77,12 +75,12 @@ impl Crowd {
         shares
     }
 
-    /// The free slot that weighs least.
+    /// Returns the free slot of least weight.
     pub(super) fn free_slot(&self, place: u32, tick: u64) -> Option<usize> {
         let shares = self.slot_shares(place, tick);
         let slots =
             self.slots(place).iter().enumerate().filter(|(index, _)| shares[*index].is_none());
-        // One that was cut since the last update still moves the member up to then.
+        // A slot that was cut since the last update still contributes root motion up to the cut.
         let played = |slot: &Slot| !slot.is_inertialization() && slot.weight_tick > self.clock.tick;
         let weight = |slot: &Slot| match faded_out(slot, tick) {
             true if played(slot) => -1.0,
@@ -92,9 +90,9 @@ impl Crowd {
         slots.min_by(|a, b| weight(a.1).total_cmp(&weight(b.1))).map(|(index, _)| index)
     }
 
-    /// Sees to it that so many slots are free. Gives the tick at which they will be, where they are
-    /// not yet: the weakest are then on their way out, and the layer stands still otherwise but for
-    /// the strongest, which takes what they leave.
+    /// Frees `needed` slots. If too few are free, fades out the weakest and returns the tick at which
+    /// they become free. Meanwhile the other weights of the layer hold, except for the strongest
+    /// slot, which takes up the weight of those that fade.
     pub(super) fn make_room(
         &mut self,
         place: u32,
@@ -126,7 +124,7 @@ impl Crowd {
         self.hasten(place, &victims, &plans, share * secs, tick).map(Some)
     }
 
-    /// How many slots are free or can be made so without a cut.
+    /// The number of slots that are free or can be freed without a jump of the pose.
     pub(super) fn room_for(
         &self,
         place: u32,
@@ -143,8 +141,8 @@ impl Crowd {
         slots.map(|(index, slot)| plan(slot, self.started(place, index))).collect()
     }
 
-    /// The other slot of the state machine of which a slot is one: which of them shows how much
-    /// only the device knows, so they stay and leave together.
+    /// Returns the other slot of a state machine. Only the device knows their weights, so both stay
+    /// or leave together.
     fn mate(&self, place: u32, index: usize) -> Option<usize> {
         let slots = self.slots(place);
         slots[index].machine_instance()?;
@@ -154,9 +152,9 @@ impl Crowd {
         slots.iter().position(is_mate)
     }
 
-    /// The slots that can give way: those on their way out first, then those that inertialize, of
-    /// these the weakest first and the first to end, and both of a machine side by side. Apart from
-    /// them those that cannot fade, since the base layer would be left with nothing.
+    /// Returns the slots that can be evicted, in order: slots that fade out, then inertializing slots
+    /// by their end, then the others by weight, with the two slots of a machine next to each other.
+    /// The second list holds slots that cannot fade because layer 0 would be left empty.
     fn by_strength(
         &self,
         place: u32,
@@ -186,8 +184,9 @@ impl Crowd {
         (fading.into_iter().flat_map(both).collect(), others.into_iter().flat_map(both).collect())
     }
 
-    /// Lets slots fade out in so many seconds at most. What the start is to change otherwise stands
-    /// still until then, so that no pose moves faster than by one crossfade at a time.
+    /// Fades out `victims` within `secs` and returns the tick at which they are free. Other slots
+    /// that the start affects hold their weights until then, so that the pose moves no faster than
+    /// by one crossfade.
     fn hasten(
         &mut self,
         place: u32,
@@ -245,8 +244,7 @@ impl Crowd {
         Ok(due)
     }
 
-    /// Fades out all clips of a layer together, keeping their proportions, so that what fades in
-    /// meanwhile takes the layer over evenly. What inertializes goes on, unless this takes no time.
+    /// Fades out all slots of a layer in proportion. Inertializing slots continue unless `secs` is 0.
     pub(super) fn fade_out(
         &mut self,
         place: u32,
@@ -269,8 +267,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// Lets a slot weigh nothing from now on; until another takes it, it tells what it weighed
-    /// before.
+    /// Sets the weight of a slot to 0 at `tick`. Until the slot is reused it still holds its weight
+    /// before `tick`.
     fn cut(&mut self, place: u32, index: usize, tick: u64) -> Result<(), Error> {
         let mut slot = self.slots(place)[index];
         if slot.inertializes(tick) {
@@ -284,16 +282,15 @@ impl Crowd {
         Ok(self.tables.set_slot(place, index, slot)?)
     }
 
-    /// Keeps a slot that is left in the course of an update for those who ask what happened until
-    /// then.
+    /// Keeps a slot that ends during an update, for the events before its end.
     pub(super) fn note_left(&mut self, place: u32, slot: &Slot, tick: u64) {
-        if tick > self.clock.tick && self.listening.iter().any(|member| member.place == place) {
+        if tick > self.clock.tick && self.listening.iter().any(|member| member.index == place) {
             self.left.push((place, *slot, tick));
         }
     }
 
-    /// Keeps a slot that is left in the course of an update in a free one, where there is one: cut,
-    /// so that it moves the member up to then.
+    /// Copies a slot that ends during an update to a free slot, if there is one, so that its root
+    /// motion up to `tick` counts.
     pub(super) fn leave(&mut self, place: u32, mut slot: Slot, tick: u64) -> Result<(), Error> {
         self.note_left(place, &slot, tick);
         let moves = tick > self.clock.tick && self.moving.contains_key(&place);
@@ -307,8 +304,7 @@ impl Crowd {
         Ok(self.tables.set_slot(place, index, empty)?)
     }
 
-    /// Puts a slot into a free one; [`make_room`](Self::make_room) has seen to it that there is
-    /// one.
+    /// Writes a slot to a free index; the caller has called [`make_room`](Self::make_room).
     pub(super) fn fill_slot(
         &mut self,
         place: u32,

@@ -1,4 +1,4 @@
-//! Blend spaces on members: clips of one phase, steered.
+//! Blend spaces that members play.
 
 use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
 use populace_device::layout::Slot;
@@ -6,42 +6,42 @@ use populace_model::convert::single;
 
 use super::room::{Plan, Started, faded_out};
 use super::waiting::{Action, Start};
-use super::{Crowd, Member, u32_from};
+use super::{Crowd, MemberId, u32_from};
 use crate::blend_space::{MOST, SpacePoint, Weights, bad};
-use crate::play::{Mode, check_secs};
-use crate::{BlendSpace, Error, Play};
+use crate::playback::{Playback, check_secs};
+use crate::{BlendSpace, Error};
 
 /// A blend space of a crowd. Members of any character can play it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct SpaceId {
+pub struct BlendSpaceId {
     crowd: u32,
     index: u32,
 }
 
-/// A blend space, and what its clips' lengths are.
+/// A blend space and the durations of its clips.
 pub(super) struct Space {
     space: BlendSpace,
     durations_secs: Vec<f32>,
 }
 
-/// The blend space that a member plays, and its phase in closed form.
+/// The blend space that a member plays, with its phase in closed form.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steered {
     serial: u32,
     space: u32,
-    play: Play,
-    /// Where it is or is going; `None` while it stands still, waiting for a slot.
+    play: Playback,
+    /// The position, or the one it moves to; `None` while it waits for a slot.
     at: Option<SpacePoint>,
     start_tick: u64,
-    /// At `start_tick`, in 2^-64 of a cycle.
+    /// The phase at `start_tick`, in 2^-64 of a cycle.
     phase: u64,
     cycles_per_sec: f64,
-    /// When it has faded in.
+    /// The tick at which its fade ends.
     faded_in_tick: u64,
 }
 
 impl Steered {
-    /// The phase as devices count it.
+    /// Returns the phase at a tick, in 2^-64 of a cycle.
     fn phase_at(&self, tick: u64) -> u64 {
         let rate = Slot::in_phase(0, 0, 0, self.cycles_per_sec).phase_rate;
         self.phase.wrapping_add(tick.wrapping_sub(self.start_tick).wrapping_mul(rate))
@@ -50,17 +50,17 @@ impl Steered {
 
 fn live_in_space(name: &str) -> Error {
     Error::BadBlendSpace {
-        reason: format!("has the live clip \"{name}\"; its clips share a cycle, and that has none"),
+        reason: format!("has the live clip \"{name}\", which has no cycle to share; leave it out"),
     }
 }
 
 impl Crowd {
-    /// Adds a blend space for members to play.
+    /// Adds a blend space. Members of any character can play it.
     ///
     /// # Errors
     ///
-    /// A clip of another crowd, or [`Error::BadBlendSpace`] for a live one, which has no cycle.
-    pub fn add_space(&mut self, space: BlendSpace) -> Result<SpaceId, Error> {
+    /// A clip of another crowd, or [`Error::BadBlendSpace`] for a live clip, which has no cycle.
+    pub fn add_blend_space(&mut self, space: BlendSpace) -> Result<BlendSpaceId, Error> {
         let mut durations_secs = Vec::new();
         for clip in space.clips() {
             self.check_crowd("clip", clip.crowd, clip.index.0)?;
@@ -71,99 +71,74 @@ impl Crowd {
             }
             durations_secs.push(known.duration_secs());
         }
-        let id = SpaceId { crowd: self.number, index: u32_from(self.spaces.len()) };
+        let id = BlendSpaceId { crowd: self.number, index: u32_from(self.spaces.len()) };
         self.spaces.push(Space { space, durations_secs });
         Ok(id)
     }
 
-    /// The layer plays a blend space at a point from now on; what it played before fades out as
-    /// this fades in.
-    ///
-    /// [`Play::speed`] is times the clips' own pace, [`Play::phase`] where the shared phase begins,
-    /// [`Play::weight`] that of all clips together. A member plays one space: another takes its
-    /// place for [`steer`](Self::steer). It takes two slots in a line and three in a plane; with
-    /// twice as many one point changes over to any other at once, with fewer some clips wait until
-    /// others have faded out.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a space of another crowd, a setting that is out of its range, or
-    /// [`Error::BadBlendSpace`] for a clip that is not to loop, and for members of too few slots.
-    pub fn play_space(
+    pub(super) fn play_space(
         &mut self,
-        member: Member,
-        space: SpaceId,
-        at: impl Into<SpacePoint>,
-        play: Play,
+        member: MemberId,
+        space: BlendSpaceId,
+        at: SpacePoint,
+        play: Playback,
     ) -> Result<(), Error> {
         let character = self.check(member)?;
         self.check_crowd("blend space", space.crowd, space.index)?;
         let unknown = Error::UnknownId { what: "blend space", index: space.index };
         let known = self.spaces.get(space.index as usize).ok_or(unknown)?;
         play.check()?;
-        let at = at.into().check()?;
-        if play.mode != Mode::Looping {
-            return Err(bad("loops; play it by Play::looping()"));
-        }
+        let at = at.check()?;
         let (needed, slots) = (known.space.slots_needed(), self.tables.slots_per_member());
         if needed > slots {
-            let reason =
-                format!("takes {needed} slots, and members have {slots}: see slots_per_member");
+            let reason = format!(
+                "takes {needed} slots, but members have {slots}; see CrowdBuilder::slots_per_member"
+            );
             return Err(Error::BadBlendSpace { reason });
         }
-        // Bound now, so that nothing can fail once its time has come.
+        // Bound now, so that a scheduled start cannot fail.
         for clip in known.space.clips().to_vec() {
             self.bind(character, clip, play.partial)?;
         }
-        self.waiting.retain(member.place, |waiting| waiting.play.layer != play.layer);
+        self.waiting.retain(member.index, |waiting| waiting.play.layer != play.layer);
         let action = Action::Space { index: space.index, at };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
         let due = self.clock.tick.saturating_add(ticks_from_secs(f64::from(play.after_secs)));
-        self.begin_or_wait(member.place, due, start)
+        self.begin_or_wait(member.index, due, start)
     }
 
-    /// Takes the blend space that a member plays to another point, reached in so many seconds. The
-    /// phase goes on from where it is, at the pace of the new point. A space that is still fading
-    /// in arrives no sooner than it has.
-    ///
-    /// Steering to the point that it is at or on its way to changes nothing and costs nothing.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a value that is out of its range, or [`Error::BadBlendSpace`] where
-    /// the member plays none.
-    pub fn steer(
+    pub(super) fn set_blend_parameter(
         &mut self,
-        member: Member,
-        at: impl Into<SpacePoint>,
+        member: MemberId,
+        at: SpacePoint,
         over_secs: f32,
     ) -> Result<(), Error> {
         self.check(member)?;
-        let at = at.into().check()?;
-        check_secs("the time to steer a blend space", over_secs)?;
+        let at = at.check()?;
+        check_secs("the time to move in a blend space", over_secs)?;
         let mut waits = false;
-        self.waiting.change(member.place, |_, start| {
+        self.waiting.change(member.index, |_, start| {
             if let Action::Space { at: point, .. } = &mut start.action {
                 *point = at;
                 waits = true;
             }
         });
-        let Some(steered) = self.steered.get(&member.place) else {
+        let Some(steered) = self.steered.get(&member.index) else {
             return if waits {
                 Ok(())
             } else {
-                Err(bad("to steer is not there: the member plays none"))
+                Err(bad("parameter cannot be set: the member plays no blend space"))
             };
         };
         let (play, serial) = (steered.play, steered.serial);
         self.waiting
-            .retain(member.place, |waiting| !matches!(waiting.action, Action::Steer { .. }));
+            .retain(member.index, |waiting| !matches!(waiting.action, Action::Steer { .. }));
         let action = Action::Steer { at, over_secs };
         let start = Start { serial, action, play, follows_after: None };
-        self.begin_steer(member.place, &start, (at, over_secs), self.clock.tick)
+        self.begin_steer(member.index, &start, (at, over_secs), self.clock.tick)
     }
 
-    /// Something else plays in a layer: a space that did is steered no longer.
+    /// Forgets the blend space of a layer that something else takes over.
     pub(super) fn forget_space(&mut self, place: u32, layer: usize) {
         if self.steered.get(&place).is_some_and(|steered| steered.play.layer == layer) {
             self.steered.remove(&place);
@@ -177,7 +152,7 @@ impl Crowd {
         (index, at): (u32, SpacePoint),
         tick: u64,
     ) -> Result<(), Error> {
-        let Play { layer, fade_in_secs: secs, .. } = start.play;
+        let Playback { layer, fade_in_secs: secs, .. } = start.play;
         if secs <= 0.0 {
             self.fade_out(place, layer, 0.0, tick)?;
         }
@@ -214,7 +189,7 @@ impl Crowd {
         Ok(())
     }
 
-    /// Some clips found no slot: steers to the same point again once others have faded out.
+    /// Schedules another move to the same position, because some clips have no slot yet.
     fn steer_on(&mut self, place: u32, start: &Start, (at, secs): (SpacePoint, f32), tick: u64) {
         let due = tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1);
         let action = Action::Steer { at, over_secs: secs };
@@ -233,7 +208,7 @@ impl Crowd {
     ) -> Result<(), Error> {
         let Some(steered) = self.steered.get(&place).copied().filter(|s| s.serial == start.serial)
         else {
-            return Ok(()); // Something else was started meanwhile.
+            return Ok(()); // Something else has started since.
         };
         if steered.at == Some(at) {
             return Ok(());
@@ -283,8 +258,7 @@ impl Crowd {
         Ok(())
     }
 
-    /// Takes the slots of a space, and those that it fades in over, to new weights and pace from
-    /// where they are.
+    /// Fades the slots of a blend space to new weights and speed, and those that it replaces out.
     fn steer_slots(
         &mut self,
         place: u32,
@@ -348,7 +322,7 @@ impl Crowd {
         )
     }
 
-    /// The slot of a space's clip, unless it has faded out.
+    /// Returns the slot of a clip of a blend space, unless it has faded out.
     fn sample_slot(&self, place: u32, serial: u32, sample: usize, tick: u64) -> Option<usize> {
         (0..self.slots(place).len()).find(|&index| {
             let started = self.started(place, index);
@@ -358,7 +332,7 @@ impl Crowd {
         })
     }
 
-    /// The mean of the clips' cycles per second, by weight; clips of no length have none.
+    /// Returns the weighted mean of the clips' cycles per second. Clips of no length do not count.
     fn cycles_per_sec(&self, space: u32, weights: &Weights, speed: f32) -> f64 {
         let durations = &self.spaces[space as usize].durations_secs;
         let (mut sum, mut total) = (0.0, 0.0);
@@ -370,8 +344,8 @@ impl Crowd {
     }
 }
 
-/// The clips that are there, and of the others as many as there is room for, but one at least; in
-/// the same proportions.
+/// Returns the clips that have a slot and the strongest of the others, as many as `room` allows but
+/// at least one, with weights in the same proportions.
 fn strongest(all: Weights, is_there: impl Fn(usize) -> bool, room: usize) -> Weights {
     let mut order = all;
     order.sort_by(|a, b| is_there(b.0).cmp(&is_there(a.0)).then(b.1.total_cmp(&a.1)));
@@ -392,7 +366,7 @@ fn weight_of(weights: &[(usize, f32); MOST], sample: u16) -> f32 {
     weights.iter().filter(|(own, _)| *own == usize::from(sample)).map(|(_, weight)| *weight).sum()
 }
 
-/// Part of a cycle, from 0 to 1, in 2^-64 of one.
+/// Converts a fraction of a cycle, 0 to 1, to 2^-64 of a cycle.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

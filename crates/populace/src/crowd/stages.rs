@@ -1,4 +1,4 @@
-//! Users' stages: adding them, and which members use them.
+//! User stages and the members that use them.
 
 use std::collections::BTreeSet;
 
@@ -6,11 +6,11 @@ use populace_device::layout::{STAGE_PARAMETERS, STAGES_MOST};
 use populace_device::{After, UserStage, layout};
 use populace_model::JointIndex;
 
-use super::{Crowd, Member, u32_from};
+use super::{Crowd, MemberId, u32_from};
 use crate::error::finite;
 use crate::{Error, StageUse};
 
-/// A user's stage of a crowd. It goes stale when the stage is removed, and is then refused.
+/// A user stage of a crowd. The id goes stale when the stage is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct StageId {
     crowd: u32,
@@ -21,9 +21,9 @@ pub struct StageId {
 /// The stages of a crowd, by number.
 #[derive(Debug, Default)]
 pub(super) struct UserStages {
-    /// As devices take them.
+    /// The stages as devices receive them.
     all: Vec<Option<UserStage>>,
-    /// When each runs, and the serial number of its id.
+    /// The stage after which each runs, and the serial number of its id.
     taken: Vec<Option<(After, u32)>>,
     last_serial: u32,
 }
@@ -35,25 +35,25 @@ impl UserStages {
 }
 
 impl Crowd {
-    /// Adds a stage of the user's own to the pipeline: a function over one joint of one member,
-    /// which runs for the members that [`use_stage`](Self::use_stage) names. All others are
-    /// computed as ever, to the bit.
+    /// Adds a user stage to the pipeline: a function over one joint of one member. It runs for the
+    /// members that [`set_stage`](crate::MemberMut::set_stage) selects; all others keep the same
+    /// bits.
     ///
-    /// For OpenCL devices the kernels are built anew, which takes up to some seconds the first
-    /// time, and none where another crowd of the process has added the same.
+    /// OpenCL devices rebuild their kernels. That takes up to some seconds the first time, and no
+    /// time if another crowd of the process has added the same stages.
     ///
     /// # Errors
     ///
-    /// A stage that is none or lacks the form that a device in use runs, a ninth one, or a text
-    /// that does not compile: the error holds the compiler's words, with the lines of the user's
-    /// own text. The crowd is then as it was.
+    /// A stage without the form that a device in use runs, a ninth stage, or a text that does not
+    /// compile: the error holds the compiler's message, with line numbers of the user's text.
+    /// Nothing is changed then.
     pub fn add_stage(&mut self, after: After, stage: UserStage) -> Result<StageId, Error> {
         stage.check()?;
         let mut all = self.stages.all.clone();
         let number = all.iter().position(Option::is_none).unwrap_or(all.len());
         if number >= STAGES_MOST as usize {
             let what = format!(
-                "the crowd has {STAGES_MOST} stages, the most there can be; remove one first"
+                "the crowd already has {STAGES_MOST} stages, the most that are possible; remove one first"
             );
             return Err(
                 populace_device::Error::BadStage { stage: stage.name().into(), what }.into()
@@ -61,7 +61,7 @@ impl Crowd {
         }
         if let Some(other) = all.iter().flatten().find(|other| collide(other, &stage)) {
             let what = format!(
-                "another text defines \"{}\" too; name one of them otherwise",
+                "another stage defines a different function \"{}\"; rename one of them",
                 other.name()
             );
             return Err(
@@ -81,11 +81,11 @@ impl Crowd {
         Ok(StageId { crowd: self.number, number, serial: self.stages.last_serial })
     }
 
-    /// Removes a stage; its id goes stale, and members that used it go on without.
+    /// Removes a stage. Its id goes stale, and members no longer run it.
     ///
     /// # Errors
     ///
-    /// A stage that is not there, or a failing device; the crowd is then as it was.
+    /// A stage that does not exist, or a failing device. Nothing is changed then.
     pub fn remove_stage(&mut self, id: StageId) -> Result<(), Error> {
         self.stage_after(id)?;
         let mut all = self.stages.all.clone();
@@ -100,18 +100,17 @@ impl Crowd {
         // Sorted, so that equal calls leave equal tables.
         for place in places.collect::<BTreeSet<_>>() {
             let generation = self.members[place as usize].generation;
-            self.forget_use(Member { crowd: self.number, place, generation }, id.number)?;
+            self.forget_use(MemberId { crowd: self.number, index: place, generation }, id.number)?;
         }
         Ok(())
     }
 
-    /// Sets the numbers that a stage finds in its `parameters`, from the next update on: at most
-    /// 16, the rest becomes 0. A change costs no more than their 64 bytes, however many members use
-    /// the stage.
+    /// Sets the `parameters` that a stage reads from the next update on: at most 16 numbers, the rest
+    /// is 0. A change uploads 64 bytes, for any number of members.
     ///
     /// # Errors
     ///
-    /// A stage that is not there, more than 16 numbers, or one that is not finite.
+    /// A stage that does not exist, more than 16 numbers, or one that is not finite.
     pub fn set_stage_parameters(&mut self, id: StageId, parameters: &[f32]) -> Result<(), Error> {
         self.stage_after(id)?;
         finite("a parameter of a stage", parameters)?;
@@ -124,20 +123,18 @@ impl Crowd {
         Ok(self.tables.set_stage_parameters(id.number, &all)?)
     }
 
-    /// Lets a stage run for joints of a member, in place of those for which it ran. Where several
-    /// stages meet in a joint, they run in the order in which the member began to use them.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], a stage or joint that is not there, or a value that is not finite;
-    /// all is then as it was.
-    pub fn use_stage(&mut self, member: Member, id: StageId, how: StageUse) -> Result<(), Error> {
+    pub(super) fn use_stage(
+        &mut self,
+        member: MemberId,
+        id: StageId,
+        how: StageUse,
+    ) -> Result<(), Error> {
         let after = self.stage_after(id)?;
         let character = self.check(member)?;
         finite("a member's value for a stage", &how.values)?;
         let skeleton = &self.character_state(character)?.character.skeleton;
         let all = || (0..u32_from(skeleton.joint_count())).map(JointIndex).collect();
-        // Each joint once, however often it is named.
+        // Each joint once, even if named several times.
         let joints: BTreeSet<_> = how.joints.unwrap_or_else(all).into_iter().collect();
         let joints = joints.into_iter().collect();
         let stage =
@@ -151,17 +148,12 @@ impl Crowd {
         })
     }
 
-    /// Lets a stage no longer run for a member.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a stage that is not there.
-    pub fn leave_stage(&mut self, member: Member, id: StageId) -> Result<(), Error> {
+    pub(super) fn leave_stage(&mut self, member: MemberId, id: StageId) -> Result<(), Error> {
         self.stage_after(id)?;
         self.forget_use(member, id.number)
     }
 
-    fn forget_use(&mut self, member: Member, number: u32) -> Result<(), Error> {
+    fn forget_use(&mut self, member: MemberId, number: u32) -> Result<(), Error> {
         self.change_controls(member, |controls| {
             controls.stages.retain(|given| given.stage != number);
             Ok(())
@@ -176,7 +168,7 @@ impl Crowd {
     }
 }
 
-/// Whether two stages would define the same function twice.
+/// Returns whether two stages define different functions of the same name.
 fn collide(a: &UserStage, b: &UserStage) -> bool {
     let texts = a.opencl_c_text().zip(b.opencl_c_text());
     a.name() == b.name() && texts.is_some_and(|(a, b)| a != b)

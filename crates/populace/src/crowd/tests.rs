@@ -14,9 +14,10 @@ use populace_model::{
 use populace_native::NativeBackend;
 
 use super::*;
+use crate::ClipPlayback;
+use crate::Device;
 use crate::device::Engine;
 use crate::split::SplitBackend;
-use crate::{Device, Play};
 
 /// A device that is lost, as a driver would tell, while a switch is on.
 struct Losable {
@@ -171,13 +172,17 @@ fn spawn(crowd: &mut Crowd, count: u8) {
     let clip = crowd.clip(id, "Lift").unwrap();
     for nth in 0..count {
         let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-        crowd.play(member, clip, Play::looping().phase(f32::from(nth) / 256.0)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clip, ClipPlayback::looping().phase(f32::from(nth) / 256.0))
+            .unwrap();
     }
 }
 
 fn palettes(crowd: &mut Crowd) -> Vec<Vec<Affine>> {
     let members: Vec<_> = crowd.instances().map(|i| i.member).collect();
-    members.into_iter().map(|member| crowd.palette(member).unwrap()).collect()
+    members.into_iter().map(|member| crowd.member_mut(member).unwrap().palette().unwrap()).collect()
 }
 
 fn crowd() -> Crowd {
@@ -235,37 +240,63 @@ fn nothing_is_read_after_an_update_that_failed() {
         let (mut crowd, lost) = losable(operation);
         crowd.update(0.1).unwrap();
         let member = crowd.instances().map(|i| i.member).next().unwrap();
-        assert!(crowd.palette(member).is_ok() && crowd.local_pose(member).is_ok());
+        assert!(
+            crowd.member_mut(member).and_then(|mut m| m.palette()).is_ok()
+                && crowd.member_mut(member).and_then(|mut m| m.local_pose()).is_ok()
+        );
         lost.store(true, Ordering::Relaxed);
         crowd.update(0.1).unwrap_err();
         let refused = Error::Backend(BackendError::NotEvaluated);
-        assert_eq!(crowd.palette(member), Err(refused.clone()), "lost in {operation}");
-        assert_eq!(crowd.model_from_joints(member), Err(refused.clone()), "lost in {operation}");
-        assert_eq!(crowd.local_pose(member), Err(refused.clone()), "lost in {operation}");
+        assert_eq!(
+            crowd.member_mut(member).and_then(|mut m| m.palette()),
+            Err(refused.clone()),
+            "lost in {operation}"
+        );
+        assert_eq!(
+            crowd.member_mut(member).and_then(|mut m| m.model_from_joints()),
+            Err(refused.clone()),
+            "lost in {operation}"
+        );
+        assert_eq!(
+            crowd.member_mut(member).and_then(|mut m| m.local_pose()),
+            Err(refused.clone()),
+            "lost in {operation}"
+        );
         assert_eq!(crowd.with_page(0, &mut |_| {}), Err(refused), "lost in {operation}");
-        assert_eq!(crowd.moved(member), Ok(Placement::at([0.0; 3])));
+        assert_eq!(
+            crowd.member_mut(member).and_then(|mut m| m.moved_placement()),
+            Ok(Placement::at([0.0; 3]))
+        );
         lost.store(false, Ordering::Relaxed);
         crowd.update(0.1).unwrap();
-        assert!(crowd.palette(member).is_ok() && crowd.local_pose(member).is_ok());
+        assert!(
+            crowd.member_mut(member).and_then(|mut m| m.palette()).is_ok()
+                && crowd.member_mut(member).and_then(|mut m| m.local_pose()).is_ok()
+        );
     }
 }
 
 #[test]
 fn a_gaze_that_goes_from_one_to_the_next_keeps_few_watches() {
-    use populace_device::{Gaze, GazeLimits};
+    use crate::Gaze;
+    use populace_device::GazeLimits;
     let mut crowd = crowd();
     let members: Vec<_> = crowd.instances().map(|i| i.member).collect();
     let joint = JointIndex(0);
     let limits = GazeLimits { yaw_rad: 1.0, up_rad: 0.5, down_rad: 0.5 };
-    let gaze = Gaze { chain: vec![(joint, 1.0)], facing: [0.0, 0.0, 1.0], limits, targets: vec![] };
+    let gaze = Gaze { chain: vec![(joint, 1.0)], facing: [0.0, 0.0, 1.0], limits };
     for other in &members[1..] {
         let target = crate::Target::Joint { member: *other, joint };
-        crowd.look_with(members[0], &gaze, target, crate::Weight::FULL.over_secs(0.1)).unwrap();
+        crowd
+            .member_mut(members[0])
+            .unwrap()
+            .look_at_with(&gaze, target, crate::Weight::FULL.over_secs(0.1))
+            .unwrap();
         crowd.update(0.2).unwrap();
     }
     assert!(crowd.watches.0.len() <= 2, "{} joints are watched", crowd.watches.0.len());
-    crowd.look_ahead(members[0], 0.0).unwrap();
-    crowd.look_ahead(members[0], 0.0).unwrap();
+    crowd.member_mut(members[0]).unwrap().clear_look_at(0.0).unwrap();
+    crowd.member_mut(members[0]).unwrap().clear_look_at(0.0).unwrap();
     assert_eq!(crowd.watches.0.len(), 0, "nobody looks");
     assert_eq!(crowd.tables.watched_elements(), 0);
 }

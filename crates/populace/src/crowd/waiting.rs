@@ -1,54 +1,54 @@
-//! What is to start later, on its tick: queued and delayed clips, and those that wait for a slot.
+//! Scheduled starts: queued and delayed playbacks, and those that wait for a free slot.
 //!
-//! A start that waits takes no slot. When the clock passes its tick it is carried out as of that
-//! very tick, so that the slot is the same, to the bit, as if somebody had called at that instant.
+//! A scheduled start takes no slot. When the clock passes its tick it is executed as of that tick,
+//! so the slot has the same bits as if the call had been made at that time.
 
 use std::collections::{BTreeMap, HashMap};
 
 use populace_device::layout::MACHINE_PARAMETERS;
 
-use crate::Play;
 use crate::blend_space::SpacePoint;
+use crate::playback::Playback;
 
-/// What starts.
+/// The action of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Action {
-    /// A clip, in place of what its layer plays or beside it.
+    /// Plays a clip, in place of the layer's clips if `alone`, else beside them.
     Clip { bound: u32, alone: bool },
-    /// A blend space, in place of what its layer plays.
+    /// Plays a blend space, in place of what the layer plays.
     Space { index: u32, at: SpacePoint },
-    /// Another point of the blend space that plays, reached in so many seconds.
+    /// Moves the active blend space to another position within `over_secs`.
     Steer { at: SpacePoint, over_secs: f32 },
-    /// A state machine, in place of what its layer plays, and its parameters at the start.
+    /// Runs a state machine with initial parameters, in place of what the layer plays.
     Machine { state: u32, parameters: [f32; MACHINE_PARAMETERS as usize] },
 }
 
-/// A start that waits.
+/// A scheduled start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
     pub(crate) serial: u32,
     pub(crate) action: Action,
-    pub(crate) play: Play,
-    /// Follows the end of what its layer plays before it, after so many ticks.
+    pub(crate) play: Playback,
+    /// Ticks after the end of the layer's previous playback; `None` unless queued.
     pub(crate) follows_after: Option<u64>,
 }
 
 impl Start {
-    /// The same once its time has come, though it waits for a slot.
+    /// Returns the start as due, no longer bound to the end of another.
     pub(crate) fn at_its_time(&self) -> Self {
         Self { follows_after: None, ..*self }
     }
 
-    /// The state in which the machine begins that is to start, if it is one.
+    /// The initial state of the machine that is to start, if it is one.
     pub(crate) fn machine(&self) -> Option<u32> {
         if let Action::Machine { state, .. } = self.action { Some(state) } else { None }
     }
 }
 
-/// A start, when it is due, and its place in the order of all.
+/// The tick at which a start is due, its number in order of calls, and the start.
 type Entry = (u64, u64, Start);
 
-/// All starts that wait, by member and by time.
+/// All scheduled starts, by member and by time.
 #[derive(Default)]
 pub(crate) struct Waiting {
     by_place: HashMap<u32, Vec<Entry>>,
@@ -65,12 +65,12 @@ impl Waiting {
         starts.sort_by_key(|(due, order, _)| (*due, *order));
     }
 
-    /// What waits for a member, in order of time, and when it is due.
+    /// Iterates over the starts of a member in order of time, with the ticks at which they are due.
     pub(crate) fn of(&self, place: u32) -> impl Iterator<Item = (u64, &Start)> {
         self.by_place.get(&place).into_iter().flatten().map(|(due, _, start)| (*due, start))
     }
 
-    /// The first that is due at or before a tick.
+    /// Takes the first start that is due at or before `tick`.
     pub(crate) fn take_due(&mut self, tick: u64) -> Option<(u64, u32, Start)> {
         let (&(due, order), &place) = self.by_time.first_key_value()?;
         if due > tick {
@@ -86,7 +86,7 @@ impl Waiting {
         Some((due, place, start))
     }
 
-    /// Forgets those of a member that are not to be kept.
+    /// Drops the starts of a member for which `keep` returns false.
     pub(crate) fn retain(&mut self, place: u32, keep: impl Fn(&Start) -> bool) {
         let Some(starts) = self.by_place.get_mut(&place) else { return };
         starts.retain(|(due, order, start)| {
@@ -101,7 +101,7 @@ impl Waiting {
         }
     }
 
-    /// Changes those of a member, and when they are due.
+    /// Changes the starts of a member and the ticks at which they are due.
     pub(crate) fn change(&mut self, place: u32, mut change: impl FnMut(&mut u64, &mut Start)) {
         for (due, order, start) in self.by_place.get_mut(&place).into_iter().flatten() {
             self.by_time.remove(&(*due, *order));
@@ -117,11 +117,16 @@ mod tests {
 
     fn start(serial: u32, layer: usize) -> Start {
         let action = Action::Clip { bound: 0, alone: true };
-        Start { serial, action, play: Play::once().on_layer(layer), follows_after: None }
+        Start {
+            serial,
+            action,
+            play: crate::ClipPlayback::once().on_layer(layer).0,
+            follows_after: None,
+        }
     }
 
     #[test]
-    fn starts_come_in_order_of_time_then_of_asking() {
+    fn starts_are_taken_in_order_of_time_then_of_calls() {
         let mut waiting = Waiting::default();
         for (place, due, serial) in [(1, 30, 0), (2, 10, 1), (1, 10, 2), (3, 50, 3), (2, 10, 4)] {
             waiting.push(place, due, start(serial, 0));
@@ -137,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn those_of_one_layer_are_forgotten_alone() {
+    fn retain_drops_starts_of_one_layer_only() {
         let mut waiting = Waiting::default();
         (0..4).for_each(|n| waiting.push(n % 2, 10, start(n, n as usize / 2)));
         waiting.retain(1, |start| start.play.layer != 1);

@@ -1,52 +1,46 @@
-//! Joints that are read back without waiting.
+//! Joint readbacks that do not wait for the device.
 
 use populace_clip::TICKS_PER_SEC;
 use populace_device::layout::WATCHED_ELEMENTS;
 use populace_model::{Affine, JointIndex};
 
-use super::{Crowd, FIRST_TICK, Member};
+use super::{Crowd, FIRST_TICK, MemberId};
 use crate::Error;
 
-/// A joint that is brought to the host after each frame. It goes stale once it is let go of,
-/// whoever else watches the joint.
+/// A handle to a joint that is copied to the host after each frame. It goes stale when it is
+/// removed, even if another watch of the same joint remains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Watch {
-    member: Member,
+    member: MemberId,
     joint: JointIndex,
     serial: u32,
 }
 
-/// A joint as it was a little while ago.
+/// A joint as of a recent frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sighting {
-    /// The crowd's clock then, from its beginning on.
+pub struct JointReadback {
+    /// The time of that frame, in seconds since the crowd was built.
     pub at_secs: f64,
-    /// Where it was in the world.
+    /// The joint in world space.
     pub world_from_joint: Affine,
 }
 
 impl Watch {
-    pub(super) fn key(self) -> (Member, JointIndex) {
+    pub(super) fn key(self) -> (MemberId, JointIndex) {
         (self.member, self.joint)
     }
 }
 
 impl Crowd {
-    /// Lets a member's joint be brought to the host after each frame from the next on, without
-    /// anyone waiting for it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::StaleMember`], or a joint that is not there.
-    pub fn watch(&mut self, member: Member, joint: JointIndex) -> Result<Watch, Error> {
+    pub(super) fn watch(&mut self, member: MemberId, joint: JointIndex) -> Result<Watch, Error> {
         self.watch_joint(member, joint)?;
         let watch = Watch { member, joint, serial: self.next_serial() };
         self.readers.insert(watch.serial, (watch, self.clock.tick));
         Ok(watch)
     }
 
-    /// Lets go of a joint that was watched; one that is watched twice is until both are let go of.
-    /// A watch that was let go of before, and one of another crowd, does nothing.
+    /// Removes a watch. A joint with several watches is copied until all are removed. A stale watch
+    /// and one of another crowd are ignored.
     pub fn unwatch(&mut self, watch: Watch) {
         if self.watched_since(watch).is_some() {
             self.readers.remove(&watch.serial);
@@ -54,35 +48,35 @@ impl Crowd {
         }
     }
 
-    /// The clock when a watch began, where it goes on.
+    /// The tick at which a watch began; `None` if it is stale.
     fn watched_since(&self, watch: Watch) -> Option<u64> {
         let (_, since) = self.readers.get(&watch.serial).filter(|(known, _)| *known == watch)?;
         Some(*since)
     }
 
-    /// Lets go of all that is watched of a member that leaves.
-    pub(super) fn forget_watches(&mut self, member: Member) {
+    /// Removes all watches of a member that is despawned.
+    pub(super) fn forget_watches(&mut self, member: MemberId) {
         let watches = self.readers.values().map(|(watch, _)| *watch);
         for watch in watches.filter(|watch| watch.member == member).collect::<Vec<_>>() {
             self.unwatch(watch);
         }
     }
 
-    /// The newest that has come to the host of a joint that is watched: as of the last update on
-    /// the native device, some frames ago on others. `None` until an update has moved the clock on
-    /// since the watch began and its result has come, and once the watch was let go of or the
-    /// member has left.
+    /// Returns the newest copy of a watched joint that has reached the host: of the last update on
+    /// the native device, some frames old on others. `None` until an update has advanced the clock
+    /// since the watch began and its result has arrived, and after the watch or the member was
+    /// removed.
     ///
     /// # Errors
     ///
     /// A watch of another crowd, or a failing device.
-    pub fn sighting(&mut self, watch: Watch) -> Result<Option<Sighting>, Error> {
+    pub fn readback(&mut self, watch: Watch) -> Result<Option<JointReadback>, Error> {
         self.check_crowd("watch", watch.member.crowd, watch.serial)?;
         let Some(since) = self.watched_since(watch) else { return Ok(None) };
         let Some((watched, _)) = self.watches.0.get(&watch.key()) else { return Ok(None) };
         let first = (*watched * WATCHED_ELEMENTS) as usize;
         let fetched = self.opened.backend_mut().fetched()?;
-        // Before that another joint may have had its place.
+        // Earlier results may hold another joint at this offset.
         let Some((tick, elements)) = fetched.filter(|(tick, _)| *tick > since) else {
             return Ok(None);
         };
@@ -90,17 +84,17 @@ impl Crowd {
             return Ok(None);
         };
         let world_from_joint = Affine { rows: [rows[0].0, rows[1].0, rows[2].0] };
-        // What was never written is all zeros.
+        // Rows that were never written are zero.
         let seen = world_from_joint.rows[0][..3].iter().any(|v| *v != 0.0);
         let at_secs = tick.saturating_sub(FIRST_TICK) as f64 / TICKS_PER_SEC as f64;
-        Ok(seen.then_some(Sighting { at_secs, world_from_joint }))
+        Ok(seen.then_some(JointReadback { at_secs, world_from_joint }))
     }
 
-    /// How often the host has waited for a device of the kind in use since the process began.
-    /// [`update`](Self::update) does not make it wait on one device; reading back does, but for
-    /// [`sighting`](Self::sighting).
+    /// The number of times that the host has waited for a device of the kind in use since the
+    /// process began. [`update`](Self::update) on one device does not wait. Reading results does,
+    /// except for [`readback`](Self::readback).
     #[must_use]
-    pub fn waits(&self) -> u64 {
+    pub fn host_waits(&self) -> u64 {
         self.opened.backend().waits()
     }
 }

@@ -1,4 +1,4 @@
-//! Devices made ready ahead of the crowds that come to them.
+//! Building of kernels ahead of the crowds that need them.
 
 use std::sync::Arc;
 
@@ -9,17 +9,17 @@ use populace_model::{Affine, JointSource, Skeleton, Trs};
 use super::{Device, Devices};
 use crate::{Crowd, Error, Placement};
 
-/// Members of the crowd that a device is tried with: of fewer, a table with one change would be
-/// sent as a whole.
+/// The number of members of the trial crowd. With fewer, a table with one change is uploaded as a
+/// whole and the partial upload is not built.
 const MEMBERS: usize = 8;
 
 impl Device {
-    /// Builds what crowds of a schedule need on this device, and runs it once. A later
-    /// [`move_to`](Crowd::move_to) or [`build`](crate::CrowdBuilder::build) in this process finds
-    /// it done.
+    /// Builds the kernels of a schedule on this device and runs them once. A later
+    /// [`move_to`](Crowd::move_to) or [`build`](crate::CrowdBuilder::build) in this process reuses
+    /// them.
     ///
-    /// This takes as long as the driver's compiler does: seconds, the first time. A crowd goes on
-    /// elsewhere meanwhile where this runs on a thread of its own:
+    /// This takes as long as the driver's compiler: seconds, the first time. On a thread of its own
+    /// it leaves the crowd running elsewhere:
     ///
     /// ```
     /// use populace::{Crowd, Device};
@@ -35,12 +35,12 @@ impl Device {
     /// # Ok::<(), populace::Error>(())
     /// ```
     ///
-    /// Not included are users' stages, which are built when a crowd that has them moves, and what a
-    /// driver builds for a context of OpenGL's that it shares buffers with.
+    /// User stages are not included: they are built when a crowd that has them moves. Nor is a
+    /// context that shares buffers with OpenGL.
     ///
     /// # Errors
     ///
-    /// A device that is not there, cannot be opened or fails.
+    /// A device that does not exist, cannot be opened or fails.
     pub fn prepare(self, schedule: Schedule) -> Result<(), Error> {
         let mut crowd =
             Crowd::builder().device(self).schedule(schedule).capacity(MEMBERS).build()?;
@@ -50,17 +50,17 @@ impl Device {
         crowd.update(0.0)?;
         crowd.despawn(members[0])?;
         crowd.update(0.0)?;
-        crowd.local_pose(members[1])?;
+        crowd.member_mut(members[1])?.local_pose()?;
         Ok(())
     }
 }
 
 impl Devices {
-    /// [`Device::prepare`] for each of the devices, one after the other.
+    /// Calls [`Device::prepare`] for each device, one after the other.
     ///
     /// # Errors
     ///
-    /// The first that fails.
+    /// The error of the first device that fails.
     pub fn prepare(&self, schedule: Schedule) -> Result<(), Error> {
         self.as_slice().iter().try_for_each(|device| device.prepare(schedule))
     }
@@ -69,7 +69,7 @@ impl Devices {
 fn one_joint() -> Result<Arc<Character>, Error> {
     let joint = JointSource { name: "root".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint])?;
-    // Devices leave out members without a palette entry.
+    // Devices skip members without a palette entry.
     let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
     let (palette, name) = (skeleton.joints().map(entry).collect(), "one joint".into());
     let (parts, materials, images, skins, clips) = (vec![], vec![], vec![], vec![], vec![]);

@@ -1,4 +1,4 @@
-//! Several devices that share a crowd, and how.
+//! Sets of devices that share a crowd, and their shares.
 
 use std::fmt;
 use std::str::FromStr;
@@ -10,16 +10,15 @@ use super::{Device, Engine, Opened};
 use crate::Error;
 use crate::split::SplitBackend;
 
-/// One device, or several that share a crowd: each evaluates some of its members, all at the same
-/// time.
+/// One device, or several that share a crowd: each evaluates some of its members at the same time.
 ///
-/// Palettes come together on the first: it is the one that is linked to OpenGL, so a graphics
-/// processor that draws them should stand first.
+/// Palettes are gathered on the first device, which shares buffers with OpenGL. Name the GPU that
+/// draws them first.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Devices(Vec<Device>);
 
 impl Devices {
-    /// The devices in the order in which they were named.
+    /// The devices, in the order in which they were named.
     #[must_use]
     pub fn as_slice(&self) -> &[Device] {
         &self.0
@@ -28,7 +27,7 @@ impl Devices {
     fn check(&self) -> Result<(), Error> {
         let refused = |reason| Err(Error::BadDevices { devices: self.to_string(), reason });
         if self.0.is_empty() {
-            return refused("there is none; name one at least".into());
+            return refused("no device is named; name at least one".into());
         }
         let twice =
             self.0.iter().enumerate().find(|(place, device)| self.0[..*place].contains(device));
@@ -37,8 +36,8 @@ impl Devices {
         })
     }
 
-    /// Opens the devices; the first for a context of OpenGL's where one is given and the device's
-    /// driver takes it.
+    /// Opens the devices. The first shares buffers with the OpenGL context if one is given and its
+    /// driver supports it.
     pub(crate) fn open(
         &self,
         schedule: Schedule,
@@ -101,28 +100,28 @@ impl fmt::Display for Devices {
 impl FromStr for Devices {
     type Err = Error;
 
-    /// Reads names of devices joined by `+`.
+    /// Parses names of devices joined by `+`.
     fn from_str(names: &str) -> Result<Self, Error> {
         let devices = Self(names.split('+').map(str::parse).collect::<Result<_, _>>()?);
         devices.check().map(|()| devices)
     }
 }
 
-/// How several devices share a crowd's members. What a member gets does not depend on it, but for
-/// what devices differ in by themselves: native and PoCL give the same bits.
+/// The shares of several devices. They do not affect results, except where devices differ: native
+/// and PoCL compute the same bits.
 #[non_exhaustive]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Split {
-    /// By their speeds as measured from frame to frame, so that all come to take equally long.
+    /// By measured speed, so that all devices take equally long.
     #[default]
     Measured,
-    /// So many parts for each device: 60 and 40 are the same as 3 and 2. A device whose share is 0
-    /// does nothing.
+    /// A number of parts for each device: 60 and 40 mean the same as 3 and 2. A device with 0 does
+    /// nothing.
     Fixed(Vec<f64>),
 }
 
 impl Split {
-    /// A share for each of the devices, of 1 in all; `None` where they are to be measured.
+    /// Returns a share for each device, whose sum is 1; `None` if they are measured.
     pub(crate) fn shares(&self, devices: &Devices) -> Result<Option<Vec<f64>>, Error> {
         let (Self::Fixed(parts), count) = (self, devices.0.len()) else { return Ok(None) };
         let refused = |reason| Err(Error::BadSplit { reason });
@@ -135,12 +134,12 @@ impl Split {
         }
         let total: f64 = parts.iter().sum();
         match parts.iter().find(|part| !part.is_finite() || **part < 0.0) {
-            Some(part) => refused(format!("has a share of {part}; shares are numbers from 0 up")),
-            None if !total.is_finite() => {
-                refused("has shares that are too large to be added up".into())
+            Some(part) => {
+                refused(format!("has a share of {part}; shares must be finite and at least 0"))
             }
+            None if !total.is_finite() => refused("has shares whose sum is too large".into()),
             None if total <= 0.0 => {
-                refused("has no share above 0; one device at least must work".into())
+                refused("has no share above 0; at least one device must have members".into())
             }
             None => Ok(Some(parts.iter().map(|part| part / total).collect())),
         }
@@ -160,7 +159,7 @@ impl fmt::Display for Split {
 impl FromStr for Split {
     type Err = Error;
 
-    /// Reads `measured`, or shares as in `60,40`.
+    /// Parses `measured`, or shares as in `60,40`.
     fn from_str(text: &str) -> Result<Self, Error> {
         if text == "measured" {
             return Ok(Self::Measured);
@@ -168,7 +167,7 @@ impl FromStr for Split {
         let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
         let no_shares = |_| Error::BadSplit {
             reason: format!(
-                "\"{text}\" is no list of numbers; write a share for each device, as 60,40, or \
+                "\"{text}\" is not a list of numbers; give a share for each device, as in 60,40, or \
                  measured"
             ),
         };
@@ -200,7 +199,7 @@ mod tests {
             assert!(error.contains(reason), "{error}");
         }
         let error = Devices::from([]).check().unwrap_err();
-        assert!(error.to_string().contains("name one at least"), "{error}");
+        assert!(error.to_string().contains("name at least one"), "{error}");
     }
 
     #[test]
@@ -214,10 +213,10 @@ mod tests {
         assert_eq!(Split::Fixed(vec![60.0, 2.5]).to_string(), "60,2.5");
         assert_eq!(Split::Measured.to_string().parse(), Ok(Split::Measured));
         for (text, reason) in [
-            ("", "is no list of numbers"),
-            ("half", "as 60,40"),
-            ("60;40", "is no list of numbers"),
-            ("60,", "is no list of numbers"),
+            ("", "is not a list of numbers"),
+            ("half", "as in 60,40"),
+            ("60;40", "is not a list of numbers"),
+            ("60,", "is not a list of numbers"),
             ("60", "has one share for 2 devices, native+opencl:0; give each device one"),
             ("1,1,1", "has 3 shares for 2 devices"),
             ("60,-40", "has a share of -40"),

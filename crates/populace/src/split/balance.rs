@@ -1,19 +1,18 @@
-//! Which share of the members each device takes.
+//! The shares of the members that devices take.
 
-/// How far shares go in each frame towards what the measured speeds ask for. They come near from
-/// one side and do not swing about it, though the speeds are those of a frame before: below 3 - 2 *
-/// sqrt(2) = 0.17 not even where times grow with the square of the members.
+/// The fraction of the way towards the measured optimum that shares move per frame. They approach
+/// from one side without oscillation, although the speeds are one frame old: below 3 - 2 * sqrt(2)
+/// = 0.17 even if times grow with the square of the members.
 const PACE: f64 = 1.0 / 6.0;
-/// A device that is to be measured takes some members, however slow it was.
+/// The least share of a measured device, however slow it is.
 const LEAST: f64 = 1.0 / 256.0;
 
-/// Shares of 1 in all.
+/// Shares whose sum is 1.
 pub(crate) struct Balance {
     shares: Vec<f64>,
-    /// The speeds of each device; none where the shares are fixed.
+    /// The speeds of each device; empty for fixed shares.
     speeds: Vec<Speeds>,
-    /// Whether a frame was measured yet. The first touches memory that was never used, and says
-    /// little.
+    /// Whether a frame has been measured. The first touches new memory and is not representative.
     is_warm: bool,
 }
 
@@ -33,7 +32,7 @@ impl Speeds {
         self.count += 1;
     }
 
-    /// The middle one, so that a single frame that was held up moves nothing.
+    /// The median, so that a single delayed frame changes nothing.
     fn middle(mut self) -> f64 {
         self.last.sort_by(f64::total_cmp);
         self.last[1]
@@ -41,8 +40,7 @@ impl Speeds {
 }
 
 impl Balance {
-    /// Fixed shares for each of `count` devices, or where there are none such that follow the
-    /// measured speed.
+    /// Returns fixed shares for `count` devices, or shares that follow measured speed.
     pub(crate) fn new(count: usize, fixed: Option<Vec<f64>>) -> Self {
         let speeds = if fixed.is_some() { Vec::new() } else { vec![Speeds::default(); count] };
         let shares = fixed.unwrap_or_else(|| vec![1.0 / count as f64; count]);
@@ -57,8 +55,8 @@ impl Balance {
         self.speeds.is_empty()
     }
 
-    /// Takes over what each device did in a frame: its members, and its milliseconds where they are
-    /// known. Nothing is learnt from a frame in which those of some device are not.
+    /// Takes the members and milliseconds of each device in a frame. A frame in which any time is
+    /// unknown changes nothing.
     pub(crate) fn measured(&mut self, work: impl Iterator<Item = (usize, Option<f64>)> + Clone) {
         let speed = |(members, ms): (usize, Option<f64>)| Some(members as f64 / ms?);
         let is_known =

@@ -1,4 +1,4 @@
-//! What devices keep of members from frame to frame, on its way from one device to another.
+//! The history of members on its way from one device to another.
 
 use std::ops::Range;
 
@@ -8,8 +8,8 @@ use populace_device::layout::{
 };
 use populace_device::{Backend, BackendError, StageBuffer, Tables};
 
-/// States of all controls, and what is watched; and where state machines are, which devices that
-/// share a crowd each find by themselves.
+/// States of all constraint programs, watched joints, and state machines, which devices that share
+/// a crowd each compute for themselves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kept {
     states: Vec<Float4>,
@@ -18,19 +18,19 @@ pub(crate) struct Kept {
 }
 
 impl Kept {
-    /// Makes room for what devices that share a crowd do not each find; `false` where that is
-    /// nothing.
+    /// Allocates for the history that devices do not compute for themselves. Returns `false` if
+    /// there is none.
     pub(super) fn make_room(&mut self, tables: &Tables) -> bool {
         self.states.resize(tables.state_elements(), Float4::default());
         self.watched.resize(tables.watched_elements(), Float4::default());
         !self.states.is_empty() || !self.watched.is_empty()
     }
 
-    /// All that a device keeps, for another. One that was lost keeps nothing any more: feet then
-    /// come down anew, and machines begin anew.
+    /// Reads the whole history of a device for another. A lost device has none: feet are planted
+    /// again, and machines restart.
     pub(crate) fn read_all(backend: &mut dyn Backend, tables: &Tables) -> Self {
         let mut kept = Self::default();
-        // What was added since the last update has no place there yet.
+        // States added since the last update are not on the device yet.
         let states = tables.controls().tail().start * STATES_PER_CONTROL as usize;
         let running = tables.machine_instances().tail().start * RUNNING_ELEMENTS as usize;
         for (buffer, all, count) in [
@@ -46,12 +46,12 @@ impl Kept {
         kept
     }
 
-    /// Elements of the states from one on; of what is not known, zeros.
+    /// Returns elements of the states from `first` on; zeros for unknown states.
     pub(crate) fn states<const N: usize>(&self, first: usize) -> [Float4; N] {
         std::array::from_fn(|nth| self.states.get(first + nth).copied().unwrap_or_default())
     }
 
-    /// Where a machine instance was; nowhere if nothing is known of it.
+    /// Returns the state of a machine instance; the default if it is unknown.
     pub(crate) fn running(&self, machine_instance: u32) -> Running {
         let rows = self.running.as_chunks().0;
         rows.get(machine_instance as usize)
@@ -59,7 +59,8 @@ impl Kept {
             .map_or_else(Running::default, Running::from_elements)
     }
 
-    /// What a device keeps that others do not find by themselves, waiting for its last frame.
+    /// Reads the history that other devices do not compute for themselves. Waits for the last
+    /// frame.
     pub(crate) fn read(backend: &mut dyn Backend, tables: &Tables) -> Result<Self, BackendError> {
         let mut kept = Self::default();
         if kept.make_room(tables) {
@@ -69,7 +70,7 @@ impl Kept {
         Ok(kept)
     }
 
-    /// Takes over what `from` has of a member.
+    /// Copies the history of a member from `from`.
     pub(super) fn take_over(&mut self, from: &Self, tables: &Tables, member: &Member) {
         if member.body == NONE || member.control == NONE {
             return;
@@ -83,7 +84,7 @@ impl Kept {
         }
     }
 
-    /// Forgets the joints whose places among what is watched went to others since.
+    /// Clears watched joints whose indices were reused since.
     pub(crate) fn forget_new_watched(&mut self, tables: &Tables) {
         for run in tables.new_watched_elements() {
             if let Some(watched) = self.watched.get_mut(run) {
@@ -92,8 +93,8 @@ impl Kept {
         }
     }
 
-    /// Gives it to a device that took over these tables; of what they no longer hold there is
-    /// nothing to give.
+    /// Writes the history to a device that has these tables. States that the tables no longer hold
+    /// are dropped.
     pub(crate) fn write(
         &self,
         backend: &mut dyn Backend,

@@ -1,33 +1,33 @@
-//! Where members and their palettes stood in the last frame, kept by what changed: splitting and
-//! gathering then take neither the tables nor a walk over all of them.
+//! The positions of members and palettes in the last frame, updated from what changed. Splitting
+//! and gathering then need neither the tables nor a walk over all members.
 
 use std::ops::Range;
 
 use populace_device::Tables;
 use populace_device::layout::{Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
 
-/// Places that are counted together.
+/// Indices that are counted together.
 const CHUNK: usize = 256;
-/// Elements of each palette entry.
+/// Elements of a palette entry.
 const ENTRY: usize = 3;
 
-/// All places.
+/// All indices.
 #[derive(Default)]
 pub(crate) struct Places {
     places: Vec<Place>,
-    /// Members of each chunk.
+    /// The number of members of each chunk.
     counts: Vec<usize>,
     members: usize,
 }
 
-/// What stands in a place; its palette entries, by their number over all pages.
+/// The member at an index; its palette entries by their number over all pages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Free,
     Taken { entry_first: u32, entry_count: u32 },
 }
 
-/// Neighbouring elements of one page of palettes, all written by one device.
+/// Neighbouring elements of one palette page, all written by one device.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Run {
     pub(crate) page: usize,
@@ -35,7 +35,7 @@ pub(crate) struct Run {
 }
 
 impl Places {
-    /// Takes over what changed in the tables since they were last clean.
+    /// Takes over changes of the tables since they were last clean.
     pub(crate) fn update(&mut self, tables: &Tables) {
         let members = tables.members();
         let all = members.as_slice();
@@ -58,12 +58,12 @@ impl Places {
         self.members = self.members + came - left;
     }
 
-    /// How many members there are.
+    /// The number of members.
     pub(crate) fn members(&self) -> usize {
         self.members
     }
 
-    /// The place before which so many members stand: the last end of all places for all of them.
+    /// Returns the index before which `count` members are; for all members, the end of all indices.
     pub(crate) fn place_after(&self, mut members: usize) -> u32 {
         if members >= self.members {
             return u32::MAX;
@@ -82,7 +82,7 @@ impl Places {
             .unwrap_or(u32::MAX)
     }
 
-    /// The palettes of the members in some places, in order, neighbours joined.
+    /// Returns the palettes of the members in a range of indices, in order, with neighbours joined.
     pub(crate) fn palettes(&self, places: Range<u32>) -> Vec<Run> {
         let end = (places.end as usize).min(self.places.len());
         let mut blocks: Vec<Range<u32>> = self.places[(places.start as usize).min(end)..end]

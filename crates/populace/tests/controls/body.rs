@@ -7,7 +7,7 @@ use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
 use populace::model::math::{quat, vec3};
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
-use populace::{Affine, Crowd, Device, JointIndex, Member, Placement, Schedule, Trs};
+use populace::{Affine, Crowd, Device, JointIndex, MemberId, Placement, Schedule, Trs};
 
 /// Joints: name, parent, and place in model space.
 const JOINTS: &[(&str, Option<usize>, [f32; 3])] = &[
@@ -158,15 +158,19 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    pub(crate) fn member(&mut self, placement: Placement) -> Member {
+    pub(crate) fn member(&mut self, placement: Placement) -> MemberId {
         self.crowd.spawn(self.body, placement).expect("room")
     }
 
-    pub(crate) fn models(&mut self, member: Member) -> Vec<Affine> {
-        self.crowd.model_from_joints(member).expect("joints that can be read")
+    pub(crate) fn models(&mut self, member: MemberId) -> Vec<Affine> {
+        self.crowd
+            .member_mut(member)
+            .expect("joints that can be read")
+            .model_from_joints()
+            .expect("joints that can be read")
     }
 
-    pub(crate) fn place(&mut self, member: Member, name: &str) -> [f32; 3] {
+    pub(crate) fn place(&mut self, member: MemberId, name: &str) -> [f32; 3] {
         self.models(member)[joint(name).index()].origin()
     }
 

@@ -3,7 +3,7 @@
 use populace::character::{Character, CharacterSource};
 use populace::model::math::vec3;
 use populace::model::{JointSource, Role, RoleMap, Side, Skeleton};
-use populace::{Feet, Foot, Ground, JointIndex, Placement, Play, Trs, Weight};
+use populace::{ClipPlayback, Feet, Foot, Ground, JointIndex, Placement, Trs};
 
 use crate::body::{axes, character, distance, everywhere, joint, rest_place, skeleton};
 
@@ -34,16 +34,31 @@ fn walk(
     };
     let member = stage.member(at(0.0));
     let clip = stage.clip("walk");
-    stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
-    stage.crowd.plant_with(member, &feet()).expect("feet");
+    stage
+        .crowd
+        .member_mut(member)
+        .expect("a clip that plays")
+        .play(clip, ClipPlayback::looping())
+        .expect("a clip that plays");
+    stage.crowd.member_mut(member).expect("feet").plant_feet_with(&feet()).expect("feet");
     let plain = stage.member(at(0.0));
-    stage.crowd.play(plain, clip, Play::looping()).expect("a clip that plays");
+    stage
+        .crowd
+        .member_mut(plain)
+        .expect("a clip that plays")
+        .play(clip, ClipPlayback::looping())
+        .expect("a clip that plays");
     let (mut moved, mut planted, mut lifted) = (0.0_f32, 0, 0.0_f32);
     let mut last: [Option<[f32; 3]>; 2] = [None, None];
     for frame in 0..180_u16 {
-        stage.crowd.place(member, at(f32::from(frame) / 60.0)).expect("a member");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a member")
+            .set_placement(at(f32::from(frame) / 60.0))
+            .expect("a member");
         stage.update(1.0 / 60.0);
-        let world = stage.crowd.placement(member).expect("a member").world_from_model();
+        let world = stage.crowd.member(member).expect("a member").placement().world_from_model();
         for (foot, name) in ["leftFoot", "rightFoot"].into_iter().enumerate() {
             let clip_height = stage.place(plain, name)[1];
             let place = world.transform_point(stage.place(member, name));
@@ -167,8 +182,17 @@ fn feet_that_hang_elsewhere_are_planted_once_they_hang_on_legs() {
             stage.crowd.set_roles(id, roles).expect("roles of its own");
             let walk = stage.crowd.clip(id, "walk").expect("a clip of that name");
             let member = stage.crowd.spawn(id, at).expect("room");
-            stage.crowd.play(member, walk, Play::looping()).expect("a clip that plays");
-            stage.crowd.plant_feet(member, Weight::FULL).map(|()| (id, member))
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a clip that plays")
+                .play(walk, ClipPlayback::looping())
+                .expect("a clip that plays");
+            stage
+                .crowd
+                .member_mut(member)
+                .and_then(|mut m| m.plant_feet(1.0))
+                .map(|()| (id, member))
         };
         let refused = planted(loose.clone()).expect_err("feet would stay behind").to_string();
         assert!(refused.contains("with_feet_on_legs"), "{refused}");

@@ -1,7 +1,7 @@
 //! Look-at.
 
 use populace::model::math::vec3;
-use populace::{Affine, Gaze, GazeLimits, Member, Placement, Play, Target, Weight};
+use populace::{Affine, ClipPlayback, Gaze, GazeLimits, MemberId, Placement, Target, Weight};
 
 use crate::body::{Stage, everywhere, joint};
 
@@ -10,7 +10,7 @@ const LIMITS: GazeLimits = GazeLimits { yaw_rad: 1.3, up_rad: 0.7, down_rad: 0.9
 pub(crate) fn gaze() -> Gaze {
     let chain = [("spine", 0.15), ("chest", 0.15), ("neck", 0.3), ("head", 0.4)];
     let chain = chain.map(|(name, share)| (joint(name), share)).to_vec();
-    Gaze { chain, facing: [0.0, 0.0, 1.0], limits: LIMITS, targets: Vec::new() }
+    Gaze { chain, facing: [0.0, 0.0, 1.0], limits: LIMITS }
 }
 
 /// Where a joint faces in model space, of all joints at rest and now.
@@ -36,13 +36,18 @@ fn angles(rest: &[Affine], now: &[Affine]) -> (f32, f32) {
     (x.atan2(z), y.atan2((x * x + z * z).sqrt()))
 }
 
-fn watcher(stage: &mut Stage) -> (Member, Vec<Affine>) {
+fn watcher(stage: &mut Stage) -> (MemberId, Vec<Affine>) {
     let still = stage.member(Placement::at([0.0; 3]));
     stage.update(0.0);
     let rest = stage.models(still);
     let member = stage.member(Placement::at([2.0, 0.5, 1.0]).facing(-2.0).scaled(0.8));
     let clip = stage.clip("sway");
-    stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
+    stage
+        .crowd
+        .member_mut(member)
+        .expect("a clip that plays")
+        .play(clip, ClipPlayback::looping())
+        .expect("a clip that plays");
     (member, rest)
 }
 
@@ -63,7 +68,9 @@ fn the_head_faces_its_target_within_the_limits() {
             let weight = Weight::FULL.over_secs(0.0);
             stage
                 .crowd
-                .look_with(member, &gaze(), Target::InModel(target), weight)
+                .member_mut(member)
+                .expect("a gaze")
+                .look_at_with(&gaze(), Target::InModel(target), weight)
                 .expect("a gaze");
             stage.update(0.0);
             let now = stage.models(member);
@@ -88,7 +95,12 @@ fn limits_are_never_passed_and_the_gaze_never_snaps() {
             let yaw = x * 2.0 * std::f32::consts::TAU;
             let at = [yaw.sin() * 3.0, 1.6 + 3.0 * (x * 17.0).sin(), yaw.cos() * 3.0];
             let weight = Weight::FULL.over_secs(0.0);
-            stage.crowd.look_with(member, &gaze(), Target::InModel(at), weight).expect("a gaze");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a gaze")
+                .look_at_with(&gaze(), Target::InModel(at), weight)
+                .expect("a gaze");
             stage.update(1.0 / 60.0);
             let now = stage.models(member);
             let (yaw, pitch) = angles(&rest, &now);
@@ -112,7 +124,12 @@ fn a_gaze_eases_in_over_and_out() {
         let (member, rest) = watcher(stage);
         let at = |stage: &mut Stage, x: f32, weight: Weight| {
             let target = Target::InModel([x, 1.2, 1.0]);
-            stage.crowd.look_with(member, &gaze(), target, weight).expect("a gaze");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a gaze")
+                .look_at_with(&gaze(), target, weight)
+                .expect("a gaze");
         };
         let weight = Weight::FULL.over_secs(0.5);
         let (mut last, mut turned) = (None, 0.0_f32);
@@ -122,7 +139,12 @@ fn a_gaze_eases_in_over_and_out() {
                 25 => at(stage, -2.0, weight.easing_over()),
                 30 => at(stage, 0.5, weight.easing_over()),
                 100 => at(stage, -2.0, weight),
-                130 => stage.crowd.look_ahead(member, 0.5).expect("a member"),
+                130 => stage
+                    .crowd
+                    .member_mut(member)
+                    .expect("a member")
+                    .clear_look_at(0.5)
+                    .expect("a member"),
                 _ => {}
             }
             stage.update(1.0 / 60.0);
@@ -136,7 +158,12 @@ fn a_gaze_eases_in_over_and_out() {
         stage.update(1.0);
         let twin = stage.member(Placement::at([0.0; 3]));
         let clip = stage.clip("sway");
-        stage.crowd.play(twin, clip, Play::looping()).expect("a clip that plays");
+        stage
+            .crowd
+            .member_mut(twin)
+            .expect("a clip that plays")
+            .play(clip, ClipPlayback::looping())
+            .expect("a clip that plays");
         stage.update(1.0); // five seconds of a clip of two on the one, one second on the other
         let (now, then) = (stage.models(member), stage.models(twin));
         let apart = |name: &str| {
@@ -156,14 +183,21 @@ fn a_member_looks_at_anothers_hand() {
         let (member, rest) = watcher(stage);
         let other = stage.member(Placement::at([1.8, 0.7, 0.0]).facing(1.0));
         let clip = stage.clip("sway");
-        stage.crowd.play(other, clip, Play::looping()).expect("a clip that plays");
+        stage
+            .crowd
+            .member_mut(other)
+            .expect("a clip that plays")
+            .play(clip, ClipPlayback::looping())
+            .expect("a clip that plays");
         let target = Target::Joint { member: other, joint: joint("leftHand") };
         stage
             .crowd
-            .look_with(member, &gaze(), target, Weight::FULL.over_secs(0.0))
+            .member_mut(member)
+            .expect("a gaze")
+            .look_at_with(&gaze(), target, Weight::FULL.over_secs(0.0))
             .expect("a gaze");
         for step in 0..20 {
-            let world = stage.crowd.placement(other).expect("a member").world_from_model();
+            let world = stage.crowd.member(other).expect("a member").placement().world_from_model();
             let hand = if step > 0 {
                 Some(world.transform_point(stage.place(other, "leftHand")))
             } else {
@@ -171,7 +205,8 @@ fn a_member_looks_at_anothers_hand() {
             };
             stage.update(1.0 / 30.0);
             let now = stage.models(member);
-            let world = stage.crowd.placement(member).expect("a member").world_from_model();
+            let world =
+                stage.crowd.member(member).expect("a member").placement().world_from_model();
             let head = world.mul(&now[joint("head").index()]).origin();
             let f = vec3::unit_or(world.transform_vector(facing(&rest, &now, "head")), [0.0; 3]);
             let Some(hand) = hand else { continue };

@@ -1,24 +1,34 @@
 //! Crowds whose members have controls, moved from device to device or shared by several.
 #![cfg(all(feature = "opencl", not(skip_opencl)))]
 
-use populace::{Crowd, Device, Placement, Play, Split, Target, Weight};
+use populace::{ClipPlayback, Crowd, Device, Placement, Split, Target, Weight};
 
 use crate::body::{Stage, character, joint};
 use crate::feet::feet;
 use crate::gaze::gaze;
 
 /// Members that walk on planted feet, each looking at the hand of the one before it.
-fn walkers(mut crowd: Crowd) -> (Stage, Vec<populace::Member>) {
+fn walkers(mut crowd: Crowd) -> (Stage, Vec<populace::MemberId>) {
     let body = crowd.add_character(character()).expect("room");
     let mut stage = Stage { crowd, body };
     let members: Vec<_> = (0..12_u8).map(|n| stage.member(at(n, 0))).collect();
     let clip = stage.clip("walk");
     for (n, &member) in members.iter().enumerate() {
         let phase = n as f32 * 0.13;
-        stage.crowd.play(member, clip, Play::looping().phase(phase)).expect("a clip that plays");
-        stage.crowd.plant_with(member, &feet()).expect("feet");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a clip that plays")
+            .play(clip, ClipPlayback::looping().phase(phase))
+            .expect("a clip that plays");
+        stage.crowd.member_mut(member).expect("feet").plant_feet_with(&feet()).expect("feet");
         let target = Target::Joint { member: members[(n + 5) % 12], joint: joint("leftHand") };
-        stage.crowd.look_with(member, &gaze(), target, Weight::FULL).expect("a gaze");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a gaze")
+            .look_at_with(&gaze(), target, Weight::FULL)
+            .expect("a gaze");
     }
     (stage, members)
 }
@@ -27,12 +37,26 @@ fn at(n: u8, frame: u16) -> Placement {
     Placement::at([f32::from(n) * 0.8, 0.0, f32::from(frame) * 0.013]).facing(f32::from(n) * 0.05)
 }
 
-fn step(stage: &mut Stage, members: &[populace::Member], frame: u16) -> Vec<Vec<populace::Affine>> {
+fn step(
+    stage: &mut Stage,
+    members: &[populace::MemberId],
+    frame: u16,
+) -> Vec<Vec<populace::Affine>> {
     for (n, &member) in (0..).zip(members) {
-        stage.crowd.place(member, at(n, frame)).expect("a member");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a member")
+            .set_placement(at(n, frame))
+            .expect("a member");
     }
     stage.update(1.0 / 60.0);
-    members.iter().map(|&member| stage.crowd.palette(member).expect("a palette")).collect()
+    members
+        .iter()
+        .map(|&member| {
+            stage.crowd.member_mut(member).expect("a palette").palette().expect("a palette")
+        })
+        .collect()
 }
 
 fn alone(device: Device) -> Crowd {

@@ -1,7 +1,7 @@
 //! Transforms that the host gives.
 
 use populace::model::math::{quat, vec3};
-use populace::{Affine, Error, JointOverride, Placement, Play, Space, Trs};
+use populace::{Affine, ClipPlayback, Error, JointOverride, Placement, Space, Trs};
 
 use crate::body::{distance, everywhere, joint, skeleton, turn_deg};
 
@@ -31,10 +31,20 @@ fn a_joint_goes_where_the_host_has_it_and_what_hangs_on_it_follows() {
             let [member, twin] = [(); 2].map(|()| stage.member(Placement::at([0.0; 3])));
             let clip = stage.clip("sway");
             for member in [member, twin] {
-                stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
+                stage
+                    .crowd
+                    .member_mut(member)
+                    .expect("a clip that plays")
+                    .play(clip, ClipPlayback::looping())
+                    .expect("a clip that plays");
             }
             let o = given("chest", space, 1.0);
-            stage.crowd.override_joints(member, &[o]).expect("an override");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("an override")
+                .override_joints(&[o])
+                .expect("an override");
             stage.update(0.4);
             let (with, without) = (stage.models(member), stage.models(twin));
             let at = joint("chest");
@@ -58,7 +68,12 @@ fn a_joint_goes_where_the_host_has_it_and_what_hangs_on_it_follows() {
                 }
             }
             // Released, it is as if nothing had been.
-            stage.crowd.release_joints(member, space, &[at]).expect("a member");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a member")
+                .release_joints(space, &[at])
+                .expect("a member");
             stage.update(0.1);
             assert_eq!(stage.models(member), stage.models(twin), "{space:?}");
             stage.crowd.despawn(member).expect("a member");
@@ -77,13 +92,20 @@ fn weights_lead_from_the_clip_to_the_override() {
             let (from, mut last) = (stage.models(member)[at], None::<Affine>);
             stage
                 .crowd
-                .override_joints(member, &[given("leftUpperArm", space, 1.0)])
+                .member_mut(member)
+                .expect("an override")
+                .override_joints(&[given("leftUpperArm", space, 1.0)])
                 .expect("an override");
             stage.update(0.0);
             let to = stage.models(member)[at];
             for step in 0..=16_u8 {
                 let o = given("leftUpperArm", space, f32::from(step) / 16.0);
-                stage.crowd.override_joints(member, &[o]).expect("an override");
+                stage
+                    .crowd
+                    .member_mut(member)
+                    .expect("an override")
+                    .override_joints(&[o])
+                    .expect("an override");
                 stage.update(0.0);
                 let now = stage.models(member)[at];
                 if step == 0 {
@@ -125,7 +147,12 @@ fn bad_values_are_refused_and_change_nothing() {
     everywhere(|stage| {
         let member = stage.member(Placement::at([0.0; 3]));
         let good = given("head", Space::Model, 1.0);
-        stage.crowd.override_joints(member, &[good]).expect("an override");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("an override")
+            .override_joints(&[good])
+            .expect("an override");
         stage.update(0.0);
         let before = stage.models(member);
         let mut nan = good;
@@ -136,13 +163,20 @@ fn bad_values_are_refused_and_change_nothing() {
         absent.joint = populace::JointIndex(99);
         let heavy = JointOverride { weight: 1.5, ..good };
         for bad in [nan, long, absent, heavy] {
-            let error = stage.crowd.override_joints(member, &[good, bad]).expect_err("it is bad");
+            let error = stage
+                .crowd
+                .member_mut(member)
+                .and_then(|mut m| m.override_joints(&[good, bad]))
+                .expect_err("it is bad");
             assert!(matches!(error, Error::Tables(_)), "{error}");
         }
         stage.update(0.0);
         assert_eq!(stage.models(member), before);
-        stage.crowd.release_all(member).expect("a member");
+        stage.crowd.member_mut(member).expect("a member").release_all_joints().expect("a member");
         stage.crowd.despawn(member).expect("a member");
-        assert!(stage.crowd.override_joints(member, &[good]).is_err(), "the member has left");
+        assert!(
+            stage.crowd.member_mut(member).and_then(|mut m| m.override_joints(&[good])).is_err(),
+            "the member has left"
+        );
     });
 }

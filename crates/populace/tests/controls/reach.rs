@@ -1,6 +1,6 @@
 //! Two-bone reaching.
 
-use populace::{Placement, Play, Reach, Target, Weight};
+use populace::{ClipPlayback, JointOverride, Placement, Reach, Space, Target, Trs, Weight};
 
 use crate::body::{Stage, distance, everywhere, joint, turn_deg};
 
@@ -16,7 +16,12 @@ fn a_target_within_reach_is_met() {
         let placement = Placement::at([3.0, 0.0, -2.0]).facing(0.7).scaled(1.3);
         let member = stage.member(placement);
         let clip = stage.clip("sway");
-        stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a clip that plays")
+            .play(clip, ClipPlayback::looping())
+            .expect("a clip that plays");
         let reach =
             Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
         let mut worst: f32 = 0.0;
@@ -34,7 +39,12 @@ fn a_target_within_reach_is_met() {
             } else {
                 Target::Point(placement.world_from_model().transform_point(target))
             };
-            stage.crowd.reach(member, reach, aim, at_once()).expect("a limb that reaches");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a limb that reaches")
+                .reach(reach, aim, at_once())
+                .expect("a limb that reaches");
             stage.update(0.0);
             let missed = distance(stage.place(member, "leftHand"), target);
             worst = worst.max(missed);
@@ -61,7 +71,9 @@ fn largest_turns(stage: &mut Stage, step_secs: f32) -> (f32, f32) {
         let target = [shoulder[0] + 0.3 * out, shoulder[1] - 0.2 * out, shoulder[2] + 0.93 * out];
         stage
             .crowd
-            .reach(member, reach, Target::InModel(target), at_once())
+            .member_mut(member)
+            .expect("a limb that reaches")
+            .reach(reach, Target::InModel(target), at_once())
             .expect("a limb that reaches");
         stage.update(step_secs);
         let now = stage.models(member);
@@ -103,7 +115,9 @@ fn beyond_its_length_an_arm_straightens_towards_the_target() {
         let target = [1.0, 4.0, 5.0];
         stage
             .crowd
-            .reach(member, reach, Target::InModel(target), at_once())
+            .member_mut(member)
+            .expect("a limb that reaches")
+            .reach(reach, Target::InModel(target), at_once())
             .expect("a limb that reaches");
         stage.update(0.1);
         let [shoulder, hand] = ["leftUpperArm", "leftHand"].map(|name| stage.place(member, name));
@@ -111,5 +125,27 @@ fn beyond_its_length_an_arm_straightens_towards_the_target() {
         let off = distance(hand, target) + distance(shoulder, hand) - distance(shoulder, target);
         assert!(straight > 0.99 && straight <= 1.001, "{straight} of its length");
         assert!(off < 1e-4, "{off} m beside the line");
+    });
+}
+
+#[test]
+fn bones_of_very_different_lengths_stay_finite() {
+    everywhere(|stage| {
+        let member = stage.member(Placement::at([0.0; 3]));
+        let hand = joint("leftHand");
+        let far = JointOverride {
+            joint: hand,
+            space: Space::Local,
+            transform: Trs { translation: [1e9, 0.4, 0.4], ..Trs::IDENTITY },
+            weight: 0.45,
+        };
+        let mut view = stage.crowd.member_mut(member).expect("a member");
+        view.override_joints(&[far]).expect("an override within the limits");
+        let reach = Reach::with(hand).pole([-0.1, -0.95, 0.4]).keeping_rotation();
+        view.reach(reach, [1.0, 1.0, 1.0], at_once()).expect("a limb that reaches");
+        stage.update(0.1);
+        let palette = stage.crowd.member_mut(member).expect("a member").palette();
+        let palette = palette.expect("a palette");
+        assert!(palette.iter().flat_map(|m| m.rows).flatten().all(f32::is_finite), "{palette:?}");
     });
 }

@@ -1,7 +1,9 @@
 //! Calls that are repeated each frame, as games make them.
 
 use populace::model::math::vec3;
-use populace::{Affine, LayerSettings, Member, Placement, Play, Reach, Target, Trs, Weight};
+use populace::{
+    Affine, ClipPlayback, LayerSettings, MemberId, Placement, Reach, Target, Trs, Weight,
+};
 
 use crate::body::{Stage, distance, everywhere, joint};
 use crate::feet::feet;
@@ -21,15 +23,20 @@ fn moving(frame: u8) -> [f32; 3] {
     [0.35 + 0.15 * (3.0 * x).sin(), 1.3 + 0.2 * x, 0.3]
 }
 
-fn player(stage: &mut Stage) -> Member {
+fn player(stage: &mut Stage) -> MemberId {
     let member = stage.member(Placement::at([2.0, 0.3, 1.0]).facing(0.7));
     let clip = stage.clip("sway");
-    stage.crowd.play(member, clip, Play::looping()).expect("a clip that plays");
+    stage
+        .crowd
+        .member_mut(member)
+        .expect("a clip that plays")
+        .play(clip, ClipPlayback::looping())
+        .expect("a clip that plays");
     member
 }
 
 /// How far the left hand is from a point of model space.
-fn missed(stage: &mut Stage, member: Member, point: [f32; 3]) -> f32 {
+fn missed(stage: &mut Stage, member: MemberId, point: [f32; 3]) -> f32 {
     distance(stage.place(member, "leftHand"), point)
 }
 
@@ -37,17 +44,27 @@ fn missed(stage: &mut Stage, member: Member, point: [f32; 3]) -> f32 {
 fn a_moving_target_is_met_once_the_ease_is_over() {
     everywhere(|stage| {
         let [limb, in_world, chain] = [player(stage), player(stage), player(stage)];
-        let world = stage.crowd.placement(limb).expect("a member").world_from_model();
+        let world = stage.crowd.member(limb).expect("a member").placement().world_from_model();
         let arm = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
         for frame in 0..2 * EASE {
             let point = moving(frame);
             let there = Target::Point(world.transform_point(point));
             let (shoulder, hand) = (joint("leftUpperArm"), joint("leftHand"));
             let crowd = &mut stage.crowd;
-            crowd.reach(limb, arm, Target::InModel(point), easing()).expect("an arm");
-            crowd.reach(in_world, arm, there, easing()).expect("an arm");
             crowd
-                .reach_with_chain(chain, shoulder, hand, Target::InModel(point), easing())
+                .member_mut(limb)
+                .expect("an arm")
+                .reach(arm, Target::InModel(point), easing())
+                .expect("an arm");
+            crowd
+                .member_mut(in_world)
+                .expect("an arm")
+                .reach(arm, there, easing())
+                .expect("an arm");
+            crowd
+                .member_mut(chain)
+                .expect("a chain")
+                .reach_with_chain(shoulder, hand, Target::InModel(point), easing())
                 .expect("a chain");
             stage.update(FRAME_SECS);
             let [limb, in_world, chain] = [limb, in_world, chain].map(|m| missed(stage, m, point));
@@ -68,15 +85,23 @@ fn a_gaze_follows_points_and_directions_that_move() {
         stage.update(0.0);
         let rest = stage.models(still);
         let [to_point, to_direction] = [player(stage), player(stage)];
-        let turn = stage.crowd.placement(to_point).expect("a member").world_from_model();
+        let turn = stage.crowd.member(to_point).expect("a member").placement().world_from_model();
         for frame in 0..2 * EASE {
             let yaw = 0.6 - 0.02 * f32::from(frame);
             let ahead = [yaw.sin(), 0.1, yaw.cos()];
             let point = [ahead[0] * 900.0, 1.6 + ahead[1] * 900.0, ahead[2] * 900.0];
             let direction = Target::Direction(turn.transform_vector(ahead));
             let crowd = &mut stage.crowd;
-            crowd.look_with(to_point, &gaze(), Target::InModel(point), easing()).expect("a gaze");
-            crowd.look_with(to_direction, &gaze(), direction, easing()).expect("a gaze");
+            crowd
+                .member_mut(to_point)
+                .expect("a gaze")
+                .look_at_with(&gaze(), Target::InModel(point), easing())
+                .expect("a gaze");
+            crowd
+                .member_mut(to_direction)
+                .expect("a gaze")
+                .look_at_with(&gaze(), direction, easing())
+                .expect("a gaze");
             stage.update(FRAME_SECS);
             if frame + 1 < EASE {
                 continue;
@@ -104,15 +129,32 @@ fn calls_far_apart_or_told_to_ease_over_to_another_point() {
         let arm = Reach::with(joint("leftHand")).limb(joint("leftUpperArm"), joint("leftLowerArm"));
         let (first, second) = ([0.5, 1.2, 0.35], [0.25, 1.5, 0.4]);
         for member in [late, soon] {
-            stage.crowd.reach(member, arm, Target::InModel(first), easing()).expect("an arm");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("an arm")
+                .reach(arm, Target::InModel(first), easing())
+                .expect("an arm");
         }
         stage.update(0.6);
-        stage.crowd.reach(soon, arm, Target::InModel(first), easing()).expect("an arm");
-        stage.update(0.2);
-        stage.crowd.reach(late, arm, Target::InModel(second), easing()).expect("an arm");
         stage
             .crowd
-            .reach(soon, arm, Target::InModel(second), easing().easing_over())
+            .member_mut(soon)
+            .expect("an arm")
+            .reach(arm, Target::InModel(first), easing())
+            .expect("an arm");
+        stage.update(0.2);
+        stage
+            .crowd
+            .member_mut(late)
+            .expect("an arm")
+            .reach(arm, Target::InModel(second), easing())
+            .expect("an arm");
+        stage
+            .crowd
+            .member_mut(soon)
+            .expect("an arm")
+            .reach(arm, Target::InModel(second), easing().easing_over())
             .expect("an arm");
         for member in [late, soon] {
             stage.update(0.0);
@@ -121,7 +163,12 @@ fn calls_far_apart_or_told_to_ease_over_to_another_point() {
         // Calls that follow go on with the ease, which then has both to go between.
         for _ in 0..EASE {
             for member in [late, soon] {
-                stage.crowd.reach(member, arm, Target::InModel(second), easing()).expect("an arm");
+                stage
+                    .crowd
+                    .member_mut(member)
+                    .expect("an arm")
+                    .reach(arm, Target::InModel(second), easing())
+                    .expect("an arm");
             }
             stage.update(FRAME_SECS);
         }
@@ -145,7 +192,12 @@ fn a_weight_that_changes_eases_from_where_it_is() {
             } else {
                 Weight::new(0.3).expect("a weight")
             };
-            stage.crowd.reach(member, arm, target, weight).expect("an arm");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("an arm")
+                .reach(arm, target, weight)
+                .expect("an arm");
             stage.update(FRAME_SECS);
             let hand = stage.place(member, "leftHand");
             let moved = last.map_or(0.0, |last| distance(last, hand));
@@ -164,8 +216,13 @@ fn calls_that_say_the_same_again_change_nothing() {
         let props = [once, ever].map(|member| (stage.member(Placement::at([0.0; 3])), member));
         let walk = stage.clip("walk");
         let layered = [once, ever].map(|member| {
-            let play = Play::looping().on_layer(1).weight(0.2);
-            stage.crowd.blend(member, walk, play).expect("a clip that plays")
+            let play = ClipPlayback::looping().on_layer(1).weight(0.2);
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a clip that plays")
+                .blend(walk, play)
+                .expect("a clip that plays")
         });
         for frame in 0..150_u8 {
             for (nth, member) in [once, ever].into_iter().enumerate() {
@@ -177,29 +234,49 @@ fn calls_that_say_the_same_again_change_nothing() {
                 let crowd = &mut stage.crowd;
                 if says(begins, 0, 50) {
                     let target = Target::Joint { member: torch, joint: joint("head") };
-                    crowd.look_with(member, &gaze(), target, easing()).expect("a gaze");
-                    crowd.plant_with(member, &feet()).expect("feet");
                     crowd
-                        .attach(props[nth].0, props[nth].1, joint("leftHand"), Trs::IDENTITY)
+                        .member_mut(member)
+                        .expect("a gaze")
+                        .look_at_with(&gaze(), target, easing())
+                        .expect("a gaze");
+                    crowd.member_mut(member).expect("feet").plant_feet_with(&feet()).expect("feet");
+                    crowd
+                        .member_mut(props[nth].0)
+                        .expect("a prop")
+                        .attach_to(props[nth].1, joint("leftHand"), Trs::IDENTITY)
                         .expect("a prop");
-                    crowd.set_layer(member, 1, LayerSettings::default(), None).expect("a layer");
-                    crowd.set_weight(layered[nth], 0.9, 0.7).expect("a clip that plays");
+                    crowd
+                        .member_mut(member)
+                        .expect("a layer")
+                        .set_layer(1, LayerSettings::default(), None)
+                        .expect("a layer");
+                    crowd
+                        .member_mut(layered[nth].member())
+                        .expect("a clip that plays")
+                        .set_weight(layered[nth], 0.9, 0.7)
+                        .expect("a clip that plays");
                 }
                 if says(ends, 50, 90) {
-                    crowd.look_ahead(member, 0.4).expect("a member");
+                    crowd
+                        .member_mut(member)
+                        .expect("a member")
+                        .clear_look_at(0.4)
+                        .expect("a member");
                 }
                 if says(stops, 90, 130) {
-                    crowd.stop(member, 1, 0.5).expect("a member");
+                    crowd.member_mut(member).expect("a member").stop(1, 0.5).expect("a member");
                 }
             }
             stage.update(FRAME_SECS);
             for (a, b) in [(once, ever), (props[0].0, props[1].0)] {
-                let [a, b] = [a, b].map(|member| stage.crowd.palette(member).expect("a palette"));
+                let [a, b] = [a, b].map(|member| {
+                    stage.crowd.member_mut(member).expect("a palette").palette().expect("a palette")
+                });
                 assert!(a == b, "frame {frame}");
             }
         }
         assert_eq!(
-            stage.crowd.playing(ever).expect("a member").len(),
+            stage.crowd.member(ever).expect("a member").active_clips().len(),
             1,
             "the layer has faded out"
         );

@@ -1,7 +1,7 @@
 //! Nothing jumps: neither from state to state, however parameters change, nor as machines come and
 //! go.
 
-use populace::{Member, Play};
+use populace::{ClipPlayback, MachinePlayback, MemberId};
 use populace_testkit::Rng;
 
 use crate::arm::{step_rad, turns};
@@ -10,11 +10,11 @@ use crate::rig::{Stage, everywhere, on_native};
 const STEP_SECS: f32 = 1.0 / 240.0;
 
 /// Steps the crowd and tells how far a joint turned at most.
-fn step(stage: &mut Stage, member: Member) -> f32 {
+fn step(stage: &mut Stage, member: MemberId) -> f32 {
     step_of(stage, member, STEP_SECS)
 }
 
-fn step_of(stage: &mut Stage, member: Member, secs: f32) -> f32 {
+fn step_of(stage: &mut Stage, member: MemberId, secs: f32) -> f32 {
     let before = turns(&mut stage.crowd, member);
     stage.crowd.update(secs).unwrap();
     step_rad(&before, &turns(&mut stage.crowd, member))
@@ -27,13 +27,25 @@ fn no_joint_jumps_however_fast_parameters_change() {
     stage.frame();
     for _ in 0..4000 {
         // Above what leads out of "sit", which cuts.
-        stage.crowd.set_parameter(member, "speed", random.between(-3.0, 3.0) as f32).unwrap();
-        stage.crowd.set_parameter(member, "jump", random.between(-1.0, 1.0) as f32).unwrap();
+        stage
+            .crowd
+            .member_mut(member)
+            .unwrap()
+            .set_parameter("speed", random.between(-3.0, 3.0) as f32)
+            .unwrap();
+        stage
+            .crowd
+            .member_mut(member)
+            .unwrap()
+            .set_parameter("jump", random.between(-1.0, 1.0) as f32)
+            .unwrap();
         worst = worst.max(step(&mut stage, member));
-        if &*stage.crowd.state_of(member, 0).unwrap() == "sit" {
+        if &*stage.crowd.member_mut(member).unwrap().machine_state(0).unwrap() == "sit" {
             stage
                 .crowd
-                .run_machine(member, stage.machine, Play::looping().fade_in_secs(0.2))
+                .member_mut(member)
+                .unwrap()
+                .play_machine(stage.machine, MachinePlayback::new().fade_in_secs(0.2))
                 .unwrap();
         }
     }
@@ -50,36 +62,52 @@ fn machines_fade_in_over_clips_and_out_under_them() {
         let member = stage.member(0);
         let (walk, run) = (stage.clips[1], stage.clips[2]);
         let mut worst = 0.0_f32;
-        stage.crowd.play(member, run, Play::looping()).unwrap();
+        stage.crowd.member_mut(member).unwrap().play(run, ClipPlayback::looping()).unwrap();
         stage.frame();
-        stage.crowd.run_machine(member, stage.machine, Play::looping().fade_in_secs(0.3)).unwrap();
-        stage.crowd.set_parameter(member, "speed", 1.0).unwrap();
+        stage
+            .crowd
+            .member_mut(member)
+            .unwrap()
+            .play_machine(stage.machine, MachinePlayback::new().fade_in_secs(0.3))
+            .unwrap();
+        stage.crowd.member_mut(member).unwrap().set_parameter("speed", 1.0).unwrap();
         for _ in 0..100 {
             worst = worst.max(step(&mut stage, member));
         }
         assert_eq!(
-            stage.crowd.playing(member).unwrap(),
+            stage.crowd.member(member).unwrap().active_clips(),
             [],
             "what a machine plays only the device knows"
         );
         let hand = stage.member(0);
-        stage.crowd.play(hand, walk, Play::looping()).unwrap();
-        stage.crowd.play(member, walk, Play::looping().fade_in_secs(0.3)).unwrap();
+        stage.crowd.member_mut(hand).unwrap().play(walk, ClipPlayback::looping()).unwrap();
+        stage
+            .crowd
+            .member_mut(member)
+            .unwrap()
+            .play(walk, ClipPlayback::looping().fade_in_secs(0.3))
+            .unwrap();
         for _ in 0..80 {
             worst = worst.max(step(&mut stage, member));
         }
         assert_eq!(stage.bits(member), stage.bits(hand), "the machine is gone");
-        stage.crowd.state_of(member, 0).unwrap_err();
+        stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(0)).unwrap_err();
         // In a layer above it leaves the rest to what lies beneath.
-        let machine = Play::looping().on_layer(1).fade_in_secs(0.3);
-        let id = stage.crowd.run_machine(member, stage.machine, machine).unwrap();
-        stage.crowd.set_layer(member, 1, populace::LayerSettings::default(), None).unwrap();
+        let machine = MachinePlayback::new().on_layer(1).fade_in_secs(0.3);
+        let id =
+            stage.crowd.member_mut(member).unwrap().play_machine(stage.machine, machine).unwrap();
+        stage
+            .crowd
+            .member_mut(member)
+            .unwrap()
+            .set_layer(1, populace::LayerSettings::default(), None)
+            .unwrap();
         for frame in 0..300 {
             if frame == 100 {
-                stage.crowd.set_weight(id, 0.4, 0.2).unwrap();
+                stage.crowd.member_mut(id.member()).unwrap().set_weight(id, 0.4, 0.2).unwrap();
             }
             if frame == 200 {
-                stage.crowd.stop(member, 1, 0.3).unwrap();
+                stage.crowd.member_mut(member).unwrap().stop(1, 0.3).unwrap();
             }
             worst = worst.max(step(&mut stage, member));
         }
@@ -93,16 +121,32 @@ fn machines_fade_in_over_clips_and_out_under_them() {
 fn the_weight_of_a_machine_is_that_of_a_clip() {
     let mut stage = Stage::new(&on_native());
     let [machine, hand] = [(); 2].map(|()| stage.member(0));
-    let above = Play::looping().on_layer(1).weight(0.3);
+    let above = ClipPlayback::looping().on_layer(1).weight(0.3);
     for member in [machine, hand] {
-        stage.crowd.play(member, stage.clips[2], Play::looping()).unwrap();
-        stage.crowd.set_layer(member, 1, populace::LayerSettings::default(), None).unwrap();
+        stage
+            .crowd
+            .member_mut(member)
+            .unwrap()
+            .play(stage.clips[2], ClipPlayback::looping())
+            .unwrap();
+        stage
+            .crowd
+            .member_mut(member)
+            .unwrap()
+            .set_layer(1, populace::LayerSettings::default(), None)
+            .unwrap();
     }
-    let run = stage.crowd.run_machine(machine, stage.machine, above).unwrap();
-    let play = stage.crowd.play(hand, stage.clips[0], above.phase(0.25)).unwrap();
+    let run = stage
+        .crowd
+        .member_mut(machine)
+        .unwrap()
+        .play_machine(stage.machine, MachinePlayback::new().on_layer(1).weight(0.3))
+        .unwrap();
+    let play =
+        stage.crowd.member_mut(hand).unwrap().play(stage.clips[0], above.phase(0.25)).unwrap();
     for id in [run, play] {
-        stage.crowd.set_speed(id, 1.0).unwrap();
-        stage.crowd.set_weight(id, 0.7, 0.5).unwrap();
+        stage.crowd.member_mut(id.member()).unwrap().set_speed(id, 1.0).unwrap();
+        stage.crowd.member_mut(id.member()).unwrap().set_weight(id, 0.7, 0.5).unwrap();
     }
     for _ in 0..30 {
         stage.frame();
@@ -115,18 +159,33 @@ fn the_weight_of_a_machine_is_that_of_a_clip() {
 fn scarce(slots: usize, steps_per_sec: u16) -> f32 {
     let mut stage = Stage::new(&on_native().slots_per_member(slots));
     let (member, mut random, mut worst) = (stage.member(0), Rng::new(slots as u64), 0.0_f32);
-    stage.crowd.play(member, stage.clips[0], Play::looping()).unwrap();
+    stage.crowd.member_mut(member).unwrap().play(stage.clips[0], ClipPlayback::looping()).unwrap();
     stage.frame();
     for step in 0..30 * steps_per_sec {
         if step % (steps_per_sec / 30) == 0 {
-            let play = Play::looping().fade_in_secs(random.between(0.2, 0.6) as f32);
+            let fade_secs = random.between(0.2, 0.6) as f32;
+            let play = ClipPlayback::looping().fade_in_secs(fade_secs);
             let clip = stage.clips[random.below(3)];
             let speed = random.between(-1.0, 0.2) as f32;
             match random.below(10) {
-                0 | 1 => drop(stage.crowd.play(member, clip, play).unwrap()),
-                2 => drop(stage.crowd.blend(member, clip, play.weight(0.6)).unwrap()),
-                3 | 4 => drop(stage.crowd.run_machine(member, stage.machine, play).unwrap()),
-                5 => drop(stage.crowd.set_parameter(member, "speed", speed)),
+                0 | 1 => drop(stage.crowd.member_mut(member).unwrap().play(clip, play).unwrap()),
+                2 => drop(
+                    stage.crowd.member_mut(member).unwrap().blend(clip, play.weight(0.6)).unwrap(),
+                ),
+                3 | 4 => drop(
+                    stage
+                        .crowd
+                        .member_mut(member)
+                        .unwrap()
+                        .play_machine(stage.machine, MachinePlayback::new().fade_in_secs(fade_secs))
+                        .unwrap(),
+                ),
+                5 => drop(
+                    stage
+                        .crowd
+                        .member_mut(member)
+                        .and_then(|mut m| m.set_parameter("speed", speed)),
+                ),
                 _ => {}
             }
         }

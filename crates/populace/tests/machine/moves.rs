@@ -1,18 +1,18 @@
 //! States stay when a crowd moves to other devices, and when devices share it in another way.
 
 use populace::clip::ticks_from_secs;
-use populace::{Crowd, Device, Devices, Member, Split};
+use populace::{Crowd, Device, Devices, MemberId, Split};
 use populace_testkit::Rng;
 
 use crate::rig::{FRAME_SECS, Interpreter, Stage, everywhere, on_native};
 
-fn members(stage: &mut Stage) -> Vec<(Member, Interpreter)> {
+fn members(stage: &mut Stage) -> Vec<(MemberId, Interpreter)> {
     (0..12).map(|n| (stage.machine_instance(n % 2), Interpreter::new())).collect()
 }
 
 fn frames(
     stage: &mut Stage,
-    members: &mut [(Member, Interpreter)],
+    members: &mut [(MemberId, Interpreter)],
     random: &mut Rng,
     count: usize,
 ) {
@@ -31,9 +31,9 @@ fn frames(
 }
 
 #[track_caller]
-fn assert_states(crowd: &mut Crowd, members: &[(Member, Interpreter)]) {
+fn assert_states(crowd: &mut Crowd, members: &[(MemberId, Interpreter)]) {
     for (member, own) in members {
-        assert_eq!(&*crowd.state_of(*member, 0).unwrap(), own.state);
+        assert_eq!(&*crowd.member_mut(*member).unwrap().machine_state(0).unwrap(), own.state);
     }
 }
 
@@ -58,7 +58,7 @@ fn states_move_with_the_crowd() {
         moves.crowd.move_to(devices).unwrap();
         moves.crowd.despawn(gone).unwrap();
         assert_states(&mut moves.crowd, &moved);
-        assert_eq!(&*moves.crowd.state_of(late, 0).unwrap(), "idle");
+        assert_eq!(&*moves.crowd.member_mut(late).unwrap().machine_state(0).unwrap(), "idle");
         frames(&mut stays, &mut stay, &mut randoms[0], 1);
         frames(&mut moves, &mut moved, &mut randoms[1], 1);
         moves.crowd.despawn(late).unwrap();
@@ -77,7 +77,7 @@ fn a_crowd_whose_machines_leave_before_it_runs_elsewhere_goes_on() {
     stage.crowd.move_to(Device::Native { threads: 1 }).unwrap();
     members[1..].iter().for_each(|member| stage.crowd.despawn(*member).unwrap());
     stage.frame();
-    assert_eq!(&*stage.crowd.state_of(members[0], 0).unwrap(), "idle");
+    assert_eq!(&*stage.crowd.member_mut(members[0]).unwrap().machine_state(0).unwrap(), "idle");
 }
 
 #[test]

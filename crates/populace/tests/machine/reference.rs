@@ -2,7 +2,7 @@
 //! by hand do.
 
 use populace::clip::ticks_from_secs;
-use populace::{Member, Play};
+use populace::{MachinePlayback, MemberId};
 use populace_testkit::Rng;
 
 use crate::rig::{FRAME_SECS, Interpreter, STATES, Stage, everywhere};
@@ -18,9 +18,14 @@ fn steer(random: &mut Rng, own: &mut Interpreter) {
 }
 
 /// Plays what a state does.
-fn play(stage: &mut Stage, member: Member, state: &str, fade_secs: f32) {
-    let (_, clip, play) = STATES.into_iter().find(|(name, ..)| *name == state).unwrap();
-    stage.crowd.play(member, stage.clips[clip], play.fade_in_secs(fade_secs)).unwrap();
+fn play(stage: &mut Stage, member: MemberId, state: &str, fade_secs: f32) {
+    let (_, clip, _, play) = STATES.into_iter().find(|(name, ..)| *name == state).unwrap();
+    stage
+        .crowd
+        .member_mut(member)
+        .unwrap()
+        .play(stage.clips[clip], play.fade_in_secs(fade_secs))
+        .unwrap();
 }
 
 #[test]
@@ -80,7 +85,7 @@ fn a_thousand_members_go_their_own_ways_on_every_device() {
             for _ in 0..3 {
                 let (member, own) = &members[random.below(1000)];
                 assert_eq!(
-                    &*stage.crowd.state_of(*member, 0).unwrap(),
+                    &*stage.crowd.member_mut(*member).unwrap().machine_state(0).unwrap(),
                     own.state,
                     "frame {frame}, {own:?}"
                 );
@@ -90,7 +95,10 @@ fn a_thousand_members_go_their_own_ways_on_every_device() {
             }
         }
         for (member, own) in &members {
-            assert_eq!(&*stage.crowd.state_of(*member, 0).unwrap(), own.state);
+            assert_eq!(
+                &*stage.crowd.member_mut(*member).unwrap().machine_state(0).unwrap(),
+                own.state
+            );
         }
         let expected = first.get_or_insert_with(|| bits.clone());
         let apart = expected.iter().zip(&bits).filter(|(a, b)| a != b).count();
@@ -102,29 +110,43 @@ fn a_thousand_members_go_their_own_ways_on_every_device() {
 fn machines_of_two_layers_share_parameters_by_name() {
     let mut stage = Stage::new(&crate::rig::on_native());
     let member = stage.machine_instance(0);
-    stage.crowd.run_machine(member, stage.machine, Play::looping().on_layer(2)).unwrap();
-    assert_eq!(&*stage.crowd.state_of(member, 2).unwrap(), "idle", "before any frame");
-    stage.crowd.set_parameter(member, "speed", -1.0).unwrap();
+    stage
+        .crowd
+        .member_mut(member)
+        .unwrap()
+        .play_machine(stage.machine, MachinePlayback::new().on_layer(2))
+        .unwrap();
+    assert_eq!(
+        &*stage.crowd.member_mut(member).unwrap().machine_state(2).unwrap(),
+        "idle",
+        "before any frame"
+    );
+    stage.crowd.member_mut(member).unwrap().set_parameter("speed", -1.0).unwrap();
     stage.frame();
     for layer in [0, 2] {
-        assert_eq!(&*stage.crowd.state_of(member, layer).unwrap(), "back");
+        assert_eq!(&*stage.crowd.member_mut(member).unwrap().machine_state(layer).unwrap(), "back");
     }
-    stage.crowd.stop(member, 2, 0.0).unwrap();
-    stage.crowd.state_of(member, 2).unwrap_err();
-    assert_eq!(&*stage.crowd.state_of(member, 0).unwrap(), "back");
+    stage.crowd.member_mut(member).unwrap().stop(2, 0.0).unwrap();
+    stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(2)).unwrap_err();
+    assert_eq!(&*stage.crowd.member_mut(member).unwrap().machine_state(0).unwrap(), "back");
 }
 
 #[test]
 fn a_machine_that_waits_takes_parameters_and_begins_on_its_tick() {
     let mut stage = Stage::new(&crate::rig::on_native());
     let member = stage.member(0);
-    stage.crowd.run_machine(member, stage.machine, Play::looping().after_secs(0.5)).unwrap();
-    stage.crowd.set_parameter(member, "speed", 1.0).unwrap();
-    stage.crowd.state_of(member, 0).unwrap_err();
+    stage
+        .crowd
+        .member_mut(member)
+        .unwrap()
+        .play_machine(stage.machine, MachinePlayback::new().after_secs(0.5))
+        .unwrap();
+    stage.crowd.member_mut(member).unwrap().set_parameter("speed", 1.0).unwrap();
+    stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(0)).unwrap_err();
     stage.crowd.update(0.4).unwrap();
-    stage.crowd.state_of(member, 0).unwrap_err();
+    stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(0)).unwrap_err();
     stage.crowd.update(0.1).unwrap();
-    assert_eq!(&*stage.crowd.state_of(member, 0).unwrap(), "walk");
+    assert_eq!(&*stage.crowd.member_mut(member).unwrap().machine_state(0).unwrap(), "walk");
 }
 
 #[test]
@@ -132,14 +154,14 @@ fn a_machine_in_the_place_of_one_that_is_gone_begins_anew() {
     for builder in everywhere() {
         let mut stage = Stage::new(&builder);
         let gone = stage.machine_instance(0);
-        stage.crowd.set_parameter(gone, "speed", 1.0).unwrap();
+        stage.crowd.member_mut(gone).unwrap().set_parameter("speed", 1.0).unwrap();
         stage.frame();
-        assert_eq!(&*stage.crowd.state_of(gone, 0).unwrap(), "walk");
+        assert_eq!(&*stage.crowd.member_mut(gone).unwrap().machine_state(0).unwrap(), "walk");
         stage.crowd.despawn(gone).unwrap();
         let (machine, hand) = (stage.machine_instance(0), stage.member(0));
         play(&mut stage, hand, "idle", 0.0);
         stage.frame();
-        assert_eq!(&*stage.crowd.state_of(machine, 0).unwrap(), "idle");
+        assert_eq!(&*stage.crowd.member_mut(machine).unwrap().machine_state(0).unwrap(), "idle");
         assert_eq!(stage.bits(machine), stage.bits(hand));
     }
 }

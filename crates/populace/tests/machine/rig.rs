@@ -7,8 +7,8 @@ use populace::character::{Character, CharacterSource};
 use populace::clip::TICKS_PER_SEC;
 use populace::model::{JointSource, Skeleton};
 use populace::{
-    CharacterId, ClipId, Condition, Crowd, CrowdBuilder, Device, Devices, MachineId, Member,
-    Placement, Play, Schedule, Split, StateMachine, Trs,
+    CharacterId, ClipId, ClipPlayback, Condition, Crowd, CrowdBuilder, Device, Devices, MachineId,
+    MachinePlayback, MemberId, Placement, Schedule, Split, StateMachine, StatePlayback, Trs,
 };
 
 use crate::arm::{Motion, character, skeleton};
@@ -34,15 +34,18 @@ pub(crate) fn motions() -> Vec<Motion> {
     ]
 }
 
-/// The clip, and how it plays.
-pub(crate) const STATES: [(&str, usize, Play); 6] = [
-    ("idle", 0, Play::looping().phase(0.25)),
-    ("walk", 1, Play::looping()),
-    ("run", 2, Play::looping().speed(1.2)),
-    ("jump", 3, Play::once().speed(0.8)),
-    ("sit", 0, Play::held_at_secs(0.7)),
-    ("back", 1, Play::looping().speed(-0.7)),
-];
+/// States: name, clip, and how it plays, as a state and as a clip played by hand.
+pub(crate) const STATES: [(&str, usize, StatePlayback, ClipPlayback); 6] = {
+    use {ClipPlayback as Clip, StatePlayback as State};
+    [
+        ("idle", 0, State::looping().phase(0.25), Clip::looping().phase(0.25)),
+        ("walk", 1, State::looping(), Clip::looping()),
+        ("run", 2, State::looping().speed(1.2), Clip::looping().speed(1.2)),
+        ("jump", 3, State::once().speed(0.8), Clip::once().speed(0.8)),
+        ("sit", 0, State::held_at_secs(0.7), Clip::held_at_secs(0.7)),
+        ("back", 1, State::looping().speed(-0.7), Clip::looping().speed(-0.7)),
+    ]
+};
 
 pub(crate) enum Test {
     Above(&'static str, f32),
@@ -67,8 +70,8 @@ pub(crate) const WAYS: [(Option<&str>, &str, f32, &[Test]); 10] = [
 
 pub(crate) fn machine(clips: &[ClipId]) -> StateMachine {
     let mut machine = StateMachine::new().parameter("speed", 0.0).parameter("jump", 0.0);
-    for (name, clip, play) in STATES {
-        machine = machine.state(name, clips[clip], play);
+    for (name, clip, playback, _) in STATES {
+        machine = machine.state(name, clips[clip], playback);
     }
     for (from, to, fade_secs, tests) in WAYS {
         let condition = |test: &Test| match test {
@@ -133,9 +136,9 @@ impl Interpreter {
     }
 
     /// Tells a crowd what its parameters are.
-    pub(crate) fn tell(&self, crowd: &mut Crowd, member: Member) {
-        crowd.set_parameter(member, "speed", self.speed).unwrap();
-        crowd.set_parameter(member, "jump", self.jump).unwrap();
+    pub(crate) fn tell(&self, crowd: &mut Crowd, member: MemberId) {
+        crowd.member_mut(member).unwrap().set_parameter("speed", self.speed).unwrap();
+        crowd.member_mut(member).unwrap().set_parameter("jump", self.jump).unwrap();
     }
 }
 
@@ -156,13 +159,17 @@ impl Stage {
         Self { crowd, bodies, clips, machine }
     }
 
-    pub(crate) fn member(&mut self, body: usize) -> Member {
+    pub(crate) fn member(&mut self, body: usize) -> MemberId {
         self.crowd.spawn(self.bodies[body], Placement::at([0.0; 3])).unwrap()
     }
 
-    pub(crate) fn machine_instance(&mut self, body: usize) -> Member {
+    pub(crate) fn machine_instance(&mut self, body: usize) -> MemberId {
         let member = self.member(body);
-        self.crowd.run_machine(member, self.machine, Play::looping()).unwrap();
+        self.crowd
+            .member_mut(member)
+            .unwrap()
+            .play_machine(self.machine, MachinePlayback::new())
+            .unwrap();
         member
     }
 
@@ -171,8 +178,8 @@ impl Stage {
     }
 
     /// The bits of what devices draw from.
-    pub(crate) fn bits(&mut self, member: Member) -> Vec<u32> {
-        let palette = self.crowd.palette(member).unwrap();
+    pub(crate) fn bits(&mut self, member: MemberId) -> Vec<u32> {
+        let palette = self.crowd.member_mut(member).unwrap().palette().unwrap();
         palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
     }
 }

@@ -10,19 +10,37 @@ fn the_speed_of_a_member_settles_as_its_pose_does() {
     everywhere(|stage| {
         let (_, fast) = add(stage, straight("fast", 2.0));
         let (_, slow) = add(stage, straight("slow", 0.5));
-        let inertialization = Play::looping().inertialize_in_secs(0.3);
+        let inertialization = ClipPlayback::looping().inertialize_in_secs(0.3);
         let [once, twice] = [(); 2].map(|()| walker(stage, fast));
         stage.update(FRAME);
-        stage.crowd.play(once, slow, inertialization.after_secs(0.11)).expect("a clip");
-        stage.crowd.play(twice, slow, inertialization).expect("a clip");
+        stage
+            .crowd
+            .member_mut(once)
+            .expect("a clip")
+            .play(slow, inertialization.after_secs(0.11))
+            .expect("a clip");
+        stage.crowd.member_mut(twice).expect("a clip").play(slow, inertialization).expect("a clip");
         let place = |stage: &mut Stage| {
-            [once, twice].map(|m| stage.crowd.moved(m).expect("a member").position()[2])
+            [once, twice].map(|m| {
+                stage
+                    .crowd
+                    .member_mut(m)
+                    .expect("a member")
+                    .moved_placement()
+                    .expect("a member")
+                    .position()[2]
+            })
         };
         let (mut before, mut speeds, mut worst) = (place(stage), [2.0_f32; 2], 0.0_f32);
         let begun = before;
         for frame in 0..60 {
             if frame == 8 {
-                stage.crowd.play(twice, fast, inertialization).expect("a clip");
+                stage
+                    .crowd
+                    .member_mut(twice)
+                    .expect("a clip")
+                    .play(fast, inertialization)
+                    .expect("a clip");
             }
             stage.update(FRAME);
             let now = place(stage);
@@ -52,19 +70,31 @@ fn what_settles_moves_members_on_until_something_else_begins_to() {
     everywhere(|stage| {
         let (_, fast) = add(stage, straight("fast", 2.0));
         let (_, slow) = add(stage, straight("slow", 0.5));
-        let inertialization = Play::looping().inertialize_in_secs(0.3);
+        let inertialization = ClipPlayback::looping().inertialize_in_secs(0.3);
         let members = [0.0, 0.5, 0.9].map(|part: f32| (part, walker(stage, fast)));
         stage.update(FRAME);
         for (_, member) in members {
-            stage.crowd.play(member, slow, inertialization).expect("a clip");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a clip")
+                .play(slow, inertialization)
+                .expect("a clip");
         }
-        let place =
-            |stage: &mut Stage, member| stage.crowd.moved(member).expect("a member").position()[2];
+        let place = |stage: &mut Stage, member| {
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a member")
+                .moved_placement()
+                .expect("a member")
+                .position()[2]
+        };
         let mut before = members.map(|(_, member)| place(stage, member));
         for frame in 0..14 {
             for (part, member) in members.iter().filter(|_| frame == 4) {
                 let later = inertialization.after_secs(part * FRAME);
-                stage.crowd.play(*member, fast, later).expect("a clip");
+                stage.crowd.member_mut(*member).expect("a clip").play(fast, later).expect("a clip");
             }
             stage.update(FRAME);
             let now = members.map(|(_, member)| place(stage, member));
@@ -101,16 +131,29 @@ fn what_inertializes_in_a_layer_that_adds_moves_nobody() {
         let [(wave, _), (nod, _)] = ["wave", "nod"].map(|name| add(stage, straight(name, 1e-4)));
         let [plain, nods] = [(); 2].map(|()| walker(stage, surge));
         let adds = LayerSettings { mode: LayerMode::Additive, ..LayerSettings::default() };
-        stage.crowd.set_layer(nods, 1, adds, None).expect("a layer");
+        stage.crowd.member_mut(nods).expect("a layer").set_layer(1, adds, None).expect("a layer");
         for frame in 0..20 {
             if frame % 5 == 0 {
                 let next = if frame % 10 == 0 { wave } else { nod };
-                let inertialization = Play::looping().on_layer(1).inertialize_in_secs(0.3);
-                stage.crowd.play(nods, next, inertialization).expect("a clip");
+                let inertialization = ClipPlayback::looping().on_layer(1).inertialize_in_secs(0.3);
+                stage
+                    .crowd
+                    .member_mut(nods)
+                    .expect("a clip")
+                    .play(next, inertialization)
+                    .expect("a clip");
             }
             stage.update(0.1);
         }
-        let [a, b] = [plain, nods].map(|m| stage.crowd.moved(m).expect("a member").position());
+        let [a, b] = [plain, nods].map(|m| {
+            stage
+                .crowd
+                .member_mut(m)
+                .expect("a member")
+                .moved_placement()
+                .expect("a member")
+                .position()
+        });
         assert!(distance(a, b) < 1e-4, "{a:?} is not {b:?}");
     });
 }

@@ -25,8 +25,9 @@ use body::{Stage, character, distance, everywhere, joint};
 use populace::clip::Clip;
 use populace::model::{ClipSource, Interpolation, Property, Track};
 use populace::{
-    Affine, ClipId, Condition, Crowd, Device, LayerMode, LayerSettings, Mask, Member,
-    MotionSettings, MotionSource, Placement, Play, Split, StateMachine,
+    Affine, ClipId, ClipPlayback, Condition, Crowd, Device, LayerMode, LayerSettings,
+    MachinePlayback, Mask, MemberId, MotionSettings, MotionSource, Placement, Split, StateMachine,
+    StatePlayback,
 };
 
 const SECS: f32 = 1.0;
@@ -104,9 +105,19 @@ fn members_go_where_the_whole_clip_would_take_them_cycle_after_cycle() {
         let (whole, taken) = add(stage, curve());
         let at = Placement::at([3.0, 0.0, -2.0]).facing(0.8).scaled(1.1);
         let [plain, moved] = [stage.member(at), stage.member(at)];
-        stage.crowd.play(plain, whole, Play::looping().phase(0.25)).expect("a clip");
-        stage.crowd.play(moved, taken, Play::looping().phase(0.25)).expect("a clip");
-        stage.crowd.move_by_clips(moved, true).expect("a member");
+        stage
+            .crowd
+            .member_mut(plain)
+            .expect("a clip")
+            .play(whole, ClipPlayback::looping().phase(0.25))
+            .expect("a clip");
+        stage
+            .crowd
+            .member_mut(moved)
+            .expect("a clip")
+            .play(taken, ClipPlayback::looping().phase(0.25))
+            .expect("a clip");
+        stage.crowd.member_mut(moved).expect("a member").start_root_motion().expect("a member");
         let mut worst: f32 = 0.0;
         for frame in 1..=200_u8 {
             stage.update(0.02);
@@ -118,11 +129,12 @@ fn members_go_where_the_whole_clip_would_take_them_cycle_after_cycle() {
         }
         println!("{:?}: {:.2} mm in four cycles, 200 frames", stage.crowd.schedule(), worst * 1e3);
         assert!(worst < 2e-3, "{worst} m");
-        let now = stage.crowd.moved(moved).expect("a member");
+        let now =
+            stage.crowd.member_mut(moved).expect("a member").moved_placement().expect("a member");
         let end = at.world_from_model().mul(&carried(-0.25).mul(&carried(4.25)));
         assert!(distance(now.position(), end.origin()) < 5e-3, "{now:?} {end:?}");
         assert!((now.yaw_rad() - 0.8 - 4.0 * TURN).abs() % std::f32::consts::TAU < 1e-3, "{now:?}");
-        assert_eq!(stage.crowd.placement(moved), Ok(at));
+        assert_eq!(stage.crowd.member(moved).map(|m| m.placement()), Ok(at));
     });
 }
 
@@ -132,7 +144,9 @@ fn a_watch_that_was_let_go_of_touches_nobody_elses() {
     let (_, walk) = add(&mut stage, straight("walk ahead", 1.0));
     let member = walker(&mut stage, walk);
     let root = joint("root");
-    let [gone, kept] = [(); 2].map(|()| stage.crowd.watch(member, root).expect("a joint"));
+    let [gone, kept] = [(); 2].map(|()| {
+        stage.crowd.member_mut(member).expect("a joint").watch_joint(root).expect("a joint")
+    });
     assert_ne!(gone, kept);
     for _ in 0..3 {
         stage.crowd.unwatch(gone);
@@ -142,16 +156,16 @@ fn a_watch_that_was_let_go_of_touches_nobody_elses() {
         stage.crowd.with_page(0, &mut |_| ()).expect("a page");
         let moved = stage.crowd.instances().find(|i| i.member == member).expect("a member").moved;
         assert!((moved[2] - 0.25 * f32::from(frame)).abs() < 1e-4, "{moved:?}");
-        assert!(stage.crowd.sighting(kept).expect("a device").is_some());
-        assert_eq!(stage.crowd.sighting(gone), Ok(None));
+        assert!(stage.crowd.readback(kept).expect("a device").is_some());
+        assert_eq!(stage.crowd.readback(gone), Ok(None));
     }
     stage.crowd.unwatch(kept);
-    assert_eq!(stage.crowd.sighting(kept), Ok(None));
-    let left = stage.crowd.watch(member, root).expect("a joint");
+    assert_eq!(stage.crowd.readback(kept), Ok(None));
+    let left = stage.crowd.member_mut(member).expect("a joint").watch_joint(root).expect("a joint");
     stage.update(0.25);
     stage.crowd.despawn(member).expect("a member");
     stage.update(0.25);
-    assert_eq!(stage.crowd.sighting(left), Ok(None));
+    assert_eq!(stage.crowd.readback(left), Ok(None));
 }
 
 #[test]
@@ -160,13 +174,19 @@ fn members_are_placed_let_go_and_moved_on() {
         let (_, walk) = add(stage, straight("walk ahead", 1.0));
         let member =
             stage.member(Placement::at([5.0, 0.0, 0.0]).facing(std::f32::consts::FRAC_PI_2));
-        stage.crowd.play(member, walk, Play::looping()).expect("a clip");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a clip")
+            .play(walk, ClipPlayback::looping())
+            .expect("a clip");
         let at = |stage: &mut Stage, wanted: [f32; 3]| {
             let hips = stage.models(member)[joint("hips").index()].origin();
             let drawn = stage
                 .crowd
-                .placement(member)
+                .member(member)
                 .expect("a member")
+                .placement()
                 .world_from_model()
                 .transform_point(hips);
             let ([x, _, z], [a, _, b]) = (drawn, wanted);
@@ -174,22 +194,32 @@ fn members_are_placed_let_go_and_moved_on() {
         };
         stage.update(0.5);
         at(stage, [5.0, 0.0, 0.0]);
-        assert_eq!(stage.crowd.is_moved_by_clips(member), Ok(false));
-        stage.crowd.move_by_clips(member, true).expect("a member");
+        assert_eq!(stage.crowd.member(member).map(|m| m.has_root_motion()), Ok(false));
+        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
         stage.update(0.5);
         at(stage, [5.5, 0.0, 0.0]);
-        let placed = stage.crowd.place_where_moved(member).expect("a member");
+        let placed = stage
+            .crowd
+            .member_mut(member)
+            .expect("a member")
+            .commit_root_motion()
+            .expect("a member");
         assert!(distance(placed.position(), [5.5, 0.0, 0.0]) < 1e-4, "{placed:?}");
         stage.update(0.25);
         at(stage, [5.75, 0.0, 0.0]);
-        stage.crowd.place(member, Placement::at([0.0, 0.0, 7.0])).expect("a place");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a place")
+            .set_placement(Placement::at([0.0, 0.0, 7.0]))
+            .expect("a place");
         stage.update(0.25);
         at(stage, [0.0, 0.0, 7.25]);
-        stage.crowd.move_by_clips(member, false).expect("a member");
+        stage.crowd.member_mut(member).expect("a member").stop_root_motion().expect("a member");
         stage.update(0.25);
         at(stage, [0.0, 0.0, 7.0]);
         // Those who draw know where it is, once they have the palettes.
-        stage.crowd.move_by_clips(member, true).expect("a member");
+        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
         for _ in 0..4 {
             stage.update(0.125);
             stage.crowd.finish().expect("a device");
@@ -198,30 +228,55 @@ fn members_are_placed_let_go_and_moved_on() {
         let moved = stage.crowd.instances().find(|i| i.member == member).expect("a member").moved;
         assert!(distance(moved, [0.0, 0.0, 0.5]) < 1e-4, "{moved:?}");
         // A newcomer does not go on where one who left was.
-        stage.crowd.move_by_clips(member, true).expect("a member");
+        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
         stage.update(0.5);
         stage.crowd.despawn(member).expect("a member");
-        assert!(stage.crowd.move_by_clips(member, true).is_err());
+        assert!(stage.crowd.member_mut(member).and_then(|mut m| m.start_root_motion()).is_err());
         let next = stage.member(Placement::at([0.0; 3]));
-        stage.crowd.play(next, walk, Play::looping()).expect("a clip");
-        stage.crowd.move_by_clips(next, true).expect("a member");
+        stage
+            .crowd
+            .member_mut(next)
+            .expect("a clip")
+            .play(walk, ClipPlayback::looping())
+            .expect("a clip");
+        stage.crowd.member_mut(next).expect("a member").start_root_motion().expect("a member");
         assert_eq!(step_of(stage, next, 0.0), 0.0);
         assert!((step_of(stage, next, 0.125) - 0.125).abs() < 1e-5);
     });
 }
 
 /// How far a member goes in a frame.
-fn step_of(stage: &mut Stage, member: Member, secs: f32) -> f32 {
-    let before = stage.crowd.moved(member).expect("a member").position();
+fn step_of(stage: &mut Stage, member: MemberId, secs: f32) -> f32 {
+    let before = stage
+        .crowd
+        .member_mut(member)
+        .expect("a member")
+        .moved_placement()
+        .expect("a member")
+        .position();
     stage.update(secs);
-    distance(stage.crowd.moved(member).expect("a member").position(), before)
+    distance(
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a member")
+            .moved_placement()
+            .expect("a member")
+            .position(),
+        before,
+    )
 }
 
 /// A member that a clip moves from the origin on.
-fn walker(stage: &mut Stage, walk: ClipId) -> Member {
+fn walker(stage: &mut Stage, walk: ClipId) -> MemberId {
     let member = stage.member(Placement::at([0.0; 3]));
-    stage.crowd.play(member, walk, Play::looping()).expect("a clip");
-    stage.crowd.move_by_clips(member, true).expect("a member");
+    stage
+        .crowd
+        .member_mut(member)
+        .expect("a clip")
+        .play(walk, ClipPlayback::looping())
+        .expect("a clip");
+    stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
     member
 }
 
@@ -232,9 +287,20 @@ fn being_told_each_frame_to_be_moved_does_not_hold_a_member_back() {
         let member = walker(stage, walk);
         for _ in 0..4 {
             stage.update(0.125);
-            stage.crowd.move_by_clips(member, true).expect("a member");
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a member")
+                .start_root_motion()
+                .expect("a member");
         }
-        let moved = stage.crowd.moved(member).expect("a member").position();
+        let moved = stage
+            .crowd
+            .member_mut(member)
+            .expect("a member")
+            .moved_placement()
+            .expect("a member")
+            .position();
         assert!(distance(moved, [0.0, 0.0, 0.5]) < 1e-4, "{moved:?}");
     });
 }
@@ -248,8 +314,15 @@ fn members_stay_where_they_are_on_a_move_before_the_newest_were_ever_evaluated()
         let newest: Vec<_> = (0..9).map(|_| walker(stage, walk)).collect();
         let devices = stage.crowd.devices().clone();
         stage.crowd.move_to(devices).expect("another of its kind");
-        let z =
-            |stage: &mut Stage, member| stage.crowd.moved(member).expect("a member").position()[2];
+        let z = |stage: &mut Stage, member| {
+            stage
+                .crowd
+                .member_mut(member)
+                .expect("a member")
+                .moved_placement()
+                .expect("a member")
+                .position()[2]
+        };
         assert!((z(stage, first) - 0.5).abs() < 1e-4, "{} before the next frame", z(stage, first));
         stage.update(0.25);
         assert!((z(stage, first) - 0.75).abs() < 1e-4, "{} after it", z(stage, first));
@@ -279,7 +352,7 @@ fn feet_that_walk_in_place_set_the_pace() {
 }
 
 /// Twelve members in as many curves and speeds.
-fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
+fn walkers(crowd: Crowd) -> (Stage, Vec<MemberId>) {
     let mut crowd = crowd;
     let body = crowd.add_character(character()).expect("room");
     let mut stage = Stage { crowd, body };
@@ -287,8 +360,8 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
     let (_, walk) = add(&mut stage, straight("walk ahead", 1.3));
     let after = [Condition::AfterSecs(0.2)];
     let machine = StateMachine::new()
-        .state("walk", walk, Play::looping())
-        .state("curve", curve, Play::looping())
+        .state("walk", walk, StatePlayback::looping())
+        .state("curve", curve, StatePlayback::looping())
         .transition("curve", "walk", 0.0, &after)
         .transition("walk", "curve", 0.07, &after);
     let machine = stage.crowd.add_machine(&machine).expect("a machine");
@@ -296,32 +369,52 @@ fn walkers(crowd: Crowd) -> (Stage, Vec<Member>) {
         .map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]).facing(f32::from(n))))
         .collect();
     for (n, &member) in (0_u8..).zip(&members) {
-        let play = Play::looping().phase(f32::from(n) * 0.07).speed(1.5 - 0.3 * f32::from(n));
-        stage.crowd.play(member, curve, play).expect("a clip");
-        stage.crowd.crossfade(member, walk, 0.1 * f32::from(n)).expect("a clip");
-        stage.crowd.move_by_clips(member, true).expect("a member");
+        let play =
+            ClipPlayback::looping().phase(f32::from(n) * 0.07).speed(1.5 - 0.3 * f32::from(n));
+        stage.crowd.member_mut(member).expect("a clip").play(curve, play).expect("a clip");
+        stage
+            .crowd
+            .member_mut(member)
+            .expect("a clip")
+            .crossfade(walk, 0.1 * f32::from(n))
+            .expect("a clip");
+        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
         // What starts in the midst of a frame.
         let secs = 0.02 * f32::from(n % 3);
-        let later = Play::looping().after_secs(0.31 + 0.07 * f32::from(n));
+        let after_secs = 0.31 + 0.07 * f32::from(n);
+        let later = ClipPlayback::looping().after_secs(after_secs);
         match n % 4 {
             3 => stage
                 .crowd
-                .run_machine(member, machine, later.fade_in_secs(secs))
+                .member_mut(member)
+                .expect("a machine")
+                .play_machine(
+                    machine,
+                    MachinePlayback::new().after_secs(after_secs).fade_in_secs(secs),
+                )
                 .expect("a machine"),
             2 => stage
                 .crowd
-                .play(member, curve, later.inertialize_in_secs(0.1 + secs))
+                .member_mut(member)
+                .expect("a clip")
+                .play(curve, later.inertialize_in_secs(0.1 + secs))
                 .expect("a clip"),
-            _ => stage.crowd.play(member, curve, later.fade_in_secs(secs)).expect("a clip"),
+            _ => stage
+                .crowd
+                .member_mut(member)
+                .expect("a clip")
+                .play(curve, later.fade_in_secs(secs))
+                .expect("a clip"),
         };
     }
     (stage, members)
 }
 
-fn step(stage: &mut Stage, members: &[Member]) -> Vec<u32> {
+fn step(stage: &mut Stage, members: &[MemberId]) -> Vec<u32> {
     stage.update(1.0 / 60.0);
-    let palettes =
-        members.iter().flat_map(|&member| stage.crowd.palette(member).expect("a palette"));
+    let palettes = members.iter().flat_map(|&member| {
+        stage.crowd.member_mut(member).expect("a palette").palette().expect("a palette")
+    });
     palettes.flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
 }
 

@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use populace::hand_over::Float4;
-use populace::{Crowd, CrowdBuilder, Placement, Play};
+use populace::{ClipPlayback, Crowd, CrowdBuilder, Placement};
+use populace_device::layout::Float4;
 
 use crate::on_every_way;
 use crate::rig::{JOINTS, Motion, crowd_of};
@@ -42,25 +42,37 @@ fn one_of_ten_thousand_in_mid_crossfade_changes_alone(builder: &CrowdBuilder) {
     let members: Vec<_> = (0..MEMBERS).map(|_| crowd.spawn(id, place).unwrap()).collect();
     for (nth, &member) in (0..MEMBERS).zip(&members) {
         let phase = f32::from(nth) / f32::from(MEMBERS);
-        crowd.play(member, clips[0], Play::looping().phase(phase)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clips[0], ClipPlayback::looping().phase(phase))
+            .unwrap();
     }
     crowd.update(0.1).unwrap();
     for (nth, &member) in (0..MEMBERS).zip(&members) {
-        let play = Play::looping()
+        let play = ClipPlayback::looping()
             .phase(f32::from(nth % 97) / 97.0)
             .fade_in_secs(0.5 + f32::from(nth % 31) * 0.1);
-        crowd.play(member, clips[1 + usize::from(nth % 2)], play).unwrap();
+        crowd.member_mut(member).unwrap().play(clips[1 + usize::from(nth % 2)], play).unwrap();
     }
     crowd.update(0.25).unwrap();
     assert!(
-        members.iter().all(|m| crowd.playing(*m).unwrap().len() == 2),
+        members.iter().all(|m| crowd.member(*m).unwrap().active_clips().len() == 2),
         "all are in mid-crossfade"
     );
     let before = palettes(&mut crowd);
-    assert_eq!(before.iter().collect::<HashSet<_>>().len(), MEMBERS.into(), "all poses differ");
+    assert_eq!(
+        before.iter().collect::<HashSet<_>>().len(),
+        usize::from(MEMBERS),
+        "all poses differ"
+    );
 
     let changed = 4321;
-    crowd.play(members[changed], clips[0], Play::held_at_secs(0.9)).unwrap();
+    crowd
+        .member_mut(members[changed])
+        .unwrap()
+        .play(clips[0], ClipPlayback::held_at_secs(0.9))
+        .unwrap();
     crowd.update(0.0).unwrap();
     let after = palettes(&mut crowd);
     assert!(before[changed] != after[changed]);

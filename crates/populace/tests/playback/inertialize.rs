@@ -2,8 +2,8 @@
 
 use glam::{Quat, Vec3};
 use populace::{
-    BlendSpace, Crowd, CrowdBuilder, Device, Error, LayerMode, LayerSettings, Mask, Member,
-    Placement, Play, Split,
+    BlendSpace, BlendSpacePlayback, ClipPlayback, Crowd, CrowdBuilder, Device, Error, LayerMode,
+    LayerSettings, Mask, MemberId, Placement, Split,
 };
 
 use crate::on_every_way;
@@ -37,7 +37,7 @@ fn largest_difference(a: &[Vec3], b: &[Vec3]) -> f32 {
 }
 
 /// What a start does to a member's pose and to the speeds of its joints.
-fn across(crowd: &mut Crowd, member: Member, start: impl FnOnce(&mut Crowd)) -> (f32, f32) {
+fn across(crowd: &mut Crowd, member: MemberId, start: impl FnOnce(&mut Crowd)) -> (f32, f32) {
     let earlier = turns(crowd, member);
     crowd.update(BIT_SECS).unwrap();
     let before = turns(crowd, member);
@@ -52,7 +52,7 @@ fn across(crowd: &mut Crowd, member: Member, start: impl FnOnce(&mut Crowd)) -> 
 
 /// As [`across`], held to what an inertialised transition may do.
 #[track_caller]
-fn inertializes(crowd: &mut Crowd, member: Member, what: &str, start: impl FnOnce(&mut Crowd)) {
+fn inertializes(crowd: &mut Crowd, member: MemberId, what: &str, start: impl FnOnce(&mut Crowd)) {
     let (jump, change) = across(crowd, member, start);
     assert!(jump < ROUNDING, "{what}: the pose jumps by {jump} rad");
     assert!(change < PULL * BIT_SECS, "{what}: speeds change by {change} rad/s");
@@ -60,65 +60,88 @@ fn inertializes(crowd: &mut Crowd, member: Member, what: &str, start: impl FnOnc
 
 fn pose_and_speed_go_on(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(8), &motions());
-    crowd.play(member, clips[0], Play::looping().phase(0.4)).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping().phase(0.4)).unwrap();
     crowd.update(0.1).unwrap();
     let kinds = [
-        ("looping", clips[1], Play::looping().phase(0.3)),
-        ("interrupted at once", clips[2], Play::looping().speed(-1.3).phase(0.0)),
-        ("once", clips[3], Play::once().speed(1.5)),
-        ("backwards", clips[0], Play::once().speed(-1.0)),
-        ("held", clips[1], Play::held_at_secs(0.6)),
-        ("from a held one", clips[2], Play::looping()),
+        ("looping", clips[1], ClipPlayback::looping().phase(0.3)),
+        ("interrupted at once", clips[2], ClipPlayback::looping().speed(-1.3).phase(0.0)),
+        ("once", clips[3], ClipPlayback::once().speed(1.5)),
+        ("backwards", clips[0], ClipPlayback::once().speed(-1.0)),
+        ("held", clips[1], ClipPlayback::held_at_secs(0.6)),
+        ("from a held one", clips[2], ClipPlayback::looping()),
     ];
     for (what, clip, play) in kinds {
         inertializes(&mut crowd, member, what, |crowd| {
-            crowd.play(member, clip, play.inertialize_in_secs(SECS)).unwrap();
+            crowd.member_mut(member).unwrap().play(clip, play.inertialize_in_secs(SECS)).unwrap();
         });
-        assert_eq!(crowd.playing(member).unwrap().len(), 1, "what inertializes plays no longer");
-        assert_eq!(crowd.playing(member).unwrap()[0].weight, 1.0);
+        assert_eq!(
+            crowd.member(member).unwrap().active_clips().len(),
+            1,
+            "what inertializes plays no longer"
+        );
+        assert_eq!(crowd.member(member).unwrap().active_clips()[0].weight, 1.0);
         crowd.update(0.04).unwrap();
     }
     // A cut, for comparison.
     crowd.update(0.1).unwrap();
     let cut = across(&mut crowd, member, |crowd| {
-        crowd.play(member, clips[3], Play::looping()).unwrap();
+        crowd.member_mut(member).unwrap().play(clips[3], ClipPlayback::looping()).unwrap();
     });
     assert!(cut.0 > 0.2 && cut.1 > 2.0 * PULL * BIT_SECS, "a cut jumps: {cut:?}");
 }
 
 fn a_crossfade_is_left_in_its_middle(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(8), &motions());
-    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     crowd.update(0.2).unwrap();
-    crowd.crossfade(member, clips[2], 0.3).unwrap();
+    crowd.member_mut(member).unwrap().crossfade(clips[2], 0.3).unwrap();
     crowd.update(0.12).unwrap();
     inertializes(&mut crowd, member, "a crossfade", |crowd| {
-        crowd.play(member, clips[1], Play::looping().inertialize_in_secs(SECS)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clips[1], ClipPlayback::looping().inertialize_in_secs(SECS))
+            .unwrap();
     });
     crowd.update(0.05).unwrap();
     // And a crossfade begins while that inertializes: it changes speeds, but not the pose.
     let (jump, _) = across(&mut crowd, member, |crowd| {
-        crowd.crossfade(member, clips[3], 0.3).unwrap();
+        crowd.member_mut(member).unwrap().crossfade(clips[3], 0.3).unwrap();
     });
     assert!(jump < ROUNDING, "{jump}");
     crowd.update(0.1).unwrap();
     inertializes(&mut crowd, member, "both at once", |crowd| {
-        crowd.play(member, clips[0], Play::looping().inertialize_in_secs(SECS)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clips[0], ClipPlayback::looping().inertialize_in_secs(SECS))
+            .unwrap();
     });
 }
 
 fn a_blend_space_is_left(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(8), &motions());
     let line = BlendSpace::line(&[(clips[0], 0.0), (clips[1], 1.0)]).unwrap();
-    let space = crowd.add_space(line).unwrap();
-    crowd.play_space(member, space, 0.4, Play::looping()).unwrap();
+    let space = crowd.add_blend_space(line).unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .play_blend_space(space, 0.4, BlendSpacePlayback::new())
+        .unwrap();
     crowd.update(0.2).unwrap();
-    crowd.steer(member, 0.8, 0.5).unwrap();
+    crowd.member_mut(member).unwrap().set_blend_parameter(0.8, 0.5).unwrap();
     crowd.update(0.1).unwrap();
     inertializes(&mut crowd, member, "a blend space", |crowd| {
-        crowd.play(member, clips[2], Play::looping().inertialize_in_secs(SECS)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clips[2], ClipPlayback::looping().inertialize_in_secs(SECS))
+            .unwrap();
     });
-    assert!(crowd.steer(member, 0.0, 0.1).is_err(), "it plays no longer");
+    assert!(
+        crowd.member_mut(member).and_then(|mut m| m.set_blend_parameter(0.0, 0.1)).is_err(),
+        "it plays no longer"
+    );
 }
 
 /// Masked and weighted layers of both kinds over another that plays.
@@ -130,27 +153,33 @@ fn layers_inertialize(builder: &CrowdBuilder) {
         let mask =
             Mask::of_subtrees(&skeleton, ["joint 1"]).unwrap().with_falloff(&skeleton, 2).unwrap();
         let mask = crowd.add_mask(id, &mask).unwrap();
-        crowd.set_layer(member, 1, LayerSettings { mode, weight: 0.8 }, Some(mask)).unwrap();
-        crowd.play(member, clips[0], Play::looping()).unwrap();
-        let upper = |play: Play| play.on_layer(1).weight(0.9);
-        crowd.play(member, clips[1], upper(Play::looping())).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .set_layer(1, LayerSettings { mode, weight: 0.8 }, Some(mask))
+            .unwrap();
+        crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
+        let upper = |play: ClipPlayback| play.on_layer(1).weight(0.9);
+        crowd.member_mut(member).unwrap().play(clips[1], upper(ClipPlayback::looping())).unwrap();
         crowd.update(0.3).unwrap();
         for (clip, phase) in [(2, 0.1), (3, 0.6), (1, 0.3)] {
             inertializes(&mut crowd, member, &format!("{mode:?}"), |crowd| {
-                let play = upper(Play::looping().phase(phase)).inertialize_in_secs(SECS);
-                crowd.play(member, clips[clip], play).unwrap();
+                let play = upper(ClipPlayback::looping().phase(phase)).inertialize_in_secs(SECS);
+                crowd.member_mut(member).unwrap().play(clips[clip], play).unwrap();
             });
             crowd.update(0.05).unwrap();
         }
         // Another weight, an empty layer: neither jumps.
         let (jump, _) = across(&mut crowd, member, |crowd| {
-            let play = Play::looping().on_layer(1).weight(0.3).inertialize_in_secs(SECS);
-            crowd.play(member, clips[0], play).unwrap();
+            let play = ClipPlayback::looping().on_layer(1).weight(0.3).inertialize_in_secs(SECS);
+            crowd.member_mut(member).unwrap().play(clips[0], play).unwrap();
         });
         assert!(jump < ROUNDING, "{mode:?}: {jump}");
         let (jump, _) = across(&mut crowd, member, |crowd| {
             crowd
-                .play(member, clips[0], Play::looping().on_layer(2).inertialize_in_secs(SECS))
+                .member_mut(member)
+                .unwrap()
+                .play(clips[0], ClipPlayback::looping().on_layer(2).inertialize_in_secs(SECS))
                 .unwrap();
         });
         assert!(jump < ROUNDING, "{mode:?}: {jump}");
@@ -160,26 +189,36 @@ fn layers_inertialize(builder: &CrowdBuilder) {
 fn once_inertialized_it_is_the_new_clip_to_the_bit(builder: &CrowdBuilder) {
     let run = |inertializes: bool| {
         let (mut crowd, clips, member) = one_member(builder, &motions());
-        crowd.play(member, clips[0], Play::looping()).unwrap();
-        crowd.play(member, clips[1], Play::looping().on_layer(1)).unwrap();
+        crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
         crowd
-            .set_layer(member, 1, LayerSettings { mode: LayerMode::Additive, weight: 0.5 }, None)
+            .member_mut(member)
+            .unwrap()
+            .play(clips[1], ClipPlayback::looping().on_layer(1))
+            .unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .set_layer(1, LayerSettings { mode: LayerMode::Additive, weight: 0.5 }, None)
             .unwrap();
         crowd.update(0.5).unwrap();
         for (layer, clip) in [(0, clips[2]), (1, clips[3])] {
-            let play = Play::once().on_layer(layer);
+            let play = ClipPlayback::once().on_layer(layer);
             let play = if inertializes { play.inertialize_in_secs(SECS) } else { play };
-            crowd.play(member, clip, play).unwrap();
+            crowd.member_mut(member).unwrap().play(clip, play).unwrap();
         }
         let halves = [0.125, 0.125, 0.1].map(|secs| {
             crowd.update(secs).unwrap();
-            crowd.palette(member).unwrap()
+            crowd.member_mut(member).unwrap().palette().unwrap()
         });
         // The slots are free again.
         for layer in [2, 3] {
-            crowd.play(member, clips[0], Play::looping().on_layer(layer)).unwrap();
+            crowd
+                .member_mut(member)
+                .unwrap()
+                .play(clips[0], ClipPlayback::looping().on_layer(layer))
+                .unwrap();
         }
-        (halves, crowd.playing(member).unwrap().len())
+        (halves, crowd.member(member).unwrap().active_clips().len())
     };
     let ((inertialized, playing), (plain, _)) = (run(true), run(false));
     assert!(inertialized[0] != plain[0] && playing == 4);
@@ -190,18 +229,30 @@ fn once_inertialized_it_is_the_new_clip_to_the_bit(builder: &CrowdBuilder) {
 fn queued_and_delayed_starts_settle_on_their_tick(builder: &CrowdBuilder) {
     let run = |steps: u16| {
         let (mut crowd, clips, member) = one_member(builder, &motions());
-        crowd.play(member, clips[0], Play::once()).unwrap();
-        crowd.queue(member, clips[1], Play::once().inertialize_in_secs(SECS)).unwrap();
-        crowd.queue(member, clips[2], Play::looping().inertialize_in_secs(0.4).phase(0.3)).unwrap();
+        crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
         crowd
+            .member_mut(member)
+            .unwrap()
+            .queue(clips[1], ClipPlayback::once().inertialize_in_secs(SECS))
+            .unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .queue(clips[2], ClipPlayback::looping().inertialize_in_secs(0.4).phase(0.3))
+            .unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
             .play(
-                member,
                 clips[3],
-                Play::looping().on_layer(1).after_secs(0.5).inertialize_in_secs(0.2),
+                ClipPlayback::looping().on_layer(1).after_secs(0.5).inertialize_in_secs(0.2),
             )
             .unwrap();
         (0..steps).for_each(|_| crowd.update(2.625 / f32::from(steps)).unwrap());
-        (crowd.palette(member).unwrap(), crowd.playing(member).unwrap().len())
+        (
+            crowd.member_mut(member).unwrap().palette().unwrap(),
+            crowd.member(member).unwrap().active_clips().len(),
+        )
     };
     let once = run(1);
     assert_eq!(once.1, 2);
@@ -211,14 +262,18 @@ fn queued_and_delayed_starts_settle_on_their_tick(builder: &CrowdBuilder) {
 /// Starts in one frame: only the last of them is seen, and what was left inertializes into that.
 fn what_was_never_seen_leaves_nothing(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(2), &motions());
-    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     crowd.update(0.3).unwrap();
     inertializes(&mut crowd, member, "three starts at once", |crowd| {
         for (clip, secs) in [(clips[3], 0.1), (clips[2], 0.7), (clips[1], SECS)] {
-            crowd.play(member, clip, Play::looping().inertialize_in_secs(secs)).unwrap();
+            crowd
+                .member_mut(member)
+                .unwrap()
+                .play(clip, ClipPlayback::looping().inertialize_in_secs(secs))
+                .unwrap();
         }
     });
-    let playing = crowd.playing(member).unwrap();
+    let playing = crowd.member(member).unwrap().active_clips();
     assert_eq!((playing.len(), playing[0].clip), (1, clips[1]));
 }
 
@@ -232,18 +287,22 @@ fn run_through_starts(
 ) -> (f32, f32) {
     let (mut crowd, clips, member) =
         one_member(&builder.clone().slots_per_member(slots), &motions());
-    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     crowd.update(0.1).unwrap();
     let mut poses = vec![turns(&mut crowd, member)];
     for frame in 1..=60_usize {
         if (3..23).contains(&frame) {
             let clip = clips[frame * stride % clips.len()];
-            crowd.play(member, clip, Play::looping().phase(0.5).inertialize_in_secs(secs)).unwrap();
+            crowd
+                .member_mut(member)
+                .unwrap()
+                .play(clip, ClipPlayback::looping().phase(0.5).inertialize_in_secs(secs))
+                .unwrap();
         }
         crowd.update(0.015).unwrap();
         poses.push(turns(&mut crowd, member));
     }
-    let playing = crowd.playing(member).unwrap();
+    let playing = crowd.member(member).unwrap().active_clips();
     assert_eq!(
         (playing.len(), playing[0].clip),
         (1, clips[22 * stride % clips.len()]),
@@ -268,27 +327,35 @@ fn twenty_starts_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
 
 fn a_start_waits_for_what_inertializes(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(2), &motions());
-    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     crowd.update(0.1).unwrap();
-    let old = crowd.play(member, clips[1], Play::looping().inertialize_in_secs(SECS)).unwrap();
+    let old = crowd
+        .member_mut(member)
+        .unwrap()
+        .play(clips[1], ClipPlayback::looping().inertialize_in_secs(SECS))
+        .unwrap();
     crowd.update(0.1).unwrap();
-    let waits = crowd.play(member, clips[2], Play::looping().inertialize_in_secs(SECS)).unwrap();
+    let waits = crowd
+        .member_mut(member)
+        .unwrap()
+        .play(clips[2], ClipPlayback::looping().inertialize_in_secs(SECS))
+        .unwrap();
     crowd.update(0.14).unwrap();
-    assert_eq!(crowd.playing(member).unwrap()[0].id, Some(old));
+    assert_eq!(crowd.member(member).unwrap().active_clips()[0].id, Some(old));
     crowd.update(0.02).unwrap();
-    let playing = crowd.playing(member).unwrap();
+    let playing = crowd.member(member).unwrap().active_clips();
     assert_eq!((playing.len(), playing[0].id), (1, Some(waits)));
     assert_eq!(
-        crowd.set_weight(old, 1.0, 0.0),
-        Err(Error::StalePlay),
+        crowd.member_mut(old.member()).and_then(|mut m| m.set_weight(old, 1.0, 0.0)),
+        Err(Error::StalePlayback),
         "what inertializes plays no longer"
     );
     // A cut waits for nothing, and leaves nothing.
-    crowd.play(member, clips[3], Play::held_at_secs(0.5)).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[3], ClipPlayback::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
-    let cut = crowd.palette(member).unwrap();
+    let cut = crowd.member_mut(member).unwrap().palette().unwrap();
     crowd.update(1.0).unwrap();
-    assert!(crowd.palette(member).unwrap() == cut, "bit for bit");
+    assert!(crowd.member_mut(member).unwrap().palette().unwrap() == cut, "bit for bit");
 }
 
 on_every_way!(
@@ -314,12 +381,19 @@ fn frames(mut crowd: Crowd, mut each: impl FnMut(&mut Crowd, u8)) -> Vec<Vec<pop
         for (nth, &member) in
             members.iter().enumerate().filter(|(nth, _)| nth % 3 == usize::from(frame % 3))
         {
-            let play = Play::looping().phase(0.1 * f32::from(frame)).inertialize_in_secs(0.2);
-            crowd.play(member, clips[(nth + usize::from(frame)) % clips.len()], play).unwrap();
+            let play =
+                ClipPlayback::looping().phase(0.1 * f32::from(frame)).inertialize_in_secs(0.2);
+            crowd
+                .member_mut(member)
+                .unwrap()
+                .play(clips[(nth + usize::from(frame)) % clips.len()], play)
+                .unwrap();
         }
         each(&mut crowd, frame);
         crowd.update(0.03).unwrap();
-        all.extend(members.iter().map(|member| crowd.palette(*member).unwrap()));
+        all.extend(
+            members.iter().map(|member| crowd.member_mut(*member).unwrap().palette().unwrap()),
+        );
     }
     all
 }
@@ -352,23 +426,34 @@ fn crowds_that_move_or_are_split_settle_alike() {
 fn times_that_are_none_are_refused_and_all_others_are_only_long_or_short() {
     let native = Crowd::builder().device(Device::native());
     let (mut crowd, clips, member) = one_member(&native, &motions());
-    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     for bad in [f32::NAN, f32::INFINITY, f32::MAX, -1.0] {
-        let refused =
-            crowd.play(member, clips[1], Play::looping().inertialize_in_secs(bad)).unwrap_err();
+        let refused = crowd
+            .member_mut(member)
+            .and_then(|mut m| m.play(clips[1], ClipPlayback::looping().inertialize_in_secs(bad)))
+            .unwrap_err();
         assert!(refused.to_string().contains("inertialize"), "{refused}");
-        assert!(crowd.queue(member, clips[1], Play::once().inertialize_in_secs(bad)).is_err());
+        assert!(
+            crowd
+                .member_mut(member)
+                .and_then(|mut m| m.queue(clips[1], ClipPlayback::once().inertialize_in_secs(bad)))
+                .is_err()
+        );
     }
     for secs in [0.0, 1e-30, 1e-6, 1e9] {
         crowd.update(0.1).unwrap();
-        crowd.play(member, clips[1], Play::looping().inertialize_in_secs(secs)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clips[1], ClipPlayback::looping().inertialize_in_secs(secs))
+            .unwrap();
         crowd.update(0.1).unwrap();
-        let palette = crowd.palette(member).unwrap();
+        let palette = crowd.member_mut(member).unwrap().palette().unwrap();
         assert!(palette.iter().flat_map(|m| m.rows).flatten().all(f32::is_finite), "{secs}");
     }
     // The last of two counts.
     assert_eq!(
-        Play::once().inertialize_in_secs(0.3).fade_in_secs(0.2),
-        Play::once().fade_in_secs(0.2)
+        ClipPlayback::once().inertialize_in_secs(0.3).fade_in_secs(0.2),
+        ClipPlayback::once().fade_in_secs(0.2)
     );
 }

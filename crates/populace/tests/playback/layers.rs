@@ -1,7 +1,9 @@
 //! Layers as users set them, against the oracle.
 
 use populace::clip::TICKS_PER_SEC;
-use populace::{Crowd, CrowdBuilder, LayerMode, LayerSettings, Mask, Member, Placement, Play};
+use populace::{
+    ClipPlayback, Crowd, CrowdBuilder, LayerMode, LayerSettings, Mask, MemberId, Placement,
+};
 use populace_testkit::oracle::{OracleBody, OracleLayer, OracleSlot, evaluate};
 
 use crate::on_every_way;
@@ -17,11 +19,11 @@ fn motions() -> Vec<Motion> {
 
 /// Holds a member's joints against the oracle, from what the crowd says plays.
 #[track_caller]
-fn assert_as_the_oracle_says(crowd: &mut Crowd, member: Member, layers: &[OracleLayer]) {
+fn assert_as_the_oracle_says(crowd: &mut Crowd, member: MemberId, layers: &[OracleLayer]) {
     let id = crowd.instances().find(|i| i.member == member).unwrap().character;
     let clips = crowd.clips(id).unwrap();
     let body = OracleBody::from_character(crowd.character(id).unwrap());
-    let playing = crowd.playing(member).unwrap();
+    let playing = crowd.member(member).unwrap().active_clips();
     let slots: Vec<_> = playing
         .iter()
         .map(|p| OracleSlot {
@@ -33,8 +35,14 @@ fn assert_as_the_oracle_says(crowd: &mut Crowd, member: Member, layers: &[Oracle
         })
         .collect();
     let wanted = evaluate(&body, &slots, layers).model_from_joint;
-    for (joint, (found, wanted)) in
-        crowd.model_from_joints(member).unwrap().iter().zip(&wanted).enumerate()
+    for (joint, (found, wanted)) in crowd
+        .member_mut(member)
+        .unwrap()
+        .model_from_joints()
+        .unwrap()
+        .iter()
+        .zip(&wanted)
+        .enumerate()
     {
         let wanted = glam::DMat4::from(*wanted).transpose().to_cols_array();
         for (found, wanted) in found.rows.as_flattened().iter().zip(wanted) {
@@ -66,23 +74,23 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
     ];
     for (index, (layer, mask)) in layers.iter().zip(masks).enumerate().skip(1) {
         let settings = LayerSettings { mode: layer.mode, weight: layer.weight as f32 };
-        crowd.set_layer(member, index, settings, mask).unwrap();
+        crowd.member_mut(member).unwrap().set_layer(index, settings, mask).unwrap();
     }
-    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     for step in 0..60 {
         let clip = clips[step % 4];
-        let play = Play::looping()
+        let play = ClipPlayback::looping()
             .fade_in_secs(0.3)
             .on_layer(step % 4)
             .phase(0.1)
             .speed(if step % 3 == 0 { -0.7 } else { 1.2 });
         match step % 7 {
-            0 | 3 => drop(crowd.play(member, clip, play).unwrap()),
-            1 => drop(crowd.blend(member, clip, play.weight(0.4)).unwrap()),
-            2 => drop(crowd.queue(member, clip, play).unwrap()),
+            0 | 3 => drop(crowd.member_mut(member).unwrap().play(clip, play).unwrap()),
+            1 => drop(crowd.member_mut(member).unwrap().blend(clip, play.weight(0.4)).unwrap()),
+            2 => drop(crowd.member_mut(member).unwrap().queue(clip, play).unwrap()),
             5 => {
-                let over = Play::once().on_layer(2).fade_in_secs(0.1);
-                let _ = crowd.play(member, clip, over).unwrap();
+                let over = ClipPlayback::once().on_layer(2).fade_in_secs(0.1);
+                let _ = crowd.member_mut(member).unwrap().play(clip, over).unwrap();
             }
             _ => {}
         }
@@ -96,16 +104,16 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
 fn crossfades_agree_with_the_oracle(builder: &CrowdBuilder) {
     let (mut crowd, id, clips) = crowd_of(builder, &motions());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     crowd.update(0.2).unwrap();
-    crowd.crossfade(member, clips[1], 0.4).unwrap();
+    crowd.member_mut(member).unwrap().crossfade(clips[1], 0.4).unwrap();
     crowd.update(0.1).unwrap();
-    crowd.crossfade(member, clips[2], 0.8).unwrap();
+    crowd.member_mut(member).unwrap().crossfade(clips[2], 0.8).unwrap();
     for quarter in 0..=4_u8 {
         let new = f64::from(quarter) / 4.0;
         let wanted = [0.75 * (1.0 - new), 0.25 * (1.0 - new), new];
         for (clip, wanted) in clips.iter().zip(wanted) {
-            let playing = crowd.playing(member).unwrap();
+            let playing = crowd.member(member).unwrap().active_clips();
             let found = playing.iter().find(|p| p.clip == *clip).map_or(0.0, |p| p.weight);
             assert!((f64::from(found) - wanted).abs() < 1e-5, "{found} is not {wanted}");
         }
@@ -114,7 +122,7 @@ fn crossfades_agree_with_the_oracle(builder: &CrowdBuilder) {
         crowd.update(0.2).unwrap();
     }
     assert_eq!(TICKS_PER_SEC % 5, 0, "fifths of a second are whole ticks");
-    assert_eq!(crowd.model_from_joints(member).unwrap().len(), JOINTS);
+    assert_eq!(crowd.member_mut(member).unwrap().model_from_joints().unwrap().len(), JOINTS);
 }
 
 on_every_way!(layers_with_masks_agree_with_the_oracle, crossfades_agree_with_the_oracle);

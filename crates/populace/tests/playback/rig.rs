@@ -8,7 +8,7 @@ use populace::clip::Clip;
 use populace::model::{
     ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track,
 };
-use populace::{Affine, CharacterId, ClipId, Crowd, CrowdBuilder, Member, Placement, Trs};
+use populace::{Affine, CharacterId, ClipId, Crowd, CrowdBuilder, MemberId, Placement, Trs};
 
 /// Joints of the arm: "joint 0" is the root, each hangs on the one before it.
 pub(crate) const JOINTS: usize = 4;
@@ -87,7 +87,7 @@ pub(crate) fn character(motions: &[Motion]) -> Character {
 pub(crate) fn one_member(
     builder: &CrowdBuilder,
     motions: &[Motion],
-) -> (Crowd, Vec<ClipId>, Member) {
+) -> (Crowd, Vec<ClipId>, MemberId) {
     let (mut crowd, id, clips) = crowd_of(builder, motions);
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     (crowd, clips, member)
@@ -104,13 +104,20 @@ pub(crate) fn crowd_of(
 }
 
 /// The rotation of each joint in model space.
-pub(crate) fn turns(crowd: &mut Crowd, member: Member) -> Vec<Quat> {
+pub(crate) fn turns(crowd: &mut Crowd, member: MemberId) -> Vec<Quat> {
     let rotation = |m: Affine| {
         let [a, b, c] = m.rows;
         let columns = [0, 1, 2].map(|i| glam::Vec3::new(a[i], b[i], c[i]));
         Quat::from_mat3(&glam::Mat3::from_cols(columns[0], columns[1], columns[2])).normalize()
     };
-    crowd.model_from_joints(member).unwrap().into_iter().map(rotation).collect()
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .model_from_joints()
+        .unwrap()
+        .into_iter()
+        .map(rotation)
+        .collect()
 }
 
 /// The largest angle between the rotations of a joint.

@@ -1,8 +1,7 @@
 //! More clips than slots: what gives way, and that nothing jumps.
 
 use glam::Quat;
-use populace::{ClipId, Crowd, CrowdBuilder, Member, Play};
-use populace_testkit::Rng;
+use populace::{ClipId, ClipPlayback, Crowd, CrowdBuilder, MemberId};
 
 use crate::on_every_way;
 use crate::rig::{Motion, one_member, step_rad, turns};
@@ -41,11 +40,11 @@ struct Steps {
 }
 
 impl Steps {
-    fn new(crowd: &mut Crowd, member: Member) -> Self {
+    fn new(crowd: &mut Crowd, member: MemberId) -> Self {
         Self { before: turns(crowd, member), largest: 0.0, least_from_rest: f32::MAX }
     }
 
-    fn frame(&mut self, crowd: &mut Crowd, member: Member) -> f32 {
+    fn frame(&mut self, crowd: &mut Crowd, member: MemberId) -> f32 {
         crowd.update(STEP_SECS).unwrap();
         let now = turns(crowd, member);
         let step = step_rad(&self.before, &now);
@@ -62,10 +61,14 @@ fn largest_step_of_a_crossfade(builder: &CrowdBuilder) -> f32 {
     let mut largest = 0.0_f32;
     for &from in &clips {
         for &to in clips.iter().filter(|to| **to != from) {
-            crowd.play(member, from, Play::looping()).unwrap();
+            crowd.member_mut(member).unwrap().play(from, ClipPlayback::looping()).unwrap();
             crowd.update(STEP_SECS).unwrap();
             let mut steps = Steps::new(&mut crowd, member);
-            crowd.play(member, to, Play::looping().fade_in_secs(FADE_SECS)).unwrap();
+            crowd
+                .member_mut(member)
+                .unwrap()
+                .play(to, ClipPlayback::looping().fade_in_secs(FADE_SECS))
+                .unwrap();
             (0..14).for_each(|_| largest = largest.max(steps.frame(&mut crowd, member)));
         }
     }
@@ -86,13 +89,17 @@ fn twenty_clips_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
         for stride in [1, 2, 5] {
             let (mut crowd, clips, member) =
                 one_member(&builder.clone().slots_per_member(slots), &motions());
-            crowd.play(member, clips[0], Play::looping()).unwrap();
+            crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
             crowd.update(0.1).unwrap();
             let mut steps = Steps::new(&mut crowd, member);
             let mut last = clips[0];
             for start in 1..=20 {
                 last = clips[start * stride % clips.len()];
-                crowd.play(member, last, Play::looping().fade_in_secs(FADE_SECS)).unwrap();
+                crowd
+                    .member_mut(member)
+                    .unwrap()
+                    .play(last, ClipPlayback::looping().fade_in_secs(FADE_SECS))
+                    .unwrap();
                 let step = steps.frame(&mut crowd, member);
                 assert!(
                     step <= allowed,
@@ -111,7 +118,7 @@ fn twenty_clips_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
                 "{} rad from the rest pose",
                 steps.least_from_rest
             );
-            let playing = crowd.playing(member).unwrap();
+            let playing = crowd.member(member).unwrap().active_clips();
             assert_eq!(
                 (playing.len(), playing[0].clip, playing[0].weight),
                 (1, last, 1.0),
@@ -127,21 +134,34 @@ fn starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
     for seed in 0..6_u64 {
         let (mut crowd, clips, member) =
             one_member(&builder.clone().slots_per_member(4), &motions());
-        crowd.play(member, clips[0], Play::looping()).unwrap();
+        crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
         crowd.update(0.1).unwrap();
         let mut steps = Steps::new(&mut crowd, member);
-        let mut rng = Rng::new(seed);
-        let mut random = |below: usize| rng.below(below);
+        let mut state = seed;
+        let mut random = |below: u64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % below
+        };
         for frame in 0..80 {
-            let clip = clips[random(6)];
-            let play = Play::looping().fade_in_secs(FADE_SECS);
+            let clip = clips[random(6) as usize];
+            let play = ClipPlayback::looping().fade_in_secs(FADE_SECS);
             match random(6) {
-                0 => drop(crowd.play(member, clip, play).unwrap()),
-                1 => drop(crowd.play(member, clip, play.after_secs(0.02)).unwrap()),
-                2 => drop(crowd.blend(member, clip, play.weight(0.5)).unwrap()),
-                3 => drop(crowd.queue(member, clip, Play::once().fade_in_secs(FADE_SECS)).unwrap()),
-                4 => drop(crowd.play(member, clip, play.on_layer(1)).unwrap()),
-                _ => crowd.stop(member, 1, FADE_SECS).unwrap(),
+                0 => drop(crowd.member_mut(member).unwrap().play(clip, play).unwrap()),
+                1 => drop(
+                    crowd.member_mut(member).unwrap().play(clip, play.after_secs(0.02)).unwrap(),
+                ),
+                2 => drop(crowd.member_mut(member).unwrap().blend(clip, play.weight(0.5)).unwrap()),
+                3 => drop(
+                    crowd
+                        .member_mut(member)
+                        .unwrap()
+                        .queue(clip, ClipPlayback::once().fade_in_secs(FADE_SECS))
+                        .unwrap(),
+                ),
+                4 => drop(crowd.member_mut(member).unwrap().play(clip, play.on_layer(1)).unwrap()),
+                _ => crowd.member_mut(member).unwrap().stop(1, FADE_SECS).unwrap(),
             }
             let step = steps.frame(&mut crowd, member);
             assert!(
@@ -154,26 +174,41 @@ fn starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
 }
 
 /// The weight of a clip among those that play, 0 where it does not.
-fn weight(crowd: &Crowd, member: Member, clip: ClipId) -> f32 {
-    crowd.playing(member).unwrap().iter().filter(|p| p.clip == clip).map(|p| p.weight).sum()
+fn weight(crowd: &Crowd, member: MemberId, clip: ClipId) -> f32 {
+    crowd
+        .member(member)
+        .unwrap()
+        .active_clips()
+        .iter()
+        .filter(|p| p.clip == clip)
+        .map(|p| p.weight)
+        .sum()
 }
 
 fn a_clip_waits_for_the_weakest_to_fade_and_no_longer(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(2), &motions());
-    crowd.play(member, clips[0], Play::looping()).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     crowd.update(0.0).unwrap();
-    crowd.play(member, clips[1], Play::looping().fade_in_secs(1.0)).unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .play(clips[1], ClipPlayback::looping().fade_in_secs(1.0))
+        .unwrap();
     crowd.update(0.25).unwrap();
     // 1 weighs a quarter and gives way in a quarter of the fade.
-    let waits = crowd.play(member, clips[2], Play::looping().fade_in_secs(1.0)).unwrap();
+    let waits = crowd
+        .member_mut(member)
+        .unwrap()
+        .play(clips[2], ClipPlayback::looping().fade_in_secs(1.0))
+        .unwrap();
     crowd.update(0.2).unwrap();
     assert!((weight(&crowd, member, clips[1]) - 0.05).abs() < 1e-3);
     assert!((weight(&crowd, member, clips[0]) - 0.95).abs() < 1e-3, "what 1 leaves goes to 0");
     assert_eq!(weight(&crowd, member, clips[2]), 0.0);
-    crowd.set_speed(waits, 0.5).unwrap(); // It can be changed before it has a slot.
+    crowd.member_mut(waits.member()).unwrap().set_speed(waits, 0.5).unwrap(); // It can be changed before it has a slot.
     crowd.update(0.55).unwrap();
     assert!((weight(&crowd, member, clips[2]) - 0.5).abs() < 1e-3);
-    let playing = crowd.playing(member).unwrap();
+    let playing = crowd.member(member).unwrap().active_clips();
     let waited = playing.iter().find(|p| p.id == Some(waits)).unwrap();
     assert!((waited.time_secs - 0.25).abs() < 1e-3 && (waited.speed - 0.5).abs() < 1e-4);
 }
@@ -181,7 +216,11 @@ fn a_clip_waits_for_the_weakest_to_fade_and_no_longer(builder: &CrowdBuilder) {
 fn one_slot_changes_over_at_once(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(1), &motions());
     for clip in clips {
-        crowd.play(member, clip, Play::looping().fade_in_secs(0.5)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clip, ClipPlayback::looping().fade_in_secs(0.5))
+            .unwrap();
         crowd.update(0.1).unwrap();
         assert_eq!(weight(&crowd, member, clip), 1.0);
     }

@@ -1,6 +1,8 @@
 //! When clips start and end, how fast they run, and what can be asked of them.
 
-use populace::{ClipId, Crowd, CrowdBuilder, Device, Error, Member, Placement, Play, Playing};
+use populace::{
+    ActiveClip, ClipId, ClipPlayback, Crowd, CrowdBuilder, Device, Error, MemberId, Placement,
+};
 
 use crate::on_every_way;
 use crate::rig::{JOINTS, Motion, crowd_of, one_member, turns};
@@ -23,7 +25,7 @@ fn motions() -> Vec<Motion> {
 }
 
 /// How far the root is turned.
-fn root(crowd: &mut Crowd, member: Member) -> f32 {
+fn root(crowd: &mut Crowd, member: MemberId) -> f32 {
     turns(crowd, member)[0].to_axis_angle().1
 }
 
@@ -33,19 +35,27 @@ fn assert_near(value: f32, wanted: f32) {
 }
 
 #[track_caller]
-fn playing(crowd: &Crowd, member: Member, clip: ClipId) -> Playing {
-    let all = crowd.playing(member).unwrap();
+fn playing(crowd: &Crowd, member: MemberId, clip: ClipId) -> ActiveClip {
+    let all = crowd.member(member).unwrap().active_clips();
     *all.iter().find(|p| p.clip == clip).unwrap_or_else(|| panic!("not among {all:?}"))
 }
 
 fn clips_queue_and_begin_on_their_tick(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     let [wave, nod, idle] = [clips[0], clips[1], clips[2]];
-    crowd.play(member, wave, Play::once()).unwrap();
-    crowd.queue(member, nod, Play::once()).unwrap();
-    crowd.queue(member, wave, Play::once().speed(-2.0).after_secs(0.25)).unwrap();
-    crowd.queue(member, idle, Play::looping().fade_in_secs(0.5)).unwrap();
-    assert_eq!(crowd.playing(member).unwrap().len(), 1, "what waits takes no slot");
+    crowd.member_mut(member).unwrap().play(wave, ClipPlayback::once()).unwrap();
+    crowd.member_mut(member).unwrap().queue(nod, ClipPlayback::once()).unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .queue(wave, ClipPlayback::once().speed(-2.0).after_secs(0.25))
+        .unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .queue(idle, ClipPlayback::looping().fade_in_secs(0.5))
+        .unwrap();
+    assert_eq!(crowd.member(member).unwrap().active_clips().len(), 1, "what waits takes no slot");
     for (step, wanted) in [
         (0.75, 0.75),
         (0.5, 1.0), // the nod, begun a quarter of a second ago
@@ -59,7 +69,7 @@ fn clips_queue_and_begin_on_their_tick(builder: &CrowdBuilder) {
         crowd.update(step).unwrap();
         assert_near(root(&mut crowd, member), wanted);
     }
-    let all = crowd.playing(member).unwrap();
+    let all = crowd.member(member).unwrap().active_clips();
     assert_eq!((all.len(), all[0].clip, all[0].weight, all[0].ends_in_secs), (1, idle, 1.0, None));
 }
 
@@ -67,12 +77,27 @@ fn clips_queue_and_begin_on_their_tick(builder: &CrowdBuilder) {
 fn starts_do_not_depend_on_frames(builder: &CrowdBuilder) {
     let run = |steps: u16| {
         let (mut crowd, clips, member) = one_member(builder, &motions());
-        crowd.play(member, clips[0], Play::once()).unwrap();
-        crowd.queue(member, clips[1], Play::once().fade_in_secs(0.1)).unwrap();
-        crowd.queue(member, clips[2], Play::looping().fade_in_secs(0.4).phase(0.3)).unwrap();
-        crowd.blend(member, clips[0], Play::looping().weight(0.3).after_secs(1.45)).unwrap();
+        crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .queue(clips[1], ClipPlayback::once().fade_in_secs(0.1))
+            .unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .queue(clips[2], ClipPlayback::looping().fade_in_secs(0.4).phase(0.3))
+            .unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .blend(clips[0], ClipPlayback::looping().weight(0.3).after_secs(1.45))
+            .unwrap();
         (0..steps).for_each(|_| crowd.update(1.75 / f32::from(steps)).unwrap());
-        (crowd.palette(member).unwrap(), crowd.playing(member).unwrap().len())
+        (
+            crowd.member_mut(member).unwrap().palette().unwrap(),
+            crowd.member(member).unwrap().active_clips().len(),
+        )
     };
     let once = run(1);
     assert_eq!(once.1, 3);
@@ -81,18 +106,18 @@ fn starts_do_not_depend_on_frames(builder: &CrowdBuilder) {
 
 fn a_loop_is_followed_at_the_end_of_its_cycle(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
-    crowd.play(member, clips[0], Play::looping().phase(0.4)).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping().phase(0.4)).unwrap();
     crowd.update(1.0).unwrap(); // 0.4 into the second cycle
-    crowd.queue(member, clips[1], Play::once()).unwrap();
+    crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once()).unwrap();
     crowd.update(0.59).unwrap();
     assert_near(root(&mut crowd, member), 0.99);
     crowd.update(0.26).unwrap();
     assert_near(root(&mut crowd, member), 1.0);
     // A held clip and one of no length have no end to wait for.
-    for play in [Play::held_at_secs(0.5), Play::once()] {
-        let clip = if play == Play::once() { clips[3] } else { clips[0] };
-        crowd.play(member, clip, play).unwrap();
-        crowd.queue(member, clips[1], Play::once()).unwrap();
+    for play in [ClipPlayback::held_at_secs(0.5), ClipPlayback::once()] {
+        let clip = if play == ClipPlayback::once() { clips[3] } else { clips[0] };
+        crowd.member_mut(member).unwrap().play(clip, play).unwrap();
+        crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once()).unwrap();
         crowd.update(0.25).unwrap();
         assert_near(root(&mut crowd, member), 1.0);
     }
@@ -101,35 +126,57 @@ fn a_loop_is_followed_at_the_end_of_its_cycle(builder: &CrowdBuilder) {
 fn what_is_started_later_starts_on_its_tick_and_can_be_taken_back(builder: &CrowdBuilder) {
     let (mut crowd, id, clips) = crowd_of(builder, &motions());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    crowd.play(member, clips[0], Play::held_at_secs(0.25)).unwrap();
-    let later = crowd.play(member, clips[1], Play::looping().after_secs(0.3)).unwrap();
-    crowd.set_weight(later, 0.75, 0.0).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::held_at_secs(0.25)).unwrap();
+    let later = crowd
+        .member_mut(member)
+        .unwrap()
+        .play(clips[1], ClipPlayback::looping().after_secs(0.3))
+        .unwrap();
+    crowd.member_mut(later.member()).unwrap().set_weight(later, 0.75, 0.0).unwrap();
     crowd.update(0.29).unwrap();
     assert_near(root(&mut crowd, member), 0.25);
     crowd.update(0.135).unwrap();
     assert_near(root(&mut crowd, member), 0.5);
     assert_near(playing(&crowd, member, clips[1]).weight, 0.75);
-    let later = crowd.play(member, clips[0], Play::once().after_secs(0.1)).unwrap();
-    crowd.stop(member, 0, 0.0).unwrap();
+    let later = crowd
+        .member_mut(member)
+        .unwrap()
+        .play(clips[0], ClipPlayback::once().after_secs(0.1))
+        .unwrap();
+    crowd.member_mut(member).unwrap().stop(0, 0.0).unwrap();
     crowd.update(0.5).unwrap();
     assert_near(root(&mut crowd, member), 0.0);
-    assert_eq!(crowd.set_weight(later, 1.0, 0.0), Err(Error::StalePlay));
-    let later = crowd.play(member, clips[0], Play::once().after_secs(0.1)).unwrap();
+    assert_eq!(
+        crowd.member_mut(later.member()).and_then(|mut m| m.set_weight(later, 1.0, 0.0)),
+        Err(Error::StalePlayback)
+    );
+    let later = crowd
+        .member_mut(member)
+        .unwrap()
+        .play(clips[0], ClipPlayback::once().after_secs(0.1))
+        .unwrap();
     crowd.despawn(member).unwrap();
     let newcomer = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     crowd.update(0.5).unwrap();
-    assert_eq!(crowd.playing(newcomer).unwrap(), [], "what waited for another member is forgotten");
-    assert_eq!(crowd.set_weight(later, 1.0, 0.0), Err(Error::StaleMember));
+    assert_eq!(
+        crowd.member(newcomer).unwrap().active_clips(),
+        [],
+        "what waited for another member is forgotten"
+    );
+    assert_eq!(
+        crowd.member_mut(later.member()).and_then(|mut m| m.set_weight(later, 1.0, 0.0)),
+        Err(Error::StaleMember)
+    );
 }
 
 fn speeds_change_without_a_jump_and_the_queue_follows(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
-    let wave = crowd.play(member, clips[0], Play::once()).unwrap();
-    crowd.queue(member, clips[1], Play::once()).unwrap();
+    let wave = crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
+    crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once()).unwrap();
     let mut at = |speed: Option<f32>, secs: f32, wanted: f32| {
         if let Some(speed) = speed {
             let before = root(&mut crowd, member);
-            crowd.set_speed(wave, speed).unwrap();
+            crowd.member_mut(wave.member()).unwrap().set_speed(wave, speed).unwrap();
             crowd.update(0.0).unwrap();
             assert!((root(&mut crowd, member) - before).abs() < 1e-5, "speed {speed} jumps");
         }
@@ -143,9 +190,9 @@ fn speeds_change_without_a_jump_and_the_queue_follows(builder: &CrowdBuilder) {
     at(Some(2.0), 0.44, 0.98);
     at(None, 0.26, 1.0); // The nod began when the wave ended at last.
     at(None, 0.25, 2.0);
-    let idle = crowd.play(member, clips[2], Play::looping()).unwrap();
+    let idle = crowd.member_mut(member).unwrap().play(clips[2], ClipPlayback::looping()).unwrap();
     crowd.update(0.5).unwrap();
-    crowd.set_speed(idle, -1.0).unwrap();
+    crowd.member_mut(idle.member()).unwrap().set_speed(idle, -1.0).unwrap();
     crowd.update(0.0).unwrap();
     assert_near(root(&mut crowd, member), 0.25);
     crowd.update(1.0).unwrap(); // back past the start, to its end
@@ -157,25 +204,33 @@ fn speeds_change_without_a_jump_and_the_queue_follows(builder: &CrowdBuilder) {
 
 fn weights_run_and_end(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
-    crowd.play(member, clips[0], Play::held_at_secs(0.0)).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::held_at_secs(0.0)).unwrap();
     let other = crowd
-        .blend(member, clips[0], Play::held_at_secs(1.0).weight(1.0).fade_in_secs(1.0))
+        .member_mut(member)
+        .unwrap()
+        .blend(clips[0], ClipPlayback::held_at_secs(1.0).weight(1.0).fade_in_secs(1.0))
         .unwrap();
     crowd.update(0.5).unwrap();
     assert_near(root(&mut crowd, member), 0.330); // a third, by chord
-    crowd.set_weight(other, 0.25, 0.5).unwrap();
+    crowd.member_mut(other.member()).unwrap().set_weight(other, 0.25, 0.5).unwrap();
     crowd.update(0.25).unwrap();
     assert_near(playing(&crowd, member, clips[0]).weight, 1.0);
-    crowd.set_weight(other, 0.0, 0.2).unwrap();
+    crowd.member_mut(other.member()).unwrap().set_weight(other, 0.0, 0.2).unwrap();
     crowd.update(0.3).unwrap();
     assert_near(root(&mut crowd, member), 0.0);
-    assert_eq!(crowd.playing(member).unwrap().len(), 1, "it has ended");
+    assert_eq!(crowd.member(member).unwrap().active_clips().len(), 1, "it has ended");
     // Handles go stale when the slot is another's.
     for _ in 0..4 {
-        crowd.blend(member, clips[1], Play::looping()).unwrap();
+        crowd.member_mut(member).unwrap().blend(clips[1], ClipPlayback::looping()).unwrap();
     }
-    assert_eq!(crowd.set_weight(other, 1.0, 0.0), Err(Error::StalePlay));
-    assert_eq!(crowd.set_speed(other, 1.0), Err(Error::StalePlay));
+    assert_eq!(
+        crowd.member_mut(other.member()).and_then(|mut m| m.set_weight(other, 1.0, 0.0)),
+        Err(Error::StalePlayback)
+    );
+    assert_eq!(
+        crowd.member_mut(other.member()).and_then(|mut m| m.set_speed(other, 1.0)),
+        Err(Error::StalePlayback)
+    );
 }
 
 on_every_way!(
@@ -192,12 +247,16 @@ on_every_way!(
 fn what_plays_is_told() {
     let (mut crowd, clips, member) =
         one_member(&Crowd::builder().device(Device::native()), &motions());
-    assert_eq!(crowd.playing(member).unwrap(), []);
-    let upper =
-        crowd.play(member, clips[2], Play::looping().on_layer(2).phase(0.25).weight(0.5)).unwrap();
-    let wave = crowd.play(member, clips[0], Play::once().speed(0.5)).unwrap();
+    assert_eq!(crowd.member(member).unwrap().active_clips(), []);
+    let upper = crowd
+        .member_mut(member)
+        .unwrap()
+        .play(clips[2], ClipPlayback::looping().on_layer(2).phase(0.25).weight(0.5))
+        .unwrap();
+    let wave =
+        crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once().speed(0.5)).unwrap();
     crowd.update(0.5).unwrap();
-    let found = crowd.playing(member).unwrap();
+    let found = crowd.member(member).unwrap().active_clips();
     let ids: Vec<_> = found.iter().map(|p| (p.id, p.clip, p.layer, p.weight)).collect();
     assert_eq!(ids, [(Some(wave), clips[0], 0, 1.0), (Some(upper), clips[2], 2, 0.5)]);
     assert_near(found[0].time_secs, 0.25);
@@ -205,14 +264,18 @@ fn what_plays_is_told() {
     assert_eq!(found[1].ends_in_secs, None);
     assert!((found[0].ends_in_secs.unwrap() - 1.5).abs() < 1e-5);
     crowd.update(9.0).unwrap();
-    assert_eq!(crowd.playing(member).unwrap()[0].ends_in_secs, Some(0.0));
+    assert_eq!(crowd.member(member).unwrap().active_clips()[0].ends_in_secs, Some(0.0));
 }
 
 fn a_fade_of_no_time_to_speak_of_is_over_in_a_tick(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
-    crowd.play(member, clips[0], Play::held_at_secs(0.5)).unwrap();
+    crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::held_at_secs(0.5)).unwrap();
     for (secs, from, to) in [(f32::from_bits(1), 0.5, 1.0), (1e-20, 1.0, 0.5), (1e-7, 0.5, 1.0)] {
-        crowd.play(member, clips[0], Play::held_at_secs(to).fade_in_secs(secs)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .play(clips[0], ClipPlayback::held_at_secs(to).fade_in_secs(secs))
+            .unwrap();
         crowd.update(0.0).unwrap();
         assert_near(root(&mut crowd, member), from);
         crowd.update(0.001).unwrap();
@@ -224,32 +287,71 @@ fn a_fade_of_no_time_to_speak_of_is_over_in_a_tick(builder: &CrowdBuilder) {
 fn bad_values_are_refused_and_change_nothing() {
     let (mut crowd, clips, member) =
         one_member(&Crowd::builder().device(Device::native()), &motions());
-    let wave = crowd.play(member, clips[0], Play::once()).unwrap();
+    let wave = crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
     for bad in [f32::NAN, f32::INFINITY, -1.0] {
-        assert!(crowd.play(member, clips[1], Play::once().after_secs(bad)).is_err());
-        assert!(crowd.queue(member, clips[1], Play::once().fade_in_secs(bad)).is_err());
         assert!(
-            crowd.set_weight(wave, bad, 0.0).is_err() && crowd.set_weight(wave, 0.5, bad).is_err()
+            crowd
+                .member_mut(member)
+                .and_then(|mut m| m.play(clips[1], ClipPlayback::once().after_secs(bad)))
+                .is_err()
         );
-        assert!(bad < 0.0 || crowd.set_speed(wave, bad).is_err());
+        assert!(
+            crowd
+                .member_mut(member)
+                .and_then(|mut m| m.queue(clips[1], ClipPlayback::once().fade_in_secs(bad)))
+                .is_err()
+        );
+        assert!(
+            crowd.member_mut(wave.member()).and_then(|mut m| m.set_weight(wave, bad, 0.0)).is_err()
+                && crowd
+                    .member_mut(wave.member())
+                    .and_then(|mut m| m.set_weight(wave, 0.5, bad))
+                    .is_err()
+        );
+        assert!(
+            bad < 0.0
+                || crowd
+                    .member_mut(wave.member())
+                    .and_then(|mut m| m.set_speed(wave, bad))
+                    .is_err()
+        );
     }
-    assert!(crowd.set_weight(wave, 1.5, 0.0).is_err());
+    assert!(
+        crowd.member_mut(wave.member()).and_then(|mut m| m.set_weight(wave, 1.5, 0.0)).is_err()
+    );
     let (mut other, other_clips, stranger) =
         one_member(&Crowd::builder().device(Device::native()), &motions());
-    let foreign = other.play(stranger, other_clips[0], Play::once()).unwrap();
-    assert!(matches!(crowd.set_speed(foreign, 1.0), Err(Error::UnknownId { what: "play", .. })));
-    assert!(crowd.queue(member, other_clips[0], Play::once()).is_err());
+    let foreign =
+        other.member_mut(stranger).unwrap().play(other_clips[0], ClipPlayback::once()).unwrap();
+    assert!(matches!(
+        crowd.member_mut(foreign.member()).and_then(|mut m| m.set_speed(foreign, 1.0)),
+        Err(Error::UnknownId { what: "member", .. })
+    ));
+    assert!(
+        crowd
+            .member_mut(member)
+            .and_then(|mut m| m.queue(other_clips[0], ClipPlayback::once()))
+            .is_err()
+    );
     crowd.update(0.5).unwrap();
     assert_near(root(&mut crowd, member), 0.5);
     // The longest delays and fades and the slowest speeds are only long and slow.
     for _ in 0..9 {
-        crowd.blend(member, clips[1], Play::looping().fade_in_secs(1e9).on_layer(1)).unwrap();
+        crowd
+            .member_mut(member)
+            .unwrap()
+            .blend(clips[1], ClipPlayback::looping().fade_in_secs(1e9).on_layer(1))
+            .unwrap();
     }
-    crowd.queue(member, clips[1], Play::once().after_secs(1e9)).unwrap();
-    crowd.set_speed(wave, 1e-30).unwrap();
-    crowd.queue(member, clips[1], Play::once().speed(1e-30)).unwrap();
-    crowd.queue(member, clips[1], Play::once().speed(0.0)).unwrap();
-    crowd.queue(member, clips[1], Play::once()).unwrap();
+    crowd
+        .member_mut(member)
+        .unwrap()
+        .queue(clips[1], ClipPlayback::once().after_secs(1e9))
+        .unwrap();
+    crowd.member_mut(wave.member()).unwrap().set_speed(wave, 1e-30).unwrap();
+    crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once().speed(1e-30)).unwrap();
+    crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once().speed(0.0)).unwrap();
+    crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once()).unwrap();
     crowd.update(1e3).unwrap();
     assert_near(root(&mut crowd, member), 0.5);
 }

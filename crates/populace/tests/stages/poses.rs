@@ -52,7 +52,12 @@ fn after_pose_chosen_joints_of_chosen_members_turn_and_all_below_follow() {
         let chosen = [at(3), at(17), at(17), at(8)];
         for nth in [1, 4] {
             let how = StageUse::on(chosen).with_values([0.01 * nth as f32, 0.0, BEND, 0.0]);
-            staged.crowd.use_stage(staged.members[nth], bend, how).expect("a use");
+            staged
+                .crowd
+                .member_mut(staged.members[nth])
+                .expect("a use")
+                .set_stage(bend, how)
+                .expect("a use");
         }
         // Parameters change from frame to frame.
         for frame in 0..3_u8 {
@@ -91,7 +96,12 @@ fn after_transform_chosen_joints_of_chosen_members_move_and_all_below_follow() {
         let chosen = [2, 16];
         for nth in [0, 5] {
             let how = StageUse::on(chosen.map(at)).with_values([0.0, 0.1 * nth as f32, LIFT, 0.0]);
-            staged.crowd.use_stage(staged.members[nth], lift, how).expect("a use");
+            staged
+                .crowd
+                .member_mut(staged.members[nth])
+                .expect("a use")
+                .set_stage(lift, how)
+                .expect("a use");
         }
         for frame in 0..3_u8 {
             let given = parameters(1.0 + f32::from(frame), 0.25 * f32::from(frame));
@@ -133,7 +143,9 @@ fn both_languages_give_the_same_bits_on_all_schedules() {
             {
                 staged
                     .crowd
-                    .use_stage(member, stage, how.with_values(values(what)))
+                    .member_mut(member)
+                    .expect("a use")
+                    .set_stage(stage, how.with_values(values(what)))
                     .expect("a use");
             }
         }
@@ -159,7 +171,7 @@ fn a_stage_is_told_whose_joint_it_has_and_the_time_for_days() {
         staged.crowd.set_stage_parameters(tell, &given).expect("parameters");
         let member = staged.members[4];
         let how = StageUse::on([at(13)]).with_values([0.0, 0.0, TELL, 7.0]);
-        staged.crowd.use_stage(member, tell, how).expect("a use");
+        staged.crowd.member_mut(member).expect("a use").set_stage(tell, how).expect("a use");
         // Eleven days, and then some.
         staged.update(950_000.0);
         staged.update(0.25);
@@ -193,7 +205,12 @@ fn what_is_left_or_removed_is_as_if_it_had_never_been() {
         for (member, stage, what) in
             [(first, bend, BEND), (first, lift, LIFT), (second, lift, LIFT)]
         {
-            staged.crowd.use_stage(member, stage, how(what)).expect("a use");
+            staged
+                .crowd
+                .member_mut(member)
+                .expect("a use")
+                .set_stage(stage, how(what))
+                .expect("a use");
         }
         let mut step = |staged: &mut Swaying, but: &[usize]| {
             staged.update(0.1);
@@ -201,11 +218,20 @@ fn what_is_left_or_removed_is_as_if_it_had_never_been() {
             assert_others(staged, &mut plain, but, &what);
         };
         step(&mut staged, &[0, 1]);
-        staged.crowd.leave_stage(second, lift).expect("a stage that was used");
+        staged
+            .crowd
+            .member_mut(second)
+            .expect("a stage that was used")
+            .clear_stage(lift)
+            .expect("a stage that was used");
         step(&mut staged, &[0]);
         staged.crowd.remove_stage(lift).expect("a stage");
         assert!(
-            staged.crowd.use_stage(second, lift, StageUse::on_all()).is_err(),
+            staged
+                .crowd
+                .member_mut(second)
+                .and_then(|mut m| m.set_stage(lift, StageUse::on_all()))
+                .is_err(),
             "it was removed"
         );
         step(&mut staged, &[0]);
@@ -215,7 +241,7 @@ fn what_is_left_or_removed_is_as_if_it_had_never_been() {
         let tell = staged.crowd.add_stage(After::Transform, stage()).expect("a stage");
         assert!(staged.crowd.set_stage_parameters(bend, &[]).is_err(), "it was removed");
         step(&mut staged, &[]);
-        staged.crowd.use_stage(second, tell, how(TELL)).expect("a use");
+        staged.crowd.member_mut(second).expect("a use").set_stage(tell, how(TELL)).expect("a use");
         step(&mut staged, &[1]);
     }
 }

@@ -12,7 +12,12 @@ fn a_text_that_does_not_compile_names_the_users_line() {
         let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
         let given = [0.0, 0.6, 0.0, 0.8, 1.0];
         staged.crowd.set_stage_parameters(bend, &given).expect("parameters");
-        staged.crowd.use_stage(staged.members[2], bend, StageUse::on([at(4)])).expect("a use");
+        staged
+            .crowd
+            .member_mut(staged.members[2])
+            .expect("a use")
+            .set_stage(bend, StageUse::on([at(4)]))
+            .expect("a use");
         staged.update(0.1);
         let before = staged.bits();
         let broken = "void gust(StageJoint *joint)\n{\n    joint->row0.x += strength;\n}\n";
@@ -37,7 +42,12 @@ fn a_text_that_does_not_compile_names_the_users_line() {
             "#define member 3\nvoid gust(StageJoint *joint)\n{\n    joint->row1.w += 1.0f;\n}\n";
         let gust = UserStage::new("gust").opencl_c(good);
         let gust = staged.crowd.add_stage(After::Transform, gust).expect("a stage");
-        staged.crowd.use_stage(staged.members[0], gust, StageUse::on([at(0)])).expect("a use");
+        staged
+            .crowd
+            .member_mut(staged.members[0])
+            .expect("a use")
+            .set_stage(gust, StageUse::on([at(0)]))
+            .expect("a use");
         staged.update(0.0);
         let after = staged.bits();
         assert!(after[0] != before[0] && after[1..] == before[1..], "{schedule}");
@@ -69,7 +79,12 @@ fn a_device_without_its_form_refuses_by_name() {
 
     // A crowd stays where its stages run, and takes them along where they do.
     let gust = native.crowd.add_stage(After::Transform, rust_only()).expect("a stage");
-    native.crowd.use_stage(native.members[3], gust, StageUse::on([at(0)])).expect("a use");
+    native
+        .crowd
+        .member_mut(native.members[3])
+        .expect("a use")
+        .set_stage(gust, StageUse::on([at(0)]))
+        .expect("a use");
     native.update(0.1);
     let before = native.bits();
     refused(native.crowd.move_to(Device::opencl(0)).expect_err("no text"), in_c);
@@ -80,7 +95,12 @@ fn a_device_without_its_form_refuses_by_name() {
         UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }");
     let whole = whole.rust(|joint| joint.model.rows[1][3] += 1.0);
     let gust = native.crowd.add_stage(After::Transform, whole).expect("a stage");
-    native.crowd.use_stage(native.members[3], gust, StageUse::on([at(0)])).expect("a use");
+    native
+        .crowd
+        .member_mut(native.members[3])
+        .expect("a use")
+        .set_stage(gust, StageUse::on([at(0)]))
+        .expect("a use");
     native.crowd.move_to(both).expect("both forms");
     native.update(0.0);
     assert_eq!(native.bits(), before);
@@ -92,12 +112,19 @@ fn bad_values_are_refused_and_change_nothing() {
         let mut staged = Swaying::on(devices, schedule);
         let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
         let member = staged.members[0];
-        staged.crowd.use_stage(member, bend, StageUse::on([at(1)])).expect("a use");
+        staged
+            .crowd
+            .member_mut(member)
+            .expect("a use")
+            .set_stage(bend, StageUse::on([at(1)]))
+            .expect("a use");
         staged.update(0.1);
         let before = staged.bits();
         let nan = StageUse::on([at(1)]).with_values([0.0, f32::NAN, 0.0, 0.0]);
         for bad in [nan, StageUse::on([at(99)])] {
-            assert!(staged.crowd.use_stage(member, bend, bad).is_err());
+            assert!(
+                staged.crowd.member_mut(member).and_then(|mut m| m.set_stage(bend, bad)).is_err()
+            );
         }
         assert!(staged.crowd.set_stage_parameters(bend, &[f32::INFINITY]).is_err());
         assert!(staged.crowd.set_stage_parameters(bend, &[0.0; 17]).is_err());
@@ -122,7 +149,12 @@ fn there_is_room_for_eight() {
     let before = staged.models(0)[0].rows[1][3];
     for _ in 0..8 {
         let id = staged.crowd.add_stage(After::Transform, lift()).expect("room");
-        staged.crowd.use_stage(staged.members[0], id, StageUse::on([at(0)])).expect("a use");
+        staged
+            .crowd
+            .member_mut(staged.members[0])
+            .expect("a use")
+            .set_stage(id, StageUse::on([at(0)]))
+            .expect("a use");
     }
     assert!(staged.crowd.add_stage(After::Transform, lift()).is_err(), "a ninth");
     staged.update(0.0);

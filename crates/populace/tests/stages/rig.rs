@@ -8,8 +8,8 @@ use populace::clip::Clip;
 use populace::model::math::quat;
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
-    Affine, CharacterId, Crowd, Device, Devices, JointIndex, Member, Placement, Play, Schedule,
-    Split, StageJoint, Trs, UserStage,
+    Affine, CharacterId, ClipPlayback, Crowd, Device, Devices, JointIndex, MemberId, Placement,
+    Schedule, Split, StageJoint, Trs, UserStage,
 };
 
 /// Joints of the body: one is below the last but two, so that there are several branches.
@@ -171,7 +171,7 @@ fn character() -> Character {
 /// A crowd of members that sway, each from another phase on.
 pub(crate) struct Swaying {
     pub(crate) crowd: Crowd,
-    pub(crate) members: Vec<Member>,
+    pub(crate) members: Vec<MemberId>,
 }
 
 impl Swaying {
@@ -187,7 +187,9 @@ impl Swaying {
             let placement = Placement::at([nth as f32, 0.0, 2.0]).facing(0.3 * nth as f32);
             let member = crowd.spawn(body, placement).expect("room");
             crowd
-                .play(member, clip, Play::looping().phase(nth as f32 / 7.0))
+                .member_mut(member)
+                .expect("a clip that plays")
+                .play(clip, ClipPlayback::looping().phase(nth as f32 / 7.0))
                 .expect("a clip that plays");
             member
         };
@@ -200,16 +202,27 @@ impl Swaying {
     }
 
     pub(crate) fn models(&mut self, nth: usize) -> Vec<Affine> {
-        self.crowd.model_from_joints(self.members[nth]).expect("joints that can be read")
+        self.crowd
+            .member_mut(self.members[nth])
+            .expect("joints that can be read")
+            .model_from_joints()
+            .expect("joints that can be read")
     }
 
     pub(crate) fn locals(&mut self, nth: usize) -> Vec<Trs> {
-        self.crowd.local_pose(self.members[nth]).expect("joints that can be read")
+        self.crowd
+            .member_mut(self.members[nth])
+            .expect("joints that can be read")
+            .local_pose()
+            .expect("joints that can be read")
     }
 
     /// The bits of what devices draw from, of all members.
     pub(crate) fn bits(&mut self) -> Vec<Vec<u32>> {
-        let palettes = self.members.iter().map(|member| self.crowd.palette(*member));
+        let palettes = self
+            .members
+            .iter()
+            .map(|member| self.crowd.member_mut(*member).and_then(|mut m| m.palette()));
         let palettes: Result<Vec<_>, _> = palettes.collect();
         let numbers = |palette: &Vec<Affine>| {
             palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect::<Vec<_>>()

@@ -11,11 +11,15 @@ fn look(crowd: &mut Swaying) {
         chain: vec![(at(1), 0.5), (at(2), 0.5)],
         facing: [0.0, 0.0, 1.0],
         limits: GazeLimits { yaw_rad: 1.0, up_rad: 0.5, down_rad: 0.5 },
-        targets: vec![],
     };
     let target = Target::Joint { member: crowd.members[0], joint: at(20) };
     let weight = Weight::new(1.0).expect("a weight");
-    crowd.crowd.look_with(crowd.members[1], &gaze, target, weight).expect("a gaze");
+    crowd
+        .crowd
+        .member_mut(crowd.members[1])
+        .expect("a gaze")
+        .look_at_with(&gaze, target, weight)
+        .expect("a gaze");
 }
 
 #[test]
@@ -31,7 +35,12 @@ fn what_is_no_number_reaches_nobody() {
                 let stray = staged.crowd.add_stage(after, stage()).expect("a stage");
                 let first = staged.members[0];
                 let how = StageUse::on_all().with_values([bad[0], bad[1], STRAY, 0.0]);
-                staged.crowd.use_stage(first, stray, how).expect("a use");
+                staged
+                    .crowd
+                    .member_mut(first)
+                    .expect("a use")
+                    .set_stage(stray, how)
+                    .expect("a use");
                 for crowd in [&mut plain, &mut staged] {
                     look(crowd);
                     crowd.update(0.6);
@@ -54,7 +63,12 @@ fn sizes_that_grow_past_all_numbers_reach_no_other_member() {
         let huge = [0.0, 0.0, 0.0, 1.0, 9e8];
         staged.crowd.set_stage_parameters(bend, &huge).expect("parameters");
         let first = staged.members[0];
-        staged.crowd.use_stage(first, bend, StageUse::on_all()).expect("a use");
+        staged
+            .crowd
+            .member_mut(first)
+            .expect("a use")
+            .set_stage(bend, StageUse::on_all())
+            .expect("a use");
         look(&mut staged);
         for _ in 0..3 {
             staged.update(0.6);

@@ -1,0 +1,128 @@
+//! Views of one member: everything that can be asked of it or done with it.
+
+mod constraints;
+mod motion;
+mod playback;
+mod reading;
+
+use std::borrow::Borrow;
+
+use populace_model::{JointIndex, Role};
+
+use super::{CharacterId, Crowd, MemberId, MemberState};
+use crate::{Error, Placement};
+
+/// A borrowed view of a member, whose handle has been checked. [`MemberRef`] reads, [`MemberMut`]
+/// reads and changes.
+#[derive(Debug)]
+pub struct MemberView<C> {
+    crowd: C,
+    id: MemberId,
+    character: CharacterId,
+}
+
+/// A view that reads a member; see [`Crowd::member`].
+pub type MemberRef<'a> = MemberView<&'a Crowd>;
+
+/// A view that reads and changes a member; see [`Crowd::member_mut`].
+pub type MemberMut<'a> = MemberView<&'a mut Crowd>;
+
+impl Crowd {
+    /// Returns a view of a member.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`] for a member that was despawned, [`Error::UnknownId`] for one of
+    /// another crowd.
+    pub fn member(&self, id: MemberId) -> Result<MemberRef<'_>, Error> {
+        let character = self.check(id)?;
+        Ok(MemberView { crowd: self, id, character })
+    }
+
+    /// Returns a view of a member by which it can be changed.
+    ///
+    /// ```
+    /// # use populace::{ClipPlayback, Crowd, MemberId, ClipId, Error};
+    /// fn wave_at(crowd: &mut Crowd, member: MemberId, wave: ClipId) -> Result<(), Error> {
+    ///     let mut member = crowd.member_mut(member)?;
+    ///     member.play(wave, ClipPlayback::once().on_layer(1).fade_in_secs(0.2))?;
+    ///     member.look_at([0.0, 1.6, 5.0], populace::Weight::FULL)
+    /// }
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`member`](Self::member).
+    pub fn member_mut(&mut self, id: MemberId) -> Result<MemberMut<'_>, Error> {
+        let character = self.check(id)?;
+        Ok(MemberView { crowd: self, id, character })
+    }
+
+    /// Iterates over all members, in order of their indices.
+    pub fn members(&self) -> impl Iterator<Item = MemberRef<'_>> {
+        (0u32..).zip(&self.members).filter_map(move |(index, state)| {
+            let id = MemberId { crowd: self.number, index, generation: state.generation };
+            Some(MemberView { crowd: self, id, character: state.character? })
+        })
+    }
+}
+
+impl<C: Borrow<Crowd>> MemberView<C> {
+    fn crowd(&self) -> &Crowd {
+        self.crowd.borrow()
+    }
+
+    fn state(&self) -> &MemberState {
+        &self.crowd().members[self.id.index as usize]
+    }
+
+    /// The member's handle.
+    #[must_use]
+    pub const fn id(&self) -> MemberId {
+        self.id
+    }
+
+    /// The member's character.
+    #[must_use]
+    pub const fn character(&self) -> CharacterId {
+        self.character
+    }
+
+    /// The joint that has a humanoid role; `None` if the character's roles are unknown or no joint
+    /// has this one.
+    #[must_use]
+    pub fn joint(&self, role: Role) -> Option<JointIndex> {
+        self.crowd().roles(self.character).ok()??.joint(role)
+    }
+
+    /// The member's placement. Root motion moves the member away from it: see
+    /// [`moved_placement`](Self::moved_placement).
+    #[must_use]
+    pub fn placement(&self) -> Placement {
+        self.state().placement
+    }
+
+    /// The number set by [`set_user_data`](Self::set_user_data), 0 unless set.
+    #[must_use]
+    pub fn user_data(&self) -> u64 {
+        self.state().user_data
+    }
+}
+
+impl MemberMut<'_> {
+    /// Sets the placement of the member and of all that is attached to it. Root motion continues
+    /// from there.
+    ///
+    /// # Errors
+    ///
+    /// A placement that is not finite, or [`Error::BadAttachment`] if the member is attached to
+    /// another, which sets its placement.
+    pub fn set_placement(&mut self, placement: Placement) -> Result<(), Error> {
+        self.crowd.place(self.id, placement)
+    }
+
+    /// Stores a number of the caller's own beside the member, such as an index or a key.
+    pub fn set_user_data(&mut self, user_data: u64) {
+        self.crowd.members[self.id.index as usize].user_data = user_data;
+    }
+}

@@ -1,0 +1,49 @@
+//! Results of a member, read from the device.
+
+use populace_model::{Affine, JointIndex, Trs};
+
+use super::super::Watch;
+use super::MemberMut;
+use crate::Error;
+
+impl MemberMut<'_> {
+    /// Returns the matrix palette after the last update: `model_from_bind` for each palette entry.
+    /// Waits for the device.
+    ///
+    /// # Errors
+    ///
+    /// [`BackendError::NotEvaluated`](crate::BackendError::NotEvaluated) if no update has evaluated
+    /// the member on this device, or a failing device.
+    pub fn palette(&mut self) -> Result<Vec<Affine>, Error> {
+        self.crowd.palette(self.id)
+    }
+
+    /// Returns the joints in model space after the last update, in level order. Waits for the
+    /// device.
+    ///
+    /// # Errors
+    ///
+    /// As for [`palette`](Self::palette).
+    pub fn model_from_joints(&mut self) -> Result<Vec<Affine>, Error> {
+        self.crowd.model_from_joints(self.id)
+    }
+
+    /// Returns the local transforms after the last update, in level order. Waits for the device.
+    ///
+    /// # Errors
+    ///
+    /// As for [`palette`](Self::palette).
+    pub fn local_pose(&mut self) -> Result<Vec<Trs>, Error> {
+        self.crowd.local_pose(self.id)
+    }
+
+    /// Copies a joint to the host after each frame from the next update on, without waiting for
+    /// the device. [`Crowd::readback`](crate::Crowd::readback) returns the newest copy.
+    ///
+    /// # Errors
+    ///
+    /// A joint that does not exist.
+    pub fn watch_joint(&mut self, joint: JointIndex) -> Result<Watch, Error> {
+        self.crowd.watch(self.id, joint)
+    }
+}
