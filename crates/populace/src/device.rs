@@ -377,7 +377,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_read_back_and_nonsense_is_refused() {
+    fn device_names_parse_and_bad_names_are_refused() {
         let (two_threads, half) = (Device::Native { threads: 2 }, Device::opencl_part(1, 2, 2));
         for device in [Device::native(), two_threads, Device::opencl(0), Device::opencl(3), half] {
             assert_eq!(device.to_string().parse(), Ok(device));

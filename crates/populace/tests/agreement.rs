@@ -1,4 +1,4 @@
-//! Devices and schedules on the same input.
+//! Devices and schedules agree on the same input.
 #![cfg(feature = "opencl")]
 
 use populace_device::Schedule::{self, Fused, FusedGrouped, FusedWide, Staged};
@@ -17,7 +17,7 @@ fn native(schedule: Schedule) -> NativeBackend {
     NativeBackend::new(3, schedule).expect("threads")
 }
 
-/// Bit for bit where `+ - *` and copies decide, within a derived bound elsewhere.
+/// Results of `+`, `-`, `*` and copies are equal bit for bit; others agree within a derived bound.
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn native_and_opencl_agree() {
@@ -27,17 +27,17 @@ fn native_and_opencl_agree() {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 #[should_panic(expected = "off by")]
-fn a_bit_of_difference_is_found() {
+fn one_bit_of_difference_is_detected() {
     check_agreement(
         &mut Broken::new(native(Staged), Corruption::palette_bit()),
         &mut opencl(Staged),
     );
 }
 
-/// What is tested on is PoCL, which rounds quotients correctly.
+/// Tests run on PoCL, which rounds quotients correctly.
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn all_schedules_of_both_give_the_same_bits() {
+fn native_and_opencl_schedules_give_equal_frames() {
     check_same_frames(&mut native(Staged), &mut native(Fused));
     check_same_frames(&mut native(Staged), &mut opencl(Staged));
     check_same_frames(&mut native(Staged), &mut opencl(FusedWide));
@@ -47,7 +47,7 @@ fn all_schedules_of_both_give_the_same_bits() {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 #[should_panic(expected = "off by")]
-fn a_bit_of_difference_in_a_frame_is_found() {
+fn one_bit_of_difference_in_a_frame_is_detected() {
     let mut broken = Broken::new(opencl(FusedWide), Corruption::palette_bit());
     check_same_frames(&mut native(Staged), &mut broken);
 }

@@ -1,9 +1,9 @@
-//! How well clips fit characters: what is told, refused, and played on request.
+//! Bindings of clips to characters: reports, refusals, and partial bindings on request.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
 #![expect(
     clippy::disallowed_methods,
-    reason = "tests have no need of the same bits on every machine"
+    reason = "tests need not give the same bits on every machine"
 )]
 
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use populace::{
     MachinePlayback, Placement, StateMachine, StatePlayback, Trs,
 };
 
-/// A chain of joints, each turned by an angle from the one before.
+/// A chain of joints, each rotated by an angle against its parent.
 fn skeleton(names: &[&str], turn_rad: f32) -> Skeleton {
     let rotation = [(0.5 * turn_rad).sin(), 0.0, 0.0, (0.5 * turn_rad).cos()];
     let joint = |(nth, name): (usize, &&str)| JointSource {
@@ -27,7 +27,7 @@ fn skeleton(names: &[&str], turn_rad: f32) -> Skeleton {
     Skeleton::new(&names.iter().enumerate().map(joint).collect::<Vec<_>>()).unwrap()
 }
 
-/// A clip that turns these joints of a skeleton.
+/// A clip that rotates some joints of a skeleton.
 fn clip(name: &str, skeleton: &Skeleton, joints: &[&str]) -> Arc<Clip> {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let track = |joint: &&str| Track {
@@ -42,7 +42,7 @@ fn clip(name: &str, skeleton: &Skeleton, joints: &[&str]) -> Arc<Clip> {
 }
 
 const BODY: [&str; 4] = ["root", "middle", "top", "tip"];
-/// One name of seven is that of a joint of the body.
+/// Joint names of which one of seven is also a joint of the character.
 const OTHER: [&str; 7] = ["root", "a", "b", "c", "d", "e", "f"];
 
 fn post() -> Character {
@@ -63,11 +63,11 @@ fn post() -> Character {
 }
 
 #[test]
-fn bindings_tell_their_share_and_how_far_rests_are_apart() {
+fn binding_reports_bound_joints_and_rest_differences() {
     let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
     let id = crowd.add_character(post()).unwrap();
     let own = crowd.clip(id, "Own").unwrap();
-    let mut told = |clip: &Arc<Clip>| {
+    let mut report_of = |clip: &Arc<Clip>| {
         let clip = crowd.add_clip(id, clip).unwrap();
         let report = crowd.binding(id, clip).unwrap();
         (
@@ -79,13 +79,14 @@ fn bindings_tell_their_share_and_how_far_rests_are_apart() {
         )
     };
     assert_eq!(
-        told(&clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)),
+        report_of(&clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)),
         (BindingMethod::Names, 1, 7, 0.0, 0.0)
     );
-    // One that moves the tip alone of a skeleton that rests alike fits wholly.
+    // A clip that moves only the tip of a skeleton with the same rest pose binds fully.
     let tip = clip("Tip", &skeleton(&BODY, 0.0), &["tip"]);
-    assert_eq!(told(&tip), (BindingMethod::SameRest, 1, 1, 0.0, 0.0));
-    let (way, bound, moving, turned, shift) = told(&clip("Turned", &skeleton(&BODY, 0.5), &BODY));
+    assert_eq!(report_of(&tip), (BindingMethod::SameRest, 1, 1, 0.0, 0.0));
+    let (way, bound, moving, turned, shift) =
+        report_of(&clip("Turned", &skeleton(&BODY, 0.5), &BODY));
     assert_eq!((way, bound, moving, shift), (BindingMethod::Names, 4, 4, 0.0));
     assert!((turned - 0.5).abs() < 1e-3, "{turned}");
     let report = crowd.binding(id, own).unwrap();
@@ -93,7 +94,7 @@ fn bindings_tell_their_share_and_how_far_rests_are_apart() {
 }
 
 #[test]
-fn a_clip_that_shares_an_accidental_name_plays_on_request_alone() {
+fn clip_with_one_matching_joint_name_plays_only_on_request() {
     let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
     let id = crowd.add_character(post()).unwrap();
     let stray = crowd.add_clip(id, &clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)).unwrap();
@@ -123,7 +124,7 @@ fn a_clip_that_shares_an_accidental_name_plays_on_request_alone() {
         ];
         for result in results {
             match result {
-                Ok(()) => assert!(requested, "played without a request"),
+                Ok(()) => assert!(requested, "a partial binding played without a request"),
                 Err(error) => {
                     let text = error.to_string();
                     assert!(

@@ -1,6 +1,6 @@
-//! What a user of [`Crowd`] relies on, on every device.
+//! Basic behaviour of [`Crowd`], on every device.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
 
 use std::sync::Arc;
 
@@ -25,8 +25,8 @@ fn track(joint: &str, height: f32) -> Track {
     }
 }
 
-/// A body of two joints whose clips lift them: "low" from 0 to 1 m, "high" from 10 to 11 m, "tip"
-/// the tip alone.
+/// A character of two joints. Its clips lift the base from 0 to 1 m ("low") and from 10 to 11 m
+/// ("high"), and the tip from 5 to 6 m ("tip").
 fn lift() -> Character {
     let joint = |name: &str, parent| JointSource { name: name.into(), parent, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint("base", None), joint("tip", Some(0))]).unwrap();
@@ -51,8 +51,8 @@ fn lift() -> Character {
     .unwrap()
 }
 
-/// A body of hips and legs whose joints are called as nowhere else, with a clip that lifts the hips
-/// by its height.
+/// A character of hips and legs with unusual joint names. Its clip lifts the hips by `height`
+/// metres.
 fn legs(word: &str, height: f32) -> (Character, RoleMap) {
     let at = |y: f32| Trs { translation: [0.0, y * height, 0.0], ..Trs::IDENTITY };
     let joint =
@@ -90,7 +90,7 @@ fn legs(word: &str, height: f32) -> (Character, RoleMap) {
     (Character::new(source).unwrap(), map)
 }
 
-fn clips_play_by_roles_that_a_user_gives(device: Device) {
+fn clips_are_retargeted_by_user_defined_roles(device: Device) {
     let mut crowd = Crowd::builder().device(device).capacity(2).build().unwrap();
     let ((tall, tall_roles), (short, short_roles)) = (legs("tall", 2.0), legs("short", 0.5));
     let (tall, short) = (crowd.add_character(tall).unwrap(), crowd.add_character(short).unwrap());
@@ -111,12 +111,12 @@ fn clips_play_by_roles_that_a_user_gives(device: Device) {
             .member_mut(member)
             .and_then(|mut m| m.play(jump, ClipPlayback::held_at_secs(0.5)))
             .is_err(),
-        "the clip's skeleton has none yet"
+        "the clip played without roles"
     );
     crowd.set_clip_roles(jump, tall_roles).unwrap();
     crowd.member_mut(member).unwrap().play(jump, ClipPlayback::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
-    // Half way up: one and a half times its own height of 0.5 m, not that of the other.
+    // In the middle of the clip: 1.5 times the hips' height of 0.5 m of this character.
     assert_near(height(&mut crowd, member, 0), 0.75);
 }
 
@@ -126,7 +126,7 @@ fn height(crowd: &mut Crowd, member: MemberId, joint: usize) -> f32 {
 
 #[track_caller]
 fn assert_near(value: f32, wanted: f32) {
-    assert!((value - wanted).abs() < 1e-3, "{value} is not {wanted}");
+    assert!((value - wanted).abs() < 1e-3, "{value} instead of {wanted}");
 }
 
 fn crowd_of(device: Device, capacity: usize) -> (Crowd, populace::CharacterId) {
@@ -142,7 +142,7 @@ fn play_crossfade_and_stop(device: Device) {
     crowd.update(0.1).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.0); // rest
 
-    // The first clip starts at full weight although it was asked to fade in.
+    // The first clip starts at full weight in spite of its fade.
     crowd
         .member_mut(member)
         .unwrap()
@@ -212,7 +212,7 @@ fn blends_and_layers(device: Device) {
     assert_near(height(&mut crowd, member, 1), 7.5 + 2.5 + 0.4);
 }
 
-fn members_come_and_go(device: Device) {
+fn members_can_be_spawned_and_despawned(device: Device) {
     let (mut crowd, id) = crowd_of(device, 3);
     let [low, high] = ["low", "high"].map(|name| crowd.clip(id, name).unwrap());
     let spawn = |crowd: &mut Crowd| crowd.spawn(id, Placement::at([0.0; 3]));
@@ -225,21 +225,21 @@ fn members_come_and_go(device: Device) {
     crowd.despawn(members[1]).unwrap();
     assert_eq!(crowd.despawn(members[1]), Err(Error::StaleMember));
 
-    let newcomer = spawn(&mut crowd).unwrap();
+    let new_member = spawn(&mut crowd).unwrap();
     assert_eq!(
         crowd.member_mut(members[1]).and_then(|mut m| m.set_placement(Placement::at([1.0; 3]))),
         Err(Error::StaleMember)
     );
-    crowd.member_mut(newcomer).unwrap().play(low, ClipPlayback::held_at_secs(1.0)).unwrap();
+    crowd.member_mut(new_member).unwrap().play(low, ClipPlayback::held_at_secs(1.0)).unwrap();
     crowd.update(0.0).unwrap();
-    assert_near(height(&mut crowd, newcomer, 0), 1.0);
+    assert_near(height(&mut crowd, new_member, 0), 1.0);
     assert_near(height(&mut crowd, members[0], 0), 10.0);
     assert_near(height(&mut crowd, members[2], 0), 10.0);
     assert_eq!(crowd.instances().count(), 3);
 }
 
-fn twenty_clips_in_a_third_of_a_second(device: Device) {
-    // Slots run out; the weakest gives way, and nobody ever sees the rest pose, which is at 0 m.
+fn twenty_starts_within_300_ms_never_show_the_rest_pose(device: Device) {
+    // Slots run out and the weakest clips are evicted. The rest pose at 0 m never shows.
     let (mut crowd, id) = crowd_of(device, 1);
     let [low, high] = ["low", "high"].map(|name| crowd.clip(id, name).unwrap());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
@@ -256,7 +256,7 @@ fn twenty_clips_in_a_third_of_a_second(device: Device) {
     }
 }
 
-fn a_clip_added_now_plays_now(device: Device) {
+fn added_clip_plays_in_the_next_frame(device: Device) {
     let (mut crowd, id) = crowd_of(device, 1);
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     crowd.update(0.1).unwrap();
@@ -269,7 +269,7 @@ fn a_clip_added_now_plays_now(device: Device) {
     assert_near(height(&mut crowd, member, 0), 20.75);
 }
 
-fn bad_values_are_refused_and_harm_nobody(device: Device) {
+fn bad_crowd_values_are_refused_and_change_nothing(device: Device) {
     let (mut crowd, id) = crowd_of(device, 2);
     let low = crowd.clip(id, "low").unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
@@ -308,9 +308,9 @@ fn bad_values_are_refused_and_harm_nobody(device: Device) {
     assert_eq!(crowd.member_count(), 1);
 }
 
-/// 400,000 palette entries each, so that two members fill most of a page and the third has the next
-/// one.
-fn palettes_on_the_second_page_are_right_too(device: Device) {
+/// Each member has 400,000 palette entries. Two fill most of a page, so the third is on the second
+/// page.
+fn palettes_on_the_second_page_are_correct(device: Device) {
     let mut source = (*lift()).clone();
     source.palette = vec![source.palette[0]; 400_000];
     let mut crowd = Crowd::builder().device(device).build().unwrap();
@@ -347,18 +347,18 @@ macro_rules! on_devices {
 }
 on_devices!(
     play_crossfade_and_stop,
-    clips_play_by_roles_that_a_user_gives,
+    clips_are_retargeted_by_user_defined_roles,
     blends_and_layers,
-    members_come_and_go,
-    twenty_clips_in_a_third_of_a_second,
-    a_clip_added_now_plays_now,
-    bad_values_are_refused_and_harm_nobody,
-    palettes_on_the_second_page_are_right_too,
+    members_can_be_spawned_and_despawned,
+    twenty_starts_within_300_ms_never_show_the_rest_pose,
+    added_clip_plays_in_the_next_frame,
+    bad_crowd_values_are_refused_and_change_nothing,
+    palettes_on_the_second_page_are_correct,
 );
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_crowd_moves_to_another_device_and_goes_on() {
+fn crowd_continues_on_another_device() {
     let (mut crowd, id) = crowd_of(Device::native(), 2);
     let low = crowd.clip(id, "low").unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
@@ -375,7 +375,7 @@ fn a_crowd_moves_to_another_device_and_goes_on() {
 }
 
 #[test]
-fn a_mask_of_another_character_is_refused() {
+fn mask_of_another_character_is_refused() {
     let (mut crowd, id) = crowd_of(Device::native(), 2);
     let other = crowd.add_character(lift()).unwrap();
     let skeleton = crowd.character(other).unwrap().skeleton.clone();
@@ -390,7 +390,7 @@ fn a_mask_of_another_character_is_refused() {
 }
 
 #[test]
-fn numbers_of_slots_out_of_their_range_are_refused() {
+fn slot_counts_out_of_range_are_refused() {
     for (slots, good) in [(0, false), (1, true), (8, true), (9, false), (300, false)] {
         let built = Crowd::builder().device(Device::native()).slots_per_member(slots).build();
         match built.err() {
@@ -411,21 +411,21 @@ fn ids_of_another_crowd_are_refused() {
     let (mut ours, id) = crowd_of(Device::native(), 2);
     let (mut other, other_id) = crowd_of(Device::native(), 2);
     let member = ours.spawn(id, Placement::at([0.0; 3])).unwrap();
-    let stranger = other.spawn(other_id, Placement::at([0.0; 3])).unwrap();
+    let foreign = other.spawn(other_id, Placement::at([0.0; 3])).unwrap();
     let (clip, other_clip) = (ours.clip(id, "low").unwrap(), other.clip(other_id, "low").unwrap());
     let skeleton = other.character(other_id).unwrap().skeleton.clone();
     let mask = other.add_mask(other_id, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
     let played =
-        other.member_mut(stranger).unwrap().play(other_clip, ClipPlayback::looping()).unwrap();
-    let watch = other.member_mut(stranger).unwrap().watch_joint(JointIndex(0)).unwrap();
+        other.member_mut(foreign).unwrap().play(other_clip, ClipPlayback::looping()).unwrap();
+    let watch = other.member_mut(foreign).unwrap().watch_joint(JointIndex(0)).unwrap();
     let unknown = |what, result: Result<(), Error>| {
         assert!(
             matches!(&result, Err(Error::UnknownId { what: w, .. }) if *w == what),
             "{what}: {result:?}"
         );
     };
-    unknown("member", ours.despawn(stranger));
-    unknown("member", ours.member(stranger).map(|m| m.active_clips()).map(drop));
+    unknown("member", ours.despawn(foreign));
+    unknown("member", ours.member(foreign).map(|m| m.active_clips()).map(drop));
     unknown(
         "member",
         ours.member_mut(played.member()).and_then(|mut m| m.set_weight(played, 1.0, 0.0)),

@@ -8,7 +8,7 @@ use populace::{
 
 const JOINTS: u32 = 8;
 
-/// A chain of joints, each a little to the side of the one before.
+/// A chain of joints, each a little to the side of its parent.
 fn chain() -> Character {
     let joint = |index: u32| JointSource {
         name: format!("joint {index}"),
@@ -44,9 +44,9 @@ fn watch_all(crowd: &mut Crowd, member: MemberId) {
     }
 }
 
-/// The palette of a member that looks at a joint of another, in the frame in which it begins to,
-/// after a member with watches on all joints has left.
-fn palette_after_a_watched_member_left() -> Vec<Affine> {
+/// Returns the palette of a member in the frame in which it starts to look at a joint of another
+/// member. Before that, a member with watches on all joints is despawned.
+fn palette_after_despawning_a_watched_member() -> Vec<Affine> {
     let mut crowd =
         Crowd::builder().device(Device::Native { threads: 1 }).build().expect("a good call");
     let chain = crowd.add_character(chain()).expect("a good call");
@@ -71,11 +71,14 @@ fn palette_after_a_watched_member_left() -> Vec<Affine> {
 }
 
 #[test]
-fn equal_calls_give_equal_palettes_after_watched_members_leave() {
-    let first = palette_after_a_watched_member_left();
+fn equal_calls_give_equal_palettes_after_a_watched_despawn() {
+    let first = palette_after_despawning_a_watched_member();
     for _ in 0..8 {
-        assert_eq!(palette_after_a_watched_member_left(), first);
+        assert_eq!(palette_after_despawning_a_watched_member(), first);
     }
     let turned = first[1].rows[0][2].abs() + first[1].rows[1][2].abs();
-    assert!(turned < 1e-6, "the joint has not been seen yet, so the gaze counts nothing: {turned}");
+    assert!(
+        turned < 1e-6,
+        "the gaze turned by {turned} although its target has not been evaluated yet"
+    );
 }

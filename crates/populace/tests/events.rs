@@ -1,35 +1,35 @@
-//! What is told of members while clips play.
+//! Events of members: footsteps, markers and clip ends.
 
 #![expect(
     clippy::disallowed_methods,
-    reason = "tests have no need of the same bits on every machine"
+    reason = "tests need not give the same bits on every machine"
 )]
 #![expect(
     clippy::expect_used,
     dead_code,
-    reason = "a test that cannot go on fails; bodies are shared with others"
+    reason = "a failed call fails the test; not every test uses the whole fixture"
 )]
 
-#[path = "controls/body.rs"]
-mod body;
+#[path = "controls/fixture.rs"]
+mod fixture;
 
-use body::{Stage, stage};
+use fixture::{Scene, scene};
 use populace::{
     BlendSpace, BlendSpacePlayback, ClipPlayback, Crowd, Device, Error, Event, EventKind,
     Placement, Schedule,
 };
 
-fn native() -> Stage {
-    stage(Device::native(), Schedule::Fused)
+fn native() -> Scene {
+    scene(Device::native(), Schedule::Fused)
 }
 
-/// Events of steps of so long, until so late.
-fn events(stage: &mut Stage, step_secs: f32, until_secs: f32) -> Vec<Event> {
+/// Updates the scene in steps of `step_secs` until `until_secs` and collects all events.
+fn events(scene: &mut Scene, step_secs: f32, until_secs: f32) -> Vec<Event> {
     let mut all = Vec::new();
     let mut secs = 0.0;
     while secs < until_secs - 1e-4 {
-        stage.update(step_secs);
-        all.extend(stage.crowd.events().iter().cloned());
+        scene.update(step_secs);
+        all.extend(scene.crowd.events().iter().cloned());
         secs += step_secs;
     }
     all
@@ -40,27 +40,25 @@ fn is_footstep(event: &Event, foot: &str) -> bool {
 }
 
 #[test]
-fn feet_that_come_down_are_told_of_once_each_however_long_the_steps_of_the_clock() {
+fn footsteps_are_reported_once_whatever_the_frame_length() {
     let found = [1.0 / 60.0, 0.1, 1.0, 5.0].map(|step| {
-        let mut stage = native();
-        let clip = stage.clip("walk");
-        let member = stage.member(Placement::at([0.0; 3]));
-        let other = stage.member(Placement::at([0.0; 3]));
+        let mut scene = native();
+        let clip = scene.clip("walk");
+        let member = scene.member(Placement::at([0.0; 3]));
+        let other = scene.member(Placement::at([0.0; 3]));
         for member in [member, other] {
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a clip that plays")
+            scene
+                .edit(member)
                 .play(clip, ClipPlayback::looping().speed(1.5).phase(0.37))
                 .expect("a clip that plays");
         }
-        stage.crowd.member_mut(member).expect("a member").subscribe_events();
-        let events = events(&mut stage, step, 5.0);
+        scene.edit(member).subscribe_events();
+        let events = events(&mut scene, step, 5.0);
         assert!(events.iter().all(|event| event.member == member && event.clip == clip));
         events
     });
-    // Seven and a half cycles of one second; a leg that swings from the hip lifts its foot before
-    // and behind.
+    // 7.5 cycles of one second. A leg that swings from the hip lifts its foot in front of and
+    // behind the body, so there are two footsteps per cycle.
     for foot in ["leftFoot", "rightFoot"] {
         let count = found[0].iter().filter(|event| is_footstep(event, foot)).count();
         assert!((14..=16).contains(&count), "{foot} came down {count} times");
@@ -72,103 +70,84 @@ fn feet_that_come_down_are_told_of_once_each_however_long_the_steps_of_the_clock
             assert!((a.at_secs - b.at_secs).abs() < 1e-4, "{a:?} {b:?}");
         }
     }
-    // A foot comes down where the clip says so.
-    let mut stage = native();
-    let clip = stage.clip("walk");
+    // The foot is lower just after the footstep than just before it.
+    let mut scene = native();
+    let clip = scene.clip("walk");
     let known =
-        stage.crowd.clips(stage.body).expect("a character").into_iter().find(|(id, _)| *id == clip);
-    let secs = known.expect("it is there").1.footsteps()[0].secs;
+        scene.crowd.clips(scene.body).expect("a character").into_iter().find(|(id, _)| *id == clip);
+    let secs = known.expect("a clip").1.footsteps()[0].secs;
     let (before, after) = (f64::from(secs) - 0.01, f64::from(secs) + 0.01);
-    let height = |stage: &mut Stage, at: f64| {
-        let member = stage.member(Placement::at([0.0; 3]));
-        #[expect(clippy::cast_possible_truncation, reason = "the nearest will do")]
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip that plays")
+    let height = |scene: &mut Scene, at: f64| {
+        let member = scene.member(Placement::at([0.0; 3]));
+        #[expect(clippy::cast_possible_truncation, reason = "the nearest f32 is close enough")]
+        scene
+            .edit(member)
             .play(clip, ClipPlayback::held_at_secs(at as f32))
             .expect("a clip that plays");
-        stage.update(0.0);
-        [stage.place(member, "leftFoot")[1], stage.place(member, "rightFoot")[1]]
+        scene.update(0.0);
+        [scene.position(member, "leftFoot")[1], scene.position(member, "rightFoot")[1]]
     };
-    let (high, low) = (height(&mut stage, before), height(&mut stage, after));
+    let (high, low) = (height(&mut scene, before), height(&mut scene, after));
     assert!((0..2).any(|foot| low[foot] < high[foot] - 1e-4), "{high:?} {low:?}");
 }
 
 #[test]
-fn moments_and_ends_are_told_of_when_they_are_reached_forwards_and_backwards() {
-    for (speed, moment_secs) in [(1.0, 0.5), (-1.0, 1.5), (2.0, 0.25)] {
-        let mut stage = native();
-        let clip = stage.clip("sway");
-        stage.crowd.add_event_marker(clip, "swish", 0.5).expect("a moment of two seconds");
-        let member = stage.member(Placement::at([0.0; 3]));
-        stage.crowd.member_mut(member).expect("a member").subscribe_events();
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip that plays")
+fn markers_and_clip_ends_are_reported_in_both_directions() {
+    for (speed, marker_secs) in [(1.0, 0.5), (-1.0, 1.5), (2.0, 0.25)] {
+        let mut scene = native();
+        let clip = scene.clip("sway");
+        scene.crowd.add_event_marker(clip, "swish", 0.5).expect("a marker within two seconds");
+        let member = scene.member(Placement::at([0.0; 3]));
+        scene.edit(member).subscribe_events();
+        scene
+            .edit(member)
             .play(clip, ClipPlayback::once().speed(speed))
             .expect("a clip that plays");
-        let found: Vec<_> = events(&mut stage, 0.05, 4.0)
+        let found: Vec<_> = events(&mut scene, 0.05, 4.0)
             .into_iter()
             .filter(|event| !matches!(event.kind, EventKind::Footstep { .. }))
             .collect();
-        let [moment, end] = &found[..] else { panic!("{found:?}") };
-        assert_eq!(moment.kind, EventKind::Marker { name: "swish".into() });
+        let [marker, end] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(marker.kind, EventKind::Marker { name: "swish".into() });
         assert_eq!(end.kind, EventKind::ClipEnd);
-        assert!((moment.at_secs - moment_secs).abs() < 1e-5, "{moment:?}");
+        assert!((marker.at_secs - marker_secs).abs() < 1e-5, "{marker:?}");
         assert!((end.at_secs - 2.0 / f64::from(speed.abs())).abs() < 1e-5, "{end:?}");
-        stage.crowd.member_mut(member).unwrap().unsubscribe_events();
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip that plays")
-            .play(clip, ClipPlayback::once())
-            .expect("a clip that plays");
-        assert_eq!(events(&mut stage, 0.05, 4.0), []);
+        scene.crowd.member_mut(member).unwrap().unsubscribe_events();
+        scene.edit(member).play(clip, ClipPlayback::once()).expect("a clip that plays");
+        assert_eq!(events(&mut scene, 0.05, 4.0), []);
     }
 }
 
 #[test]
-fn what_is_not_within_a_clip_is_refused_and_those_who_leave_are_told_of_no_more() {
-    let mut stage = native();
-    let clip = stage.clip("sway");
+fn bad_markers_are_refused_and_despawned_members_are_silent() {
+    let mut scene = native();
+    let clip = scene.clip("sway");
     for secs in [-0.1, 2.1, f32::NAN] {
-        let error = stage
+        let error = scene
             .crowd
             .add_event_marker(clip, "never", secs)
-            .expect_err("it is not within two seconds");
+            .expect_err("a marker outside the clip");
         assert!(matches!(error, Error::BadValue { .. }), "{error}");
     }
-    let member = stage.member(Placement::at([0.0; 3]));
-    stage.crowd.member_mut(member).expect("a member").subscribe_events();
-    stage
-        .crowd
-        .member_mut(member)
-        .expect("a clip that plays")
-        .play(clip, ClipPlayback::once())
-        .expect("a clip that plays");
-    stage.crowd.despawn(member).expect("a member");
-    assert_eq!(events(&mut stage, 0.5, 4.0), []);
-    assert!(stage.crowd.member_mut(member).map(|mut m| m.subscribe_events()).is_err());
+    let member = scene.member(Placement::at([0.0; 3]));
+    scene.edit(member).subscribe_events();
+    scene.edit(member).play(clip, ClipPlayback::once()).expect("a clip that plays");
+    scene.crowd.despawn(member).expect("a member");
+    assert_eq!(events(&mut scene, 0.5, 4.0), []);
+    assert!(scene.crowd.member_mut(member).map(|mut m| m.subscribe_events()).is_err());
 }
 
-/// The end of the first of several clips is told of once, and all else alike, whatever the steps
-/// are.
-fn ends_once(next: impl Fn(&mut Stage, populace::MemberId)) {
+/// Asserts that the end of the first of several clips is reported once, and that the number of
+/// events is the same for all step lengths. `next` queues the clips that follow.
+fn assert_ends_once(next: impl Fn(&mut Scene, populace::MemberId)) {
     let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
-        let mut stage = native();
-        let clip = stage.clip("walk");
-        let member = stage.member(Placement::at([0.0; 3]));
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip that plays")
-            .play(clip, ClipPlayback::once())
-            .expect("a clip that plays");
-        next(&mut stage, member);
-        stage.crowd.member_mut(member).expect("a member").subscribe_events();
-        events(&mut stage, step, 3.0)
+        let mut scene = native();
+        let clip = scene.clip("walk");
+        let member = scene.member(Placement::at([0.0; 3]));
+        scene.edit(member).play(clip, ClipPlayback::once()).expect("a clip that plays");
+        next(&mut scene, member);
+        scene.edit(member).subscribe_events();
+        events(&mut scene, step, 3.0)
     });
     let ends =
         |events: &[Event]| events.iter().filter(|event| event.kind == EventKind::ClipEnd).count();
@@ -177,64 +156,51 @@ fn ends_once(next: impl Fn(&mut Stage, populace::MemberId)) {
     }
 }
 
-/// A clip that is left by inertialization in the midst of a step of the clock has happened up to
-/// then.
+/// If inertialization replaces a clip in the middle of a step, the clip's events up to that time
+/// are reported.
 #[test]
-fn what_is_left_is_told_of_up_to_then() {
-    ends_once(|stage, member| {
-        let clip = stage.clip("walk");
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip to follow")
+fn inertialized_clip_reports_events_until_its_replacement() {
+    assert_ends_once(|scene, member| {
+        let clip = scene.clip("walk");
+        scene
+            .edit(member)
             .queue(clip, ClipPlayback::looping().inertialize_in_secs(0.3))
-            .expect("a clip to follow");
+            .expect("a queued clip");
     });
 }
 
-/// One that is cut has happened up to then too.
+/// If a cut replaces a clip in the middle of a step, the clip's events up to that time are
+/// reported.
 #[test]
-fn what_is_cut_is_told_of_up_to_then() {
-    ends_once(|stage, member| {
+fn cut_clip_reports_events_until_its_replacement() {
+    assert_ends_once(|scene, member| {
         for name in ["sway", "walk"] {
-            let clip = stage.clip(name);
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a clip to follow")
-                .queue(clip, ClipPlayback::looping())
-                .expect("a clip to follow");
+            let clip = scene.clip(name);
+            scene.edit(member).queue(clip, ClipPlayback::looping()).expect("a queued clip");
         }
     });
 }
 
-/// A blend space that found one slot goes on to its point once there is another, in the midst of a
-/// step.
+/// A blend space that got one of two slots takes the second in the middle of a step. Events from
+/// before and after that are reported.
 #[test]
-fn what_is_steered_within_a_step_is_told_of_before_and_after() {
+fn blend_space_reports_events_around_a_late_slot() {
     let found = [1.0 / 60.0, 0.5, 3.0].map(|step| {
         let builder = Crowd::builder().device(Device::native()).slots_per_member(2);
         let mut crowd = builder.build().expect("a crowd");
-        let body = crowd.add_character(body::character()).expect("room");
-        let mut stage = Stage { crowd, body };
-        let (walk, sway) = (stage.clip("walk"), stage.clip("sway"));
+        let body = crowd.add_character(fixture::character()).expect("enough capacity");
+        let mut scene = Scene { crowd, body };
+        let (walk, sway) = (scene.clip("walk"), scene.clip("sway"));
         let space = BlendSpace::line(&[(walk, 0.0), (sway, 1.0)]).expect("a space");
-        let space = stage.crowd.add_blend_space(space).expect("a space");
-        let member = stage.member(Placement::at([0.0; 3]));
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip that plays")
-            .play(sway, ClipPlayback::held_at_secs(0.0))
-            .expect("a clip that plays");
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a space")
+        let space = scene.crowd.add_blend_space(space).expect("a space");
+        let member = scene.member(Placement::at([0.0; 3]));
+        scene.edit(member).play(sway, ClipPlayback::held_at_secs(0.0)).expect("a clip that plays");
+        scene
+            .edit(member)
             .play_blend_space(space, 0.4, BlendSpacePlayback::new().fade_in_secs(0.9))
             .expect("a space");
-        stage.crowd.member_mut(member).expect("a member").subscribe_events();
-        events(&mut stage, step, 3.0)
+        scene.edit(member).subscribe_events();
+        events(&mut scene, step, 3.0)
     });
     assert!(found[0].len() > 4, "{found:?}");
     assert!(found.iter().all(|events| events.len() == found[0].len()), "{found:?}");

@@ -1,56 +1,58 @@
-//! Poses that come in while they play never make the host wait for the device. Alone in its
-//! process: waits are counted over all devices of one.
+//! Poses appended to a playing live clip never make the host wait for the device. The test has a
+//! process of its own, because waits are counted over all devices of a process.
 #![cfg(feature = "opencl")]
 #![expect(
     clippy::expect_used,
     clippy::disallowed_methods,
     dead_code,
-    reason = "a test that cannot go on fails; bodies are shared with others"
+    reason = "a failed call fails the test; not every test uses the whole fixture"
 )]
 
-#[path = "controls/body.rs"]
-mod body;
+#[path = "controls/fixture.rs"]
+mod fixture;
 
-use body::{skeleton, stage};
+use fixture::{scene, skeleton};
 use populace::{ClipPlayback, Device, LiveSettings, Placement, Schedule};
 
-fn frames(stage: &mut body::Stage) {
+fn assert_no_waits(scene: &mut fixture::Scene) {
     let settings = LiveSettings { rows_per_sec: 120.0, secs: 0.2, ..LiveSettings::default() };
-    let live = stage.crowd.add_live_clip(stage.body, "actor", &settings).expect("a live clip");
+    let live = scene.crowd.add_live_clip(scene.body, "actor", &settings).expect("a live clip");
     for nth in 0..20_u8 {
-        let member = stage.member(Placement::at([f32::from(nth), 0.0, 0.0]));
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a live clip")
+        let member = scene.member(Placement::at([f32::from(nth), 0.0, 0.0]));
+        scene
+            .edit(member)
             .play(live, ClipPlayback::live(f32::from(nth) * 0.01))
             .expect("a live clip");
     }
     let mut pose: Vec<_> = skeleton().joints().map(|joint| *skeleton().rest(joint)).collect();
-    let mut waited = 0;
+    let mut waits = 0;
     for frame in 0..120_u32 {
         if frame == 10 {
-            waited = stage.crowd.host_waits();
+            waits = scene.crowd.host_waits();
         }
         for half in [0.0, 0.5] {
             pose[1].translation[1] += 0.001;
-            stage.crowd.append(live, (f64::from(frame) + half) / 60.0, &pose).expect("a pose");
+            scene.crowd.append(live, (f64::from(frame) + half) / 60.0, &pose).expect("a pose");
         }
-        stage.update(1.0 / 60.0);
-        // A host that runs many frames ahead of the device waits for it, with or without poses.
+        scene.update(1.0 / 60.0);
+        // Slow down: a host many frames ahead of the device waits for it even without live poses.
         std::thread::sleep(std::time::Duration::from_millis(6));
     }
-    assert_eq!(stage.crowd.host_waits(), waited, "{:?}: the host waited", stage.crowd.schedule());
-    stage.crowd.finish().expect("a device");
-    let opencl = stage.crowd.device_name().starts_with("OpenCL");
-    assert_eq!(stage.crowd.host_waits(), waited + u64::from(opencl), "an explicit wait is counted");
+    assert_eq!(scene.crowd.host_waits(), waits, "{:?}: the host waited", scene.crowd.schedule());
+    scene.crowd.finish().expect("a device");
+    let opencl = scene.crowd.device_name().starts_with("OpenCL");
+    assert_eq!(
+        scene.crowd.host_waits(),
+        waits + u64::from(opencl),
+        "an explicit wait was not counted"
+    );
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn no_pose_that_comes_in_waits_for_the_device() {
+fn appended_poses_never_wait_for_the_device() {
     for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
-        frames(&mut stage(Device::opencl(0), schedule));
+        assert_no_waits(&mut scene(Device::opencl(0), schedule));
     }
-    frames(&mut stage(Device::native(), Schedule::Fused));
+    assert_no_waits(&mut scene(Device::native(), Schedule::Fused));
 }

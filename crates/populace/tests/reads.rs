@@ -1,4 +1,4 @@
-//! Every read in every state of a crowd, on every device and schedule: the answers are the same.
+//! Reads give the same result on every device and schedule, in every state of a crowd.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use populace::{
     JointIndex, MemberId, Placement, Schedule, Target, Trs, Weight,
 };
 
-/// All devices and schedules, and two devices that share a crowd.
+/// Returns all devices and schedules, and pairs of devices for one crowd.
 fn everywhere() -> Vec<(Devices, Schedule)> {
     let native = || Devices::from(Device::Native { threads: 1 });
     let pair = || Devices::from([Device::Native { threads: 1 }, Device::Native { threads: 2 }]);
@@ -32,8 +32,8 @@ fn everywhere() -> Vec<(Devices, Schedule)> {
     all
 }
 
-/// A joint at height 0 that "Stand" leaves there and "Rise" lifts to `1.0`, with `entries` palette
-/// entries.
+/// A character of one joint with `entries` palette entries. "Stand" holds it at a height of 0 m,
+/// "Rise" at 1 m.
 fn post(entries: usize) -> Character {
     let joint = JointSource { name: "post".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint]).expect("a good call");
@@ -68,8 +68,8 @@ fn post(entries: usize) -> Character {
     .expect("a good call")
 }
 
-/// A crowd of one member that stands, before its first update.
-fn standing(devices: Devices, schedule: Schedule) -> (Crowd, MemberId, ClipId) {
+/// A crowd of one member that plays "Stand", before the first update. Also returns "Rise".
+fn crowd_playing_stand(devices: Devices, schedule: Schedule) -> (Crowd, MemberId, ClipId) {
     let mut crowd =
         Crowd::builder().devices(devices).schedule(schedule).build().expect("a good call");
     let post = crowd.add_character(post(1)).expect("a good call");
@@ -83,7 +83,7 @@ fn standing(devices: Devices, schedule: Schedule) -> (Crowd, MemberId, ClipId) {
     (crowd, member, rise)
 }
 
-/// The height of a member's joint, as each way to read it tells.
+/// Returns the height of a member's joint by each of the three reads.
 fn heights(crowd: &mut Crowd, member: MemberId) -> [Result<f32, Error>; 3] {
     let height = |joints: Vec<Affine>| joints[0].rows[1][3];
     [
@@ -96,7 +96,7 @@ fn heights(crowd: &mut Crowd, member: MemberId) -> [Result<f32, Error>; 3] {
     ]
 }
 
-/// What the two ways to read a page answer.
+/// Returns the results of the two methods that read a page.
 fn pages(crowd: &mut Crowd) -> [Result<(), Error>; 2] {
     let inherent = crowd.with_page(0, &mut |_| {});
     [inherent, PaletteSource::with_page(crowd, 0, &mut |_| {}).map_err(Error::from)]
@@ -117,10 +117,10 @@ fn assert_height(crowd: &mut Crowd, member: MemberId, wanted: f32, state: &str) 
 }
 
 #[test]
-fn every_read_has_one_answer_in_every_state() {
+fn reads_give_the_same_result_in_every_state() {
     for (devices, schedule) in everywhere() {
         let at = |state: &str| format!("{state}, {devices}, {schedule}");
-        let (mut crowd, member, rise) = standing(devices.clone(), schedule);
+        let (mut crowd, member, rise) = crowd_playing_stand(devices.clone(), schedule);
         let no_pages = [(); 2].map(|()| Err(Error::Backend(BackendError::NotEvaluated)));
         assert_not_evaluated(&mut crowd, member, &at("new"));
         assert_eq!(pages(&mut crowd), no_pages, "{}", at("new"));
@@ -140,7 +140,7 @@ fn every_read_has_one_answer_in_every_state() {
             .spawn(crowd.member(member).unwrap().character(), Placement::at([1.0; 3]))
             .unwrap();
         assert_not_evaluated(&mut crowd, late, &at("spawned"));
-        assert_height(&mut crowd, member, 0.0, &at("beside one that was spawned"));
+        assert_height(&mut crowd, member, 0.0, &at("another member spawned"));
         assert!(crowd.with_page(1, &mut |_| {}).unwrap_err().to_string().contains("no page 1"));
 
         crowd.update(0.1).unwrap();
@@ -155,14 +155,14 @@ fn every_read_has_one_answer_in_every_state() {
         for found in heights(&mut crowd, late) {
             assert_eq!(found, Err(Error::StaleMember), "{}", at("despawned"));
         }
-        assert_height(&mut crowd, member, 1.0, &at("beside one that left"));
+        assert_height(&mut crowd, member, 1.0, &at("another member despawned"));
     }
 }
 
 #[test]
-fn a_watch_never_shows_the_joint_that_had_its_place_before() {
+fn watch_never_shows_the_previous_joint_of_its_slot() {
     for (devices, schedule) in everywhere() {
-        let (mut crowd, member, rise) = standing(devices.clone(), schedule);
+        let (mut crowd, member, rise) = crowd_playing_stand(devices.clone(), schedule);
         crowd.member_mut(member).unwrap().play(rise, ClipPlayback::looping()).unwrap();
         let first = crowd.member_mut(member).unwrap().watch_joint(JointIndex(0)).unwrap();
         for _ in 0..2 {
@@ -184,11 +184,11 @@ fn a_watch_never_shows_the_joint_that_had_its_place_before() {
 }
 
 #[test]
-fn a_read_leaves_no_trace_in_the_frames_to_come() {
+fn reads_do_not_change_later_frames() {
     for (devices, schedule) in everywhere() {
         let turned = |reads: bool| {
-            let (mut crowd, member, _) = standing(devices.clone(), schedule);
-            // Fused schedules evaluate members without palette entries only to be read.
+            let (mut crowd, member, _) = crowd_playing_stand(devices.clone(), schedule);
+            // Fused schedules evaluate members without palette entries only when they are read.
             let bare = crowd.add_character(post(0)).unwrap();
             let bare = crowd.spawn(bare, Placement::at([3.0, 0.0, 1.0])).unwrap();
             let chain = vec![(JointIndex(0), 1.0)];

@@ -1,6 +1,6 @@
-//! Crowds on several devices: nobody can tell from the result.
+//! Crowds on several devices give the same results as on one.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ impl Random {
     }
 }
 
-/// A chain of joints that a clip lifts one by one.
+/// A chain of joints, and a clip that lifts each by its index in metres.
 fn chain(joint_count: u16) -> Arc<Character> {
     let name = |joint: u16| format!("joint {joint}");
     let joint = |index: u16| JointSource {
@@ -54,27 +54,28 @@ fn chain(joint_count: u16) -> Arc<Character> {
     Arc::new(Character::new(source).unwrap())
 }
 
-/// A crowd whose members come and go, the same ones in every crowd of one seed.
-struct Troupe {
+/// A crowd in which members are spawned and despawned at random, in the same order in each scene.
+struct Scene {
     crowd: Crowd,
-    roles: Vec<CharacterId>,
+    characters: Vec<CharacterId>,
     members: Vec<MemberId>,
     random: Random,
 }
 
-impl Troupe {
+impl Scene {
     fn new(devices: &Devices, schedule: Schedule, split: Split) -> Self {
         let builder = Crowd::builder().devices(devices.clone()).schedule(schedule).split(split);
         let mut crowd = builder.capacity(5000).build().unwrap();
-        let roles = [1, 5, 40].map(|joints| crowd.add_character(chain(joints)).unwrap()).to_vec();
-        Self { crowd, roles, members: Vec::new(), random: Random(11) }
+        let characters =
+            [1, 5, 40].map(|joints| crowd.add_character(chain(joints)).unwrap()).to_vec();
+        Self { crowd, characters, members: Vec::new(), random: Random(11) }
     }
 
     fn step(&mut self) {
         for _ in 0..self.random.below(200) {
-            let role = self.roles[self.random.below(self.roles.len())];
-            let member = self.crowd.spawn(role, Placement::at([0.0; 3])).unwrap();
-            let lift = self.crowd.clip(role, "Lift").unwrap();
+            let character = self.characters[self.random.below(self.characters.len())];
+            let member = self.crowd.spawn(character, Placement::at([0.0; 3])).unwrap();
+            let lift = self.crowd.clip(character, "Lift").unwrap();
             let phase = f32::from(u16::try_from(self.random.below(100)).unwrap()) / 100.0;
             self.crowd
                 .member_mut(member)
@@ -90,7 +91,8 @@ impl Troupe {
         self.crowd.update(0.03).unwrap();
     }
 
-    /// All palettes twice, member by member and from their pages, and the joints of some.
+    /// Asserts that palettes and joints equal those of a twin on one device. Palettes are read
+    /// member by member and from their pages.
     #[track_caller]
     fn assert_same(&mut self, twin: &mut Self, when: &str) {
         let mut pages: [Vec<Vec<Float4>>; 2] = Default::default();
@@ -137,84 +139,90 @@ impl Troupe {
     }
 }
 
-/// Members come and go while the split moves, from all to nothing too.
-fn nobody_can_tell(devices: &Devices, schedule: Schedule) {
-    let mut troupe = Troupe::new(devices, schedule, Split::Measured);
-    let mut twin = Troupe::new(&Device::native().into(), schedule, Split::Measured);
+/// Asserts that a split crowd gives the results of one device, while members come and go and the
+/// split changes, including shares of 0 and 1.
+fn assert_equals_one_device(devices: &Devices, schedule: Schedule) {
+    let mut scene = Scene::new(devices, schedule, Split::Measured);
+    let mut twin = Scene::new(&Device::native().into(), schedule, Split::Measured);
     let (count, mut random) = (devices.as_slice().len(), Random(3));
     for step in 0..60 {
         let mut parts: Vec<f64> =
             (0..count).map(|_| f64::from(u16::try_from(random.below(4)).unwrap())).collect();
         parts[random.below(count)] += 1.0;
         let split = if step % 4 == 3 { Split::Measured } else { Split::Fixed(parts) };
-        troupe.crowd.set_split(&split).unwrap();
-        troupe.step();
+        scene.crowd.set_split(&split).unwrap();
+        scene.step();
         twin.step();
-        // Not after each frame, so that some follow frames of which nobody looked at the pages.
+        // Not after each frame, so that some comparisons follow frames without a read.
         if step % 3 > 0 {
-            troupe.assert_same(&mut twin, &format!("{devices}, step {step}, {split}"));
+            scene.assert_same(&mut twin, &format!("{devices}, step {step}, {split}"));
         }
     }
 }
 
 #[test]
-fn nobody_can_tell_from_native_devices() {
+fn several_native_devices_give_the_results_of_one() {
     let threads = |threads| Device::Native { threads };
     for schedule in [Schedule::Fused, Schedule::Staged] {
-        nobody_can_tell(&[threads(1), threads(2), threads(3)].into(), schedule);
+        assert_equals_one_device(&[threads(1), threads(2), threads(3)].into(), schedule);
     }
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn nobody_can_tell_from_unlike_devices() {
+fn native_and_opencl_devices_give_the_results_of_one() {
     for schedule in [Schedule::Fused, Schedule::Staged] {
-        nobody_can_tell(&[Device::native(), Device::opencl(0)].into(), schedule);
-        nobody_can_tell(&[Device::opencl(0), Device::Native { threads: 1 }].into(), schedule);
+        assert_equals_one_device(&[Device::native(), Device::opencl(0)].into(), schedule);
+        assert_equals_one_device(
+            &[Device::opencl(0), Device::Native { threads: 1 }].into(),
+            schedule,
+        );
     }
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn nobody_can_tell_from_parts_of_one_device() {
+fn parts_of_an_opencl_device_give_the_results_of_one() {
     let (first, second) = (Device::opencl_part(0, 1, 2), Device::opencl_part(0, 2, 2));
-    nobody_can_tell(&[first, second].into(), Schedule::Fused);
-    nobody_can_tell(&[second, Device::Native { threads: 1 }, first].into(), Schedule::Fused);
+    assert_equals_one_device(&[first, second].into(), Schedule::Fused);
+    assert_equals_one_device(
+        &[second, Device::Native { threads: 1 }, first].into(),
+        Schedule::Fused,
+    );
 }
 
 #[test]
-fn devices_and_shares_can_be_changed_at_any_time() {
+fn devices_and_load_shares_can_be_changed_at_any_time() {
     let [one, two] = [1, 2].map(|threads| Device::Native { threads });
-    let mut troupe =
-        Troupe::new(&[one, two].into(), Schedule::Fused, Split::Fixed(vec![30.0, 10.0]));
+    let mut scene = Scene::new(&[one, two].into(), Schedule::Fused, Split::Fixed(vec![30.0, 10.0]));
     assert_eq!(
-        (troupe.crowd.devices().to_string(), troupe.crowd.shares()),
+        (scene.crowd.devices().to_string(), scene.crowd.shares()),
         ("native:1+native:2".into(), vec![0.75, 0.25])
     );
-    troupe.step();
-    assert_eq!(troupe.crowd.shares(), [0.75, 0.25], "they are fixed");
-    let error = troupe.crowd.set_split(&Split::Fixed(vec![1.0])).unwrap_err();
+    scene.step();
+    assert_eq!(scene.crowd.shares(), [0.75, 0.25], "fixed shares changed");
+    let error = scene.crowd.set_split(&Split::Fixed(vec![1.0])).unwrap_err();
     assert!(matches!(&error, Error::BadSplit { .. }), "{error}");
-    assert_eq!(troupe.crowd.shares(), [0.75, 0.25]);
-    troupe.crowd.move_to(one).unwrap();
-    assert_eq!((troupe.crowd.devices(), troupe.crowd.shares()), (&Devices::from(one), vec![1.0]));
-    troupe.step();
-    troupe.crowd.move_to([two, one]).unwrap();
-    assert_eq!(troupe.crowd.shares(), [0.5, 0.5]);
-    let error = troupe.crowd.move_to([two, two]).unwrap_err();
+    assert_eq!(scene.crowd.shares(), [0.75, 0.25]);
+    scene.crowd.move_to(one).unwrap();
+    assert_eq!((scene.crowd.devices(), scene.crowd.shares()), (&Devices::from(one), vec![1.0]));
+    scene.step();
+    scene.crowd.move_to([two, one]).unwrap();
+    assert_eq!(scene.crowd.shares(), [0.5, 0.5]);
+    let error = scene.crowd.move_to([two, two]).unwrap_err();
     assert!(matches!(&error, Error::BadDevices { .. }), "{error}");
     assert!(Crowd::builder().devices([]).build().is_err());
     assert!(Crowd::builder().device(one).split(Split::Fixed(vec![1.0, 1.0])).build().is_err());
-    let mut twin = Troupe::new(&Device::native().into(), Schedule::Fused, Split::Measured);
+    let mut twin = Scene::new(&Device::native().into(), Schedule::Fused, Split::Measured);
     (0..2).for_each(|_| twin.step());
-    troupe.step();
+    scene.step();
     twin.step();
-    troupe.assert_same(&mut twin, "after all moves");
+    scene.assert_same(&mut twin, "after all moves");
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn a_device_that_cannot_be_cut_so_is_refused() {
+fn unsupported_device_part_is_refused() {
     let error =
         Crowd::builder().device(Device::opencl_part(0, 1, 1000)).build().map(|_| ()).unwrap_err();
     assert!(error.to_string().contains("cannot be cut into 1000 equal parts"), "{error}");

@@ -1,20 +1,20 @@
-//! Frames in which everything changes never make the host wait for the device. Alone in its
-//! process: waits are counted over all devices of one.
+//! Frames in which everything changes never make the host wait for the device. The test has a
+//! process of its own, because waits are counted over all devices of a process.
 #![expect(
     clippy::disallowed_methods,
-    reason = "tests have no need of the same bits on every machine"
+    reason = "tests need not give the same bits on every machine"
 )]
 #![cfg(feature = "opencl")]
 #![expect(
     clippy::expect_used,
     dead_code,
-    reason = "a test that cannot go on fails; bodies are shared with others"
+    reason = "a failed call fails the test; not every test uses the whole fixture"
 )]
 
-#[path = "controls/body.rs"]
-mod body;
+#[path = "controls/fixture.rs"]
+mod fixture;
 
-use body::{joint, stage};
+use fixture::{joint, scene};
 use populace::model::math::quat;
 use populace::{
     ClipId, ClipPlayback, Condition, Crowd, Device, Feet, Foot, JointOverride, LayerSettings,
@@ -31,26 +31,24 @@ fn feet() -> Feet {
     Feet { pelvis: joint("hips"), feet: vec![foot("left"), foot("right")], weight: 1.0 }
 }
 
-/// All sway or walk in a layer above, by a parameter.
-fn run_machines(stage: &mut body::Stage, clips: [ClipId; 2], members: &[MemberId]) {
-    let sways = StateMachine::new()
+/// Runs a machine on layer 1 of each member. It sways or walks, by the parameter "swap".
+fn run_machines(scene: &mut fixture::Scene, clips: [ClipId; 2], members: &[MemberId]) {
+    let machine = StateMachine::new()
         .parameter("swap", 0.0)
         .state("sway", clips[0], StatePlayback::looping())
         .state("walk", clips[1], StatePlayback::looping())
         .transition("sway", "walk", 0.1, &[Condition::above("swap", 0.5)])
         .transition("walk", "sway", 0.1, &[Condition::below("swap", 0.5)]);
-    let sways = stage.crowd.add_machine(&sways).expect("a machine");
+    let machine = scene.crowd.add_machine(&machine).expect("a machine");
     for &member in members {
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("slots")
-            .play_machine(sways, MachinePlayback::new().on_layer(1))
+        scene
+            .edit(member)
+            .play_machine(machine, MachinePlayback::new().on_layer(1))
             .expect("slots");
     }
 }
 
-/// Changes all that one member can be told.
+/// Changes every setting of a member.
 fn change_all(crowd: &mut Crowd, member: MemberId, clip: ClipId, nth: usize) {
     let x = nth as f32;
     crowd
@@ -65,14 +63,14 @@ fn change_all(crowd: &mut Crowd, member: MemberId, clip: ClipId, nth: usize) {
         .expect("a layer");
     crowd
         .member_mut(member)
-        .expect("a machine that runs")
+        .expect("a running machine")
         .set_parameter("swap", (x * 0.1).sin())
-        .expect("a machine that runs");
+        .expect("a running machine");
     crowd
         .member_mut(member)
-        .expect("a place")
+        .expect("a placement")
         .set_placement(Placement::at([(nth % 20) as f32, 0.0, x * 0.001]))
-        .expect("a place");
+        .expect("a placement");
     crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
     let target = Target::Point([x.sin(), 1.2, 1.0]);
     crowd
@@ -86,22 +84,22 @@ fn change_all(crowd: &mut Crowd, member: MemberId, clip: ClipId, nth: usize) {
     crowd.member_mut(member).expect("an override").override_joints(&[o]).expect("an override");
 }
 
-fn frames(stage: &mut body::Stage) {
-    let clips = ["sway", "walk"].map(|name| stage.clip(name));
+fn assert_no_waits(scene: &mut fixture::Scene) {
+    let clips = ["sway", "walk"].map(|name| scene.clip(name));
     let members: Vec<_> =
-        (0..20_u8).map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
-    let hats: Vec<_> = members.iter().map(|_| stage.member(Placement::at([0.0; 3]))).collect();
-    run_machines(stage, clips, &members);
+        (0..20_u8).map(|n| scene.member(Placement::at([f32::from(n), 0.0, 0.0]))).collect();
+    let hats: Vec<_> = members.iter().map(|_| scene.member(Placement::at([0.0; 3]))).collect();
+    run_machines(scene, clips, &members);
     let mut watch = None;
-    let mut waited = 0;
+    let mut waits = 0;
     for frame in 0..60_usize {
         if frame == 10 {
-            // All has grown as far as it will.
-            waited = stage.crowd.host_waits();
+            // All buffers have their final size by now.
+            waits = scene.crowd.host_waits();
         }
         for (n, &member) in members.iter().enumerate() {
-            change_all(&mut stage.crowd, member, clips[(frame + n) % 2], frame * 20 + n);
-            let crowd = &mut stage.crowd;
+            change_all(&mut scene.crowd, member, clips[(frame + n) % 2], frame * 20 + n);
+            let crowd = &mut scene.crowd;
             let to = if frame % 2 == 0 { "head" } else { "leftHand" };
             crowd
                 .member_mut(hats[n])
@@ -113,50 +111,42 @@ fn frames(stage: &mut body::Stage) {
             }
         }
         if frame == 2 {
-            watch = Some(
-                stage
-                    .crowd
-                    .member_mut(members[7])
-                    .expect("a joint")
-                    .watch_joint(joint("leftHand"))
-                    .expect("a joint"),
-            );
+            watch = Some(scene.edit(members[7]).watch_joint(joint("leftHand")).expect("a joint"));
         }
-        stage.update(1.0 / 60.0);
+        scene.update(1.0 / 60.0);
         if let Some(watch) = watch {
-            stage.crowd.readback(watch).expect("a device");
+            scene.crowd.readback(watch).expect("a device");
         }
     }
-    assert_eq!(stage.crowd.host_waits(), waited, "{:?}: the host waited", stage.crowd.schedule());
-    stage.crowd.finish().expect("a device");
-    let opencl = stage.crowd.device_name().starts_with("OpenCL");
-    assert_eq!(stage.crowd.host_waits(), waited + u64::from(opencl), "an explicit wait is counted");
-    stage
-        .crowd
-        .member_mut(members[0])
-        .expect("a machine that runs")
-        .machine_state(1)
-        .expect("a machine that runs");
+    assert_eq!(scene.crowd.host_waits(), waits, "{:?}: the host waited", scene.crowd.schedule());
+    scene.crowd.finish().expect("a device");
+    let opencl = scene.crowd.device_name().starts_with("OpenCL");
     assert_eq!(
-        stage.crowd.host_waits(),
-        waited + 2 * u64::from(opencl),
-        "and so is asking for a state"
+        scene.crowd.host_waits(),
+        waits + u64::from(opencl),
+        "an explicit wait was not counted"
     );
-    let watch = watch.expect("it was made");
-    let seen = stage.crowd.readback(watch).expect("a device").expect("it has come by now");
-    let world = stage.crowd.member(members[7]).expect("a member").placement().world_from_model();
-    let hand = world.transform_point(stage.place(members[7], "leftHand"));
-    assert!(body::distance(seen.world_from_joint.origin(), hand) < 1e-5, "{seen:?} {hand:?}");
+    scene.edit(members[0]).machine_state(1).expect("a running machine");
+    assert_eq!(
+        scene.crowd.host_waits(),
+        waits + 2 * u64::from(opencl),
+        "reading a machine's state was not counted"
+    );
+    let watch = watch.expect("a watch");
+    let seen = scene.crowd.readback(watch).expect("a device").expect("a readback");
+    let world = scene.crowd.member(members[7]).expect("a member").placement().world_from_model();
+    let hand = world.transform_point(scene.position(members[7], "leftHand"));
+    assert!(fixture::distance(seen.world_from_joint.origin(), hand) < 1e-5, "{seen:?} {hand:?}");
     assert!((seen.at_secs - 1.0).abs() < 1e-3, "{seen:?}");
-    stage.crowd.unwatch(watch);
-    assert_eq!(stage.crowd.readback(watch).expect("a device"), None);
+    scene.crowd.unwatch(watch);
+    assert_eq!(scene.crowd.readback(watch).expect("a device"), None);
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn no_frame_waits_for_the_device() {
+fn frames_never_wait_for_the_device() {
     for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
-        frames(&mut stage(Device::opencl(0), schedule));
+        assert_no_waits(&mut scene(Device::opencl(0), schedule));
     }
-    frames(&mut stage(Device::native(), Schedule::Fused));
+    assert_no_waits(&mut scene(Device::native(), Schedule::Fused));
 }

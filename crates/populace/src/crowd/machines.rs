@@ -251,6 +251,7 @@ mod tests {
         ClipId, ClipPlayback, Device, MachinePlayback, Placement, StateMachine, StatePlayback,
     };
 
+    /// Runs random starts of clips and machines and calls `look` after each frame.
     fn run(slots: usize, mut look: impl FnMut(&Crowd, u32)) {
         let builder = Crowd::builder().device(Device::native()).slots_per_member(slots);
         let mut crowd = builder.build().unwrap();
@@ -282,13 +283,13 @@ mod tests {
     }
 
     #[test]
-    fn both_slots_of_a_machine_weigh_the_same_and_all_of_a_layer_what_it_did() {
+    fn machine_slots_have_equal_weights_and_layers_keep_their_sum() {
         for slots in [4, 5, 8] {
             let mut most = 0;
             run(slots, |crowd, place| {
                 let tick = crowd.clock.tick;
                 let ramp = |s: &Slot| (s.weight_tick, s.start_weight, s.weight_rate, s.end_weight);
-                // What weighs as little is free, one slot at a time.
+                // Slots of lower weight count as free, one at a time.
                 let taken = |slot: &&Slot| slot.bound_clip != NONE && slot.weight_at(tick) > 2e-3;
                 let all = crowd.slots(place);
                 for slot in
@@ -305,7 +306,7 @@ mod tests {
                     );
                 }
                 let total: f32 = all.iter().filter(taken).map(|slot| slot.weight_at(tick)).sum();
-                // Fades that others cut short leave less.
+                // The sum is lower when a start cuts a fade short.
                 assert!(total > 0.7 && total < 1.03, "{total} of {slots} slots: {all:?}");
                 most = most.max(all.iter().filter(taken).count());
             });

@@ -19,14 +19,14 @@ use crate::Device;
 use crate::device::Engine;
 use crate::split::SplitBackend;
 
-/// A device that is lost, as a driver would tell, while a switch is on.
-struct Losable {
+/// A backend whose operation `lost_in` fails like a lost device while `is_lost` is set.
+struct FailingBackend {
     inner: NativeBackend,
     lost_in: &'static str,
     is_lost: Arc<AtomicBool>,
 }
 
-impl Losable {
+impl FailingBackend {
     fn check(&self, operation: &str) -> Result<(), BackendError> {
         if self.lost_in == operation && self.is_lost.load(Ordering::Relaxed) {
             let cause = "CL_DEVICE_NOT_AVAILABLE".into();
@@ -40,9 +40,9 @@ impl Losable {
     }
 }
 
-impl Backend for Losable {
+impl Backend for FailingBackend {
     fn device_name(&self) -> String {
-        "the losable device".into()
+        "the failing device".into()
     }
 
     fn schedule(&self) -> Schedule {
@@ -112,7 +112,7 @@ impl Backend for Losable {
     }
 }
 
-impl PaletteSource for Losable {
+impl PaletteSource for FailingBackend {
     fn page_lengths(&self) -> Vec<usize> {
         self.inner.page_lengths()
     }
@@ -138,7 +138,7 @@ impl PaletteSource for Losable {
     }
 }
 
-/// A joint that a clip lifts.
+/// A character of one joint, with a clip "Lift" that lifts it by 1 m.
 pub(super) fn lift() -> Character {
     let joint = JointSource { name: "base".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint]).unwrap();
@@ -192,11 +192,12 @@ fn crowd() -> Crowd {
     crowd
 }
 
-/// A crowd on a native device and on another that is lost in one operation while the switch is on.
-fn losable(operation: &'static str) -> (Crowd, Arc<AtomicBool>) {
+/// A crowd on a native device and a [`FailingBackend`] one, and the flag that makes the latter
+/// fail.
+fn crowd_with_failing_backend(operation: &'static str) -> (Crowd, Arc<AtomicBool>) {
     let lost = Arc::new(AtomicBool::new(false));
     let native = || NativeBackend::new(1, Schedule::Fused).unwrap();
-    let second = Losable { inner: native(), lost_in: operation, is_lost: Arc::clone(&lost) };
+    let second = FailingBackend { inner: native(), lost_in: operation, is_lost: Arc::clone(&lost) };
     let backends: Vec<Box<dyn Backend>> = vec![Box::new(native()), Box::new(second)];
     let mut crowd = crowd();
     crowd.opened.engine = Engine::Split(Box::new(SplitBackend::new(backends, None)));
@@ -204,22 +205,32 @@ fn losable(operation: &'static str) -> (Crowd, Arc<AtomicBool>) {
 }
 
 #[test]
-fn a_device_that_is_lost_is_named_and_the_crowd_goes_on_without_it_or_once_it_is_back() {
+fn lost_device_is_named_in_the_error() {
+    for operation in ["update", "run"] {
+        let (mut crowd, lost) = crowd_with_failing_backend(operation);
+        (0..3).for_each(|_| crowd.update(0.1).unwrap());
+        lost.store(true, Ordering::Relaxed);
+        for _ in 0..2 {
+            let error = crowd.update(0.1).unwrap_err().to_string();
+            assert_eq!(
+                error,
+                format!("the failing device failed to {operation}: CL_DEVICE_NOT_AVAILABLE")
+            );
+        }
+    }
+}
+
+#[test]
+fn crowd_continues_after_a_move_or_the_return_of_a_lost_device() {
     for operation in ["update", "run"] {
         for moves in [true, false] {
-            let (mut crowd, lost) = losable(operation);
+            let (mut crowd, lost) = crowd_with_failing_backend(operation);
             let mut twin = self::crowd();
             (0..3).for_each(|_| crowd.update(0.1).unwrap());
             (0..3).for_each(|_| twin.update(0.1).unwrap());
             [&mut crowd, &mut twin].into_iter().for_each(|crowd| spawn(crowd, 30));
             lost.store(true, Ordering::Relaxed);
-            for _ in 0..2 {
-                let error = crowd.update(0.1).unwrap_err().to_string();
-                assert_eq!(
-                    error,
-                    format!("the losable device failed to {operation}: CL_DEVICE_NOT_AVAILABLE")
-                );
-            }
+            (0..2).for_each(|_| drop(crowd.update(0.1).unwrap_err()));
             if moves {
                 crowd.move_to(Device::native()).unwrap();
             } else {
@@ -235,9 +246,9 @@ fn a_device_that_is_lost_is_named_and_the_crowd_goes_on_without_it_or_once_it_is
 }
 
 #[test]
-fn nothing_is_read_after_an_update_that_failed() {
+fn reads_are_refused_after_a_failed_update() {
     for operation in ["update", "run"] {
-        let (mut crowd, lost) = losable(operation);
+        let (mut crowd, lost) = crowd_with_failing_backend(operation);
         crowd.update(0.1).unwrap();
         let member = crowd.instances().map(|i| i.member).next().unwrap();
         assert!(
@@ -277,7 +288,7 @@ fn nothing_is_read_after_an_update_that_failed() {
 }
 
 #[test]
-fn a_gaze_that_goes_from_one_to_the_next_keeps_few_watches() {
+fn gaze_that_changes_targets_keeps_few_watches() {
     use crate::Gaze;
     use populace_device::GazeLimits;
     let mut crowd = crowd();
@@ -297,6 +308,6 @@ fn a_gaze_that_goes_from_one_to_the_next_keeps_few_watches() {
     assert!(crowd.watches.0.len() <= 2, "{} joints are watched", crowd.watches.0.len());
     crowd.member_mut(members[0]).unwrap().clear_look_at(0.0).unwrap();
     crowd.member_mut(members[0]).unwrap().clear_look_at(0.0).unwrap();
-    assert_eq!(crowd.watches.0.len(), 0, "nobody looks");
+    assert_eq!(crowd.watches.0.len(), 0, "joints are still watched");
     assert_eq!(crowd.tables.watched_elements(), 0);
 }

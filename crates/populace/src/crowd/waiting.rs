@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn starts_are_taken_in_order_of_time_then_of_calls() {
+    fn starts_are_taken_by_time_and_then_by_call_order() {
         let mut waiting = Waiting::default();
         for (place, due, serial) in [(1, 30, 0), (2, 10, 1), (1, 10, 2), (3, 50, 3), (2, 10, 4)] {
             waiting.push(place, due, start(serial, 0));

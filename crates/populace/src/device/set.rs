@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn several_devices_are_joined_by_plus_and_nonsense_is_refused() {
+    fn device_lists_parse_and_bad_lists_are_refused() {
         let three = Devices::from([
             Device::Native { threads: 1 },
             Device::opencl(0),
@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_parts_of_what_they_add_up_to() {
+    fn shares_are_normalized_and_bad_shares_are_refused() {
         let two = Devices::from([Device::native(), Device::opencl(0)]);
         let shares = |text: &str| text.parse::<Split>().and_then(|split| split.shares(&two));
         assert_eq!(shares("measured"), Ok(None));

@@ -94,8 +94,8 @@ mod tests {
         shares.iter().zip(ms).map(|(share, ms)| ((share * MEMBERS) as usize, Some(*ms)))
     }
 
-    /// The shares of the first device from frame to frame, where `times` says how long devices take
-    /// for their shares.
+    /// Returns the share of the first device after each frame. `times` gives the milliseconds that
+    /// each device takes for its share in a frame.
     fn course(frames: usize, times: &mut dyn FnMut(&[f64], usize) -> Vec<f64>) -> Vec<f64> {
         let mut balance = Balance::new(times(&[0.5, 0.5], 0).len(), None);
         (0..frames)
@@ -110,14 +110,17 @@ mod tests {
             .collect()
     }
 
-    /// Comes near from one side, frame by frame, and stays.
+    /// Asserts that a share approaches a value from one side and stays there.
     #[track_caller]
-    fn assert_inertializes(course: &[f64], wanted: f64) {
+    fn assert_converges(course: &[f64], wanted: f64) {
         let last = course[course.len() - 1];
-        assert!((last - wanted).abs() < 2e-3, "{last} is not {wanted}: {course:?}");
+        assert!(
+            (last - wanted).abs() < 2e-3,
+            "the share is {last} instead of {wanted}: {course:?}"
+        );
         for (frame, pair) in course.windows(2).enumerate() {
             let (before, after) = (pair[0] - wanted, pair[1] - wanted);
-            // Members are whole.
+            // The number of members is rounded.
             let far = before.abs() > 1e-3;
             assert!(
                 !far || after * before >= 0.0 && after.abs() <= before.abs(),
@@ -127,28 +130,22 @@ mod tests {
     }
 
     #[test]
-    fn times_become_equal_without_swinging() {
-        // By speed alone.
-        assert_inertializes(&course(70, &mut |s, _| vec![s[0] * 30.0, s[1] * 10.0]), 0.25);
-        assert_inertializes(&course(70, &mut |s, _| vec![s[0] * 1.0, s[1] * 49.0]), 0.98);
-        // With a start of its own each: 1 + 8 x = 3 + 4 (1 - x).
-        assert_inertializes(&course(90, &mut |s, _| vec![1.0 + s[0] * 8.0, 3.0 + s[1] * 4.0]), 0.5);
-        assert_inertializes(
-            &course(200, &mut |s, _| vec![s[0] * 8.0, 4.0 + s[1] * 1.0]),
-            5.0 / 9.0,
-        );
-        // Where caches run over, as the square: 4 x^2 = (1 - x)^2.
-        assert_inertializes(
-            &course(90, &mut |s, _| vec![s[0] * s[0] * 4.0, s[1] * s[1]]),
-            1.0 / 3.0,
-        );
-        // Two on the same core: whoever has less is done after twice its time, the other when all
-        // is done.
+    fn times_become_equal_without_oscillation() {
+        // Times proportional to the share.
+        assert_converges(&course(70, &mut |s, _| vec![s[0] * 30.0, s[1] * 10.0]), 0.25);
+        assert_converges(&course(70, &mut |s, _| vec![s[0] * 1.0, s[1] * 49.0]), 0.98);
+        // With a constant overhead per device: 1 + 8 x = 3 + 4 (1 - x).
+        assert_converges(&course(90, &mut |s, _| vec![1.0 + s[0] * 8.0, 3.0 + s[1] * 4.0]), 0.5);
+        assert_converges(&course(200, &mut |s, _| vec![s[0] * 8.0, 4.0 + s[1] * 1.0]), 5.0 / 9.0);
+        // Quadratic times, as if caches overflow: 4 x^2 = (1 - x)^2.
+        assert_converges(&course(90, &mut |s, _| vec![s[0] * s[0] * 4.0, s[1] * s[1]]), 1.0 / 3.0);
+        // Two devices on one core: the one with less work takes twice its time, the other finishes
+        // when all work is done.
         let on_one_core = |s: &[f64], _: usize| {
             let work = [s[0] * 10.0, s[1] * 6.0];
             work.iter().map(|w| (2.0 * w).min(work[0] + work[1])).collect()
         };
-        assert_inertializes(&course(90, &mut { on_one_core }), 0.375);
+        assert_converges(&course(90, &mut { on_one_core }), 0.375);
     }
 
     #[test]
@@ -165,16 +162,16 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_that_was_held_up_moves_nothing() {
+    fn single_slow_frame_does_not_move_shares() {
         let course = course(80, &mut |s, frame| {
             let hiccup = if frame % 5 == 4 { 7.0 } else { 1.0 };
             vec![s[0] * 30.0 * hiccup, s[1] * 10.0]
         });
-        assert_inertializes(&course, 0.25);
+        assert_converges(&course, 0.25);
     }
 
     #[test]
-    fn noise_moves_shares_by_less_than_itself() {
+    fn noise_moves_shares_by_less_than_its_amplitude() {
         let mut rng = populace_testkit::Rng::new(1);
         let mut noise = || 1.0 + 0.1 * rng.between(-1.0, 1.0);
         let course = course(400, &mut |s, _| vec![s[0] * 20.0 * noise(), s[1] * 20.0 * noise()]);
@@ -183,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_moves_nothing_and_nobody_is_left_without_work() {
+    fn unknown_times_keep_shares_and_no_device_gets_zero() {
         let mut balance = Balance::new(2, None);
         for work in [
             [(5, None), (5, Some(1.0))],

@@ -136,50 +136,50 @@ mod tests {
         tables.add_body(&Skeleton::new(&[joint]).unwrap(), &vec![entry; entries]).unwrap()
     }
 
-    /// All that changes is taken over, however members come and go.
+    /// After any sequence of changes, incremental updates equal a full rebuild.
     #[test]
-    fn what_changed_is_enough_to_know_all() {
+    fn incremental_updates_equal_a_full_rebuild() {
         let mut tables = Tables::new(1);
         let bodies = [0, 5, 40, 300_000].map(|entries| body(&mut tables, entries));
-        let (mut kept, mut taken, mut rng) = (Places::default(), Vec::new(), Rng::new(5));
+        let (mut kept, mut members, mut rng) = (Places::default(), Vec::new(), Rng::new(5));
         let mut random = |below: usize| rng.below(below);
         for step in 0..3000 {
-            if random(10) < if step / 700 % 2 == 0 { 7 } else { 3 } || taken.is_empty() {
-                taken.push(
+            if random(10) < if step / 700 % 2 == 0 { 7 } else { 3 } || members.is_empty() {
+                members.push(
                     tables.add_member(bodies[if random(50) == 0 { 3 } else { random(3) }]).unwrap(),
                 );
             } else {
-                tables.remove_member(taken.swap_remove(random(taken.len())));
+                tables.remove_member(members.swap_remove(random(members.len())));
             }
             if random(8) == 0 {
                 kept.update(&tables);
                 if random(4) > 0 {
-                    tables.mark_clean(); // else a device failed
+                    tables.mark_clean(); // Otherwise a device has failed.
                 }
-                let mut anew = Places::default();
+                let mut rebuilt = Places::default();
                 let mut all = tables.clone();
                 all.mark_dirty();
-                anew.update(&all);
+                rebuilt.update(&all);
                 assert_eq!(
                     (&kept.places, &kept.counts),
-                    (&anew.places, &anew.counts),
+                    (&rebuilt.places, &rebuilt.counts),
                     "step {step}"
                 );
                 assert_eq!(
-                    (kept.members(), taken.len()),
-                    (anew.members(), taken.len()),
+                    (kept.members(), members.len()),
+                    (rebuilt.members(), members.len()),
                     "step {step}"
                 );
-                taken.sort_unstable();
-                let nth = random(taken.len().max(1));
-                assert_eq!(kept.place_after(nth), taken.get(nth).copied().unwrap_or(u32::MAX));
-                assert_eq!(kept.place_after(taken.len()), u32::MAX);
+                members.sort_unstable();
+                let nth = random(members.len().max(1));
+                assert_eq!(kept.place_after(nth), members.get(nth).copied().unwrap_or(u32::MAX));
+                assert_eq!(kept.place_after(members.len()), u32::MAX);
             }
         }
     }
 
     #[test]
-    fn neighbouring_palettes_are_one_run_and_pages_part_them() {
+    fn adjacent_palettes_form_one_run_per_page() {
         let mut tables = Tables::new(1);
         let (small, none, large) =
             (body(&mut tables, 3), body(&mut tables, 0), body(&mut tables, 600_000));

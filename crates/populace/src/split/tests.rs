@@ -8,7 +8,7 @@ fn native(threads: usize, schedule: Schedule) -> Box<dyn Backend> {
     Box::new(NativeBackend::new(threads, schedule).unwrap())
 }
 
-/// Native devices of one thread with these shares.
+/// A split over native devices of one thread each, with fixed shares.
 fn natives(schedule: Schedule, shares: &[f64]) -> SplitBackend {
     let backends = shares.iter().map(|_| native(1, schedule)).collect();
     SplitBackend::new(backends, Some(shares.to_vec()))
@@ -21,11 +21,11 @@ mod three_native_devices_staged {
     ));
 }
 
-mod one_native_device_has_all {
+mod first_native_device_has_all_members {
     populace_testkit::fused_conformance!(super::natives(super::Schedule::Fused, &[1.0, 0.0]));
 }
 
-mod neither_the_first_native_device_nor_the_last_has_any {
+mod first_and_last_native_device_have_no_members {
     populace_testkit::fused_conformance!(super::natives(
         super::Schedule::Fused,
         &[0.0, 0.7, 0.3, 0.0]
@@ -33,7 +33,7 @@ mod neither_the_first_native_device_nor_the_last_has_any {
 }
 
 #[test]
-fn many_native_devices_give_the_bits_of_one() {
+fn several_native_devices_give_equal_frames() {
     for schedule in [Schedule::Staged, Schedule::Fused] {
         let mut whole = NativeBackend::new(2, schedule).unwrap();
         for shares in [&[0.5, 0.5][..], &[0.01, 0.98, 0.01], &[0.125; 8], &[0.0, 1.0]] {
@@ -44,7 +44,7 @@ fn many_native_devices_give_the_bits_of_one() {
 
 #[test]
 #[should_panic(expected = "off by")]
-fn a_bit_of_difference_on_the_second_device_is_found() {
+fn one_bit_of_difference_on_the_second_device_is_detected() {
     let wrong =
         Broken::new(NativeBackend::new(1, Schedule::Fused).unwrap(), Corruption::palette_bit());
     let mut split =
@@ -60,14 +60,14 @@ mod with_opencl {
 
     use super::*;
 
-    /// The whole device, and its two halves, for all tests of this process.
+    /// The whole device (0) or one of its halves (1, 2). All tests of a process share them.
     fn opencl(which: usize, schedule: Schedule) -> Box<dyn Backend> {
         static DEVICES: OnceLock<[Arc<OpenClDevice>; 3]> = OnceLock::new();
         let open = |which| match which {
             0 => OpenClDevice::open(0)
                 .expect("an OpenCL device; set POPULACE_SKIP=opencl to go without"),
             part => OpenClDevice::open_part(0, DevicePart { part, parts: 2 })
-                .expect("a device that can be cut"),
+                .expect("a device that can be partitioned"),
         };
         let devices = DEVICES.get_or_init(|| [0, 1, 2].map(open));
         Box::new(OpenClBackend::new(&devices[which], schedule).expect("a backend"))
@@ -104,17 +104,17 @@ mod with_opencl {
         );
     }
 
-    mod opencl_has_all_and_native_shows_it {
+    mod opencl_has_all_members_and_native_the_palettes {
         populace_testkit::fused_conformance!(
             super::native_and_opencl(super::Schedule::Fused, Some([0.0, 1.0])),
             cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
         );
     }
 
-    /// What is tested on is PoCL, which gives the native device's bits.
+    /// Tests run on PoCL, which gives the same bits as the native device.
     #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
     #[test]
-    fn whatever_the_split_the_bits_are_those_of_one_device() {
+    fn every_split_gives_the_frames_of_one_device() {
         for schedule in [Schedule::Staged, Schedule::Fused] {
             let mut whole = NativeBackend::new(2, schedule).unwrap();
             for share in [0.0, 0.03, 0.5, 0.9, 1.0] {

@@ -1,21 +1,18 @@
 //! Constraints and overrides, on every device and schedule.
 
-#![expect(clippy::expect_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::expect_used, reason = "a failed call fails the test")]
 #![expect(
     clippy::disallowed_methods,
-    reason = "tests have no need of the same bits on every machine"
+    reason = "tests need not give the same bits on every machine"
 )]
-#![expect(
-    clippy::print_stdout,
-    reason = "what is measured is for those who run tests with --nocapture"
-)]
+#![expect(clippy::print_stdout, reason = "measured values are shown with --nocapture")]
 
 mod attach;
-mod body;
+mod determinism;
 mod feet;
+mod fixture;
 mod gaze;
 mod moves;
 mod overrides;
 mod reach;
 mod repeats;
-mod same;

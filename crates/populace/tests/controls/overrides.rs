@@ -1,9 +1,9 @@
-//! Transforms that the host gives.
+//! Joint overrides.
 
 use populace::model::math::{quat, vec3};
 use populace::{Affine, ClipPlayback, Error, JointOverride, Placement, Space, Trs};
 
-use crate::body::{distance, everywhere, joint, skeleton, turn_deg};
+use crate::fixture::{distance, everywhere, joint, skeleton, turn_deg};
 
 fn given(name: &str, space: Space, weight: f32) -> JointOverride {
     let rotation = quat::normalize_or([0.2, -0.4, 0.1, 0.8], quat::identity());
@@ -11,7 +11,7 @@ fn given(name: &str, space: Space, weight: f32) -> JointOverride {
     JointOverride { joint: joint(name), space, transform, weight }
 }
 
-fn hangs_on(mut at: populace::JointIndex, above: populace::JointIndex) -> bool {
+fn is_descendant(mut at: populace::JointIndex, above: populace::JointIndex) -> bool {
     let skeleton = skeleton();
     loop {
         if at == above {
@@ -25,28 +25,18 @@ fn hangs_on(mut at: populace::JointIndex, above: populace::JointIndex) -> bool {
 }
 
 #[test]
-fn a_joint_goes_where_the_host_has_it_and_what_hangs_on_it_follows() {
-    everywhere(|stage| {
+fn overridden_joint_moves_with_its_descendants() {
+    everywhere(|scene| {
         for space in [Space::Local, Space::Model] {
-            let [member, twin] = [(); 2].map(|()| stage.member(Placement::at([0.0; 3])));
-            let clip = stage.clip("sway");
+            let [member, twin] = [(); 2].map(|()| scene.member(Placement::at([0.0; 3])));
+            let clip = scene.clip("sway");
             for member in [member, twin] {
-                stage
-                    .crowd
-                    .member_mut(member)
-                    .expect("a clip that plays")
-                    .play(clip, ClipPlayback::looping())
-                    .expect("a clip that plays");
+                scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
             }
             let o = given("chest", space, 1.0);
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("an override")
-                .override_joints(&[o])
-                .expect("an override");
-            stage.update(0.4);
-            let (with, without) = (stage.models(member), stage.models(twin));
+            scene.edit(member).override_joints(&[o]).expect("an override");
+            scene.update(0.4);
+            let (with, without) = (scene.models(member), scene.models(twin));
             let at = joint("chest");
             let wanted = Affine::from_trs(&o.transform);
             let wanted = if space == Space::Local {
@@ -58,56 +48,44 @@ fn a_joint_goes_where_the_host_has_it_and_what_hangs_on_it_follows() {
             assert!(apart.clone().all(|(a, b)| (a - b).abs() < 1e-6), "{space:?}: {apart:?}");
             for other in skeleton().joints() {
                 let same = with[other.index()] == without[other.index()];
-                assert_eq!(same, !hangs_on(other, at), "{space:?} joint {other:?}");
-                if hangs_on(other, at) {
-                    // As it stands to the overridden joint, so it did before.
+                assert_eq!(same, !is_descendant(other, at), "{space:?} joint {other:?}");
+                if is_descendant(other, at) {
+                    // No descendant collapses into the overridden joint.
                     let to = |models: &[Affine]| {
                         distance(models[other.index()].origin(), models[at.index()].origin())
                     };
                     assert!(other == at || to(&with) > 0.0 && to(&without) > 0.0);
                 }
             }
-            // Released, it is as if nothing had been.
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a member")
-                .release_joints(space, &[at])
-                .expect("a member");
-            stage.update(0.1);
-            assert_eq!(stage.models(member), stage.models(twin), "{space:?}");
-            stage.crowd.despawn(member).expect("a member");
-            stage.crowd.despawn(twin).expect("a member");
+            // A released joint follows its clips again.
+            scene.edit(member).release_joints(space, &[at]).expect("a member");
+            scene.update(0.1);
+            assert_eq!(scene.models(member), scene.models(twin), "{space:?}");
+            scene.crowd.despawn(member).expect("a member");
+            scene.crowd.despawn(twin).expect("a member");
         }
     });
 }
 
 #[test]
-fn weights_lead_from_the_clip_to_the_override() {
-    everywhere(|stage| {
+fn weight_interpolates_from_clip_to_override() {
+    everywhere(|scene| {
         for space in [Space::Local, Space::Model] {
-            let member = stage.member(Placement::at([0.0; 3]));
-            stage.update(0.0);
+            let member = scene.member(Placement::at([0.0; 3]));
+            scene.update(0.0);
             let at = joint("leftUpperArm").index();
-            let (from, mut last) = (stage.models(member)[at], None::<Affine>);
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("an override")
+            let (from, mut last) = (scene.models(member)[at], None::<Affine>);
+            scene
+                .edit(member)
                 .override_joints(&[given("leftUpperArm", space, 1.0)])
                 .expect("an override");
-            stage.update(0.0);
-            let to = stage.models(member)[at];
+            scene.update(0.0);
+            let to = scene.models(member)[at];
             for step in 0..=16_u8 {
                 let o = given("leftUpperArm", space, f32::from(step) / 16.0);
-                stage
-                    .crowd
-                    .member_mut(member)
-                    .expect("an override")
-                    .override_joints(&[o])
-                    .expect("an override");
-                stage.update(0.0);
-                let now = stage.models(member)[at];
+                scene.edit(member).override_joints(&[o]).expect("an override");
+                scene.update(0.0);
+                let now = scene.models(member)[at];
                 if step == 0 {
                     assert!(
                         distance(now.origin(), from.origin()) < 1e-6
@@ -118,43 +96,38 @@ fn weights_lead_from_the_clip_to_the_override() {
                     distance(from.origin(), now.origin()) / distance(from.origin(), to.origin());
                 assert!(
                     (part - o.weight).abs() < 1e-3,
-                    "{space:?}: {part} of the way at {}",
+                    "{space:?}: {part} of the distance at weight {}",
                     o.weight
                 );
                 if let Some(last) = last {
                     let turned = turn_deg(&last, &now);
                     assert!(
                         (0.5..20.0).contains(&turned),
-                        "{space:?}: {turned} degrees in a sixteenth"
+                        "{space:?}: {turned} degrees in a step of 1/16"
                     );
                 }
                 let sizes = [0, 1, 2]
                     .map(|c| vec3::length([now.rows[0][c], now.rows[1][c], now.rows[2][c]]));
                 assert!(
                     sizes.iter().all(|s| (0.89..1.11).contains(s)),
-                    "{space:?}: {sizes:?} long axes"
+                    "{space:?}: axes have the lengths {sizes:?}"
                 );
                 last = Some(now);
             }
             assert_eq!(last, Some(to), "{space:?}");
-            stage.crowd.despawn(member).expect("a member");
+            scene.crowd.despawn(member).expect("a member");
         }
     });
 }
 
 #[test]
-fn bad_values_are_refused_and_change_nothing() {
-    everywhere(|stage| {
-        let member = stage.member(Placement::at([0.0; 3]));
+fn bad_overrides_are_refused_and_change_nothing() {
+    everywhere(|scene| {
+        let member = scene.member(Placement::at([0.0; 3]));
         let good = given("head", Space::Model, 1.0);
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("an override")
-            .override_joints(&[good])
-            .expect("an override");
-        stage.update(0.0);
-        let before = stage.models(member);
+        scene.edit(member).override_joints(&[good]).expect("an override");
+        scene.update(0.0);
+        let before = scene.models(member);
         let mut nan = good;
         nan.transform.translation[1] = f32::NAN;
         let mut long = good;
@@ -163,20 +136,20 @@ fn bad_values_are_refused_and_change_nothing() {
         absent.joint = populace::JointIndex(99);
         let heavy = JointOverride { weight: 1.5, ..good };
         for bad in [nan, long, absent, heavy] {
-            let error = stage
+            let error = scene
                 .crowd
                 .member_mut(member)
                 .and_then(|mut m| m.override_joints(&[good, bad]))
-                .expect_err("it is bad");
+                .expect_err("a bad override");
             assert!(matches!(error, Error::Tables(_)), "{error}");
         }
-        stage.update(0.0);
-        assert_eq!(stage.models(member), before);
-        stage.crowd.member_mut(member).expect("a member").release_all_joints().expect("a member");
-        stage.crowd.despawn(member).expect("a member");
+        scene.update(0.0);
+        assert_eq!(scene.models(member), before);
+        scene.edit(member).release_all_joints().expect("a member");
+        scene.crowd.despawn(member).expect("a member");
         assert!(
-            stage.crowd.member_mut(member).and_then(|mut m| m.override_joints(&[good])).is_err(),
-            "the member has left"
+            scene.crowd.member_mut(member).and_then(|mut m| m.override_joints(&[good])).is_err(),
+            "a despawned member took an override"
         );
     });
 }

@@ -1,17 +1,16 @@
-//! State machines, on every device and schedule, on devices that share a crowd, and across a move.
+//! State machines, on every device and schedule, on split crowds, and across moves.
 
-#![expect(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
 #![expect(
     clippy::cast_possible_truncation,
     dead_code,
-    reason = "scenes may be rounded as they come: each is made once for the device and for what \
-              judges it; arms are shared"
+    reason = "device and oracle get the same rounded input; not every test uses the whole arm"
 )]
 
-#[path = "../playback/rig.rs"]
+#[path = "../playback/fixture.rs"]
 mod arm;
 mod fades;
+mod fixture;
 mod moves;
 mod reference;
 mod refusals;
-mod rig;

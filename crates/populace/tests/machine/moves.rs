@@ -1,17 +1,17 @@
-//! States stay when a crowd moves to other devices, and when devices share it in another way.
+//! Machine states survive moves to other devices and changes of the split.
 
 use populace::clip::ticks_from_secs;
 use populace::{Crowd, Device, Devices, MemberId, Split};
 use populace_testkit::Rng;
 
-use crate::rig::{FRAME_SECS, Interpreter, Stage, everywhere, on_native};
+use crate::fixture::{FRAME_SECS, Interpreter, Scene, everywhere, on_native};
 
-fn members(stage: &mut Stage) -> Vec<(MemberId, Interpreter)> {
-    (0..12).map(|n| (stage.machine_instance(n % 2), Interpreter::new())).collect()
+fn members(scene: &mut Scene) -> Vec<(MemberId, Interpreter)> {
+    (0..12).map(|n| (scene.machine_instance(n % 2), Interpreter::new())).collect()
 }
 
 fn frames(
-    stage: &mut Stage,
+    scene: &mut Scene,
     members: &mut [(MemberId, Interpreter)],
     random: &mut Rng,
     count: usize,
@@ -21,9 +21,9 @@ fn frames(
             if random.chance(0.1) {
                 own.speed = [-1.0, 0.0, 1.0, 2.5][random.below(4)];
             }
-            own.tell(&mut stage.crowd, *member);
+            own.set_parameters(&mut scene.crowd, *member);
         }
-        stage.frame();
+        scene.frame();
         for (_, own) in members.iter_mut() {
             own.step(ticks_from_secs(FRAME_SECS.into()));
         }
@@ -42,17 +42,17 @@ fn devices() -> Vec<Devices> {
 }
 
 #[test]
-fn states_move_with_the_crowd() {
-    let mut stays = Stage::new(&on_native());
+fn machine_states_move_with_the_crowd() {
+    let mut stays = Scene::new(&on_native());
     let mut stay = members(&mut stays);
-    let mut moves = Stage::new(&on_native());
+    let mut moves = Scene::new(&on_native());
     let mut moved = members(&mut moves);
     let mut randoms = [Rng::new(3), Rng::new(3)];
     for devices in devices() {
         frames(&mut stays, &mut stay, &mut randoms[0], 31);
         frames(&mut moves, &mut moved, &mut randoms[1], 31);
-        // There and on before anything ran there, while one begins that no device knows of and one
-        // leaves.
+        // Two moves without a frame in between. Before them a machine starts that no device has
+        // run; after them a member is despawned.
         let (late, gone) = (moves.machine_instance(0), moves.machine_instance(1));
         moves.crowd.move_to(Device::native()).unwrap();
         moves.crowd.move_to(devices).unwrap();
@@ -70,23 +70,23 @@ fn states_move_with_the_crowd() {
 }
 
 #[test]
-fn a_crowd_whose_machines_leave_before_it_runs_elsewhere_goes_on() {
-    let mut stage = Stage::new(&on_native());
-    let members = [(); 5].map(|()| stage.machine_instance(0));
-    stage.frame();
-    stage.crowd.move_to(Device::Native { threads: 1 }).unwrap();
-    members[1..].iter().for_each(|member| stage.crowd.despawn(*member).unwrap());
-    stage.frame();
-    assert_eq!(&*stage.crowd.member_mut(members[0]).unwrap().machine_state(0).unwrap(), "idle");
+fn members_despawned_between_move_and_frame_do_no_harm() {
+    let mut scene = Scene::new(&on_native());
+    let members = [(); 5].map(|()| scene.machine_instance(0));
+    scene.frame();
+    scene.crowd.move_to(Device::Native { threads: 1 }).unwrap();
+    members[1..].iter().for_each(|member| scene.crowd.despawn(*member).unwrap());
+    scene.frame();
+    assert_eq!(&*scene.edit(members[0]).machine_state(0).unwrap(), "idle");
 }
 
 #[test]
-fn a_device_without_members_knows_the_states_of_those_that_come_to_it() {
+fn idle_device_gets_the_states_of_members_it_takes_over() {
     let devices = [Device::Native { threads: 1 }, Device::Native { threads: 2 }];
     let share = |a, b| Split::Fixed(vec![a, b]);
-    let mut stays = Stage::new(&on_native());
+    let mut stays = Scene::new(&on_native());
     let mut stay = members(&mut stays);
-    let mut split = Stage::new(&Crowd::builder().devices(devices).split(share(1.0, 0.0)));
+    let mut split = Scene::new(&Crowd::builder().devices(devices).split(share(1.0, 0.0)));
     let mut shared = members(&mut split);
     let mut randoms = [Rng::new(4), Rng::new(4)];
     for shares in [share(0.0, 1.0), share(1.0, 0.0), share(0.5, 0.5), share(0.0, 1.0)] {

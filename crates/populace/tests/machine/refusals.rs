@@ -1,19 +1,19 @@
-//! What machines are refused for, and that the words say how to mend it.
+//! Refused machines, and error messages that say how to fix them.
 
 use populace::{Condition, Error, MachinePlayback, StateMachine, StatePlayback};
 
-use crate::rig::{Stage, machine, on_native};
+use crate::fixture::{Scene, machine, on_native};
 
 #[track_caller]
 fn assert_says<T: std::fmt::Debug>(result: Result<T, Error>, words: &str) {
     let said = result.unwrap_err().to_string();
-    assert!(said.contains(words), "{said:?} does not say {words:?}");
+    assert!(said.contains(words), "{said:?} does not contain {words:?}");
 }
 
 #[test]
-fn machines_that_cannot_be() {
-    let mut stage = Stage::new(&on_native());
-    let clip = stage.clips[0];
+fn invalid_machines_are_refused() {
+    let mut scene = Scene::new(&on_native());
+    let clip = scene.clips[0];
     let plain =
         StateMachine::new().parameter("speed", 0.0).state("idle", clip, StatePlayback::looping());
     let eight = (0..8).fold(plain.clone(), |machine, n| machine.parameter(&format!("p{n}"), 0.0));
@@ -43,13 +43,13 @@ fn machines_that_cannot_be() {
         (with(StatePlayback::looping().speed(f32::NAN)), "the speed of a clip is NaN"),
         (with(StatePlayback::live(0.1)), "is not live"),
     ] {
-        assert_says(stage.crowd.add_machine(&machine), words);
+        assert_says(scene.crowd.add_machine(&machine), words);
     }
-    let other = Stage::new(&on_native());
-    assert_says(stage.crowd.add_machine(&machine(&other.clips)), "there is no clip");
-    let member = stage.member(0);
+    let other = Scene::new(&on_native());
+    assert_says(scene.crowd.add_machine(&machine(&other.clips)), "there is no clip");
+    let member = scene.member(0);
     assert_says(
-        stage
+        scene
             .crowd
             .member_mut(member)
             .and_then(|mut m| m.play_machine(other.machine, MachinePlayback::new())),
@@ -58,82 +58,43 @@ fn machines_that_cannot_be() {
 }
 
 #[test]
-fn machines_that_cannot_run_so() {
-    let mut stage = Stage::new(&on_native());
-    let (member, machine) = (stage.member(0), stage.machine);
-    let mut run =
-        |play| stage.crowd.member_mut(member).and_then(|mut m| m.play_machine(machine, play));
-    assert_says(run(MachinePlayback::new().on_layer(4)), "the layer is 4");
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.set_parameter("speed", 1.0)),
-        "runs no state machine",
-    );
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(0)),
-        "of layer 0 has no state",
-    );
-    stage.crowd.member_mut(member).unwrap().play_machine(machine, MachinePlayback::new()).unwrap();
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.set_parameter("sped", 1.0)),
-        "did you mean \"speed\"",
-    );
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.set_parameter("speed", f32::NAN)),
-        "is NaN",
-    );
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(1)),
-        "of layer 1 has no state",
-    );
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(9)),
-        "the layer is 9",
-    );
-    stage.crowd.member_mut(member).unwrap().stop(0, 0.0).unwrap();
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.set_parameter("speed", 1.0)),
-        "runs no state machine",
-    );
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.set_parameter("sped", 1.0)),
-        "runs no state machine",
-    );
-    stage
-        .crowd
-        .member_mut(member)
-        .unwrap()
-        .play_machine(machine, MachinePlayback::new().after_secs(1.0))
-        .unwrap();
-    stage.crowd.member_mut(member).unwrap().set_parameter("speed", 1.0).unwrap();
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.set_parameter("sped", 1.0)),
-        "did you mean \"speed\"",
-    );
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(0)),
-        "has not started yet",
-    );
-    stage.crowd.despawn(member).unwrap();
-    assert_says(
-        stage.crowd.member_mut(member).and_then(|mut m| m.set_parameter("speed", 1.0)),
-        "stale",
-    );
-    assert_says(stage.crowd.member_mut(member).and_then(|mut m| m.machine_state(0)), "stale");
-    assert_says(
-        stage
-            .crowd
-            .member_mut(member)
-            .and_then(|mut m| m.play_machine(machine, MachinePlayback::new())),
-        "stale",
-    );
+fn invalid_machine_playbacks_are_refused() {
+    let mut scene = Scene::new(&on_native());
+    let (member, machine) = (scene.member(0), scene.machine);
+    let run = |scene: &mut Scene, play| {
+        scene.crowd.member_mut(member).and_then(|mut m| m.play_machine(machine, play))
+    };
+    let set = |scene: &mut Scene, name, value| {
+        scene.crowd.member_mut(member).and_then(|mut m| m.set_parameter(name, value))
+    };
+    let state = |scene: &mut Scene, layer| {
+        scene.crowd.member_mut(member).and_then(|mut m| m.machine_state(layer))
+    };
+    assert_says(run(&mut scene, MachinePlayback::new().on_layer(4)), "the layer is 4");
+    assert_says(set(&mut scene, "speed", 1.0), "runs no state machine");
+    assert_says(state(&mut scene, 0), "of layer 0 has no state");
+    run(&mut scene, MachinePlayback::new()).unwrap();
+    assert_says(set(&mut scene, "sped", 1.0), "did you mean \"speed\"");
+    assert_says(set(&mut scene, "speed", f32::NAN), "is NaN");
+    assert_says(state(&mut scene, 1), "of layer 1 has no state");
+    assert_says(state(&mut scene, 9), "the layer is 9");
+    scene.edit(member).stop(0, 0.0).unwrap();
+    assert_says(set(&mut scene, "speed", 1.0), "runs no state machine");
+    assert_says(set(&mut scene, "sped", 1.0), "runs no state machine");
+    run(&mut scene, MachinePlayback::new().after_secs(1.0)).unwrap();
+    set(&mut scene, "speed", 1.0).unwrap();
+    assert_says(set(&mut scene, "sped", 1.0), "did you mean \"speed\"");
+    assert_says(state(&mut scene, 0), "has not started yet");
+    scene.crowd.despawn(member).unwrap();
+    assert_says(set(&mut scene, "speed", 1.0), "stale");
+    assert_says(state(&mut scene, 0), "stale");
+    assert_says(run(&mut scene, MachinePlayback::new()), "stale");
 
-    let mut narrow = Stage::new(&on_native().slots_per_member(1));
-    let member = narrow.member(0);
+    let mut narrow = Scene::new(&on_native().slots_per_member(1));
+    let (member, machine) = (narrow.member(0), narrow.machine);
+    let play = MachinePlayback::new();
     assert_says(
-        narrow
-            .crowd
-            .member_mut(member)
-            .and_then(|mut m| m.play_machine(narrow.machine, MachinePlayback::new())),
+        narrow.crowd.member_mut(member).and_then(|mut m| m.play_machine(machine, play)),
         "takes 2 slots",
     );
 }

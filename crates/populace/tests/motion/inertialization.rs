@@ -1,49 +1,31 @@
-//! Members whose speed inertializes.
+//! Root motion during inertialization.
 
 use super::*;
 
-/// Where something inertializes, a member's speed goes over in that time; interrupted or not, and
-/// from the midst of a frame.
+/// During inertialization a member's speed changes smoothly to the new clip's, interrupted or not,
+/// and also from the middle of a frame.
 #[test]
-fn the_speed_of_a_member_settles_as_its_pose_does() {
+fn member_speed_inertializes_like_its_pose() {
     const FRAME: f32 = 1.0 / 60.0;
-    everywhere(|stage| {
-        let (_, fast) = add(stage, straight("fast", 2.0));
-        let (_, slow) = add(stage, straight("slow", 0.5));
+    everywhere(|scene| {
+        let (_, fast) = add(scene, straight("fast", 2.0));
+        let (_, slow) = add(scene, straight("slow", 0.5));
         let inertialization = ClipPlayback::looping().inertialize_in_secs(0.3);
-        let [once, twice] = [(); 2].map(|()| walker(stage, fast));
-        stage.update(FRAME);
-        stage
-            .crowd
-            .member_mut(once)
-            .expect("a clip")
-            .play(slow, inertialization.after_secs(0.11))
-            .expect("a clip");
-        stage.crowd.member_mut(twice).expect("a clip").play(slow, inertialization).expect("a clip");
-        let place = |stage: &mut Stage| {
-            [once, twice].map(|m| {
-                stage
-                    .crowd
-                    .member_mut(m)
-                    .expect("a member")
-                    .moved_placement()
-                    .expect("a member")
-                    .position()[2]
-            })
+        let [once, twice] = [(); 2].map(|()| walker(scene, fast));
+        scene.update(FRAME);
+        scene.edit(once).play(slow, inertialization.after_secs(0.11)).expect("a clip");
+        scene.edit(twice).play(slow, inertialization).expect("a clip");
+        let position = |scene: &mut Scene| {
+            [once, twice].map(|m| scene.edit(m).moved_placement().expect("a member").position()[2])
         };
-        let (mut before, mut speeds, mut worst) = (place(stage), [2.0_f32; 2], 0.0_f32);
-        let begun = before;
+        let (mut before, mut speeds, mut worst) = (position(scene), [2.0_f32; 2], 0.0_f32);
+        let start = before;
         for frame in 0..60 {
             if frame == 8 {
-                stage
-                    .crowd
-                    .member_mut(twice)
-                    .expect("a clip")
-                    .play(fast, inertialization)
-                    .expect("a clip");
+                scene.edit(twice).play(fast, inertialization).expect("a clip");
             }
-            stage.update(FRAME);
-            let now = place(stage);
+            scene.update(FRAME);
+            let now = position(scene);
             for i in 0..2 {
                 let speed = (now[i] - before[i]) / FRAME;
                 worst = worst.max((speed - speeds[i]).abs());
@@ -52,55 +34,44 @@ fn the_speed_of_a_member_settles_as_its_pose_does() {
             }
             before = now;
         }
-        // A quintic over 18 frames is at most 1.875 / 18 a frame; without it a frame changes all of
-        // it.
-        assert!(worst < 1.5 * 1.875 / 18.0 + 0.01, "{worst} m/s from one frame to the next");
-        let [far, _] = [0, 1].map(|i: usize| before[i] - begun[i]);
+        // A quintic over 18 frames changes by at most 1.875 / 18 per frame; a cut changes the speed
+        // in one frame.
+        assert!(worst < 1.5 * 1.875 / 18.0 + 0.01, "the speed changed by {worst} m/s in a frame");
+        let [far, _] = [0, 1].map(|i: usize| before[i] - start[i]);
         let wanted = 0.11 * 2.0 + 0.89 * 0.5 + 0.3 * 1.5 / 2.0;
-        assert!((far - wanted).abs() < 2e-3, "{far} m is not {wanted} m");
+        assert!((far - wanted).abs() < 2e-3, "moved {far} m instead of {wanted} m");
         assert!((speeds[0] - 0.5).abs() < 1e-3 && (speeds[1] - 2.0).abs() < 1e-3, "{speeds:?}");
     });
 }
 
-/// Something that inertializes may be interrupted at any time of a frame: speeds go on from where
-/// they are.
+/// Inertialization may be interrupted at any time within a frame. Speeds are continuous.
 #[test]
-fn what_settles_moves_members_on_until_something_else_begins_to() {
+fn interrupted_inertialization_keeps_speeds_continuous() {
     const FRAME: f32 = 1.0 / 30.0;
-    everywhere(|stage| {
-        let (_, fast) = add(stage, straight("fast", 2.0));
-        let (_, slow) = add(stage, straight("slow", 0.5));
+    everywhere(|scene| {
+        let (_, fast) = add(scene, straight("fast", 2.0));
+        let (_, slow) = add(scene, straight("slow", 0.5));
         let inertialization = ClipPlayback::looping().inertialize_in_secs(0.3);
-        let members = [0.0, 0.5, 0.9].map(|part: f32| (part, walker(stage, fast)));
-        stage.update(FRAME);
+        let members = [0.0, 0.5, 0.9].map(|part: f32| (part, walker(scene, fast)));
+        scene.update(FRAME);
         for (_, member) in members {
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a clip")
-                .play(slow, inertialization)
-                .expect("a clip");
+            scene.edit(member).play(slow, inertialization).expect("a clip");
         }
-        let place = |stage: &mut Stage, member| {
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a member")
-                .moved_placement()
-                .expect("a member")
-                .position()[2]
+        let position = |scene: &mut Scene, member| {
+            scene.edit(member).moved_placement().expect("a member").position()[2]
         };
-        let mut before = members.map(|(_, member)| place(stage, member));
+        let mut before = members.map(|(_, member)| position(scene, member));
         for frame in 0..14 {
             for (part, member) in members.iter().filter(|_| frame == 4) {
                 let later = inertialization.after_secs(part * FRAME);
-                stage.crowd.member_mut(*member).expect("a clip").play(fast, later).expect("a clip");
+                scene.edit(*member).play(fast, later).expect("a clip");
             }
-            stage.update(FRAME);
-            let now = members.map(|(_, member)| place(stage, member));
+            scene.update(FRAME);
+            let now = members.map(|(_, member)| position(scene, member));
             let speeds: Vec<f32> =
                 now.iter().zip(before).map(|(now, before)| (now - before) / FRAME).collect();
-            // Of what is left of 1.5 m/s after three frames of nine, a frame loses 0.3 m/s at most.
+            // After three of nine frames, the rest of the 1.5 m/s decays by at most 0.3 m/s per
+            // frame.
             let slowest = if (3..=5).contains(&frame) { 1.2 } else { 0.5 };
             assert!(
                 speeds.iter().all(|v| (slowest - 0.01..2.01).contains(v)),
@@ -111,12 +82,12 @@ fn what_settles_moves_members_on_until_something_else_begins_to() {
     });
 }
 
-/// A layer that adds moves nobody, and what inertializes in it does not either.
+/// An additive layer moves no member, not even while a clip on it inertializes.
 #[test]
-fn what_inertializes_in_a_layer_that_adds_moves_nobody() {
-    everywhere(|stage| {
+fn inertialization_on_an_additive_layer_moves_no_member() {
+    everywhere(|scene| {
         let mut source =
-            body::swing("surge", SECS, &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0)]);
+            fixture::swing("surge", SECS, &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0)]);
         let times: Vec<f32> = (0..=40_u8).map(|key| f32::from(key) / 40.0).collect();
         let surge =
             |t: &f32| [0.0, 0.0, 1.5 * t + 0.02 * (1.0 - (t * 2.0 * std::f32::consts::TAU).cos())];
@@ -127,33 +98,21 @@ fn what_inertializes_in_a_layer_that_adds_moves_nobody() {
             values: times.iter().flat_map(surge).collect(),
             times,
         });
-        let (_, surge) = add(stage, source);
-        let [(wave, _), (nod, _)] = ["wave", "nod"].map(|name| add(stage, straight(name, 1e-4)));
-        let [plain, nods] = [(); 2].map(|()| walker(stage, surge));
+        let (_, surge) = add(scene, source);
+        let [(wave, _), (nod, _)] = ["wave", "nod"].map(|name| add(scene, straight(name, 1e-4)));
+        let [plain, nods] = [(); 2].map(|()| walker(scene, surge));
         let adds = LayerSettings { mode: LayerMode::Additive, ..LayerSettings::default() };
-        stage.crowd.member_mut(nods).expect("a layer").set_layer(1, adds, None).expect("a layer");
+        scene.edit(nods).set_layer(1, adds, None).expect("a layer");
         for frame in 0..20 {
             if frame % 5 == 0 {
                 let next = if frame % 10 == 0 { wave } else { nod };
                 let inertialization = ClipPlayback::looping().on_layer(1).inertialize_in_secs(0.3);
-                stage
-                    .crowd
-                    .member_mut(nods)
-                    .expect("a clip")
-                    .play(next, inertialization)
-                    .expect("a clip");
+                scene.edit(nods).play(next, inertialization).expect("a clip");
             }
-            stage.update(0.1);
+            scene.update(0.1);
         }
-        let [a, b] = [plain, nods].map(|m| {
-            stage
-                .crowd
-                .member_mut(m)
-                .expect("a member")
-                .moved_placement()
-                .expect("a member")
-                .position()
-        });
-        assert!(distance(a, b) < 1e-4, "{a:?} is not {b:?}");
+        let [a, b] =
+            [plain, nods].map(|m| scene.edit(m).moved_placement().expect("a member").position());
+        assert!(distance(a, b) < 1e-4, "{a:?} differs from {b:?}");
     });
 }

@@ -1,27 +1,24 @@
-//! Root motion: members that their clips move, on every device and schedule.
+//! Root motion, on every device and schedule.
 #![expect(
     clippy::disallowed_methods,
-    reason = "tests have no need of the same bits on every machine"
+    reason = "tests need not give the same bits on every machine"
 )]
 #![expect(
     clippy::expect_used,
     dead_code,
-    reason = "a test that cannot go on fails; bodies are shared with others"
+    reason = "a failed call fails the test; not every test uses the whole fixture"
 )]
-#![expect(
-    clippy::print_stdout,
-    reason = "what is measured is for those who run tests with --nocapture"
-)]
+#![expect(clippy::print_stdout, reason = "measured values are shown with --nocapture")]
 
-#[path = "../controls/body.rs"]
-mod body;
+#[path = "../controls/fixture.rs"]
+mod fixture;
 mod inertialization;
 mod parts;
 
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use body::{Stage, character, distance, everywhere, joint};
+use fixture::{Scene, character, distance, everywhere, joint};
 use populace::clip::Clip;
 use populace::model::{ClipSource, Interpolation, Property, Track};
 use populace::{
@@ -30,17 +27,19 @@ use populace::{
     StatePlayback,
 };
 
+/// Duration of the clips with root motion in seconds.
 const SECS: f32 = 1.0;
-/// Metres and radians of one cycle of the curve.
+/// Radius of the curve in metres.
 const RADIUS: f32 = 2.0;
+/// Rotation over one cycle of the curve, in radians.
 const TURN: f32 = 0.7;
 
-/// A walk in a curve to the left: the root goes along a circle, and the legs swing.
+/// A walk in a curve to the left: the root moves along a circle, and a leg swings.
 fn curve() -> ClipSource {
     let times: Vec<f32> = (0..=40_u8).map(|key| SECS * f32::from(key) / 40.0).collect();
     let yaw = |secs: &f32| TURN * secs / SECS;
-    let place = |secs: &f32| [RADIUS * (1.0 - yaw(secs).cos()), 0.0, RADIUS * yaw(secs).sin()];
-    let turn = |secs: &f32| [0.0, (yaw(secs) / 2.0).sin(), 0.0, (yaw(secs) / 2.0).cos()];
+    let position = |secs: &f32| [RADIUS * (1.0 - yaw(secs).cos()), 0.0, RADIUS * yaw(secs).sin()];
+    let rotation = |secs: &f32| [0.0, (yaw(secs) / 2.0).sin(), 0.0, (yaw(secs) / 2.0).cos()];
     let track = |property, values| Track {
         joint: "root".into(),
         property,
@@ -48,19 +47,19 @@ fn curve() -> ClipSource {
         times: times.clone(),
         values,
     };
-    let mut source = body::swing(
+    let mut source = fixture::swing(
         "curve",
         SECS,
         &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0), ("spine", [0.0, 1.0, 0.0], 0.3, 0.2)],
     );
-    source.tracks.push(track(Property::Translation, times.iter().flat_map(place).collect()));
-    source.tracks.push(track(Property::Rotation, times.iter().flat_map(turn).collect()));
+    source.tracks.push(track(Property::Translation, times.iter().flat_map(position).collect()));
+    source.tracks.push(track(Property::Rotation, times.iter().flat_map(rotation).collect()));
     source
 }
 
-/// Straight ahead at a speed.
+/// A walk straight ahead by `metres` per cycle.
 fn straight(name: &str, metres: f32) -> ClipSource {
-    let mut source = body::swing(name, SECS, &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0)]);
+    let mut source = fixture::swing(name, SECS, &[("leftUpperLeg", [1.0, 0.0, 0.0], 0.45, 0.0)]);
     source.tracks.push(Track {
         joint: "root".into(),
         property: Property::Translation,
@@ -71,15 +70,17 @@ fn straight(name: &str, metres: f32) -> ClipSource {
     source
 }
 
-fn add(stage: &mut Stage, source: ClipSource) -> (ClipId, ClipId) {
+/// Adds a clip as it is, and with its motion extracted as root motion.
+fn add(scene: &mut Scene, source: ClipSource) -> (ClipId, ClipId) {
     let whole = Clip::new(source, &character().skeleton).expect("a good clip");
-    let taken = whole.with_root_motion(&MotionSettings::default()).expect("a root that moves");
-    let mut add = |clip| stage.crowd.add_clip(stage.body, &Arc::new(clip)).expect("room");
-    (add(whole), add(taken))
+    let extracted = whole.with_root_motion(&MotionSettings::default()).expect("a root that moves");
+    let mut add =
+        |clip| scene.crowd.add_clip(scene.body, &Arc::new(clip)).expect("enough capacity");
+    (add(whole), add(extracted))
 }
 
-/// What so many cycles of the curve do, and a part of one.
-fn carried(cycles: f32) -> Affine {
+/// Returns the root motion of a number of cycles of the curve.
+fn motion_after(cycles: f32) -> Affine {
     let yaw = TURN * cycles;
     let (sin, cos) = yaw.sin_cos();
     Affine {
@@ -91,98 +92,86 @@ fn carried(cycles: f32) -> Affine {
     }
 }
 
-fn apart(a: &[Affine], b: &[Affine]) -> f32 {
+/// Returns the largest distance in metres between the transforms of a point near each joint.
+fn largest_distance(a: &[Affine], b: &[Affine]) -> f32 {
     let joints = a.iter().zip(b).map(|(a, b)| {
-        // Where a point away from the joint goes tells turns too.
+        // A point away from the joint also shows rotations.
         distance(a.transform_point([0.2, 0.1, 0.3]), b.transform_point([0.2, 0.1, 0.3]))
     });
     joints.fold(0.0, f32::max)
 }
 
 #[test]
-fn members_go_where_the_whole_clip_would_take_them_cycle_after_cycle() {
-    everywhere(|stage| {
-        let (whole, taken) = add(stage, curve());
+fn root_motion_follows_the_whole_clip_over_many_cycles() {
+    everywhere(|scene| {
+        let (whole, extracted) = add(scene, curve());
         let at = Placement::at([3.0, 0.0, -2.0]).facing(0.8).scaled(1.1);
-        let [plain, moved] = [stage.member(at), stage.member(at)];
-        stage
-            .crowd
-            .member_mut(plain)
-            .expect("a clip")
-            .play(whole, ClipPlayback::looping().phase(0.25))
-            .expect("a clip");
-        stage
-            .crowd
-            .member_mut(moved)
-            .expect("a clip")
-            .play(taken, ClipPlayback::looping().phase(0.25))
-            .expect("a clip");
-        stage.crowd.member_mut(moved).expect("a member").start_root_motion().expect("a member");
+        let [plain, moved] = [scene.member(at), scene.member(at)];
+        scene.edit(plain).play(whole, ClipPlayback::looping().phase(0.25)).expect("a clip");
+        scene.edit(moved).play(extracted, ClipPlayback::looping().phase(0.25)).expect("a clip");
+        scene.edit(moved).start_root_motion().expect("a member");
         let mut worst: f32 = 0.0;
         for frame in 1..=200_u8 {
-            stage.update(0.02);
+            scene.update(0.02);
             let cycles = 0.25 + f32::from(frame) * 0.02 / SECS;
-            // The plain one is back at the clip's start in each cycle; both began a quarter in.
-            let since = carried(-0.25).mul(&carried(cycles.floor()));
-            let wanted: Vec<_> = stage.models(plain).iter().map(|model| since.mul(model)).collect();
-            worst = worst.max(apart(&wanted, &stage.models(moved)));
+            // The plain member returns to the clip's start in each cycle. Both started at 1/4 of a
+            // cycle.
+            let since = motion_after(-0.25).mul(&motion_after(cycles.floor()));
+            let wanted: Vec<_> = scene.models(plain).iter().map(|model| since.mul(model)).collect();
+            worst = worst.max(largest_distance(&wanted, &scene.models(moved)));
         }
-        println!("{:?}: {:.2} mm in four cycles, 200 frames", stage.crowd.schedule(), worst * 1e3);
-        assert!(worst < 2e-3, "{worst} m");
-        let now =
-            stage.crowd.member_mut(moved).expect("a member").moved_placement().expect("a member");
-        let end = at.world_from_model().mul(&carried(-0.25).mul(&carried(4.25)));
+        println!(
+            "{:?}: {:.2} mm off in four cycles, 200 frames",
+            scene.crowd.schedule(),
+            worst * 1e3
+        );
+        assert!(worst < 2e-3, "the pose is {worst} m off");
+        let now = scene.edit(moved).moved_placement().expect("a member");
+        let end = at.world_from_model().mul(&motion_after(-0.25).mul(&motion_after(4.25)));
         assert!(distance(now.position(), end.origin()) < 5e-3, "{now:?} {end:?}");
         assert!((now.yaw_rad() - 0.8 - 4.0 * TURN).abs() % std::f32::consts::TAU < 1e-3, "{now:?}");
-        assert_eq!(stage.crowd.member(moved).map(|m| m.placement()), Ok(at));
+        assert_eq!(scene.crowd.member(moved).map(|m| m.placement()), Ok(at));
     });
 }
 
 #[test]
-fn a_watch_that_was_let_go_of_touches_nobody_elses() {
-    let mut stage = body::stage(Device::native(), populace::Schedule::Fused);
-    let (_, walk) = add(&mut stage, straight("walk ahead", 1.0));
-    let member = walker(&mut stage, walk);
+fn removing_a_watch_keeps_other_watches() {
+    let mut scene = fixture::scene(Device::native(), populace::Schedule::Fused);
+    let (_, walk) = add(&mut scene, straight("walk ahead", 1.0));
+    let member = walker(&mut scene, walk);
     let root = joint("root");
-    let [gone, kept] = [(); 2].map(|()| {
-        stage.crowd.member_mut(member).expect("a joint").watch_joint(root).expect("a joint")
-    });
+    let [gone, kept] = [(); 2].map(|()| scene.edit(member).watch_joint(root).expect("a joint"));
     assert_ne!(gone, kept);
     for _ in 0..3 {
-        stage.crowd.unwatch(gone);
+        scene.crowd.unwatch(gone);
     }
     for frame in 1..=3_u8 {
-        stage.update(0.25);
-        stage.crowd.with_page(0, &mut |_| ()).expect("a page");
-        let moved = stage.crowd.instances().find(|i| i.member == member).expect("a member").moved;
+        scene.update(0.25);
+        scene.crowd.with_page(0, &mut |_| ()).expect("a page");
+        let moved = scene.crowd.instances().find(|i| i.member == member).expect("a member").moved;
         assert!((moved[2] - 0.25 * f32::from(frame)).abs() < 1e-4, "{moved:?}");
-        assert!(stage.crowd.readback(kept).expect("a device").is_some());
-        assert_eq!(stage.crowd.readback(gone), Ok(None));
+        assert!(scene.crowd.readback(kept).expect("a device").is_some());
+        assert_eq!(scene.crowd.readback(gone), Ok(None));
     }
-    stage.crowd.unwatch(kept);
-    assert_eq!(stage.crowd.readback(kept), Ok(None));
-    let left = stage.crowd.member_mut(member).expect("a joint").watch_joint(root).expect("a joint");
-    stage.update(0.25);
-    stage.crowd.despawn(member).expect("a member");
-    stage.update(0.25);
-    assert_eq!(stage.crowd.readback(left), Ok(None));
+    scene.crowd.unwatch(kept);
+    assert_eq!(scene.crowd.readback(kept), Ok(None));
+    let left = scene.edit(member).watch_joint(root).expect("a joint");
+    scene.update(0.25);
+    scene.crowd.despawn(member).expect("a member");
+    scene.update(0.25);
+    assert_eq!(scene.crowd.readback(left), Ok(None));
 }
 
 #[test]
-fn members_are_placed_let_go_and_moved_on() {
-    everywhere(|stage| {
-        let (_, walk) = add(stage, straight("walk ahead", 1.0));
+fn root_motion_can_be_started_committed_placed_and_stopped() {
+    everywhere(|scene| {
+        let (_, walk) = add(scene, straight("walk ahead", 1.0));
         let member =
-            stage.member(Placement::at([5.0, 0.0, 0.0]).facing(std::f32::consts::FRAC_PI_2));
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip")
-            .play(walk, ClipPlayback::looping())
-            .expect("a clip");
-        let at = |stage: &mut Stage, wanted: [f32; 3]| {
-            let hips = stage.models(member)[joint("hips").index()].origin();
-            let drawn = stage
+            scene.member(Placement::at([5.0, 0.0, 0.0]).facing(std::f32::consts::FRAC_PI_2));
+        scene.edit(member).play(walk, ClipPlayback::looping()).expect("a clip");
+        let at = |scene: &mut Scene, wanted: [f32; 3]| {
+            let hips = scene.models(member)[joint("hips").index()].origin();
+            let drawn = scene
                 .crowd
                 .member(member)
                 .expect("a member")
@@ -192,146 +181,94 @@ fn members_are_placed_let_go_and_moved_on() {
             let ([x, _, z], [a, _, b]) = (drawn, wanted);
             assert!((x - a).abs() < 1e-4 && (z - b).abs() < 1e-4, "{drawn:?} is not at {wanted:?}");
         };
-        stage.update(0.5);
-        at(stage, [5.0, 0.0, 0.0]);
-        assert_eq!(stage.crowd.member(member).map(|m| m.has_root_motion()), Ok(false));
-        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
-        stage.update(0.5);
-        at(stage, [5.5, 0.0, 0.0]);
-        let placed = stage
-            .crowd
-            .member_mut(member)
-            .expect("a member")
-            .commit_root_motion()
-            .expect("a member");
+        scene.update(0.5);
+        at(scene, [5.0, 0.0, 0.0]);
+        assert_eq!(scene.crowd.member(member).map(|m| m.has_root_motion()), Ok(false));
+        scene.edit(member).start_root_motion().expect("a member");
+        scene.update(0.5);
+        at(scene, [5.5, 0.0, 0.0]);
+        let placed = scene.edit(member).commit_root_motion().expect("a member");
         assert!(distance(placed.position(), [5.5, 0.0, 0.0]) < 1e-4, "{placed:?}");
-        stage.update(0.25);
-        at(stage, [5.75, 0.0, 0.0]);
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a place")
-            .set_placement(Placement::at([0.0, 0.0, 7.0]))
-            .expect("a place");
-        stage.update(0.25);
-        at(stage, [0.0, 0.0, 7.25]);
-        stage.crowd.member_mut(member).expect("a member").stop_root_motion().expect("a member");
-        stage.update(0.25);
-        at(stage, [0.0, 0.0, 7.0]);
-        // Those who draw know where it is, once they have the palettes.
-        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
+        scene.update(0.25);
+        at(scene, [5.75, 0.0, 0.0]);
+        scene.edit(member).set_placement(Placement::at([0.0, 0.0, 7.0])).expect("a place");
+        scene.update(0.25);
+        at(scene, [0.0, 0.0, 7.25]);
+        scene.edit(member).stop_root_motion().expect("a member");
+        scene.update(0.25);
+        at(scene, [0.0, 0.0, 7.0]);
+        // Instances have the root-motion offset once the palettes have been read.
+        scene.edit(member).start_root_motion().expect("a member");
         for _ in 0..4 {
-            stage.update(0.125);
-            stage.crowd.finish().expect("a device");
+            scene.update(0.125);
+            scene.crowd.finish().expect("a device");
         }
-        stage.crowd.with_page(0, &mut |_| ()).expect("a page");
-        let moved = stage.crowd.instances().find(|i| i.member == member).expect("a member").moved;
+        scene.crowd.with_page(0, &mut |_| ()).expect("a page");
+        let moved = scene.crowd.instances().find(|i| i.member == member).expect("a member").moved;
         assert!(distance(moved, [0.0, 0.0, 0.5]) < 1e-4, "{moved:?}");
-        // A newcomer does not go on where one who left was.
-        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
-        stage.update(0.5);
-        stage.crowd.despawn(member).expect("a member");
-        assert!(stage.crowd.member_mut(member).and_then(|mut m| m.start_root_motion()).is_err());
-        let next = stage.member(Placement::at([0.0; 3]));
-        stage
-            .crowd
-            .member_mut(next)
-            .expect("a clip")
-            .play(walk, ClipPlayback::looping())
-            .expect("a clip");
-        stage.crowd.member_mut(next).expect("a member").start_root_motion().expect("a member");
-        assert_eq!(step_of(stage, next, 0.0), 0.0);
-        assert!((step_of(stage, next, 0.125) - 0.125).abs() < 1e-5);
+        // A new member in the same slot starts without a root-motion offset.
+        scene.edit(member).start_root_motion().expect("a member");
+        scene.update(0.5);
+        scene.crowd.despawn(member).expect("a member");
+        assert!(scene.crowd.member_mut(member).and_then(|mut m| m.start_root_motion()).is_err());
+        let next = scene.member(Placement::at([0.0; 3]));
+        scene.edit(next).play(walk, ClipPlayback::looping()).expect("a clip");
+        scene.edit(next).start_root_motion().expect("a member");
+        assert_eq!(step_of(scene, next, 0.0), 0.0);
+        assert!((step_of(scene, next, 0.125) - 0.125).abs() < 1e-5);
     });
 }
 
-/// How far a member goes in a frame.
-fn step_of(stage: &mut Stage, member: MemberId, secs: f32) -> f32 {
-    let before = stage
-        .crowd
-        .member_mut(member)
-        .expect("a member")
-        .moved_placement()
-        .expect("a member")
-        .position();
-    stage.update(secs);
-    distance(
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a member")
-            .moved_placement()
-            .expect("a member")
-            .position(),
-        before,
-    )
+/// Returns how far a member moves in a frame, in metres.
+fn step_of(scene: &mut Scene, member: MemberId, secs: f32) -> f32 {
+    let before = scene.edit(member).moved_placement().expect("a member").position();
+    scene.update(secs);
+    distance(scene.edit(member).moved_placement().expect("a member").position(), before)
 }
 
-/// A member that a clip moves from the origin on.
-fn walker(stage: &mut Stage, walk: ClipId) -> MemberId {
-    let member = stage.member(Placement::at([0.0; 3]));
-    stage
-        .crowd
-        .member_mut(member)
-        .expect("a clip")
-        .play(walk, ClipPlayback::looping())
-        .expect("a clip");
-    stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
+/// Spawns a member at the origin with root motion from a clip.
+fn walker(scene: &mut Scene, walk: ClipId) -> MemberId {
+    let member = scene.member(Placement::at([0.0; 3]));
+    scene.edit(member).play(walk, ClipPlayback::looping()).expect("a clip");
+    scene.edit(member).start_root_motion().expect("a member");
     member
 }
 
 #[test]
-fn being_told_each_frame_to_be_moved_does_not_hold_a_member_back() {
-    everywhere(|stage| {
-        let (_, walk) = add(stage, straight("walk ahead", 1.0));
-        let member = walker(stage, walk);
+fn starting_root_motion_each_frame_changes_nothing() {
+    everywhere(|scene| {
+        let (_, walk) = add(scene, straight("walk ahead", 1.0));
+        let member = walker(scene, walk);
         for _ in 0..4 {
-            stage.update(0.125);
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a member")
-                .start_root_motion()
-                .expect("a member");
+            scene.update(0.125);
+            scene.edit(member).start_root_motion().expect("a member");
         }
-        let moved = stage
-            .crowd
-            .member_mut(member)
-            .expect("a member")
-            .moved_placement()
-            .expect("a member")
-            .position();
+        let moved = scene.edit(member).moved_placement().expect("a member").position();
         assert!(distance(moved, [0.0, 0.0, 0.5]) < 1e-4, "{moved:?}");
     });
 }
 
 #[test]
-fn members_stay_where_they_are_on_a_move_before_the_newest_were_ever_evaluated() {
-    everywhere(|stage| {
-        let (_, walk) = add(stage, straight("walk ahead", 1.0));
-        let first = walker(stage, walk);
-        stage.update(0.5);
-        let newest: Vec<_> = (0..9).map(|_| walker(stage, walk)).collect();
-        let devices = stage.crowd.devices().clone();
-        stage.crowd.move_to(devices).expect("another of its kind");
-        let z = |stage: &mut Stage, member| {
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a member")
-                .moved_placement()
-                .expect("a member")
-                .position()[2]
+fn move_before_the_newest_members_ran_keeps_offsets() {
+    everywhere(|scene| {
+        let (_, walk) = add(scene, straight("walk ahead", 1.0));
+        let first = walker(scene, walk);
+        scene.update(0.5);
+        let newest: Vec<_> = (0..9).map(|_| walker(scene, walk)).collect();
+        let devices = scene.crowd.devices().clone();
+        scene.crowd.move_to(devices).expect("the same devices");
+        let z = |scene: &mut Scene, member| {
+            scene.edit(member).moved_placement().expect("a member").position()[2]
         };
-        assert!((z(stage, first) - 0.5).abs() < 1e-4, "{} before the next frame", z(stage, first));
-        stage.update(0.25);
-        assert!((z(stage, first) - 0.75).abs() < 1e-4, "{} after it", z(stage, first));
-        assert!(newest.iter().all(|member| (z(stage, *member) - 0.25).abs() < 1e-4));
+        assert!((z(scene, first) - 0.5).abs() < 1e-4, "{} before the next frame", z(scene, first));
+        scene.update(0.25);
+        assert!((z(scene, first) - 0.75).abs() < 1e-4, "{} after it", z(scene, first));
+        assert!(newest.iter().all(|member| (z(scene, *member) - 0.25).abs() < 1e-4));
     });
 }
 
 #[test]
-fn feet_that_walk_in_place_set_the_pace() {
+fn motion_of_a_walk_in_place_comes_from_its_feet() {
     let skeleton = character().skeleton.clone();
     let clip = character()
         .clips
@@ -351,90 +288,75 @@ fn feet_that_walk_in_place_set_the_pace() {
     assert_eq!(moved.skeleton().joint_count(), skeleton.joint_count());
 }
 
-/// Twelve members in as many curves and speeds.
-fn walkers(crowd: Crowd) -> (Stage, Vec<MemberId>) {
+/// Twelve members with root motion, with different phases, speeds and transitions.
+fn walkers(crowd: Crowd) -> (Scene, Vec<MemberId>) {
     let mut crowd = crowd;
-    let body = crowd.add_character(character()).expect("room");
-    let mut stage = Stage { crowd, body };
-    let (_, curve) = add(&mut stage, curve());
-    let (_, walk) = add(&mut stage, straight("walk ahead", 1.3));
+    let body = crowd.add_character(character()).expect("enough capacity");
+    let mut scene = Scene { crowd, body };
+    let (_, curve) = add(&mut scene, curve());
+    let (_, walk) = add(&mut scene, straight("walk ahead", 1.3));
     let after = [Condition::AfterSecs(0.2)];
     let machine = StateMachine::new()
         .state("walk", walk, StatePlayback::looping())
         .state("curve", curve, StatePlayback::looping())
         .transition("curve", "walk", 0.0, &after)
         .transition("walk", "curve", 0.07, &after);
-    let machine = stage.crowd.add_machine(&machine).expect("a machine");
+    let machine = scene.crowd.add_machine(&machine).expect("a machine");
     let members: Vec<_> = (0..12_u8)
-        .map(|n| stage.member(Placement::at([f32::from(n), 0.0, 0.0]).facing(f32::from(n))))
+        .map(|n| scene.member(Placement::at([f32::from(n), 0.0, 0.0]).facing(f32::from(n))))
         .collect();
     for (n, &member) in (0_u8..).zip(&members) {
         let play =
             ClipPlayback::looping().phase(f32::from(n) * 0.07).speed(1.5 - 0.3 * f32::from(n));
-        stage.crowd.member_mut(member).expect("a clip").play(curve, play).expect("a clip");
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip")
-            .crossfade(walk, 0.1 * f32::from(n))
-            .expect("a clip");
-        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
-        // What starts in the midst of a frame.
+        scene.edit(member).play(curve, play).expect("a clip");
+        scene.edit(member).crossfade(walk, 0.1 * f32::from(n)).expect("a clip");
+        scene.edit(member).start_root_motion().expect("a member");
+        // Starts in the middle of a frame.
         let secs = 0.02 * f32::from(n % 3);
         let after_secs = 0.31 + 0.07 * f32::from(n);
         let later = ClipPlayback::looping().after_secs(after_secs);
         match n % 4 {
-            3 => stage
-                .crowd
-                .member_mut(member)
-                .expect("a machine")
+            3 => scene
+                .edit(member)
                 .play_machine(
                     machine,
                     MachinePlayback::new().after_secs(after_secs).fade_in_secs(secs),
                 )
                 .expect("a machine"),
-            2 => stage
-                .crowd
-                .member_mut(member)
-                .expect("a clip")
+            2 => scene
+                .edit(member)
                 .play(curve, later.inertialize_in_secs(0.1 + secs))
                 .expect("a clip"),
-            _ => stage
-                .crowd
-                .member_mut(member)
-                .expect("a clip")
-                .play(curve, later.fade_in_secs(secs))
-                .expect("a clip"),
+            _ => scene.edit(member).play(curve, later.fade_in_secs(secs)).expect("a clip"),
         };
     }
-    (stage, members)
+    (scene, members)
 }
 
-fn step(stage: &mut Stage, members: &[MemberId]) -> Vec<u32> {
-    stage.update(1.0 / 60.0);
-    let palettes = members.iter().flat_map(|&member| {
-        stage.crowd.member_mut(member).expect("a palette").palette().expect("a palette")
-    });
+fn step(scene: &mut Scene, members: &[MemberId]) -> Vec<u32> {
+    scene.update(1.0 / 60.0);
+    let palettes =
+        members.iter().flat_map(|&member| scene.edit(member).palette().expect("a palette"));
     palettes.flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
 }
 
-fn alone(device: Device) -> Crowd {
+fn crowd_on(device: Device) -> Crowd {
     Crowd::builder().device(device).capacity(16).build().expect("a crowd")
 }
 
 #[test]
-fn every_device_and_schedule_moves_members_to_the_same_bits() {
+fn root_motion_gives_equal_bits_on_all_devices_and_schedules() {
     let first: RefCell<Option<Vec<Vec<u32>>>> = RefCell::new(None);
-    everywhere(|stage| {
-        let (device, schedule) = (stage.crowd.devices().clone(), stage.crowd.schedule());
+    everywhere(|scene| {
+        let (device, schedule) = (scene.crowd.devices().clone(), scene.crowd.schedule());
         let crowd = Crowd::builder()
             .devices(device)
             .schedule(schedule)
             .capacity(16)
             .build()
             .expect("a crowd");
-        let (mut stage, members) = walkers(crowd);
-        let bits: Vec<_> = (0..90).map(|_| step(&mut stage, &members)).collect();
+        let (mut scene, members) = walkers(crowd);
+        let bits: Vec<_> = (0..90).map(|_| step(&mut scene, &members)).collect();
         let mut first = first.borrow_mut();
         assert!(*first.get_or_insert_with(|| bits.clone()) == bits, "{schedule} differs");
     });
@@ -443,14 +365,14 @@ fn every_device_and_schedule_moves_members_to_the_same_bits() {
 #[cfg(feature = "opencl")]
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn members_go_on_where_they_are_on_another_device_and_on_several() {
+fn root_motion_survives_moves_and_splits() {
     let shared = Crowd::builder()
         .devices([Device::native(), Device::opencl(0)])
         .capacity(16)
         .build()
         .expect("a crowd");
     let ((mut moved, moving), (mut split, several), (mut twin, twins)) =
-        (walkers(alone(Device::native())), walkers(shared), walkers(alone(Device::native())));
+        (walkers(crowd_on(Device::native())), walkers(shared), walkers(crowd_on(Device::native())));
     for frame in 0..60 {
         if frame % 20 == 10 {
             let device = if frame % 40 == 10 { Device::opencl(0) } else { Device::native() };
@@ -459,7 +381,7 @@ fn members_go_on_where_they_are_on_another_device_and_on_several() {
         let share = f64::from(frame % 7 + 1) / 9.0;
         split.crowd.set_split(&Split::Fixed(vec![share, 1.0 - share])).expect("shares");
         let wanted = step(&mut twin, &twins);
-        assert!(step(&mut moved, &moving) == wanted, "moved, frame {frame}");
-        assert!(step(&mut split, &several) == wanted, "split, frame {frame}");
+        assert!(step(&mut moved, &moving) == wanted, "moved crowd, frame {frame}");
+        assert!(step(&mut split, &several) == wanted, "split crowd, frame {frame}");
     }
 }

@@ -1,13 +1,13 @@
-//! Frames in which something starts, ends or is cut.
+//! Frames in which clips start, end or are cut.
 
 use populace::MachinePlayback;
 
 use super::*;
 
 #[test]
-fn long_steps_runs_that_end_and_runs_backwards_arrive_where_short_ones_do() {
-    everywhere(|stage| {
-        let (_, taken) = add(stage, curve());
+fn long_frames_ends_and_reverse_playback_move_correctly() {
+    everywhere(|scene| {
+        let (_, clip) = add(scene, curve());
         let plays = [
             ClipPlayback::looping().phase(0.5),
             ClipPlayback::looping().speed(-1.3),
@@ -16,164 +16,102 @@ fn long_steps_runs_that_end_and_runs_backwards_arrive_where_short_ones_do() {
         ];
         let cycles = [7.2, -7.2 * 1.3, 1.0, -1.0];
         let members = plays.map(|play| {
-            let member = stage.member(Placement::at([0.0; 3]));
-            stage.crowd.member_mut(member).expect("a clip").play(taken, play).expect("a clip");
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a member")
-                .start_root_motion()
-                .expect("a member");
+            let member = scene.member(Placement::at([0.0; 3]));
+            scene.edit(member).play(clip, play).expect("a clip");
+            scene.edit(member).start_root_motion().expect("a member");
             member
         });
-        stage.update(7.2 * SECS);
+        scene.update(7.2 * SECS);
         for ((member, cycles), start) in
             members.into_iter().zip(cycles).zip([0.5_f32, 1.0, 0.0, 1.0])
         {
-            let wanted = carried(-start).mul(&carried(start + cycles));
-            let found = stage
-                .crowd
-                .member_mut(member)
-                .expect("a member")
-                .moved_placement()
-                .expect("a member")
-                .world_from_model();
+            let wanted = motion_after(-start).mul(&motion_after(start + cycles));
+            let found = scene.edit(member).moved_placement().expect("a member").world_from_model();
             assert!(
-                apart(&[wanted], &[found]) < 3e-3,
-                "{cycles} cycles: {found:?} is not {wanted:?}"
+                largest_distance(&[wanted], &[found]) < 3e-3,
+                "{cycles} cycles: {found:?} instead of {wanted:?}"
             );
         }
-        // What has ended, and what stands, stays.
-        let before = stage.crowd.member_mut(members[2]).and_then(|mut m| m.moved_placement());
-        stage.update(1.0);
+        // A clip that has ended moves its member no further.
+        let before = scene.crowd.member_mut(members[2]).and_then(|mut m| m.moved_placement());
+        scene.update(1.0);
         assert_eq!(
-            stage.crowd.member_mut(members[2]).and_then(|mut m| m.moved_placement()),
+            scene.crowd.member_mut(members[2]).and_then(|mut m| m.moved_placement()),
             before
         );
     });
 }
 
 #[test]
-fn motion_is_mixed_as_poses_are() {
-    everywhere(|stage| {
-        let (_, fast) = add(stage, straight("fast", 2.0));
-        let (_, slow) = add(stage, straight("slow", 0.5));
-        let still = stage.clip("sway");
-        let member = stage.member(Placement::at([0.0; 3]));
+fn root_motion_is_blended_like_poses() {
+    everywhere(|scene| {
+        let (_, fast) = add(scene, straight("fast", 2.0));
+        let (_, slow) = add(scene, straight("slow", 0.5));
+        let still = scene.clip("sway");
+        let member = scene.member(Placement::at([0.0; 3]));
         let close = |found: f32, wanted: f32| {
-            assert!((found - wanted).abs() < 2e-5, "{found} m is not {wanted} m")
+            assert!((found - wanted).abs() < 2e-5, "moved {found} m instead of {wanted} m")
         };
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip")
-            .play(fast, ClipPlayback::looping())
-            .expect("a clip");
-        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
-        close(step_of(stage, member, 0.01), 0.02);
-        stage.crowd.member_mut(member).expect("a clip").crossfade(slow, 1.0).expect("a clip");
-        stage.update(0.49);
-        // Between 0.49 and 0.5 of the fade.
-        close(step_of(stage, member, 0.01), 0.02 - 0.015 * 0.495);
-        stage.update(0.51);
-        close(step_of(stage, member, 0.01), 0.005);
-        // Layers: through a mask without the root, for the whole body by half, and adding.
+        scene.edit(member).play(fast, ClipPlayback::looping()).expect("a clip");
+        scene.edit(member).start_root_motion().expect("a member");
+        close(step_of(scene, member, 0.01), 0.02);
+        scene.edit(member).crossfade(slow, 1.0).expect("a clip");
+        scene.update(0.49);
+        // From 0.49 to 0.5 of the fade.
+        close(step_of(scene, member, 0.01), 0.02 - 0.015 * 0.495);
+        scene.update(0.51);
+        close(step_of(scene, member, 0.01), 0.005);
+        // Layers: with a mask without the root, with weight 0.5 for all joints, and additive.
         let legs = Mask::of_subtrees(&character().skeleton, ["leftUpperLeg"]).expect("a joint");
-        let legs = stage.crowd.add_mask(stage.body, &legs).expect("room");
+        let legs = scene.crowd.add_mask(scene.body, &legs).expect("enough capacity");
         let settings = LayerSettings::default();
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a layer")
-            .set_layer(1, settings, Some(legs))
-            .expect("a layer");
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip")
-            .play(still, ClipPlayback::looping().on_layer(1))
-            .expect("a clip");
-        close(step_of(stage, member, 0.01), 0.005);
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a layer")
+        scene.edit(member).set_layer(1, settings, Some(legs)).expect("a layer");
+        scene.edit(member).play(still, ClipPlayback::looping().on_layer(1)).expect("a clip");
+        close(step_of(scene, member, 0.01), 0.005);
+        scene
+            .edit(member)
             .set_layer(1, LayerSettings { weight: 0.5, ..settings }, None)
             .expect("a layer");
-        close(step_of(stage, member, 0.01), 0.0025);
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a layer")
+        close(step_of(scene, member, 0.01), 0.0025);
+        scene
+            .edit(member)
             .set_layer(1, LayerSettings { mode: LayerMode::Additive, ..settings }, None)
             .expect("a layer");
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a clip")
-            .play(fast, ClipPlayback::looping().on_layer(1))
-            .expect("a clip");
-        close(step_of(stage, member, 0.01), 0.005);
+        scene.edit(member).play(fast, ClipPlayback::looping().on_layer(1)).expect("a clip");
+        close(step_of(scene, member, 0.01), 0.005);
     });
 }
 
 #[test]
-fn a_start_within_a_long_step_leaves_what_was_played_before_it() {
+fn start_within_a_long_frame_keeps_the_motion_before_it() {
     let cut = ClipPlayback::looping().after_secs(0.3);
     let faded = ClipPlayback::looping().fade_in_secs(0.2);
-    everywhere(|stage| {
-        let (_, fast) = add(stage, straight("fast", 2.0));
-        let (_, slow) = add(stage, straight("slow", 0.5));
+    everywhere(|scene| {
+        let (_, fast) = add(scene, straight("fast", 2.0));
+        let (_, slow) = add(scene, straight("slow", 0.5));
         let machine = StateMachine::new().state("slow", slow, StatePlayback::looping());
-        let machine = stage.crowd.add_machine(&machine).expect("a machine");
+        let machine = scene.crowd.add_machine(&machine).expect("a machine");
         let [late, cuts, fades, above, left, entering, leaving] = [(); 7].map(|()| {
-            let member = stage.member(Placement::at([0.0; 3]));
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a member")
-                .start_root_motion()
-                .expect("a member");
+            let member = scene.member(Placement::at([0.0; 3]));
+            scene.edit(member).start_root_motion().expect("a member");
             member
         });
-        let crowd = &mut stage.crowd;
-        crowd.member_mut(late).expect("a clip").play(slow, cut).expect("a clip");
+        scene.edit(late).play(slow, cut).expect("a clip");
         for member in [cuts, fades, above, left, entering] {
-            crowd
-                .member_mut(member)
-                .expect("a clip")
-                .play(fast, ClipPlayback::looping())
-                .expect("a clip");
+            scene.edit(member).play(fast, ClipPlayback::looping()).expect("a clip");
         }
-        crowd.member_mut(cuts).expect("a clip").play(slow, cut).expect("a clip");
-        crowd.member_mut(fades).expect("a clip").play(slow, faded.after_secs(0.1)).expect("a clip");
-        crowd
-            .member_mut(above)
-            .expect("a layer")
-            .set_layer(1, LayerSettings::default(), None)
-            .expect("a layer");
-        crowd.member_mut(above).expect("a clip").play(slow, cut.on_layer(1)).expect("a clip");
-        crowd
-            .member_mut(left)
-            .expect("a clip")
-            .play(slow, cut.inertialize_in_secs(0.1))
-            .expect("a clip");
-        crowd
-            .member_mut(entering)
-            .expect("a machine")
+        scene.edit(cuts).play(slow, cut).expect("a clip");
+        scene.edit(fades).play(slow, faded.after_secs(0.1)).expect("a clip");
+        scene.edit(above).set_layer(1, LayerSettings::default(), None).expect("a layer");
+        scene.edit(above).play(slow, cut.on_layer(1)).expect("a clip");
+        scene.edit(left).play(slow, cut.inertialize_in_secs(0.1)).expect("a clip");
+        scene
+            .edit(entering)
             .play_machine(machine, MachinePlayback::new().after_secs(0.3))
             .expect("a machine");
-        crowd
-            .member_mut(leaving)
-            .expect("a machine")
-            .play_machine(machine, MachinePlayback::new())
-            .expect("a machine");
-        crowd
-            .member_mut(leaving)
-            .expect("a clip")
-            .play(fast, faded.after_secs(0.1))
-            .expect("a clip");
-        stage.update(0.5);
+        scene.edit(leaving).play_machine(machine, MachinePlayback::new()).expect("a machine");
+        scene.edit(leaving).play(fast, faded.after_secs(0.1)).expect("a clip");
+        scene.update(0.5);
         for (member, wanted) in [
             (late, 0.1),
             (cuts, 0.7),
@@ -183,53 +121,37 @@ fn a_start_within_a_long_step_leaves_what_was_played_before_it() {
             (entering, 0.7),
             (leaving, 0.05 + 0.25 + 0.4),
         ] {
-            let found = stage
-                .crowd
-                .member_mut(member)
-                .expect("a member")
-                .moved_placement()
-                .expect("a member")
-                .position()[2];
-            assert!((found - wanted).abs() < 1e-4, "{found} m is not {wanted} m");
+            let found = scene.edit(member).moved_placement().expect("a member").position()[2];
+            assert!((found - wanted).abs() < 1e-4, "moved {found} m instead of {wanted} m");
         }
     });
 }
 
 #[test]
-fn a_machine_that_cuts_moves_its_member_in_that_frame_too() {
-    everywhere(|stage| {
-        let (_, fast) = add(stage, straight("fast", 2.0));
-        let (_, slow) = add(stage, straight("slow", 0.5));
+fn cut_in_a_machine_moves_its_member_in_the_same_frame() {
+    everywhere(|scene| {
+        let (_, fast) = add(scene, straight("fast", 2.0));
+        let (_, slow) = add(scene, straight("slow", 0.5));
         let machine = StateMachine::new()
             .parameter("tired", 0.0)
             .state("fast", fast, StatePlayback::looping())
             .state("slow", slow, StatePlayback::looping())
             .transition("fast", "slow", 0.0, &[Condition::above("tired", 0.5)])
             .transition("slow", "fast", 0.1, &[Condition::below("tired", 0.5)]);
-        let machine = stage.crowd.add_machine(&machine).expect("a machine");
-        let member = stage.member(Placement::at([0.0; 3]));
-        stage
-            .crowd
-            .member_mut(member)
-            .expect("a machine")
-            .play_machine(machine, MachinePlayback::new())
-            .expect("a machine");
-        stage.crowd.member_mut(member).expect("a member").start_root_motion().expect("a member");
-        let mut goes = |tired: f32, wanted: [f32; 3]| {
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a parameter")
-                .set_parameter("tired", tired)
-                .expect("a parameter");
+        let machine = scene.crowd.add_machine(&machine).expect("a machine");
+        let member = scene.member(Placement::at([0.0; 3]));
+        scene.edit(member).play_machine(machine, MachinePlayback::new()).expect("a machine");
+        scene.edit(member).start_root_motion().expect("a member");
+        let mut assert_moves = |tired: f32, wanted: [f32; 3]| {
+            scene.edit(member).set_parameter("tired", tired).expect("a parameter");
             for wanted in wanted {
-                let found = step_of(stage, member, 0.04);
+                let found = step_of(scene, member, 0.04);
                 assert!((found - 0.04 * wanted).abs() < 2e-5, "{found} m at {wanted} m/s");
             }
         };
-        goes(0.0, [2.0; 3]);
-        goes(1.0, [2.0, 0.5, 0.5]); // cut as of the end of the first
-        goes(0.0, [0.5, 0.5 + 1.5 * 0.2, 0.5 + 1.5 * 0.6]);
-        goes(0.0, [2.0 - 1.5 * 0.05, 2.0, 2.0]);
+        assert_moves(0.0, [2.0; 3]);
+        assert_moves(1.0, [2.0, 0.5, 0.5]); // cut at the end of the first frame
+        assert_moves(0.0, [0.5, 0.5 + 1.5 * 0.2, 0.5 + 1.5 * 0.6]);
+        assert_moves(0.0, [2.0 - 1.5 * 0.05, 2.0, 2.0]);
     });
 }

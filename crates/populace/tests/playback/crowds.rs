@@ -1,12 +1,12 @@
-//! Many members, each in its own crossfade.
+//! Many members, each in a crossfade.
 
 use std::collections::HashSet;
 
 use populace::{ClipPlayback, Crowd, CrowdBuilder, Placement};
 use populace_device::layout::Float4;
 
-use crate::on_every_way;
-use crate::rig::{JOINTS, Motion, crowd_of};
+use crate::fixture::{JOINTS, Motion, crowd_of};
+use crate::on_every_device;
 
 const MEMBERS: u16 = 10_000;
 
@@ -14,7 +14,7 @@ fn motions() -> Vec<Motion> {
     let motion = |nth: u8, name| Motion {
         name,
         duration_secs: 1.0,
-        turns: [0.5_f32, 1.0, 0.7, 0.9].map(|part| {
+        rotations: [0.5_f32, 1.0, 0.7, 0.9].map(|part| {
             let angles = (0..=8_u8).map(|key| part * f32::from(key) / 8.0 + 0.1 * f32::from(nth));
             ([1.0, 0.2 * f32::from(nth), 0.0], angles.collect())
         }),
@@ -22,7 +22,7 @@ fn motions() -> Vec<Motion> {
     vec![motion(0, "a"), motion(1, "b"), motion(2, "c")]
 }
 
-/// The bits of all palettes, member by member.
+/// Returns the bits of all palettes, member by member.
 fn palettes(crowd: &mut Crowd) -> Vec<Vec<[u32; 4]>> {
     let mut pages = Vec::new();
     for page in 0..crowd.page_count() {
@@ -36,7 +36,7 @@ fn palettes(crowd: &mut Crowd) -> Vec<Vec<[u32; 4]>> {
         .collect()
 }
 
-fn one_of_ten_thousand_in_mid_crossfade_changes_alone(builder: &CrowdBuilder) {
+fn changing_one_of_10000_crossfading_members_affects_no_other(builder: &CrowdBuilder) {
     let (mut crowd, id, clips) = crowd_of(&builder.clone().capacity(MEMBERS.into()), &motions());
     let place = Placement::at([0.0; 3]);
     let members: Vec<_> = (0..MEMBERS).map(|_| crowd.spawn(id, place).unwrap()).collect();
@@ -58,13 +58,13 @@ fn one_of_ten_thousand_in_mid_crossfade_changes_alone(builder: &CrowdBuilder) {
     crowd.update(0.25).unwrap();
     assert!(
         members.iter().all(|m| crowd.member(*m).unwrap().active_clips().len() == 2),
-        "all are in mid-crossfade"
+        "not all members are in a crossfade"
     );
     let before = palettes(&mut crowd);
     assert_eq!(
         before.iter().collect::<HashSet<_>>().len(),
         usize::from(MEMBERS),
-        "all poses differ"
+        "two members have the same pose"
     );
 
     let changed = 4321;
@@ -77,7 +77,10 @@ fn one_of_ten_thousand_in_mid_crossfade_changes_alone(builder: &CrowdBuilder) {
     let after = palettes(&mut crowd);
     assert!(before[changed] != after[changed]);
     let others = before.iter().zip(&after).enumerate().filter(|(nth, _)| *nth != changed);
-    assert!(others.into_iter().all(|(_, (before, after))| before == after), "bit for bit");
+    assert!(
+        others.into_iter().all(|(_, (before, after))| before == after),
+        "another member changed"
+    );
 }
 
-on_every_way!(one_of_ten_thousand_in_mid_crossfade_changes_alone);
+on_every_device!(changing_one_of_10000_crossfading_members_affects_no_other);

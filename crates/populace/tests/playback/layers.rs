@@ -1,4 +1,4 @@
-//! Layers as users set them, against the oracle.
+//! Layers and crossfades against the oracle.
 
 use populace::clip::TICKS_PER_SEC;
 use populace::{
@@ -6,20 +6,20 @@ use populace::{
 };
 use populace_testkit::oracle::{OracleBody, OracleLayer, OracleSlot, evaluate};
 
-use crate::on_every_way;
-use crate::rig::{JOINTS, Motion, crowd_of, moving};
+use crate::fixture::{JOINTS, Motion, crowd_of, moving};
+use crate::on_every_device;
 
-/// Rotation components and metres: 16-bit rows over turns of up to a radian, and the chords between
-/// keys that lie dense.
-const OFF: f64 = 2e-4;
+/// Tolerance in rotation components and metres: 16-bit rows over angles of up to a radian, and the
+/// linear interpolation between dense keys.
+const TOLERANCE: f64 = 2e-4;
 
 fn motions() -> Vec<Motion> {
     moving(32, |joint, nth, phase| 0.3 * (joint + nth) * 0.3 + 0.4 * f32::sin(phase + joint * nth))
 }
 
-/// Holds a member's joints against the oracle, from what the crowd says plays.
+/// Compares a member's joints with the oracle's, which evaluates the active clips of the member.
 #[track_caller]
-fn assert_as_the_oracle_says(crowd: &mut Crowd, member: MemberId, layers: &[OracleLayer]) {
+fn assert_matches_oracle(crowd: &mut Crowd, member: MemberId, layers: &[OracleLayer]) {
     let id = crowd.instances().find(|i| i.member == member).unwrap().character;
     let clips = crowd.clips(id).unwrap();
     let body = OracleBody::from_character(crowd.character(id).unwrap());
@@ -47,7 +47,7 @@ fn assert_as_the_oracle_says(crowd: &mut Crowd, member: MemberId, layers: &[Orac
         let wanted = glam::DMat4::from(*wanted).transpose().to_cols_array();
         for (found, wanted) in found.rows.as_flattened().iter().zip(wanted) {
             let off = (f64::from(*found) - wanted).abs();
-            assert!(off < OFF, "joint {joint} is off by {off} with {} clips", slots.len());
+            assert!(off < TOLERANCE, "joint {joint} is off by {off} with {} clips", slots.len());
         }
     }
 }
@@ -95,12 +95,11 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
             _ => {}
         }
         crowd.update(0.07).unwrap();
-        assert_as_the_oracle_says(&mut crowd, member, &layers);
+        assert_matches_oracle(&mut crowd, member, &layers);
     }
 }
 
-/// A crossfade runs evenly from one clip to the other, and what fades out already goes on to, in
-/// proportion.
+/// A crossfade is linear, and clips that already fade out keep their proportion.
 fn crossfades_agree_with_the_oracle(builder: &CrowdBuilder) {
     let (mut crowd, id, clips) = crowd_of(builder, &motions());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
@@ -115,14 +114,17 @@ fn crossfades_agree_with_the_oracle(builder: &CrowdBuilder) {
         for (clip, wanted) in clips.iter().zip(wanted) {
             let playing = crowd.member(member).unwrap().active_clips();
             let found = playing.iter().find(|p| p.clip == *clip).map_or(0.0, |p| p.weight);
-            assert!((f64::from(found) - wanted).abs() < 1e-5, "{found} is not {wanted}");
+            assert!(
+                (f64::from(found) - wanted).abs() < 1e-5,
+                "the weight is {found}, not {wanted}"
+            );
         }
         crowd.update(0.0).unwrap();
-        assert_as_the_oracle_says(&mut crowd, member, &[]);
+        assert_matches_oracle(&mut crowd, member, &[]);
         crowd.update(0.2).unwrap();
     }
-    assert_eq!(TICKS_PER_SEC % 5, 0, "fifths of a second are whole ticks");
+    assert_eq!(TICKS_PER_SEC % 5, 0, "a fifth of a second is not a whole number of ticks");
     assert_eq!(crowd.member_mut(member).unwrap().model_from_joints().unwrap().len(), JOINTS);
 }
 
-on_every_way!(layers_with_masks_agree_with_the_oracle, crossfades_agree_with_the_oracle);
+on_every_device!(layers_with_masks_agree_with_the_oracle, crossfades_agree_with_the_oracle);

@@ -1,16 +1,15 @@
-//! Blend spaces on members.
+//! Blend spaces.
 
 use populace::{
     BlendSpace, BlendSpaceId, BlendSpacePlayback, ClipId, ClipPlayback, Crowd, CrowdBuilder,
     Device, Error, MemberId, Placement,
 };
-use populace_testkit::Rng;
 
-use crate::on_every_way;
-use crate::rig::{Motion, one_member, step_rad, turns};
+use crate::fixture::{Motion, one_member, rotations, step_rad};
+use crate::on_every_device;
 
-/// Nine clips that swing about a middle and stand further off the more the clip's number says:
-/// lengths from 0.5 to 1.3 s; the first has no length.
+/// Nine clips that swing about a mean angle. The mean grows with the clip's index, and so does the
+/// duration: 0.5 s to 1.2 s, except for the first, whose duration is 0.
 fn motions() -> Vec<Motion> {
     let names = ["0", "1", "2", "3", "4", "5", "6", "7", "8"];
     let motion = |(nth, name): (u8, &'static str)| {
@@ -28,14 +27,14 @@ fn motions() -> Vec<Motion> {
         Motion {
             name,
             duration_secs,
-            turns: [1.0, 0.5, 0.3, 0.7]
+            rotations: [1.0, 0.5, 0.3, 0.7]
                 .map(|part| ([1.0, 0.3, 0.0], angles.iter().map(|a| a * part).collect())),
         }
     };
     (0..).zip(names).map(motion).collect()
 }
 
-/// Speeds 0, 1, 2 and turns -1, 0, 1.
+/// A space over the speeds 0, 1, 2 and the turn rates -1, 0, 1.
 fn grid(clips: &[ClipId]) -> BlendSpace {
     let at = |nth: u8| [f32::from(nth / 3), f32::from(nth % 3) - 1.0];
     BlendSpace::plane(&(0..).zip(clips).map(|(nth, clip)| (*clip, at(nth))).collect::<Vec<_>>())
@@ -49,7 +48,8 @@ fn on_grid(builder: &CrowdBuilder, slots: usize) -> (Crowd, Vec<ClipId>, MemberI
     (crowd, clips, member, space)
 }
 
-/// How far the clips' phases are apart at most; those of no length have none.
+/// Returns the largest difference between the phases of a member's clips, in cycles. Clips of
+/// duration 0 have no phase.
 fn phases_apart(crowd: &Crowd, member: MemberId, lengths: &[(ClipId, f32)]) -> f32 {
     let playing = crowd.member(member).unwrap().active_clips();
     let phases: Vec<f32> = playing
@@ -73,7 +73,7 @@ fn lengths(crowd: &Crowd, member: MemberId) -> Vec<(ClipId, f32)> {
         .collect()
 }
 
-fn clips_of_a_space_share_a_phase_wherever_it_is_steered(builder: &CrowdBuilder) {
+fn clips_of_a_space_share_one_phase_at_every_position(builder: &CrowdBuilder) {
     let (mut crowd, _, member, space) = on_grid(builder, 6);
     crowd
         .member_mut(member)
@@ -100,7 +100,7 @@ fn clips_of_a_space_share_a_phase_wherever_it_is_steered(builder: &CrowdBuilder)
     }
 }
 
-fn a_space_stands_where_it_is_steered_to(builder: &CrowdBuilder) {
+fn space_takes_the_weights_of_its_position(builder: &CrowdBuilder) {
     let (mut crowd, clips, member, space) = on_grid(builder, 6);
     let wanted = grid(&clips);
     crowd
@@ -114,7 +114,7 @@ fn a_space_stands_where_it_is_steered_to(builder: &CrowdBuilder) {
         .enumerate()
     {
         crowd.member_mut(member).unwrap().set_blend_parameter(at, 0.2).unwrap();
-        // To the same point again changes nothing.
+        // Setting the same position again changes nothing.
         crowd.update(0.1).unwrap();
         crowd.member_mut(member).unwrap().set_blend_parameter(at, 5.0).unwrap();
         crowd.update(0.3).unwrap();
@@ -131,8 +131,7 @@ fn a_space_stands_where_it_is_steered_to(builder: &CrowdBuilder) {
         weights.sort_by_key(|(clip, _)| order(*clip));
         assert_eq!(found, weights, "point {nth}");
     }
-    // The mean of the cycles per second, by weight, on an edge between clips 7 (1.1 s) and 8 (1.2
-    // s).
+    // The rate in cycles per second is the weighted mean of clips 7 (1.1 s) and 8 (1.2 s).
     crowd.member_mut(member).unwrap().set_blend_parameter([2.0, 0.5], 0.0).unwrap();
     crowd.update(0.0).unwrap();
     let before = crowd.member(member).unwrap().active_clips();
@@ -146,23 +145,26 @@ fn a_space_stands_where_it_is_steered_to(builder: &CrowdBuilder) {
     );
 }
 
-/// However a space is steered, a frame's step stays near what the fastest clip and the fade make of
-/// it.
-fn steering_never_jumps(builder: &CrowdBuilder) {
+/// Whatever the blend-space position, the rotation per frame stays within that of the fastest clip
+/// and of the fade.
+fn position_changes_never_jump(builder: &CrowdBuilder) {
     const STEP_SECS: f32 = 1.0 / 60.0;
     const OVER_SECS: f32 = 0.2;
-    // The clips' own swings, in model space at the end of the arm, and the whole width of the space
-    // in one fade.
+    // Rotation per frame at the end of the arm, in model space: the clips' own swing, and a fade
+    // across the whole width of the space.
     let (own, wide) =
         (2.5 * 0.1 * std::f32::consts::TAU / 0.5 * STEP_SECS, 2.5 * 0.6 * STEP_SECS / OVER_SECS);
     for slots in [3, 4, 6, 8] {
         let (mut crowd, clips, member, space) = on_grid(builder, slots);
         crowd.member_mut(member).unwrap().play(clips[8], ClipPlayback::looping()).unwrap();
         crowd.update(0.1).unwrap();
-        let mut before = turns(&mut crowd, member);
-        let mut rng = Rng::new(slots as u64);
+        let mut before = rotations(&mut crowd, member);
+        let mut state = slots as u64;
         for frame in 0..240 {
-            let at = [rng.below(257), rng.below(257)].map(|n| n as f32 / 128.0);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let at = [(state >> 33) % 257, (state >> 41) % 257].map(|n| n as f32 / 128.0);
             match frame {
                 0 => crowd
                     .member_mut(member)
@@ -191,11 +193,11 @@ fn steering_never_jumps(builder: &CrowdBuilder) {
                 _ => {}
             }
             crowd.update(STEP_SECS).unwrap();
-            let now = turns(&mut crowd, member);
+            let now = rotations(&mut crowd, member);
             let step = step_rad(&before, &now);
             assert!(
                 step < own + wide,
-                "{slots} slots, frame {frame}: {step} rad, {} allowed",
+                "{slots} slots, frame {frame}: {step} rad per frame, {} allowed",
                 own + wide
             );
             before = now;
@@ -203,7 +205,7 @@ fn steering_never_jumps(builder: &CrowdBuilder) {
     }
 }
 
-fn an_offset_shifts_a_clip_in_the_cycle(builder: &CrowdBuilder) {
+fn offset_shifts_a_clip_within_the_cycle(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     let space = BlendSpace::line(&[(clips[1], 0.0), (clips[2], 1.0)]).unwrap();
     let space = crowd.add_blend_space(space.with_offset(clips[2], 0.75).unwrap()).unwrap();
@@ -218,8 +220,8 @@ fn an_offset_shifts_a_clip_in_the_cycle(builder: &CrowdBuilder) {
     assert!((playing[1].time_secs / 0.6 - 0.25).abs() < 1e-4, "{}", playing[1].time_secs);
 }
 
-/// A clip of no length weighs like any other, and the phase stands while it plays alone.
-fn a_clip_of_no_length_is_allowed(builder: &CrowdBuilder) {
+/// A clip of duration 0 is weighted like any other, and the phase stops while it plays alone.
+fn clip_of_duration_zero_is_allowed(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     let space = crowd
         .add_blend_space(BlendSpace::line(&[(clips[0], 0.0), (clips[1], 1.0)]).unwrap())
@@ -237,26 +239,26 @@ fn a_clip_of_no_length_is_allowed(builder: &CrowdBuilder) {
     assert_eq!(playing.iter().map(|p| p.weight).collect::<Vec<_>>(), [0.5, 0.5]);
     assert!(
         (playing[1].time_secs - 0.25).abs() < 1e-4,
-        "a quarter of the cycle, and a quarter more since"
+        "the phase is not 1/4 of a cycle at the start and 1/4 since then"
     );
 }
 
-on_every_way!(
-    clips_of_a_space_share_a_phase_wherever_it_is_steered,
-    a_space_stands_where_it_is_steered_to,
-    steering_never_jumps,
-    an_offset_shifts_a_clip_in_the_cycle,
-    a_clip_of_no_length_is_allowed,
+on_every_device!(
+    clips_of_a_space_share_one_phase_at_every_position,
+    space_takes_the_weights_of_its_position,
+    position_changes_never_jump,
+    offset_shifts_a_clip_within_the_cycle,
+    clip_of_duration_zero_is_allowed,
 );
 
 #[test]
-fn what_a_space_cannot_be_is_refused() {
+fn bad_blend_spaces_and_positions_are_refused() {
     let native = Crowd::builder().device(Device::native());
     let (mut crowd, clips, member, space) = on_grid(&native, 3);
     let is_bad = |result: Result<(), Error>| matches!(result, Err(Error::BadBlendSpace { .. }));
     assert!(
         is_bad(crowd.member_mut(member).and_then(|mut m| m.set_blend_parameter(0.0, 0.1))),
-        "plays none"
+        "the member plays a blend space"
     );
     assert!(
         crowd
@@ -285,7 +287,7 @@ fn what_a_space_cannot_be_is_refused() {
     crowd.member_mut(member).unwrap().play(clips[1], ClipPlayback::looping()).unwrap();
     assert!(
         is_bad(crowd.member_mut(member).and_then(|mut m| m.set_blend_parameter(0.0, 0.1))),
-        "plays it no longer"
+        "the member still plays the space"
     );
     let (mut other, other_clips, stranger, other_space) = on_grid(&native, 2);
     assert!(
@@ -294,7 +296,7 @@ fn what_a_space_cannot_be_is_refused() {
             0.0,
             BlendSpacePlayback::new()
         ))),
-        "two slots are too few"
+        "a blend space of three clips played in two slots"
     );
     assert!(
         crowd

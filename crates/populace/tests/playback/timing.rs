@@ -1,20 +1,20 @@
-//! When clips start and end, how fast they run, and what can be asked of them.
+//! Starts, ends, speeds and weights of clips, and the list of active clips.
 
 use populace::{
     ActiveClip, ClipId, ClipPlayback, Crowd, CrowdBuilder, Device, Error, MemberId, Placement,
 };
 
-use crate::on_every_way;
-use crate::rig::{JOINTS, Motion, crowd_of, one_member, turns};
+use crate::fixture::{JOINTS, Motion, crowd_of, one_member, rotations};
+use crate::on_every_device;
 
-/// "wave" turns the root by a radian in 1 s, "nod" by two in 0.5 s, "idle" by half a one back and
-/// forth in 2 s; "still" has no length.
+/// Clips that rotate the root: "wave" by 1 rad in 1 s, "nod" by 2 rad in 0.5 s, "idle" by 0.5 rad
+/// and back in 2 s. "still" has a duration of 0.
 fn motions() -> Vec<Motion> {
     let motion = |name, duration_secs, angles: &[f32]| {
         let still = ([1.0, 0.0, 0.0], vec![0.0]);
-        let mut turns = [(); JOINTS].map(|()| still.clone());
-        turns[0] = ([1.0, 0.0, 0.0], angles.to_vec());
-        Motion { name, duration_secs, turns }
+        let mut rotations = [(); JOINTS].map(|()| still.clone());
+        rotations[0] = ([1.0, 0.0, 0.0], angles.to_vec());
+        Motion { name, duration_secs, rotations }
     };
     vec![
         motion("wave", 1.0, &[0.0, 0.25, 0.5, 0.75, 1.0]),
@@ -24,9 +24,9 @@ fn motions() -> Vec<Motion> {
     ]
 }
 
-/// How far the root is turned.
-fn root(crowd: &mut Crowd, member: MemberId) -> f32 {
-    turns(crowd, member)[0].to_axis_angle().1
+/// Returns the rotation angle of the root in radians.
+fn root_angle(crowd: &mut Crowd, member: MemberId) -> f32 {
+    rotations(crowd, member)[0].to_axis_angle().1
 }
 
 #[track_caller]
@@ -40,7 +40,7 @@ fn playing(crowd: &Crowd, member: MemberId, clip: ClipId) -> ActiveClip {
     *all.iter().find(|p| p.clip == clip).unwrap_or_else(|| panic!("not among {all:?}"))
 }
 
-fn clips_queue_and_begin_on_their_tick(builder: &CrowdBuilder) {
+fn queued_clips_start_on_their_tick(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     let [wave, nod, idle] = [clips[0], clips[1], clips[2]];
     crowd.member_mut(member).unwrap().play(wave, ClipPlayback::once()).unwrap();
@@ -55,26 +55,26 @@ fn clips_queue_and_begin_on_their_tick(builder: &CrowdBuilder) {
         .unwrap()
         .queue(idle, ClipPlayback::looping().fade_in_secs(0.5))
         .unwrap();
-    assert_eq!(crowd.member(member).unwrap().active_clips().len(), 1, "what waits takes no slot");
+    assert_eq!(crowd.member(member).unwrap().active_clips().len(), 1, "a queued clip took a slot");
     for (step, wanted) in [
         (0.75, 0.75),
-        (0.5, 1.0), // the nod, begun a quarter of a second ago
+        (0.5, 1.0), // 0.25 s into the nod
         (0.25, 2.0),
-        (0.2, 2.0),          // holds its end
-        (0.3, 1.0 - 0.5),    // backwards at twice the pace from 1.75 s on
+        (0.2, 2.0),          // the nod holds its end
+        (0.3, 1.0 - 0.5),    // backwards at twice the speed since 1.75 s
         (0.25, 0.0),         // at its end, which is its start
         (0.25, 0.5 * 0.125), // half faded into the idle
         (0.25, 0.25),
     ] {
         crowd.update(step).unwrap();
-        assert_near(root(&mut crowd, member), wanted);
+        assert_near(root_angle(&mut crowd, member), wanted);
     }
     let all = crowd.member(member).unwrap().active_clips();
     assert_eq!((all.len(), all[0].clip, all[0].weight, all[0].ends_in_secs), (1, idle, 1.0, None));
 }
 
-/// A long frame passes several starts at once; the outcome is that of short ones.
-fn starts_do_not_depend_on_frames(builder: &CrowdBuilder) {
+/// A long frame passes several starts at once, with the same result as short frames.
+fn starts_do_not_depend_on_the_frame_length(builder: &CrowdBuilder) {
     let run = |steps: u16| {
         let (mut crowd, clips, member) = one_member(builder, &motions());
         crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
@@ -101,29 +101,29 @@ fn starts_do_not_depend_on_frames(builder: &CrowdBuilder) {
     };
     let once = run(1);
     assert_eq!(once.1, 3);
-    assert!(run(7) == once && run(28) == once, "bit for bit");
+    assert!(run(7) == once && run(28) == once, "palettes differ");
 }
 
-fn a_loop_is_followed_at_the_end_of_its_cycle(builder: &CrowdBuilder) {
+fn queued_clip_follows_a_loop_at_the_end_of_its_cycle(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping().phase(0.4)).unwrap();
     crowd.update(1.0).unwrap(); // 0.4 into the second cycle
     crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once()).unwrap();
     crowd.update(0.59).unwrap();
-    assert_near(root(&mut crowd, member), 0.99);
+    assert_near(root_angle(&mut crowd, member), 0.99);
     crowd.update(0.26).unwrap();
-    assert_near(root(&mut crowd, member), 1.0);
-    // A held clip and one of no length have no end to wait for.
+    assert_near(root_angle(&mut crowd, member), 1.0);
+    // Held clips and clips of duration 0 have no end, so the queued clip starts at once.
     for play in [ClipPlayback::held_at_secs(0.5), ClipPlayback::once()] {
         let clip = if play == ClipPlayback::once() { clips[3] } else { clips[0] };
         crowd.member_mut(member).unwrap().play(clip, play).unwrap();
         crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once()).unwrap();
         crowd.update(0.25).unwrap();
-        assert_near(root(&mut crowd, member), 1.0);
+        assert_near(root_angle(&mut crowd, member), 1.0);
     }
 }
 
-fn what_is_started_later_starts_on_its_tick_and_can_be_taken_back(builder: &CrowdBuilder) {
+fn delayed_start_begins_on_its_tick_and_can_be_cancelled(builder: &CrowdBuilder) {
     let (mut crowd, id, clips) = crowd_of(builder, &motions());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::held_at_secs(0.25)).unwrap();
@@ -134,9 +134,9 @@ fn what_is_started_later_starts_on_its_tick_and_can_be_taken_back(builder: &Crow
         .unwrap();
     crowd.member_mut(later.member()).unwrap().set_weight(later, 0.75, 0.0).unwrap();
     crowd.update(0.29).unwrap();
-    assert_near(root(&mut crowd, member), 0.25);
+    assert_near(root_angle(&mut crowd, member), 0.25);
     crowd.update(0.135).unwrap();
-    assert_near(root(&mut crowd, member), 0.5);
+    assert_near(root_angle(&mut crowd, member), 0.5);
     assert_near(playing(&crowd, member, clips[1]).weight, 0.75);
     let later = crowd
         .member_mut(member)
@@ -145,7 +145,7 @@ fn what_is_started_later_starts_on_its_tick_and_can_be_taken_back(builder: &Crow
         .unwrap();
     crowd.member_mut(member).unwrap().stop(0, 0.0).unwrap();
     crowd.update(0.5).unwrap();
-    assert_near(root(&mut crowd, member), 0.0);
+    assert_near(root_angle(&mut crowd, member), 0.0);
     assert_eq!(
         crowd.member_mut(later.member()).and_then(|mut m| m.set_weight(later, 1.0, 0.0)),
         Err(Error::StalePlayback)
@@ -161,7 +161,7 @@ fn what_is_started_later_starts_on_its_tick_and_can_be_taken_back(builder: &Crow
     assert_eq!(
         crowd.member(newcomer).unwrap().active_clips(),
         [],
-        "what waited for another member is forgotten"
+        "a start of the despawned member reached the new one"
     );
     assert_eq!(
         crowd.member_mut(later.member()).and_then(|mut m| m.set_weight(later, 1.0, 0.0)),
@@ -169,40 +169,43 @@ fn what_is_started_later_starts_on_its_tick_and_can_be_taken_back(builder: &Crow
     );
 }
 
-fn speeds_change_without_a_jump_and_the_queue_follows(builder: &CrowdBuilder) {
+fn speed_changes_do_not_jump_and_move_the_queue(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     let wave = crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
     crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once()).unwrap();
     let mut at = |speed: Option<f32>, secs: f32, wanted: f32| {
         if let Some(speed) = speed {
-            let before = root(&mut crowd, member);
+            let before = root_angle(&mut crowd, member);
             crowd.member_mut(wave.member()).unwrap().set_speed(wave, speed).unwrap();
             crowd.update(0.0).unwrap();
-            assert!((root(&mut crowd, member) - before).abs() < 1e-5, "speed {speed} jumps");
+            assert!(
+                (root_angle(&mut crowd, member) - before).abs() < 1e-5,
+                "setting the speed to {speed} moved the root"
+            );
         }
         crowd.update(secs).unwrap();
-        assert_near(root(&mut crowd, member), wanted);
+        assert_near(root_angle(&mut crowd, member), wanted);
     };
     at(None, 0.4, 0.4);
     at(Some(0.5), 0.4, 0.6);
     at(Some(0.0), 5.0, 0.6);
     at(Some(-1.0), 0.5, 0.1);
     at(Some(2.0), 0.44, 0.98);
-    at(None, 0.26, 1.0); // The nod began when the wave ended at last.
+    at(None, 0.26, 1.0); // The nod started when the wave ended.
     at(None, 0.25, 2.0);
     let idle = crowd.member_mut(member).unwrap().play(clips[2], ClipPlayback::looping()).unwrap();
     crowd.update(0.5).unwrap();
     crowd.member_mut(idle.member()).unwrap().set_speed(idle, -1.0).unwrap();
     crowd.update(0.0).unwrap();
-    assert_near(root(&mut crowd, member), 0.25);
-    crowd.update(1.0).unwrap(); // back past the start, to its end
-    assert_near(root(&mut crowd, member), 0.25);
+    assert_near(root_angle(&mut crowd, member), 0.25);
+    crowd.update(1.0).unwrap(); // backwards past the start to the end
+    assert_near(root_angle(&mut crowd, member), 0.25);
     let found = playing(&crowd, member, clips[2]);
     assert_near(found.time_secs, 1.5);
     assert_near(found.speed, -1.0);
 }
 
-fn weights_run_and_end(builder: &CrowdBuilder) {
+fn weights_fade_and_end_clips(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::held_at_secs(0.0)).unwrap();
     let other = crowd
@@ -211,15 +214,15 @@ fn weights_run_and_end(builder: &CrowdBuilder) {
         .blend(clips[0], ClipPlayback::held_at_secs(1.0).weight(1.0).fade_in_secs(1.0))
         .unwrap();
     crowd.update(0.5).unwrap();
-    assert_near(root(&mut crowd, member), 0.330); // a third, by chord
+    assert_near(root_angle(&mut crowd, member), 0.330); // 1/3, by quaternion nlerp
     crowd.member_mut(other.member()).unwrap().set_weight(other, 0.25, 0.5).unwrap();
     crowd.update(0.25).unwrap();
     assert_near(playing(&crowd, member, clips[0]).weight, 1.0);
     crowd.member_mut(other.member()).unwrap().set_weight(other, 0.0, 0.2).unwrap();
     crowd.update(0.3).unwrap();
-    assert_near(root(&mut crowd, member), 0.0);
-    assert_eq!(crowd.member(member).unwrap().active_clips().len(), 1, "it has ended");
-    // Handles go stale when the slot is another's.
+    assert_near(root_angle(&mut crowd, member), 0.0);
+    assert_eq!(crowd.member(member).unwrap().active_clips().len(), 1, "the clip has not ended");
+    // A handle goes stale once another clip takes the slot.
     for _ in 0..4 {
         crowd.member_mut(member).unwrap().blend(clips[1], ClipPlayback::looping()).unwrap();
     }
@@ -233,18 +236,18 @@ fn weights_run_and_end(builder: &CrowdBuilder) {
     );
 }
 
-on_every_way!(
-    clips_queue_and_begin_on_their_tick,
-    starts_do_not_depend_on_frames,
-    a_loop_is_followed_at_the_end_of_its_cycle,
-    what_is_started_later_starts_on_its_tick_and_can_be_taken_back,
-    speeds_change_without_a_jump_and_the_queue_follows,
-    weights_run_and_end,
-    a_fade_of_no_time_to_speak_of_is_over_in_a_tick,
+on_every_device!(
+    queued_clips_start_on_their_tick,
+    starts_do_not_depend_on_the_frame_length,
+    queued_clip_follows_a_loop_at_the_end_of_its_cycle,
+    delayed_start_begins_on_its_tick_and_can_be_cancelled,
+    speed_changes_do_not_jump_and_move_the_queue,
+    weights_fade_and_end_clips,
+    fade_shorter_than_a_tick_ends_within_one_tick,
 );
 
 #[test]
-fn what_plays_is_told() {
+fn active_clips_have_times_weights_and_layers() {
     let (mut crowd, clips, member) =
         one_member(&Crowd::builder().device(Device::native()), &motions());
     assert_eq!(crowd.member(member).unwrap().active_clips(), []);
@@ -267,7 +270,7 @@ fn what_plays_is_told() {
     assert_eq!(crowd.member(member).unwrap().active_clips()[0].ends_in_secs, Some(0.0));
 }
 
-fn a_fade_of_no_time_to_speak_of_is_over_in_a_tick(builder: &CrowdBuilder) {
+fn fade_shorter_than_a_tick_ends_within_one_tick(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::held_at_secs(0.5)).unwrap();
     for (secs, from, to) in [(f32::from_bits(1), 0.5, 1.0), (1e-20, 1.0, 0.5), (1e-7, 0.5, 1.0)] {
@@ -277,14 +280,14 @@ fn a_fade_of_no_time_to_speak_of_is_over_in_a_tick(builder: &CrowdBuilder) {
             .play(clips[0], ClipPlayback::held_at_secs(to).fade_in_secs(secs))
             .unwrap();
         crowd.update(0.0).unwrap();
-        assert_near(root(&mut crowd, member), from);
+        assert_near(root_angle(&mut crowd, member), from);
         crowd.update(0.001).unwrap();
-        assert_near(root(&mut crowd, member), to);
+        assert_near(root_angle(&mut crowd, member), to);
     }
 }
 
 #[test]
-fn bad_values_are_refused_and_change_nothing() {
+fn bad_playback_values_are_refused_and_change_nothing() {
     let (mut crowd, clips, member) =
         one_member(&Crowd::builder().device(Device::native()), &motions());
     let wave = crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
@@ -334,8 +337,15 @@ fn bad_values_are_refused_and_change_nothing() {
             .is_err()
     );
     crowd.update(0.5).unwrap();
-    assert_near(root(&mut crowd, member), 0.5);
-    // The longest delays and fades and the slowest speeds are only long and slow.
+    assert_near(root_angle(&mut crowd, member), 0.5);
+}
+
+#[test]
+fn extreme_delays_fades_and_speeds_are_valid() {
+    let (mut crowd, clips, member) =
+        one_member(&Crowd::builder().device(Device::native()), &motions());
+    let wave = crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
+    crowd.update(0.5).unwrap();
     for _ in 0..9 {
         crowd
             .member_mut(member)
@@ -353,5 +363,5 @@ fn bad_values_are_refused_and_change_nothing() {
     crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once().speed(0.0)).unwrap();
     crowd.member_mut(member).unwrap().queue(clips[1], ClipPlayback::once()).unwrap();
     crowd.update(1e3).unwrap();
-    assert_near(root(&mut crowd, member), 0.5);
+    assert_near(root_angle(&mut crowd, member), 0.5);
 }

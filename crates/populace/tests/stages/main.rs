@@ -1,8 +1,8 @@
-//! Users' stages, on every device and schedule.
+//! User stages, on every device and schedule.
 
-#![expect(clippy::expect_used, reason = "a test that cannot go on fails")]
+#![expect(clippy::expect_used, reason = "a failed call fails the test")]
 
+mod fixture;
+mod invalid_output;
 mod poses;
 mod refusals;
-mod rig;
-mod strays;

@@ -1,23 +1,18 @@
-//! Stages that cannot be, and crowds that go on without them.
+//! Stages that are refused, and crowds that are unchanged by the refusal.
 
 use populace::{After, BackendError, Device, Error, Schedule, StageUse, UserStage};
 
-use crate::rig::{Swaying, at, everywhere, stage};
+use crate::fixture::{Scene, at, everywhere, stage};
 
 #[cfg_attr(any(not(feature = "opencl"), skip_opencl), ignore = "there is no OpenCL")]
 #[test]
-fn a_text_that_does_not_compile_names_the_users_line() {
+fn compile_error_names_the_line_of_the_users_text() {
     for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
-        let mut staged = Swaying::on(Device::opencl(0), schedule);
+        let mut staged = Scene::on(Device::opencl(0), schedule);
         let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
         let given = [0.0, 0.6, 0.0, 0.8, 1.0];
         staged.crowd.set_stage_parameters(bend, &given).expect("parameters");
-        staged
-            .crowd
-            .member_mut(staged.members[2])
-            .expect("a use")
-            .set_stage(bend, StageUse::on([at(4)]))
-            .expect("a use");
+        staged.edit(staged.members[2]).set_stage(bend, StageUse::on([at(4)])).expect("a stage use");
         staged.update(0.1);
         let before = staged.bits();
         let broken = "void gust(StageJoint *joint)\n{\n    joint->row0.x += strength;\n}\n";
@@ -30,24 +25,21 @@ fn a_text_that_does_not_compile_names_the_users_line() {
         ];
         for (text, words) in [broken, missing, clash].into_iter().zip(names) {
             let gust = UserStage::new("gust").opencl_c(text).rust(|_| ());
-            let error =
-                staged.crowd.add_stage(After::Transform, gust).expect_err("it does not compile");
+            let error = staged
+                .crowd
+                .add_stage(After::Transform, gust)
+                .expect_err("a text that does not compile");
             assert!(matches!(error, Error::Backend(BackendError::BadStages { .. })), "{error}");
             assert!(error.to_string().contains(words), "{schedule}: {error}");
         }
-        // As it was, and open to a better text under the same name.
+        // Nothing changed, and a valid text under the same name is accepted.
         staged.update(0.0);
         assert_eq!(staged.bits(), before, "{schedule}");
         let good =
             "#define member 3\nvoid gust(StageJoint *joint)\n{\n    joint->row1.w += 1.0f;\n}\n";
         let gust = UserStage::new("gust").opencl_c(good);
         let gust = staged.crowd.add_stage(After::Transform, gust).expect("a stage");
-        staged
-            .crowd
-            .member_mut(staged.members[0])
-            .expect("a use")
-            .set_stage(gust, StageUse::on([at(0)]))
-            .expect("a use");
+        staged.edit(staged.members[0]).set_stage(gust, StageUse::on([at(0)])).expect("a stage use");
         staged.update(0.0);
         let after = staged.bits();
         assert!(after[0] != before[0] && after[1..] == before[1..], "{schedule}");
@@ -56,7 +48,7 @@ fn a_text_that_does_not_compile_names_the_users_line() {
 
 #[cfg_attr(any(not(feature = "opencl"), skip_opencl), ignore = "there is no OpenCL")]
 #[test]
-fn a_device_without_its_form_refuses_by_name() {
+fn device_without_a_stages_form_names_the_stage() {
     let text_only = || {
         UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }")
     };
@@ -68,23 +60,18 @@ fn a_device_without_its_form_refuses_by_name() {
         assert!(said.contains(words) && said.contains("\"gust\""), "{said}");
     };
     let (in_rust, in_c) = ("the native device cannot run", "a text in OpenCL C");
-    let mut native = Swaying::on(Device::native(), Schedule::Fused);
+    let mut native = Scene::on(Device::native(), Schedule::Fused);
     refused(native.crowd.add_stage(After::Pose, text_only()).expect_err("no Rust"), in_rust);
-    let mut opencl = Swaying::on(Device::opencl(0), Schedule::Fused);
+    let mut opencl = Scene::on(Device::opencl(0), Schedule::Fused);
     refused(opencl.crowd.add_stage(After::Pose, rust_only()).expect_err("no text"), in_c);
-    let mut split = Swaying::on(both, Schedule::Fused);
+    let mut split = Scene::on(both, Schedule::Fused);
     refused(split.crowd.add_stage(After::Pose, text_only()).expect_err("no Rust"), in_rust);
     refused(split.crowd.add_stage(After::Pose, rust_only()).expect_err("no text"), in_c);
     split.update(0.1);
 
-    // A crowd stays where its stages run, and takes them along where they do.
+    // A crowd moves only to devices that can run its stages, and takes the stages along.
     let gust = native.crowd.add_stage(After::Transform, rust_only()).expect("a stage");
-    native
-        .crowd
-        .member_mut(native.members[3])
-        .expect("a use")
-        .set_stage(gust, StageUse::on([at(0)]))
-        .expect("a use");
+    native.edit(native.members[3]).set_stage(gust, StageUse::on([at(0)])).expect("a stage use");
     native.update(0.1);
     let before = native.bits();
     refused(native.crowd.move_to(Device::opencl(0)).expect_err("no text"), in_c);
@@ -95,29 +82,19 @@ fn a_device_without_its_form_refuses_by_name() {
         UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }");
     let whole = whole.rust(|joint| joint.model.rows[1][3] += 1.0);
     let gust = native.crowd.add_stage(After::Transform, whole).expect("a stage");
-    native
-        .crowd
-        .member_mut(native.members[3])
-        .expect("a use")
-        .set_stage(gust, StageUse::on([at(0)]))
-        .expect("a use");
+    native.edit(native.members[3]).set_stage(gust, StageUse::on([at(0)])).expect("a stage use");
     native.crowd.move_to(both).expect("both forms");
     native.update(0.0);
     assert_eq!(native.bits(), before);
 }
 
 #[test]
-fn bad_values_are_refused_and_change_nothing() {
+fn bad_stage_values_are_refused_and_change_nothing() {
     for (devices, schedule) in everywhere() {
-        let mut staged = Swaying::on(devices, schedule);
+        let mut staged = Scene::on(devices, schedule);
         let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
         let member = staged.members[0];
-        staged
-            .crowd
-            .member_mut(member)
-            .expect("a use")
-            .set_stage(bend, StageUse::on([at(1)]))
-            .expect("a use");
+        staged.edit(member).set_stage(bend, StageUse::on([at(1)])).expect("a stage use");
         staged.update(0.1);
         let before = staged.bits();
         let nan = StageUse::on([at(1)]).with_values([0.0, f32::NAN, 0.0, 0.0]);
@@ -134,7 +111,10 @@ fn bad_values_are_refused_and_change_nothing() {
             assert!(matches!(error, Err(Error::Tables(_))), "{error:?}");
         }
         let other = stage().opencl_c("void act(StageJoint *joint) { }");
-        assert!(staged.crowd.add_stage(After::Pose, other).is_err(), "two texts define it");
+        assert!(
+            staged.crowd.add_stage(After::Pose, other).is_err(),
+            "two texts may define one function"
+        );
         assert!(staged.crowd.add_stage(After::Pose, UserStage::new("formless")).is_err());
         staged.update(0.0);
         assert_eq!(staged.bits(), before);
@@ -142,21 +122,16 @@ fn bad_values_are_refused_and_change_nothing() {
 }
 
 #[test]
-fn there_is_room_for_eight() {
-    let mut staged = Swaying::on(Device::native(), Schedule::Fused);
+fn at_most_eight_stages_can_be_added() {
+    let mut staged = Scene::on(Device::native(), Schedule::Fused);
     let lift = || UserStage::new("lift").rust(|joint| joint.model.rows[1][3] += 1.0);
     staged.update(0.0);
     let before = staged.models(0)[0].rows[1][3];
     for _ in 0..8 {
-        let id = staged.crowd.add_stage(After::Transform, lift()).expect("room");
-        staged
-            .crowd
-            .member_mut(staged.members[0])
-            .expect("a use")
-            .set_stage(id, StageUse::on([at(0)]))
-            .expect("a use");
+        let id = staged.crowd.add_stage(After::Transform, lift()).expect("enough capacity");
+        staged.edit(staged.members[0]).set_stage(id, StageUse::on([at(0)])).expect("a stage use");
     }
-    assert!(staged.crowd.add_stage(After::Transform, lift()).is_err(), "a ninth");
+    assert!(staged.crowd.add_stage(After::Transform, lift()).is_err(), "a ninth stage was added");
     staged.update(0.0);
     assert!((staged.models(0)[0].rows[1][3] - before - 8.0).abs() < 1e-5);
 }

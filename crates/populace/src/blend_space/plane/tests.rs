@@ -6,7 +6,7 @@ fn random(rng: &mut Rng) -> f32 {
     single(rng.between(0.0, 1.0))
 }
 
-/// Scattered points, grids, circles, lines and heaps of them.
+/// Sample layouts: random points, grids, a circle, lines and a locomotion set.
 fn layouts() -> Vec<Vec<[f32; 2]>> {
     let mut rng = Rng::new(5);
     let mut all: Vec<Vec<[f32; 2]>> = (1..=24)
@@ -20,10 +20,10 @@ fn layouts() -> Vec<Vec<[f32; 2]>> {
         [single(angle.cos()), single(angle.sin())]
     });
     all.push(on_circle.chain([[0.0, 0.0]]).collect());
-    // On a slanted line, and on it but for one.
+    // On a slanted line, and the same with one point beside it.
     let line: Vec<[f32; 2]> = (0..5_u8).map(|i| [f32::from(i), 2.0 - 0.5 * f32::from(i)]).collect();
     all.extend([line.clone(), line.iter().copied().chain([[1.0, 5.0]]).collect()]);
-    // A locomotion set: idle, walks and runs, turns to both sides.
+    // A locomotion set: idle, walk and run, with turns to both sides.
     all.push(vec![
         [0.0, 0.0],
         [0.0, 1.0],
@@ -45,24 +45,29 @@ fn weight(weights: &Weights, sample: usize) -> f32 {
 }
 
 #[test]
-fn at_a_sample_it_alone_weighs() {
+fn weight_is_one_at_a_sample() {
     for points in layouts() {
         let plane = Plane::new(&points);
         for (sample, at) in points.iter().enumerate() {
             let found = weight(&plane.weights(at.map(f64::from)), sample);
-            assert!((found - 1.0).abs() < 1e-5, "{found} at sample {sample} of {points:?}");
+            assert!(
+                (found - 1.0).abs() < 1e-5,
+                "the weight is {found} at sample {sample} of {points:?}"
+            );
         }
     }
 }
 
+/// Returns the largest change of a weight between two positions.
 fn jump(plane: &Plane, from: Point, to: Point) -> f32 {
     let (before, after) = (plane.weights(from), plane.weights(to));
     let samples = 0..plane.points.len();
     samples.map(|s| (weight(&after, s) - weight(&before, s)).abs()).fold(0.0, f32::max)
 }
 
-/// Halves the way towards where weights change most; a jump would stay.
-fn jump_that_stays(plane: &Plane, mut from: Point, mut to: Point) -> f32 {
+/// Bisects towards the largest change of weights and returns what remains. Only a discontinuity
+/// does.
+fn remaining_jump(plane: &Plane, mut from: Point, mut to: Point) -> f32 {
     for _ in 0..26 {
         let middle = [0, 1].map(|i| 0.5 * (from[i] + to[i]));
         if jump(plane, from, middle) > jump(plane, middle, to) {
@@ -81,7 +86,7 @@ fn weights_sum_to_one_and_are_continuous() {
         let plane = Plane::new(&points);
         let (from, to) =
             ([random(&mut rng), random(&mut rng)], [random(&mut rng), random(&mut rng)]);
-        // Straight through all samples and out on the other side.
+        // A line through all samples and beyond them.
         let at = |step: i32| {
             let t = f64::from(step) / 500.0;
             [0, 1].map(|i| (f64::from(from[i]) * (1.0 - t) + f64::from(to[i]) * t) * 12.0 - 4.0)
@@ -93,10 +98,10 @@ fn weights_sum_to_one_and_are_continuous() {
                 (total - 1.0).abs() < 1e-5 && weights.iter().all(|(_, w)| *w >= 0.0),
                 "{weights:?}"
             );
-            let jump = jump_that_stays(&plane, at(step), at(step + 1));
+            let jump = remaining_jump(&plane, at(step), at(step + 1));
             assert!(
                 jump < 1e-3,
-                "{jump} between {:?} and {:?} of {points:?}",
+                "a jump of {jump} between {:?} and {:?} of {points:?}",
                 at(step),
                 at(step + 1)
             );
@@ -105,12 +110,12 @@ fn weights_sum_to_one_and_are_continuous() {
 }
 
 #[test]
-fn inside_weights_give_the_point_back() {
+fn weighted_mean_of_samples_is_the_point_inside() {
     let mut rng = Rng::new(77);
     for points in layouts().into_iter().filter(|points| points.len() >= 3) {
         let plane = Plane::new(&points);
         for _ in 0..50 {
-            // A random mean of samples lies inside.
+            // A random mean of the samples lies inside their hull.
             let parts: Vec<f64> =
                 points.iter().map(|_| f64::from(random(&mut rng)).powi(3)).collect();
             let total: f64 = parts.iter().sum();
@@ -125,19 +130,22 @@ fn inside_weights_give_the_point_back() {
                     .iter()
                     .map(|(sample, w)| f64::from(points[*sample][axis]) * f64::from(*w))
                     .sum();
-                assert!((found - wanted).abs() < 1e-4, "{found} is not {wanted} in {points:?}");
+                assert!((found - wanted).abs() < 1e-4, "{found} instead of {wanted} in {points:?}");
             }
         }
     }
 }
 
 #[test]
-fn no_sample_lies_within_a_triangles_circle() {
+fn triangulation_is_delaunay() {
     for points in layouts() {
         let plane = Plane::new(&points);
         for corners in &plane.triangles {
             let circle = corners.map(|corner| plane.points[corner]);
-            assert!(area(circle[0], circle[1], circle[2]) > 0.0, "counter-clockwise");
+            assert!(
+                area(circle[0], circle[1], circle[2]) > 0.0,
+                "a triangle is not counter-clockwise"
+            );
             let inside =
                 plane.points.iter().filter(|point| in_circle(circle, **point) > 1e-7).count();
             assert_eq!(inside, 0, "{corners:?} of {points:?}");
@@ -146,7 +154,7 @@ fn no_sample_lies_within_a_triangles_circle() {
 }
 
 #[test]
-fn outside_the_nearest_point_counts() {
+fn points_outside_take_the_nearest_point_of_the_hull() {
     let plane = Plane::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [2.0, 2.0]]);
     let weights = plane.weights([1.0, -5.0]);
     assert_eq!((weight(&weights, 0), weight(&weights, 1)), (0.5, 0.5));

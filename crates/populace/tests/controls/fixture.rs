@@ -1,5 +1,4 @@
-//! A body of 1.8 m, with joints turned and scaled as files have them, and the crowds that it stands
-//! in.
+//! A humanoid of 1.8 m with rotated joint axes, its clips, and crowds of it.
 
 use std::sync::Arc;
 
@@ -7,9 +6,9 @@ use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
 use populace::model::math::{quat, vec3};
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
-use populace::{Affine, Crowd, Device, JointIndex, MemberId, Placement, Schedule, Trs};
+use populace::{Affine, Crowd, Device, JointIndex, MemberId, MemberMut, Placement, Schedule, Trs};
 
-/// Joints: name, parent, and place in model space.
+/// Joints: name, parent, and rest position in model space, in metres.
 const JOINTS: &[(&str, Option<usize>, [f32; 3])] = &[
     ("root", None, [0.0, 0.0, 0.0]),
     ("hips", Some(0), [0.0, 0.98, 0.0]),
@@ -32,7 +31,8 @@ const JOINTS: &[(&str, Option<usize>, [f32; 3])] = &[
     ("rightFoot", Some(17), [-0.11, 0.08, -0.02]),
 ];
 
-/// A turn of its own for each joint's axes, so that no test passes by them standing upright.
+/// Returns the rest rotation of a joint in model space. Each joint has different axes, so that no
+/// test passes only because axes are upright.
 pub(crate) fn axes(joint: usize) -> [f32; 4] {
     let x = joint as f32;
     let v = [(x * 1.7).sin(), (x * 2.3).cos(), (x * 0.9).sin(), 0.4 + (x * 1.1).cos()];
@@ -40,8 +40,8 @@ pub(crate) fn axes(joint: usize) -> [f32; 4] {
     if joint == 0 { quat::identity() } else { v.map(|c| c / length) }
 }
 
-/// Where a joint of the source list rests in model space.
-pub(crate) fn rest_place(joint: usize) -> [f32; 3] {
+/// Returns the rest position of a joint, by its index in [`JOINTS`], in model space.
+pub(crate) fn rest_position(joint: usize) -> [f32; 3] {
     JOINTS[joint].2
 }
 
@@ -49,33 +49,33 @@ pub(crate) fn skeleton() -> Skeleton {
     let joints: Vec<_> = JOINTS
         .iter()
         .enumerate()
-        .map(|(index, &(name, parent, place))| {
-            let (back, from) = match parent {
+        .map(|(index, &(name, parent, position))| {
+            let (parent_from_model, from) = match parent {
                 Some(parent) => (quat::conjugate(axes(parent)), JOINTS[parent].2),
                 None => (quat::identity(), [0.0; 3]),
             };
             let rest = Trs {
-                translation: vec3::turned(back, vec3::sub(place, from)),
-                rotation: quat::mul(back, axes(index)),
+                translation: vec3::turned(parent_from_model, vec3::sub(position, from)),
+                rotation: quat::mul(parent_from_model, axes(index)),
                 scale: [1.0; 3],
             };
             JointSource { name: name.into(), parent, rest }
         })
         .collect();
-    Skeleton::new(&joints).expect("joints that are right")
+    Skeleton::new(&joints).expect("valid joints")
 }
 
-/// The joint of a name.
+/// Finds a joint by its name.
 pub(crate) fn joint(name: &str) -> JointIndex {
     skeleton().find(name).expect("a joint of that name")
 }
 
-/// A clip that turns some joints to and fro about an axis of model space: name, axis, radians, part
-/// of a cycle.
+/// A clip that swings joints back and forth. Each entry of `turns` gives the joint's name, the axis
+/// in model space, the amplitude in radians and the phase in cycles.
 pub(crate) fn swing(name: &str, secs: f32, turns: &[(&str, [f32; 3], f32, f32)]) -> ClipSource {
     const KEYS: usize = 33;
     let skeleton = skeleton();
-    let track = |&(name, axis, most, begin): &(&str, [f32; 3], f32, f32)| {
+    let track = |&(name, axis, amplitude, phase): &(&str, [f32; 3], f32, f32)| {
         let joint = skeleton.find(name).expect("a joint of that name");
         let rest = skeleton.rest(joint).rotation;
         let parent = skeleton
@@ -84,8 +84,8 @@ pub(crate) fn swing(name: &str, secs: f32, turns: &[(&str, [f32; 3], f32, f32)])
         let axis = vec3::turned(quat::conjugate(parent), axis);
         let times = (0..KEYS).map(|key| key as f32 / (KEYS - 1) as f32 * secs);
         let value = |key: usize| {
-            let part = key as f32 / (KEYS - 1) as f32 + begin;
-            let half = 0.5 * most * (part * std::f32::consts::TAU).sin();
+            let cycle = key as f32 / (KEYS - 1) as f32 + phase;
+            let half = 0.5 * amplitude * (cycle * std::f32::consts::TAU).sin();
             let [x, y, z] = axis.map(|c| c * half.sin());
             quat::mul([x, y, z, half.cos()], rest)
         };
@@ -100,14 +100,14 @@ pub(crate) fn swing(name: &str, secs: f32, turns: &[(&str, [f32; 3], f32, f32)])
     ClipSource { name: name.into(), tracks: turns.iter().map(track).collect() }
 }
 
-/// The body with its clips.
+/// The humanoid with its clips.
 pub(crate) fn character() -> Character {
     let skeleton = skeleton();
     let side = [0.0, 0.0, 1.0];
     let across = [1.0, 0.0, 0.0];
     let up = [0.0, 1.0, 0.0];
     let sources = [
-        // Arms hang, head and back sway: what constraints work on.
+        // Hanging arms and a swaying head and back, as input of the constraints.
         swing(
             "sway",
             2.0,
@@ -151,26 +151,29 @@ pub(crate) fn character() -> Character {
     .expect("a good character")
 }
 
-/// A crowd of that body on one device.
-pub(crate) struct Stage {
+/// A crowd with the humanoid on one device.
+pub(crate) struct Scene {
     pub(crate) crowd: Crowd,
     pub(crate) body: populace::CharacterId,
 }
 
-impl Stage {
+impl Scene {
     pub(crate) fn member(&mut self, placement: Placement) -> MemberId {
-        self.crowd.spawn(self.body, placement).expect("room")
+        self.crowd.spawn(self.body, placement).expect("enough capacity")
     }
 
+    /// Returns mutable access to a member.
+    pub(crate) fn edit(&mut self, member: MemberId) -> MemberMut<'_> {
+        self.crowd.member_mut(member).expect("a member")
+    }
+
+    /// Returns the model-space transforms of all joints.
     pub(crate) fn models(&mut self, member: MemberId) -> Vec<Affine> {
-        self.crowd
-            .member_mut(member)
-            .expect("joints that can be read")
-            .model_from_joints()
-            .expect("joints that can be read")
+        self.edit(member).model_from_joints().expect("joints that can be read")
     }
 
-    pub(crate) fn place(&mut self, member: MemberId, name: &str) -> [f32; 3] {
+    /// Returns the position of a joint in model space.
+    pub(crate) fn position(&mut self, member: MemberId, name: &str) -> [f32; 3] {
         self.models(member)[joint(name).index()].origin()
     }
 
@@ -184,33 +187,34 @@ impl Stage {
 }
 
 /// Runs a check on every device and schedule.
-pub(crate) fn everywhere(check: impl Fn(&mut Stage)) {
+pub(crate) fn everywhere(check: impl Fn(&mut Scene)) {
     for schedule in [Schedule::Staged, Schedule::Fused] {
-        check(&mut stage(Device::native(), schedule));
+        check(&mut scene(Device::native(), schedule));
     }
     #[cfg(all(feature = "opencl", not(skip_opencl)))]
     for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
-        check(&mut stage(Device::opencl(0), schedule));
+        check(&mut scene(Device::opencl(0), schedule));
     }
 }
 
-pub(crate) fn stage(device: Device, schedule: Schedule) -> Stage {
+pub(crate) fn scene(device: Device, schedule: Schedule) -> Scene {
     let mut crowd =
         Crowd::builder().device(device).schedule(schedule).capacity(640).build().expect("a crowd");
-    let body = crowd.add_character(character()).expect("room");
-    Stage { crowd, body }
+    let body = crowd.add_character(character()).expect("enough capacity");
+    Scene { crowd, body }
 }
 
 pub(crate) fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
     vec3::length(vec3::sub(a, b))
 }
 
-/// The angle in degrees between two transforms' axes.
+/// Returns the angle in degrees between the axes of two transforms.
 pub(crate) fn turn_deg(a: &Affine, b: &Affine) -> f32 {
     let column =
         |m: &Affine, c: usize| vec3::unit_or([m.rows[0][c], m.rows[1][c], m.rows[2][c]], [0.0; 3]);
     let trace: f32 = (0..3).map(|c| vec3::dot(column(a, c), column(b, c))).sum();
-    // For small angles the arc's cosine is too coarse: the length of the difference tells it.
+    // The arc cosine is too coarse for small angles, so those come from the length of the
+    // difference.
     let apart: f32 = (0..3)
         .map(|c| {
             vec3::dot(vec3::sub(column(a, c), column(b, c)), vec3::sub(column(a, c), column(b, c)))

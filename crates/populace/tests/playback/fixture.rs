@@ -1,4 +1,4 @@
-//! A small body, its clips, and what to measure on it.
+//! An arm of four joints, its clips, and measurements of its poses.
 
 use std::sync::Arc;
 
@@ -10,30 +10,29 @@ use populace::model::{
 };
 use populace::{Affine, CharacterId, ClipId, Crowd, CrowdBuilder, MemberId, Placement, Trs};
 
-/// Joints of the arm: "joint 0" is the root, each hangs on the one before it.
+/// Joints of the arm. "joint 0" is the root; each other joint is the child of the one before it.
 pub(crate) const JOINTS: usize = 4;
 
-/// Rotations of each joint over time: a turn of so many radians about an axis of its own, at each
-/// key.
+/// A clip that rotates each joint about its own axis.
 pub(crate) struct Motion {
     pub(crate) name: &'static str,
     pub(crate) duration_secs: f32,
-    /// Of each joint: the axis, and the angles at evenly spaced keys.
-    pub(crate) turns: [([f32; 3], Vec<f32>); JOINTS],
+    /// For each joint: the axis, and the angles in radians at evenly spaced keys.
+    pub(crate) rotations: [([f32; 3], Vec<f32>); JOINTS],
 }
 
-/// Four motions of all joints about axes of their own: `angle` gives radians of a joint, counted
-/// from 1, in the nth motion, counted from 0, at a phase in radians.
+/// Returns four clips that rotate all joints. `angle` takes the joint counted from 1, the clip
+/// counted from 0 and a phase in radians, and returns radians.
 pub(crate) fn moving(keys: u8, angle: impl Fn(f32, f32, f32) -> f32) -> Vec<Motion> {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [0.3, 0.0, 1.0], [1.0, 1.0, 0.0]];
     let motion = |nth: f32, name| {
         let mut joint = 0.0;
-        let turns = axes.map(|axis| {
+        let rotations = axes.map(|axis| {
             joint += 1.0;
             let phase = |key: u8| f32::from(key) / f32::from(keys) * std::f32::consts::TAU;
             (axis, (0..=keys).map(|key| angle(joint, nth, phase(key))).collect())
         });
-        Motion { name, duration_secs: 1.0 + nth * 0.5, turns }
+        Motion { name, duration_secs: 1.0 + nth * 0.5, rotations }
     };
     [(0.0, "a"), (1.0, "b"), (2.0, "c"), (3.0, "d")].map(|(nth, name)| motion(nth, name)).into()
 }
@@ -63,7 +62,7 @@ pub(crate) fn clip(motion: &Motion) -> Arc<Clip> {
             values: angles.iter().flat_map(rotation).collect(),
         }
     };
-    let tracks = motion.turns.iter().enumerate().map(track).collect();
+    let tracks = motion.rotations.iter().enumerate().map(track).collect();
     Arc::new(Clip::new(ClipSource { name: motion.name.into(), tracks }, &skeleton()).unwrap())
 }
 
@@ -83,7 +82,7 @@ pub(crate) fn character(motions: &[Motion]) -> Character {
     .unwrap()
 }
 
-/// A crowd with one character, its clips in order, and one member that plays nothing.
+/// Builds a crowd with the arm and one member that plays nothing. Also returns the clips in order.
 pub(crate) fn one_member(
     builder: &CrowdBuilder,
     motions: &[Motion],
@@ -93,6 +92,7 @@ pub(crate) fn one_member(
     (crowd, clips, member)
 }
 
+/// Builds a crowd with the arm. Also returns the character and its clips in order.
 pub(crate) fn crowd_of(
     builder: &CrowdBuilder,
     motions: &[Motion],
@@ -103,8 +103,8 @@ pub(crate) fn crowd_of(
     (crowd, id, clips)
 }
 
-/// The rotation of each joint in model space.
-pub(crate) fn turns(crowd: &mut Crowd, member: MemberId) -> Vec<Quat> {
+/// Returns the rotation of each joint in model space.
+pub(crate) fn rotations(crowd: &mut Crowd, member: MemberId) -> Vec<Quat> {
     let rotation = |m: Affine| {
         let [a, b, c] = m.rows;
         let columns = [0, 1, 2].map(|i| glam::Vec3::new(a[i], b[i], c[i]));
@@ -120,9 +120,9 @@ pub(crate) fn turns(crowd: &mut Crowd, member: MemberId) -> Vec<Quat> {
         .collect()
 }
 
-/// The largest angle between the rotations of a joint.
+/// Returns the largest angle in radians between the rotations of a joint in two poses.
 pub(crate) fn step_rad(before: &[Quat], after: &[Quat]) -> f32 {
-    // The arc cosine of a dot product would tell small angles badly.
+    // The arc cosine of a dot product is inaccurate for small angles.
     let angle = |(a, b): (&Quat, &Quat)| {
         let turn = a.inverse() * *b;
         2.0 * f64::from(turn.xyz().length()).atan2(f64::from(turn.w.abs()))

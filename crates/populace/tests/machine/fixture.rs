@@ -1,5 +1,4 @@
-//! A machine of six states, crowds that run it, and an interpreter that knows nothing of how
-//! devices do.
+//! A state machine of six states, crowds that run it, and an independent interpreter of it.
 
 use std::sync::Arc;
 
@@ -8,22 +7,23 @@ use populace::clip::TICKS_PER_SEC;
 use populace::model::{JointSource, Skeleton};
 use populace::{
     CharacterId, ClipId, ClipPlayback, Condition, Crowd, CrowdBuilder, Device, Devices, MachineId,
-    MachinePlayback, MemberId, Placement, Schedule, Split, StateMachine, StatePlayback, Trs,
+    MachinePlayback, MemberId, MemberMut, Placement, Schedule, Split, StateMachine, StatePlayback,
+    Trs,
 };
 
 use crate::arm::{Motion, character, skeleton};
 
-/// A frame is a whole number of ticks.
+/// Length of a frame: a whole number of ticks.
 pub(crate) const FRAME_SECS: f32 = 1.0 / 48.0;
 
 pub(crate) fn motions() -> Vec<Motion> {
-    let motion = |name, duration_secs, turns: [&[f32]; 4]| {
+    let motion = |name, duration_secs, rotations: [&[f32]; 4]| {
         let axes = [[1.0, 0.2, 0.0], [0.0, 1.0, 0.3], [0.5, 0.0, 1.0], [1.0, 1.0, 0.0]];
         let mut axes = axes.into_iter();
         Motion {
             name,
             duration_secs,
-            turns: turns.map(|angles| (axes.next().unwrap(), angles.to_vec())),
+            rotations: rotations.map(|angles| (axes.next().unwrap(), angles.to_vec())),
         }
     };
     vec![
@@ -34,7 +34,7 @@ pub(crate) fn motions() -> Vec<Motion> {
     ]
 }
 
-/// States: name, clip, and how it plays, as a state and as a clip played by hand.
+/// States: name, clip index, playback as a state, and the same playback as a plain clip.
 pub(crate) const STATES: [(&str, usize, StatePlayback, ClipPlayback); 6] = {
     use {ClipPlayback as Clip, StatePlayback as State};
     [
@@ -47,25 +47,26 @@ pub(crate) const STATES: [(&str, usize, StatePlayback, ClipPlayback); 6] = {
     ]
 };
 
-pub(crate) enum Test {
+/// A condition of a transition.
+pub(crate) enum Guard {
     Above(&'static str, f32),
     Below(&'static str, f32),
     AfterSecs(f32),
     Ended,
 }
 
-/// From, to, fade and conditions, in order; from any state where there is no first.
-pub(crate) const WAYS: [(Option<&str>, &str, f32, &[Test]); 10] = [
-    (None, "jump", 0.1, &[Test::Above("jump", 0.5)]),
-    (Some("idle"), "walk", 0.25, &[Test::Above("speed", 0.5)]),
-    (Some("idle"), "back", 0.3, &[Test::Below("speed", -0.5)]),
-    (Some("walk"), "run", 0.3, &[Test::Above("speed", 2.0)]),
-    (Some("run"), "walk", 0.2, &[Test::Below("speed", 1.8)]),
-    (Some("walk"), "idle", 0.25, &[Test::Below("speed", 0.4)]),
-    (Some("back"), "idle", 0.15, &[Test::Above("speed", -0.4), Test::AfterSecs(0.5)]),
-    (Some("jump"), "idle", 0.2, &[Test::Ended, Test::Below("jump", 0.5)]),
-    (Some("idle"), "sit", 0.4, &[Test::AfterSecs(1.2)]),
-    (Some("sit"), "idle", 0.0, &[Test::Above("speed", 0.2)]),
+/// Transitions in order of priority: from (any state if `None`), to, fade in seconds, and guards.
+pub(crate) const TRANSITIONS: [(Option<&str>, &str, f32, &[Guard]); 10] = [
+    (None, "jump", 0.1, &[Guard::Above("jump", 0.5)]),
+    (Some("idle"), "walk", 0.25, &[Guard::Above("speed", 0.5)]),
+    (Some("idle"), "back", 0.3, &[Guard::Below("speed", -0.5)]),
+    (Some("walk"), "run", 0.3, &[Guard::Above("speed", 2.0)]),
+    (Some("run"), "walk", 0.2, &[Guard::Below("speed", 1.8)]),
+    (Some("walk"), "idle", 0.25, &[Guard::Below("speed", 0.4)]),
+    (Some("back"), "idle", 0.15, &[Guard::Above("speed", -0.4), Guard::AfterSecs(0.5)]),
+    (Some("jump"), "idle", 0.2, &[Guard::Ended, Guard::Below("jump", 0.5)]),
+    (Some("idle"), "sit", 0.4, &[Guard::AfterSecs(1.2)]),
+    (Some("sit"), "idle", 0.0, &[Guard::Above("speed", 0.2)]),
 ];
 
 pub(crate) fn machine(clips: &[ClipId]) -> StateMachine {
@@ -73,14 +74,14 @@ pub(crate) fn machine(clips: &[ClipId]) -> StateMachine {
     for (name, clip, playback, _) in STATES {
         machine = machine.state(name, clips[clip], playback);
     }
-    for (from, to, fade_secs, tests) in WAYS {
-        let condition = |test: &Test| match test {
-            Test::Above(name, value) => Condition::above(name, *value),
-            Test::Below(name, value) => Condition::below(name, *value),
-            Test::AfterSecs(secs) => Condition::AfterSecs(*secs),
-            Test::Ended => Condition::Ended,
+    for (from, to, fade_secs, guards) in TRANSITIONS {
+        let condition = |test: &Guard| match test {
+            Guard::Above(name, value) => Condition::above(name, *value),
+            Guard::Below(name, value) => Condition::below(name, *value),
+            Guard::AfterSecs(secs) => Condition::AfterSecs(*secs),
+            Guard::Ended => Condition::Ended,
         };
-        let conditions: Vec<_> = tests.iter().map(condition).collect();
+        let conditions: Vec<_> = guards.iter().map(condition).collect();
         machine = match from {
             Some(from) => machine.transition(from, to, fade_secs, &conditions),
             None => machine.transition_from_any(to, fade_secs, &conditions),
@@ -89,7 +90,7 @@ pub(crate) fn machine(clips: &[ClipId]) -> StateMachine {
     machine
 }
 
-/// What a member of the machine does, told naively.
+/// A naive interpreter of one machine instance.
 #[derive(Clone, Debug)]
 pub(crate) struct Interpreter {
     pub(crate) state: &'static str,
@@ -108,25 +109,25 @@ impl Interpreter {
         Self { state: "idle", speed: 0.0, jump: 0.0, ticks_in_state: 0, fade_ticks: 0 }
     }
 
-    /// After a frame: the fade of the transition that it took.
+    /// Advances by a frame. Returns the fade in seconds of the transition that was taken, if any.
     pub(crate) fn step(&mut self, frame_ticks: u64) -> Option<f32> {
         self.ticks_in_state += frame_ticks;
         if self.ticks_in_state < self.fade_ticks {
             return None;
         }
-        // The jump takes 0.5 seconds at 0.8 times its pace.
+        // The jump clip of 0.5 s runs at a speed of 0.8.
         let ended = self.state == "jump" && self.ticks_in_state >= ticks(0.625);
-        let holds = |test: &Test| match test {
-            Test::Above(name, value) => self.value(name) > *value,
-            Test::Below(name, value) => self.value(name) < *value,
-            Test::AfterSecs(secs) => self.ticks_in_state >= ticks(*secs),
-            Test::Ended => ended,
+        let holds = |test: &Guard| match test {
+            Guard::Above(name, value) => self.value(name) > *value,
+            Guard::Below(name, value) => self.value(name) < *value,
+            Guard::AfterSecs(secs) => self.ticks_in_state >= ticks(*secs),
+            Guard::Ended => ended,
         };
-        let leads_out =
+        let applies =
             |from: Option<&str>, to: &str| from.map_or(to != self.state, |from| from == self.state);
-        let mut ways = WAYS.iter();
+        let mut transitions = TRANSITIONS.iter();
         let (_, to, fade_secs, _) =
-            ways.find(|(f, to, _, t)| leads_out(*f, to) && t.iter().all(holds))?;
+            transitions.find(|(f, to, _, t)| applies(*f, to) && t.iter().all(holds))?;
         (self.state, self.ticks_in_state, self.fade_ticks) = (to, 0, ticks(*fade_secs));
         Some(*fade_secs)
     }
@@ -135,36 +136,42 @@ impl Interpreter {
         if name == "speed" { self.speed } else { self.jump }
     }
 
-    /// Tells a crowd what its parameters are.
-    pub(crate) fn tell(&self, crowd: &mut Crowd, member: MemberId) {
+    /// Sets the parameters of a member of a crowd to the interpreter's.
+    pub(crate) fn set_parameters(&self, crowd: &mut Crowd, member: MemberId) {
         crowd.member_mut(member).unwrap().set_parameter("speed", self.speed).unwrap();
         crowd.member_mut(member).unwrap().set_parameter("jump", self.jump).unwrap();
     }
 }
 
-pub(crate) struct Stage {
+/// A crowd with two characters and the state machine.
+pub(crate) struct Scene {
     pub(crate) crowd: Crowd,
-    pub(crate) bodies: [CharacterId; 2],
+    pub(crate) characters: [CharacterId; 2],
     pub(crate) clips: Vec<ClipId>,
     pub(crate) machine: MachineId,
 }
 
-impl Stage {
+impl Scene {
     pub(crate) fn new(builder: &CrowdBuilder) -> Self {
         let mut crowd = builder.clone().build().unwrap();
         let arm = crowd.add_character(character(&motions())).unwrap();
         let clips: Vec<_> = crowd.clips(arm).unwrap().into_iter().map(|(clip, _)| clip).collect();
-        let bodies = [arm, crowd.add_character(longer()).unwrap()];
+        let characters = [arm, crowd.add_character(longer()).unwrap()];
         let machine = crowd.add_machine(&machine(&clips)).unwrap();
-        Self { crowd, bodies, clips, machine }
+        Self { crowd, characters, clips, machine }
     }
 
-    pub(crate) fn member(&mut self, body: usize) -> MemberId {
-        self.crowd.spawn(self.bodies[body], Placement::at([0.0; 3])).unwrap()
+    /// Returns mutable access to a member.
+    pub(crate) fn edit(&mut self, member: MemberId) -> MemberMut<'_> {
+        self.crowd.member_mut(member).unwrap()
     }
 
-    pub(crate) fn machine_instance(&mut self, body: usize) -> MemberId {
-        let member = self.member(body);
+    pub(crate) fn member(&mut self, character_index: usize) -> MemberId {
+        self.crowd.spawn(self.characters[character_index], Placement::at([0.0; 3])).unwrap()
+    }
+
+    pub(crate) fn machine_instance(&mut self, character_index: usize) -> MemberId {
+        let member = self.member(character_index);
         self.crowd
             .member_mut(member)
             .unwrap()
@@ -177,14 +184,14 @@ impl Stage {
         self.crowd.update(FRAME_SECS).unwrap();
     }
 
-    /// The bits of what devices draw from.
+    /// Returns the bits of a member's palette.
     pub(crate) fn bits(&mut self, member: MemberId) -> Vec<u32> {
         let palette = self.crowd.member_mut(member).unwrap().palette().unwrap();
         palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
     }
 }
 
-/// The arm with longer bones and another one at its end: clips move it by the joints' names.
+/// The arm with longer bones and one more joint at its end. Clips bind to it by joint names.
 fn longer() -> Arc<Character> {
     let arm = skeleton();
     let mut joints: Vec<_> = arm
@@ -212,7 +219,7 @@ fn longer() -> Arc<Character> {
     )
 }
 
-/// All devices and schedules, and some that share a crowd.
+/// Returns builders for all devices and schedules, and for some pairs of devices.
 pub(crate) fn everywhere() -> Vec<CrowdBuilder> {
     let of = |devices: Devices, schedule| {
         let shares = vec![1.0; devices.as_slice().len()];

@@ -1,4 +1,4 @@
-//! What devices and schedules compute is the same to the bit.
+//! Constraint results are equal bit for bit on every device and schedule.
 
 use std::cell::RefCell;
 
@@ -7,7 +7,7 @@ use populace::{
     Space, Target, Trs, Weight,
 };
 
-use crate::body::{Stage, everywhere, joint};
+use crate::fixture::{Scene, everywhere, joint};
 
 fn at_once() -> Weight {
     Weight::FULL.over_secs(0.0)
@@ -29,10 +29,10 @@ fn feet(weight: f32) -> Feet {
     Feet { pelvis: joint("hips"), feet: vec![foot("left"), foot("right")], weight }
 }
 
-/// Gives a member all constraints, other ones by its number.
-fn constrain(stage: &mut Stage, member: MemberId, number: u8, watched: Option<MemberId>) {
+/// Gives a member constraints of all kinds. Their parameters depend on `number`.
+fn constrain(scene: &mut Scene, member: MemberId, number: u8, watched: Option<MemberId>) {
     let x = f32::from(number);
-    // Ahead, at the sides beyond the limits, behind, above, below.
+    // Directions ahead, beyond the lateral limits, behind, above and below.
     let yaw = x * 0.9;
     let point = [yaw.sin() * 2.0, 1.5 + 2.0 * (x * 1.7).sin(), yaw.cos() * 2.0];
     let target = match (number % 3, watched) {
@@ -40,14 +40,12 @@ fn constrain(stage: &mut Stage, member: MemberId, number: u8, watched: Option<Me
         (1, _) => Target::Direction(point),
         _ => Target::InModel(point),
     };
-    // With the hips in a gaze, legs are solved after it and not with the pelvis.
+    // If the hips are in the gaze's chain, legs are solved after the gaze, not with the pelvis.
     let gaze = gaze(if number % 4 == 3 { "hips" } else { "spine" });
     let weight = Weight::new(0.5 + 0.1 * (x % 6.0)).expect("a weight").over_secs(0.3);
-    let crowd = &mut stage.crowd;
-    crowd.member_mut(member).expect("a gaze").look_at_with(&gaze, target, weight).expect("a gaze");
-    crowd
-        .member_mut(member)
-        .expect("feet")
+    scene.edit(member).look_at_with(&gaze, target, weight).expect("a gaze");
+    scene
+        .edit(member)
         .plant_feet_with(&feet(if number % 5 == 4 { 0.6 } else { 1.0 }))
         .expect("feet");
     let hand = [0.3 * x.sin() + 0.2, 1.2 + 0.4 * (x * 0.6).cos(), 0.4];
@@ -57,9 +55,8 @@ fn constrain(stage: &mut Stage, member: MemberId, number: u8, watched: Option<Me
         if number.is_multiple_of(4) {
             reach = reach.pole([0.2, -1.0, 0.1 * x]);
         }
-        crowd
-            .member_mut(member)
-            .expect("a limb that reaches")
+        scene
+            .edit(member)
             .reach(reach, Target::InModel(hand), at_once())
             .expect("a limb that reaches");
     }
@@ -67,19 +64,15 @@ fn constrain(stage: &mut Stage, member: MemberId, number: u8, watched: Option<Me
         let transform = Trs { translation: [0.0, 0.1, 0.05], ..Trs::IDENTITY };
         let given =
             JointOverride { joint: joint("leftEye"), space: Space::Model, transform, weight: 0.4 };
-        crowd
-            .member_mut(member)
-            .expect("an override")
-            .override_joints(&[given])
-            .expect("an override");
+        scene.edit(member).override_joints(&[given]).expect("an override");
     }
 }
 
 #[test]
-fn every_device_and_schedule_moves_a_constrained_crowd_to_the_same_bits() {
+fn constraints_give_equal_bits_on_every_device_and_schedule() {
     let first: RefCell<Option<Vec<u32>>> = RefCell::new(None);
-    everywhere(|stage| {
-        stage
+    everywhere(|scene| {
+        scene
             .crowd
             .set_ground(&Ground::plane(0.05, [0.1, -0.15]).expect("a plane"))
             .expect("ground");
@@ -88,27 +81,17 @@ fn every_device_and_schedule_moves_a_constrained_crowd_to_the_same_bits() {
             let x = f32::from(number);
             let placement =
                 Placement::at([x, 0.05 + 0.1 * x, 0.0]).facing(x).scaled(0.9 + 0.02 * x);
-            let member = stage.member(placement);
-            let clip = stage.clip(if number % 2 == 0 { "walk" } else { "sway" });
-            stage
-                .crowd
-                .member_mut(member)
-                .expect("a clip that plays")
-                .play(clip, ClipPlayback::looping())
-                .expect("a clip that plays");
-            constrain(stage, member, number, members.last().copied());
+            let member = scene.member(placement);
+            let clip = scene.clip(if number % 2 == 0 { "walk" } else { "sway" });
+            scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
+            constrain(scene, member, number, members.last().copied());
             members.push(member);
         }
         let mut bits = Vec::new();
         for _ in 0..12 {
-            stage.update(0.06);
+            scene.update(0.06);
             for member in &members {
-                let palette = stage
-                    .crowd
-                    .member_mut(*member)
-                    .expect("a palette")
-                    .palette()
-                    .expect("a palette");
+                let palette = scene.edit(*member).palette().expect("a palette");
                 bits.extend(palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits));
             }
         }
@@ -118,64 +101,48 @@ fn every_device_and_schedule_moves_a_constrained_crowd_to_the_same_bits() {
         assert_eq!(
             (apart, expected.len()),
             (0, bits.len()),
-            "numbers that differ from the first stage's"
+            "(differing values, number of values) against the first scene"
         );
     });
 }
 
-/// Members whose constraints are solved side by side do not touch each other: alike ones come out
-/// alike, whoever stands beside them, as many as no work-item takes one by one.
+/// Constraints of several members are solved in one batch. Members with equal constraints get equal
+/// poses, whatever their neighbours in the batch.
 #[test]
-fn nobody_is_moved_by_who_stands_beside_them() {
+fn constraint_result_is_independent_of_batch_neighbours() {
     const KINDS: u8 = 16;
     let first: RefCell<Option<Vec<Vec<u32>>>> = RefCell::new(None);
-    everywhere(|stage| {
+    everywhere(|scene| {
         let order = (0..40u8).flat_map(|round| (0..KINDS).map(move |at| (at * 7 + round) % KINDS));
         let members: Vec<(u8, MemberId)> = order
             .map(|number| {
                 let x = f32::from(number);
-                let member = stage.member(Placement::at([x, 0.0, 0.0]).facing(x));
-                let clip = stage.clip(if number % 2 == 0 { "walk" } else { "sway" });
-                stage
-                    .crowd
-                    .member_mut(member)
-                    .expect("a clip that plays")
-                    .play(clip, ClipPlayback::looping())
-                    .expect("a clip that plays");
+                let member = scene.member(Placement::at([x, 0.0, 0.0]).facing(x));
+                let clip = scene.clip(if number % 2 == 0 { "walk" } else { "sway" });
+                scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
                 match number {
-                    15 => {} // plain
+                    15 => {} // no constraints
                     14 => {
                         let mut one = feet(1.0);
                         one.feet.truncate(1);
-                        stage
-                            .crowd
-                            .member_mut(member)
-                            .expect("a foot")
-                            .plant_feet_with(&one)
-                            .expect("a foot");
+                        scene.edit(member).plant_feet_with(&one).expect("a foot");
                     }
-                    _ => constrain(stage, member, number, None),
+                    _ => constrain(scene, member, number, None),
                 }
                 (number, member)
             })
             .collect();
-        stage.update(0.2);
-        // Two targets at once, for some.
+        scene.update(0.2);
+        // Some members have two targets at once.
         for (_, member) in members.iter().filter(|(number, _)| number % 4 == 1) {
             let target = Target::InModel([1.0, 1.2, 1.5]);
             let weight = Weight::FULL.over_secs(0.3).easing_over();
-            stage
-                .crowd
-                .member_mut(*member)
-                .expect("a gaze")
-                .look_at_with(&gaze("spine"), target, weight)
-                .expect("a gaze");
+            scene.edit(*member).look_at_with(&gaze("spine"), target, weight).expect("a gaze");
         }
-        stage.update(0.1);
+        scene.update(0.1);
         let mut of_kind: Vec<Vec<u32>> = vec![Vec::new(); usize::from(KINDS)];
         for (number, member) in &members {
-            let palette =
-                stage.crowd.member_mut(*member).expect("a palette").palette().expect("a palette");
+            let palette = scene.edit(*member).palette().expect("a palette");
             let bits: Vec<u32> =
                 palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect();
             let kind = &mut of_kind[usize::from(*number)];
@@ -187,6 +154,6 @@ fn nobody_is_moved_by_who_stands_beside_them() {
         }
         let mut first = first.borrow_mut();
         let expected = first.get_or_insert_with(|| of_kind.clone());
-        assert!(*expected == of_kind, "the first stage's members differ from this one's");
+        assert!(*expected == of_kind, "poses differ from those of the first scene");
     });
 }

@@ -1,16 +1,16 @@
-//! More clips than slots: what gives way, and that nothing jumps.
+//! Slot allocation: more clips than slots, without jumps.
 
 use glam::Quat;
 use populace::{ClipId, ClipPlayback, Crowd, CrowdBuilder, MemberId};
 
-use crate::on_every_way;
-use crate::rig::{Motion, one_member, step_rad, turns};
+use crate::fixture::{Motion, one_member, rotations, step_rad};
+use crate::on_every_device;
 
-/// A frame, and between two starts: 20 of them in 0.3 s.
+/// Length of a frame and time between two starts: 20 starts take 0.3 s.
 const STEP_SECS: f32 = 0.015;
 const FADE_SECS: f32 = 0.2;
 
-/// Poses far from each other and all far from the rest pose; some move.
+/// Clips with poses far from each other and from the rest pose. Some of them move.
 fn motions() -> Vec<Motion> {
     let poses: [(&str, [f32; 3], f32, f32); 6] = [
         ("a", [1.0, 0.0, 0.0], 0.8, 0.0),
@@ -23,7 +23,7 @@ fn motions() -> Vec<Motion> {
     let motion = |(name, axis, angle, swing): (&'static str, [f32; 3], f32, f32)| Motion {
         name,
         duration_secs: 1.0,
-        turns: [1.0, 0.3, 0.2, 0.3].map(|part| {
+        rotations: [1.0, 0.3, 0.2, 0.3].map(|part| {
             let angles = [0.0, 1.0, 0.0, -1.0, 0.0].map(|s| part * (angle + swing * s));
             (axis, angles.to_vec())
         }),
@@ -31,8 +31,8 @@ fn motions() -> Vec<Motion> {
     poses.into_iter().map(motion).collect()
 }
 
-/// The largest step from one frame to the next, and the least that the root is turned away from the
-/// rest pose.
+/// Records the largest rotation of a joint per frame, and the smallest angle of the root from the
+/// rest pose, in radians.
 struct Steps {
     before: Vec<Quat>,
     largest: f32,
@@ -41,12 +41,12 @@ struct Steps {
 
 impl Steps {
     fn new(crowd: &mut Crowd, member: MemberId) -> Self {
-        Self { before: turns(crowd, member), largest: 0.0, least_from_rest: f32::MAX }
+        Self { before: rotations(crowd, member), largest: 0.0, least_from_rest: f32::MAX }
     }
 
     fn frame(&mut self, crowd: &mut Crowd, member: MemberId) -> f32 {
         crowd.update(STEP_SECS).unwrap();
-        let now = turns(crowd, member);
+        let now = rotations(crowd, member);
         let step = step_rad(&self.before, &now);
         self.largest = self.largest.max(step);
         self.least_from_rest = self.least_from_rest.min(step_rad(&now[..1], &[Quat::IDENTITY]));
@@ -55,8 +55,8 @@ impl Steps {
     }
 }
 
-/// The largest step of a frame in plain crossfades from any clip to any other.
-fn largest_step_of_a_crossfade(builder: &CrowdBuilder) -> f32 {
+/// Returns the largest rotation per frame in plain crossfades between any two clips.
+fn largest_crossfade_step(builder: &CrowdBuilder) -> f32 {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     let mut largest = 0.0_f32;
     for &from in &clips {
@@ -75,16 +75,16 @@ fn largest_step_of_a_crossfade(builder: &CrowdBuilder) -> f32 {
     largest
 }
 
-/// What no frame may exceed: a plain crossfade's largest step, and a tenth more since several poses
-/// are mixed, whose sum is shorter than that of two.
-fn allowed(builder: &CrowdBuilder) -> f32 {
-    let plain = largest_step_of_a_crossfade(builder);
-    assert!(plain < 0.4, "{plain} rad a frame say nothing about jumps");
+/// Returns the largest allowed rotation per frame: that of a plain crossfade and 10 % more, because
+/// the sum of several poses is shorter than that of two.
+fn allowed_rad(builder: &CrowdBuilder) -> f32 {
+    let plain = largest_crossfade_step(builder);
+    assert!(plain < 0.4, "{plain} rad per frame are too much to detect jumps");
     1.1 * plain
 }
 
-fn twenty_clips_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
-    let allowed = allowed(builder);
+fn twenty_starts_within_300_ms_never_jump(builder: &CrowdBuilder) {
+    let allowed_rad = allowed_rad(builder);
     for slots in [2, 3, 4, 8] {
         for stride in [1, 2, 5] {
             let (mut crowd, clips, member) =
@@ -102,15 +102,15 @@ fn twenty_clips_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
                     .unwrap();
                 let step = steps.frame(&mut crowd, member);
                 assert!(
-                    step <= allowed,
-                    "{slots} slots, start {start}: {step} rad in a frame, {allowed} allowed"
+                    step <= allowed_rad,
+                    "{slots} slots, start {start}: {step} rad per frame, {allowed_rad} allowed"
                 );
             }
             for frame in 0..20 {
                 let step = steps.frame(&mut crowd, member);
                 assert!(
-                    step <= allowed,
-                    "{slots} slots, frame {frame} after: {step} rad, {allowed} allowed"
+                    step <= allowed_rad,
+                    "{slots} slots, frame {frame} after: {step} rad, {allowed_rad} allowed"
                 );
             }
             assert!(
@@ -122,15 +122,16 @@ fn twenty_clips_in_a_third_of_a_second_never_jump(builder: &CrowdBuilder) {
             assert_eq!(
                 (playing.len(), playing[0].clip, playing[0].weight),
                 (1, last, 1.0),
-                "the last one stays"
+                "a clip other than the last one plays"
             );
         }
     }
 }
 
-/// Every kind of start, in all layers, at random; none of fades that take no time.
-fn starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
-    let allowed = 2.0 * allowed(builder); // Layer 1 and layer 0 may each be in a crossfade.
+/// Random starts of all kinds on layers 0 and 1, all with a fade.
+fn random_starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
+    // Layers 0 and 1 may both be in a crossfade.
+    let allowed_rad = 2.0 * allowed_rad(builder);
     for seed in 0..6_u64 {
         let (mut crowd, clips, member) =
             one_member(&builder.clone().slots_per_member(4), &motions());
@@ -165,15 +166,15 @@ fn starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
             }
             let step = steps.frame(&mut crowd, member);
             assert!(
-                step <= allowed,
-                "seed {seed}, frame {frame}: {step} rad in a frame, {allowed} allowed"
+                step <= allowed_rad,
+                "seed {seed}, frame {frame}: {step} rad per frame, {allowed_rad} allowed"
             );
         }
         assert!(steps.least_from_rest > 0.6, "{} rad from the rest pose", steps.least_from_rest);
     }
 }
 
-/// The weight of a clip among those that play, 0 where it does not.
+/// Returns the weight of a clip of a member; 0 if it does not play.
 fn weight(crowd: &Crowd, member: MemberId, clip: ClipId) -> f32 {
     crowd
         .member(member)
@@ -185,7 +186,7 @@ fn weight(crowd: &Crowd, member: MemberId, clip: ClipId) -> f32 {
         .sum()
 }
 
-fn a_clip_waits_for_the_weakest_to_fade_and_no_longer(builder: &CrowdBuilder) {
+fn start_waits_until_the_weakest_slot_has_faded_out(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(2), &motions());
     crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
     crowd.update(0.0).unwrap();
@@ -195,25 +196,29 @@ fn a_clip_waits_for_the_weakest_to_fade_and_no_longer(builder: &CrowdBuilder) {
         .play(clips[1], ClipPlayback::looping().fade_in_secs(1.0))
         .unwrap();
     crowd.update(0.25).unwrap();
-    // 1 weighs a quarter and gives way in a quarter of the fade.
-    let waits = crowd
+    // Clip 1 has a weight of 1/4 and is evicted within 1/4 of the fade.
+    let scheduled = crowd
         .member_mut(member)
         .unwrap()
         .play(clips[2], ClipPlayback::looping().fade_in_secs(1.0))
         .unwrap();
     crowd.update(0.2).unwrap();
     assert!((weight(&crowd, member, clips[1]) - 0.05).abs() < 1e-3);
-    assert!((weight(&crowd, member, clips[0]) - 0.95).abs() < 1e-3, "what 1 leaves goes to 0");
+    assert!(
+        (weight(&crowd, member, clips[0]) - 0.95).abs() < 1e-3,
+        "clip 0 did not take up the weight of clip 1"
+    );
     assert_eq!(weight(&crowd, member, clips[2]), 0.0);
-    crowd.member_mut(waits.member()).unwrap().set_speed(waits, 0.5).unwrap(); // It can be changed before it has a slot.
+    // A scheduled clip can be changed before it has a slot.
+    crowd.member_mut(scheduled.member()).unwrap().set_speed(scheduled, 0.5).unwrap();
     crowd.update(0.55).unwrap();
     assert!((weight(&crowd, member, clips[2]) - 0.5).abs() < 1e-3);
     let playing = crowd.member(member).unwrap().active_clips();
-    let waited = playing.iter().find(|p| p.id == Some(waits)).unwrap();
-    assert!((waited.time_secs - 0.25).abs() < 1e-3 && (waited.speed - 0.5).abs() < 1e-4);
+    let started = playing.iter().find(|p| p.id == Some(scheduled)).unwrap();
+    assert!((started.time_secs - 0.25).abs() < 1e-3 && (started.speed - 0.5).abs() < 1e-4);
 }
 
-fn one_slot_changes_over_at_once(builder: &CrowdBuilder) {
+fn single_slot_switches_clips_at_once(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(&builder.clone().slots_per_member(1), &motions());
     for clip in clips {
         crowd
@@ -226,9 +231,9 @@ fn one_slot_changes_over_at_once(builder: &CrowdBuilder) {
     }
 }
 
-on_every_way!(
-    twenty_clips_in_a_third_of_a_second_never_jump,
-    starts_of_all_kinds_never_jump,
-    a_clip_waits_for_the_weakest_to_fade_and_no_longer,
-    one_slot_changes_over_at_once,
+on_every_device!(
+    twenty_starts_within_300_ms_never_jump,
+    random_starts_of_all_kinds_never_jump,
+    start_waits_until_the_weakest_slot_has_faded_out,
+    single_slot_switches_clips_at_once,
 );

@@ -1,4 +1,5 @@
-//! A body of more than one block of joints, crowds of it, and stages in both languages.
+//! A character with more than one block of joints, a crowd of it, and a user stage in Rust and in
+//! OpenCL C.
 
 use std::sync::Arc;
 
@@ -8,24 +9,24 @@ use populace::clip::Clip;
 use populace::model::math::quat;
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
-    Affine, CharacterId, ClipPlayback, Crowd, Device, Devices, JointIndex, MemberId, Placement,
-    Schedule, Split, StageJoint, Trs, UserStage,
+    Affine, CharacterId, ClipPlayback, Crowd, Device, Devices, JointIndex, MemberId, MemberMut,
+    Placement, Schedule, Split, StageJoint, Trs, UserStage,
 };
 
-/// Joints of the body: one is below the last but two, so that there are several branches.
+/// Joints of the character. Joint 2 has three children, so that there are several branches.
 pub(crate) const JOINTS: usize = 21;
-/// Members of a crowd.
+/// Members of the crowd.
 pub(crate) const MEMBERS: usize = 6;
 
-/// One stage for all tests, so that its program is built once: what it does is what a member's
-/// third value says.
+/// Text of the stage in OpenCL C. All tests use one stage, so that its program is built once. A
+/// member's third value chooses what it does.
 pub(crate) const TEXT: &str = "
 static float4 product(float4 a, float4 b)
 {
-    return (float4)(a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * \
-                               b.w + a.z * b.x,
-                    a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * \
-                               b.y - a.z * b.z);
+    return (float4)(a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+                    a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                    a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+                    a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
 }
 
 static void bend(StageJoint *joint)
@@ -41,7 +42,7 @@ static void lift(StageJoint *joint)
     joint->row1.w += joint->parameters[4] + joint->values.y;
 }
 
-static void tell(StageJoint *joint)
+static void report(StageJoint *joint)
 {
     const float4 east = stage_to_model(joint, (float4)(1.0f, 0.0f, 0.0f, 0.0f));
     joint->row0 = (float4)(joint->place.x, joint->place.w, joint->facing.x, joint->facing.y);
@@ -49,20 +50,20 @@ static void tell(StageJoint *joint)
     joint->row2 = (float4)(joint->joint, joint->member, joint->values.w, joint->parameters[15]);
 }
 
-static void stray(StageJoint *joint)
+static void divide(StageJoint *joint)
 {
-    const float bad = joint->values.x / joint->values.y;
-    joint->translation.x = joint->row0.x = bad;
-    joint->rotation.w = joint->row1.w = bad;
+    const float quotient = joint->values.x / joint->values.y;
+    joint->translation.x = joint->row0.x = quotient;
+    joint->rotation.w = joint->row1.w = quotient;
 }
 
 void act(StageJoint *joint)
 {
-    const int what = (int)joint->values.z;
-    if (what == 0) bend(joint);
-    if (what == 1) lift(joint);
-    if (what == 2) tell(joint);
-    if (what == 3) stray(joint);
+    const int action = (int)joint->values.z;
+    if (action == 0) bend(joint);
+    if (action == 1) lift(joint);
+    if (action == 2) report(joint);
+    if (action == 3) divide(joint);
 }
 ";
 
@@ -79,7 +80,7 @@ fn lift(joint: &mut StageJoint) {
     joint.model.rows[1][3] += p[4] + joint.values[1];
 }
 
-fn tell(joint: &mut StageJoint) {
+fn report(joint: &mut StageJoint) {
     let ([x, _, _], [sin, cos]) = (joint.place.position, joint.place.sin_cos);
     let east = joint.to_model([1.0, 0.0, 0.0]);
     joint.model.rows = [
@@ -89,33 +90,33 @@ fn tell(joint: &mut StageJoint) {
     ];
 }
 
-fn stray(joint: &mut StageJoint) {
-    let bad = joint.values[0] / joint.values[1];
-    (joint.local.translation[0], joint.model.rows[0][0]) = (bad, bad);
-    (joint.local.rotation[3], joint.model.rows[1][3]) = (bad, bad);
+fn divide(joint: &mut StageJoint) {
+    let quotient = joint.values[0] / joint.values[1];
+    (joint.local.translation[0], joint.model.rows[0][0]) = (quotient, quotient);
+    (joint.local.rotation[3], joint.model.rows[1][3]) = (quotient, quotient);
 }
 
 fn act(joint: &mut StageJoint) {
-    let what = joint.values[2];
+    let action = joint.values[2];
     for (own, function) in
-        [(BEND, bend as fn(&mut StageJoint)), (LIFT, lift), (TELL, tell), (STRAY, stray)]
+        [(BEND, bend as fn(&mut StageJoint)), (LIFT, lift), (REPORT, report), (DIVIDE, divide)]
     {
-        if what == own {
+        if action == own {
             function(joint);
         }
     }
 }
 
-/// After Pose turns, moves and stretches joints.
+/// After [`After::Pose`](populace::After::Pose): rotates, moves and scales joints.
 pub(crate) const BEND: f32 = 0.0;
-/// After Transform turns and lifts joints.
+/// After [`After::Transform`](populace::After::Transform): rotates and lifts joints.
 pub(crate) const LIFT: f32 = 1.0;
-/// Writes what it is told into a joint's matrix.
-pub(crate) const TELL: f32 = 2.0;
-/// Writes the quotient of the first two values.
-pub(crate) const STRAY: f32 = 3.0;
+/// Writes the stage's inputs into a joint's matrix.
+pub(crate) const REPORT: f32 = 2.0;
+/// Writes the quotient of the first two values into a joint, which may not be finite.
+pub(crate) const DIVIDE: f32 = 3.0;
 
-/// The stage, in both languages.
+/// The stage, in Rust and in OpenCL C.
 pub(crate) fn stage() -> UserStage {
     UserStage::new("act").opencl_c(TEXT).rust(act)
 }
@@ -134,7 +135,7 @@ pub(crate) fn skeleton() -> Skeleton {
             scale: [1.0, 1.0 + 0.01 * index as f32, 1.0],
         },
     };
-    Skeleton::new(&(0..JOINTS).map(joint).collect::<Vec<_>>()).expect("joints that are right")
+    Skeleton::new(&(0..JOINTS).map(joint).collect::<Vec<_>>()).expect("valid joints")
 }
 
 fn character() -> Character {
@@ -168,24 +169,24 @@ fn character() -> Character {
     .expect("a good character")
 }
 
-/// A crowd of members that sway, each from another phase on.
-pub(crate) struct Swaying {
+/// A crowd of swaying members, each with a different phase.
+pub(crate) struct Scene {
     pub(crate) crowd: Crowd,
     pub(crate) members: Vec<MemberId>,
 }
 
-impl Swaying {
+impl Scene {
     pub(crate) fn on(devices: impl Into<Devices>, schedule: Schedule) -> Self {
         let devices = devices.into();
         let shares = vec![1.0; devices.as_slice().len()];
         let builder =
             Crowd::builder().devices(devices).split(Split::Fixed(shares)).schedule(schedule);
         let mut crowd = builder.capacity(16).build().expect("a crowd");
-        let body: CharacterId = crowd.add_character(character()).expect("room");
+        let body: CharacterId = crowd.add_character(character()).expect("enough capacity");
         let clip = crowd.clip(body, "sway").expect("a clip of that name");
         let mut member = |nth: usize| {
             let placement = Placement::at([nth as f32, 0.0, 2.0]).facing(0.3 * nth as f32);
-            let member = crowd.spawn(body, placement).expect("room");
+            let member = crowd.spawn(body, placement).expect("enough capacity");
             crowd
                 .member_mut(member)
                 .expect("a clip that plays")
@@ -201,23 +202,22 @@ impl Swaying {
         self.crowd.update(secs).expect("a frame");
     }
 
+    /// Returns mutable access to a member.
+    pub(crate) fn edit(&mut self, member: MemberId) -> MemberMut<'_> {
+        self.crowd.member_mut(member).expect("a member")
+    }
+
+    /// Returns the model-space transforms of all joints of the nth member.
     pub(crate) fn models(&mut self, nth: usize) -> Vec<Affine> {
-        self.crowd
-            .member_mut(self.members[nth])
-            .expect("joints that can be read")
-            .model_from_joints()
-            .expect("joints that can be read")
+        self.edit(self.members[nth]).model_from_joints().expect("joints that can be read")
     }
 
+    /// Returns the local pose of the nth member.
     pub(crate) fn locals(&mut self, nth: usize) -> Vec<Trs> {
-        self.crowd
-            .member_mut(self.members[nth])
-            .expect("joints that can be read")
-            .local_pose()
-            .expect("joints that can be read")
+        self.edit(self.members[nth]).local_pose().expect("joints that can be read")
     }
 
-    /// The bits of what devices draw from, of all members.
+    /// Returns the bits of the palettes of all members.
     pub(crate) fn bits(&mut self) -> Vec<Vec<u32>> {
         let palettes = self
             .members
@@ -231,7 +231,7 @@ impl Swaying {
     }
 }
 
-/// All devices and schedules, and some that share a crowd.
+/// Returns all devices and schedules, and some pairs of devices for one crowd.
 pub(crate) fn everywhere() -> Vec<(Devices, Schedule)> {
     let native = || Devices::from(Device::Native { threads: 2 });
     #[cfg_attr(
@@ -250,7 +250,7 @@ pub(crate) fn everywhere() -> Vec<(Devices, Schedule)> {
     all
 }
 
-/// The joint of a place in level order.
+/// Returns the joint of an index in level order.
 pub(crate) fn at(index: u32) -> JointIndex {
     JointIndex(index)
 }
@@ -263,9 +263,9 @@ pub(crate) fn affine(trs: &Trs) -> DAffine3 {
     )
 }
 
-/// Asserts that transforms are what double precision says.
+/// Asserts that transforms agree with their values in double precision.
 #[track_caller]
-pub(crate) fn assert_models(found: &[Affine], wanted: &[DAffine3], what: &str) {
+pub(crate) fn assert_models(found: &[Affine], wanted: &[DAffine3], context: &str) {
     assert_eq!(found.len(), wanted.len());
     for (joint, (found, wanted)) in found.iter().zip(wanted).enumerate() {
         for row in 0..3 {
@@ -278,7 +278,7 @@ pub(crate) fn assert_models(found: &[Affine], wanted: &[DAffine3], what: &str) {
             for (found, wanted) in found.rows[row].into_iter().zip(wanted) {
                 assert!(
                     (f64::from(found) - wanted).abs() < 2e-5,
-                    "{what}, joint {joint}: {found}, not {wanted}"
+                    "{context}, joint {joint}: {found}, not {wanted}"
                 );
             }
         }
