@@ -109,9 +109,8 @@ impl RowBlock {
         scale_lanes: 0,
     };
 
-    /// Merges two blocks into one that only tells what moves in either. First words are those of
-    /// one of the two. The lanes of rotation and scale have [`ROW_FLOATS`] if those of either block
-    /// have it; those of translation are taken from one of the two.
+    /// Merges two blocks into one that only tells what moves in either, and whether either stores
+    /// it as floats ([`ROW_FLOATS`]). First words are those of one of the two.
     #[must_use]
     pub const fn or_moving(mut self, other: &Self) -> Self {
         if other.rotation_first != NONE {
@@ -120,7 +119,7 @@ impl RowBlock {
         }
         if other.translation_first != NONE {
             (self.translation_first, self.translation_lanes) =
-                (other.translation_first, other.translation_lanes);
+                (other.translation_first, self.translation_lanes | other.translation_lanes);
         }
         if other.scale_first != NONE {
             (self.scale_first, self.scale_lanes) =
@@ -226,5 +225,27 @@ device_struct! {
         /// Offset into `source_lanes`: for each of the 16 joints its lane in the block, or [`NONE`]
         /// if it follows another block.
         pub lanes_first: u32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merged_blocks_keep_float_flags_in_either_order() {
+        let block = |lanes| RowBlock {
+            rotation_first: 0,
+            rotation_lanes: lanes,
+            translation_first: 8,
+            translation_lanes: lanes,
+            scale_first: 16,
+            scale_lanes: lanes,
+        };
+        let (floats, halves) = (block(ROW_FLOATS | 16), block(3));
+        for merged in [floats.or_moving(&halves), halves.or_moving(&floats)] {
+            let lanes = [merged.rotation_lanes, merged.translation_lanes, merged.scale_lanes];
+            assert!(lanes.iter().all(|lanes| lanes & ROW_FLOATS != 0), "{merged:?}");
+        }
     }
 }
