@@ -1,5 +1,5 @@
-//! Reads `POPULACE_SKIP`. With `POPULACE_SKIP=opencl`, tests that need a device are ignored; without
-//! it, they fail if there is no device.
+//! Reads `POPULACE_SKIP`. With `POPULACE_SKIP=opencl`, tests that need a device are ignored;
+//! without it, they fail if there is no device.
 
 fn main() {
     println!("cargo:rustc-check-cfg=cfg(skip_opencl)");

@@ -56,7 +56,10 @@ INLINE float4 footing(const Solver *s, uint foot, __global const Constraint *con
     const float4 kept = ours ? vec(left.x, left.y, left.z) : vec(0.0f, 0.0f, 0.0f);
     float4 behind = was_planted
                         ? kept - clip
-                        : kept * (1.0f / (1.0f + s->tables->elapsed_secs * (1.0f / FOOT_RELEASE_SECS)));
+                        : kept
+                              * (1.0f
+                                 / (1.0f
+                                    + s->tables->elapsed_secs * (1.0f / FOOT_RELEASE_SECS)));
     behind.y = 0.0f;
     bool stays = was_planted;
     const float far2 = vec_dot(behind, behind), held2 = held_most * held_most;

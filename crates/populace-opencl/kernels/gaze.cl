@@ -104,7 +104,8 @@ APART_STEP Quat aim_by_angles(const GazeBatch *g, Vec3 from)
         Real own;
         Choice counts;
         const Sight seen = see_target(g, t, from, &own, &counts);
-        const Real steep = seen.level < (Real)(GAZE_STEEP) ? seen.level * (1.0f / GAZE_STEEP) : (Real)(1.0f);
+        const Real steep =
+            seen.level < (Real)(GAZE_STEEP) ? seen.level * (1.0f / GAZE_STEEP) : (Real)(1.0f);
         const Real up = angle_of(seen.up, seen.level), raised = up > most ? most : up;
         const Real to_side = held(angle_of(seen.left, seen.front), side) * steep * own;
         yaw += counts ? to_side : none;
@@ -137,7 +138,8 @@ INLINE Quat aim(const GazeBatch *g, Vec3 from, Real *weight)
     *weight = total < (Real)(1.0f) ? total : (Real)(1.0f);
     // Limits are compared by their tangents. If start and target are both in front, the short
     // rotation is the one through the front.
-    const Choice within = (to.level >= (Real)(GAZE_STEEP)) & (fabs(to.left) <= g->tangents.x * to.front)
+    const Choice within = (to.level >= (Real)(GAZE_STEEP))
+                          & (fabs(to.left) <= g->tangents.x * to.front)
                           & (to.up <= g->tangents.y * to.level)
                           & (-to.up <= g->tangents.z * to.level);
     const Choice some = seen_count > (Real)(0.0f), one = seen_count == (Real)(1.0f);

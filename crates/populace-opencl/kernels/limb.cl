@@ -101,7 +101,8 @@ INLINE void limb_turns(Limb limb, Vec3 pole, Choice has_pole, Real soft, Quat *f
     const Vec3 bend = vec3_scale(quat_turned(first, axis), x * half_unit);
     const Quat second = { bend.x, bend.y, bend.z, w * half_unit };
     const Real size = shorter < distance ? shorter : distance;
-    const Choice stands = (most < (Real)(LIMB_LARGEST_SQUARE) ? size : (Real)(0.0f)) > (Real)(1e-6f);
+    const Choice stands =
+        (most < (Real)(LIMB_LARGEST_SQUARE) ? size : (Real)(0.0f)) > (Real)(1e-6f);
     *first_turn = quat_choose(stands, first, quat_identity());
     *second_turn = quat_choose(stands, second, quat_identity());
 }

@@ -19,7 +19,8 @@ INLINE Move move_of(float x, float y, float z, float s, float c)
 {
     const float squared = s * s + c * c;
     const float k = squared > LEAST_SQUARE ? inverse_root(squared) : 0.0f;
-    const Move move = { x, y, z, squared > LEAST_SQUARE ? s * k : 0.0f, squared > LEAST_SQUARE ? c * k : 1.0f };
+    const bool turns = squared > LEAST_SQUARE;
+    const Move move = { x, y, z, turns ? s * k : 0.0f, turns ? c * k : 1.0f };
     return move;
 }
 

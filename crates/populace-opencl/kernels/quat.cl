@@ -39,7 +39,8 @@ INLINE Quat quat_choose(Choice which, Quat a, Quat b)
 INLINE Quat quat_normalize_or(Quat a, Quat fallback)
 {
     const Real length_squared = quat_dot(a, a);
-    return quat_choose(length_squared > (Real)(LEAST_SQUARE), quat_scale(a, inverse_sqrt(length_squared)),
+    return quat_choose(length_squared > (Real)(LEAST_SQUARE),
+                       quat_scale(a, inverse_sqrt(length_squared)),
                        fallback);
 }
 

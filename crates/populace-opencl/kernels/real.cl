@@ -17,7 +17,10 @@ INLINE Real inverse_sqrt(Real x)
     return y;
 }
 
-INLINE Real square_root(Real x) { return x > (Real)(LEAST_SQUARE) ? x * inverse_sqrt(x) : (Real)(0.0f); }
+INLINE Real square_root(Real x)
+{
+    return x > (Real)(LEAST_SQUARE) ? x * inverse_sqrt(x) : (Real)(0.0f);
+}
 
 // inverse_sqrt() of one number.
 INLINE float inverse_root(float x)

@@ -52,7 +52,8 @@ INLINE Vec3 vec3_choose(Choice which, Vec3 a, Vec3 b)
 INLINE Vec3 vec3_unit_or(Vec3 a, Vec3 fallback)
 {
     const Real squared = vec3_dot(a, a);
-    return vec3_choose(squared > (Real)(LEAST_SQUARE), vec3_scale(a, inverse_sqrt(squared)), fallback);
+    return vec3_choose(squared > (Real)(LEAST_SQUARE), vec3_scale(a, inverse_sqrt(squared)),
+                       fallback);
 }
 
 INLINE Vec3 vec3_any_across(Vec3 a)

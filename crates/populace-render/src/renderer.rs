@@ -154,8 +154,8 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] above the limits of [`layout`](populace_device::layout) or of the driver,
-    /// [`Error::PartialMatrix`] if the last entry is incomplete, [`Error::OutOfMemory`] or
+    /// [`Error::TooLarge`] above the limits of [`layout`](populace_device::layout) or of the
+    /// driver, [`Error::PartialMatrix`] if the last entry is incomplete, [`Error::OutOfMemory`] or
     /// [`Error::GlError`] if the driver fails.
     pub fn upload_page(&mut self, page: usize, palette: &[Float4]) -> Result<(), Error> {
         self.gl.make_current()?;

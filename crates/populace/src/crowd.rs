@@ -222,7 +222,8 @@ impl Crowd {
         CrowdBuilder::default()
     }
 
-    /// Advances the clock by `dt_secs`, starts what is scheduled by then, and evaluates every member.
+    /// Advances the clock by `dt_secs`, starts what is scheduled by then, and evaluates every
+    /// member.
     ///
     /// # Errors
     ///

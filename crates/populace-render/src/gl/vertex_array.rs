@@ -106,8 +106,8 @@ impl VertexArray {
         let stride = |bytes: usize| i32::try_from(bytes).unwrap_or(0);
         let functions = &self.gl.functions;
         // SAFETY: the context is current. Indices are less than the number of vertices:
-        // `populace_character::Character::new` checks them, and `model.rs` uploads them unchanged. The
-        // instance range was checked above. Palette reads lie within the bound page, since
+        // `populace_character::Character::new` checks them, and `model.rs` uploads them unchanged.
+        // The instance range was checked above. Palette reads lie within the bound page, since
         // `batch.rs` checks each instance against it.
         unsafe {
             functions.bind_vertex_buffer(

@@ -20,9 +20,9 @@ impl Crowd {
     /// Reports how well a clip fits a character: how its joints are found, the share of its joints
     /// that are bound, and the difference of the rest poses.
     ///
-    /// A clip bound by names alone is refused below [`BindingReport::LEAST_SHARE`], unless played by
-    /// [`ClipPlayback::partial`](crate::ClipPlayback::partial). Between that and 80 % it plays with
-    /// a part of its motion missing.
+    /// A clip bound by names alone is refused below [`BindingReport::LEAST_SHARE`], unless played
+    /// by [`ClipPlayback::partial`](crate::ClipPlayback::partial). Between that and 80 % it plays
+    /// with a part of its motion missing.
     ///
     /// # Errors
     ///

@@ -39,7 +39,8 @@ impl Crowd {
     pub fn add_clip(&mut self, character: CharacterId, clip: &Arc<Clip>) -> Result<ClipId, Error> {
         self.character_state(character)?;
         if self.clips.find(clip).is_none() {
-            self.tables.add_clip(clip)?; // in the set's order, so that one index names a clip in both
+            // In the set's order, so that one index names a clip in both.
+            self.tables.add_clip(clip)?;
         }
         let id = ClipId { crowd: self.number, index: self.clips.add(clip) };
         let clips = &mut self.character_state_mut(character)?.clips;

@@ -367,8 +367,8 @@ impl Crowd {
     }
 }
 
-/// Fades to one target from all others. If `follows` is set, the target replaces the previous one of
-/// its kind.
+/// Fades to one target from all others. If `follows` is set, the target replaces the previous one
+/// of its kind.
 fn aim_at(
     targets: &mut Vec<layout::Target>,
     target: layout::Target,

@@ -217,8 +217,8 @@ impl Run {
         self.start_tick.checked_add(ticks)
     }
 
-    /// Iterates over the ticks after `after` and up to `until` at which a phase is reached. The phase
-    /// at which the slot starts counts as reached one tick later.
+    /// Iterates over the ticks after `after` and up to `until` at which a phase is reached. The
+    /// phase at which the slot starts counts as reached one tick later.
     fn crossings(&self, phase: i128, after: u64, until: u64) -> impl Iterator<Item = u64> + use<> {
         let at = |tick: u64| self.start + self.rate * i128::from(tick - self.start_tick);
         let (from, to) = (at(after.max(self.start_tick)), at(until.max(self.start_tick)));

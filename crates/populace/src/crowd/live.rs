@@ -170,8 +170,8 @@ impl Crowd {
     }
 
     /// Aligns `time_secs` of a live clip's stream with the present of the crowd, such as after the
-    /// crowd was paused while poses arrived, or when the clocks have drifted apart. Members that play
-    /// the clip jump to the new time.
+    /// crowd was paused while poses arrived, or when the clocks have drifted apart. Members that
+    /// play the clip jump to the new time.
     ///
     /// # Errors
     ///

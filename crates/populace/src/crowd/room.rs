@@ -90,9 +90,9 @@ impl Crowd {
         slots.min_by(|a, b| weight(a.1).total_cmp(&weight(b.1))).map(|(index, _)| index)
     }
 
-    /// Frees `needed` slots. If too few are free, fades out the weakest and returns the tick at which
-    /// they become free. Meanwhile the other weights of the layer hold, except for the strongest
-    /// slot, which takes up the weight of those that fade.
+    /// Frees `needed` slots. If too few are free, fades out the weakest and returns the tick at
+    /// which they become free. Meanwhile the other weights of the layer hold, except for the
+    /// strongest slot, which takes up the weight of those that fade.
     pub(super) fn make_room(
         &mut self,
         place: u32,
@@ -152,9 +152,9 @@ impl Crowd {
         slots.iter().position(is_mate)
     }
 
-    /// Returns the slots that can be evicted, in order: slots that fade out, then inertializing slots
-    /// by their end, then the others by weight, with the two slots of a machine next to each other.
-    /// The second list holds slots that cannot fade because layer 0 would be left empty.
+    /// Returns the slots that can be evicted, in order: slots that fade out, then inertializing
+    /// slots by their end, then the others by weight, with the two slots of a machine next to each
+    /// other. The second list holds slots that cannot fade because layer 0 would be left empty.
     fn by_strength(
         &self,
         place: u32,
@@ -244,7 +244,8 @@ impl Crowd {
         Ok(due)
     }
 
-    /// Fades out all slots of a layer in proportion. Inertializing slots continue unless `secs` is 0.
+    /// Fades out all slots of a layer in proportion. Inertializing slots continue unless `secs` is
+    /// 0.
     pub(super) fn fade_out(
         &mut self,
         place: u32,

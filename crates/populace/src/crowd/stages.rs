@@ -53,7 +53,8 @@ impl Crowd {
         let number = all.iter().position(Option::is_none).unwrap_or(all.len());
         if number >= STAGES_MOST as usize {
             let what = format!(
-                "the crowd already has {STAGES_MOST} stages, the most that are possible; remove one first"
+                "the crowd already has {STAGES_MOST} stages, the most that are possible; remove \
+                 one first"
             );
             return Err(
                 populace_device::Error::BadStage { stage: stage.name().into(), what }.into()
@@ -105,8 +106,8 @@ impl Crowd {
         Ok(())
     }
 
-    /// Sets the `parameters` that a stage reads from the next update on: at most 16 numbers, the rest
-    /// is 0. A change uploads 64 bytes, for any number of members.
+    /// Sets the `parameters` that a stage reads from the next update on: at most 16 numbers, the
+    /// rest is 0. A change uploads 64 bytes, for any number of members.
     ///
     /// # Errors
     ///

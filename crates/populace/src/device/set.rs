@@ -167,8 +167,8 @@ impl FromStr for Split {
         let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
         let no_shares = |_| Error::BadSplit {
             reason: format!(
-                "\"{text}\" is not a list of numbers; give a share for each device, as in 60,40, or \
-                 measured"
+                "\"{text}\" is not a list of numbers; give a share for each device, as in 60,40, \
+                 or measured"
             ),
         };
         parts.map(Self::Fixed).map_err(no_shares)
