@@ -13,7 +13,7 @@
 //! assert_eq!(tall.clips.len(), 4);
 //! let broken = Look { height_m: f64::NAN, ..Look::man() };
 //! assert!(person(&broken).is_err());
-//! # Ok::<(), populace_model::Error>(())
+//! # Ok::<(), populace_character::Error>(())
 //! ```
 //!
 //! Surfaces and motions are defined for one set of 54 body segments, and a rig maps segments to

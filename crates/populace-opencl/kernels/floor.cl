@@ -1,6 +1,8 @@
 // floor.cl - Lower bound of every schedule's time: writes palettes with a constant and computes
 // nothing. Measured by benchmarks only.
 //
+// Twin of populace-native/src/floor.rs.
+//
 // NDRange  (palette divided by what one work-item writes, padded to whole work-groups)
 // Writes   palette[0 .. count] of one page; count is in float4s
 

@@ -6,7 +6,14 @@ use std::{env, fs, mem};
 use dlopen2::Error;
 use dlopen2::raw::Library;
 
-use crate::DriverFault;
+/// A driver that is installed on this machine but lists no device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DriverFault {
+    /// Name of the platform, or of the driver's library.
+    pub driver: String,
+    /// The fault and its place.
+    pub cause: String,
+}
 
 /// Folder in which loaders on Unix look for the files that name drivers.
 const FOLDER: &str = "/etc/OpenCL/vendors";

@@ -9,6 +9,7 @@ use opencl3::error_codes::ClError;
 use opencl3::platform::get_platforms;
 use populace_device::BackendError;
 
+use crate::drivers::DriverFault;
 use crate::errors::failed;
 use crate::gl_context::is_offered;
 use crate::{drivers, pocl};
@@ -63,15 +64,6 @@ pub struct DeviceInfo {
     /// Reason why the device cannot be used on this machine, as far as that is known without
     /// building a kernel.
     pub fault: Option<String>,
-}
-
-/// A driver that is installed on this machine but lists no device.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DriverFault {
-    /// Name of the platform, or of the driver's library.
-    pub driver: String,
-    /// The fault and its place.
-    pub cause: String,
 }
 
 /// Lists all OpenCL devices of this machine, in the order of their platforms. No kernel is built.

@@ -51,6 +51,7 @@ mod waits;
 
 pub use backend::OpenClBackend;
 pub use device::{DevicePart, OpenClDevice};
-pub use finding::{DeviceInfo, DeviceKind, DriverFault, devices, driver_faults};
+pub use drivers::DriverFault;
+pub use finding::{DeviceInfo, DeviceKind, devices, driver_faults};
 pub use palette_transport::EmptyPalettes;
 pub use populace_device::BackendError;

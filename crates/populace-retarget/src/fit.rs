@@ -62,7 +62,7 @@ impl BindingReport {
         let what = format!(
             "only {} of the {} joints that the clip moves are found by name, less than {:.0} %, \
              and humanoid roles are not known for both skeletons; give roles with \
-             RoleMap::from_names, or play the clip as it is with Play::partial",
+             RoleMap::from_names, or play the clip as it is with ClipPlayback::partial",
             self.bound_joints,
             self.moving_joints,
             100.0 * Self::LEAST_SHARE

@@ -16,6 +16,7 @@ mod members;
 mod motion;
 mod people;
 mod playback;
+mod prepare;
 mod readback;
 mod roles;
 mod room;
@@ -35,6 +36,7 @@ use populace_model::RoleMap;
 use populace_model::convert::u32_from;
 
 use crate::device::Opened;
+use crate::ids::{CharacterId, ClipId, MaskId, MemberId, PlaybackId};
 use crate::split::Kept;
 use crate::{Devices, Error, Placement};
 use attach::Attached;
@@ -55,70 +57,6 @@ pub use members::Instance;
 pub use spaces::BlendSpaceId;
 pub use stages::StageId;
 pub use watches::{JointReadback, Watch};
-
-/// A character of a crowd.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct CharacterId {
-    crowd: u32,
-    index: u32,
-}
-
-impl CharacterId {
-    /// The order in which the character was added, from 0.
-    #[must_use]
-    pub const fn index(self) -> usize {
-        self.index as usize
-    }
-}
-
-/// A clip of a crowd. Any member can play it: it binds to joints by name, and to other bodies by
-/// their humanoid roles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct ClipId {
-    crowd: u32,
-    index: ClipIndex,
-}
-
-/// A mask of a crowd, for the members of one character.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct MaskId {
-    character: CharacterId,
-    first: u32,
-}
-
-/// A handle to a member. It goes stale when the member is despawned, and is then refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct MemberId {
-    crowd: u32,
-    index: u32,
-    generation: u32,
-}
-
-impl MemberId {
-    /// The member's index, below the crowd's capacity and unique among present members. User stages
-    /// receive it.
-    #[must_use]
-    pub const fn number(self) -> u32 {
-        self.index
-    }
-}
-
-/// A handle to a clip or state machine that was started on a member. It goes stale when another
-/// clip takes its slot after it has faded out, and when something else replaces it before its
-/// scheduled start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct PlaybackId {
-    member: MemberId,
-    serial: u32,
-}
-
-impl PlaybackId {
-    /// The member that plays it.
-    #[must_use]
-    pub const fn member(self) -> MemberId {
-        self.member
-    }
-}
 
 /// The longest time step that is accepted, in seconds.
 const MAX_STEP_SECS: f32 = 1e6;

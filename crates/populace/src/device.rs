@@ -1,6 +1,5 @@
 //! Devices that evaluate a crowd.
 
-mod prepare;
 mod set;
 
 use std::fmt;

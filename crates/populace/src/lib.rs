@@ -17,7 +17,8 @@
 //! assert!((hips.rows[1][3] - 1.0).abs() < 1e-3, "half way up");
 //!
 //! let error = crowd.clip(knight, "Raise").unwrap_err();
-//! assert_eq!(error.to_string(), "\"knight\" has no clip \"Raise\"; did you mean \"Rise\"?");
+//! let wanted = "\"knight\" has no clip \"Raise\"; did you mean \"Rise\" or \"Wave\"?";
+//! assert_eq!(error.to_string(), wanted);
 //! # Ok::<(), populace::Error>(())
 //! ```
 //!
@@ -32,6 +33,7 @@ mod device;
 #[doc(hidden)]
 pub mod doc_fixture;
 mod error;
+mod ids;
 mod machine;
 mod placement;
 mod playback;
@@ -49,12 +51,12 @@ pub use populace_retarget::{BindingMethod, BindingReport};
 pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Gaze, Reach, Target, Weight};
 pub use crowd::{
-    BlendSpaceId, CharacterId, ClipId, Crowd, CrowdBuilder, Event, EventKind, Instance,
-    JointReadback, MachineId, MaskId, MemberId, MemberMut, MemberRef, MemberView, PlaybackId,
-    StageId, Watch,
+    BlendSpaceId, Crowd, CrowdBuilder, Event, EventKind, Instance, JointReadback, MachineId,
+    MemberMut, MemberRef, MemberView, StageId, Watch,
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
+pub use ids::{CharacterId, ClipId, MaskId, MemberId, PlaybackId};
 pub use machine::{Condition, StateMachine};
 pub use placement::Placement;
 pub use playback::{ActiveClip, BlendSpacePlayback, ClipPlayback, MachinePlayback, StatePlayback};

@@ -94,7 +94,7 @@ fn invalid_devices_and_splits_exit_with_2() {
     );
     several("native:1+native:2", "60,-40", "a share of -40");
     several("native:1+native:2", "0,0", "no share above 0");
-    several("native:1+native:2", "sixty,forty", "as 60,40, or measured");
+    several("native:1+native:2", "sixty,forty", "as in 60,40, or measured");
     several("native", "60,40", "has 2 shares for one device, native");
     let bench =
         ["bench", "--members", "9", "--frames", "1", "--device", "native", "--split", "60,40"];

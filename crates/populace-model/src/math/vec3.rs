@@ -1,5 +1,4 @@
-//! Vectors of three components, and rotations between them; twin of the `vec3_` functions of
-//! `kernels/quat.cl` for lanes, and of `kernels/turn.cl` for single vectors.
+//! Vectors of three components, and rotations between them; twin of `kernels/vec3.cl`.
 
 use super::{Real, quat};
 

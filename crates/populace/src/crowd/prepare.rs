@@ -6,8 +6,8 @@ use populace_character::{Character, CharacterSource, PaletteEntry};
 use populace_device::Schedule;
 use populace_model::{Affine, JointSource, Skeleton, Trs};
 
-use super::{Device, Devices};
-use crate::{Crowd, Error, Placement};
+use super::Crowd;
+use crate::{Device, Devices, Error, Placement};
 
 /// The number of members of the trial crowd. With fewer, a table with one change is uploaded as a
 /// whole and the partial upload is not built.
