@@ -1,8 +1,8 @@
-//! Characters: a skeleton, the meshes on it, materials, and the clips that came with it.
+//! Characters: a skeleton with its meshes, materials and clips.
 //!
-//! [`Character::new`] checks a [`CharacterSource`], as an importer finds it: every index points at
-//! something, every number is finite. [`vertex_reach_m`] and [`sole_points`] tell the skeleton what
-//! its vertices reach and which may touch the ground.
+//! [`Character::new`] checks a [`CharacterSource`], as an importer builds it: all indices exist and
+//! all numbers are finite. [`vertex_reach_m`] and [`sole_points`] tell the skeleton how far its
+//! vertices reach and which may touch the ground.
 
 mod character;
 mod error;

@@ -20,8 +20,9 @@ impl Character {
     ///
     /// # Errors
     ///
-    /// [`Error::BadRole`] for roles of another skeleton, [`Error::BadRest`] if the foot's rest
-    /// would be sheared, and [`Error::Cycle`] for a leg below its own foot.
+    /// [`BadRole`](populace_model::Error::BadRole) for roles of another skeleton,
+    /// [`BadRest`](populace_model::Error::BadRest) if the foot's rest would be sheared, and
+    /// [`Cycle`](populace_model::Error::Cycle) for a leg below its own foot.
     pub fn with_feet_on_legs(&self, roles: &RoleMap) -> Result<Self, Error> {
         let old = &self.skeleton;
         if roles.joint_count() != old.joint_count() {

@@ -1,10 +1,10 @@
-//! Clips: motions as rows of poses within an error bound.
+//! Clips: animations as rows of poses within an error bound.
 //!
-//! A [`Clip`] is made of a [`ClipSource`](populace_model::ClipSource) and the skeleton that it was
-//! made for. Its rows are evenly or densely spaced in time, stored in 16 bits for each component,
-//! and no point near a joint strays further from the source than [`ClipStats::tolerance_m`].
-//! Live clips are rings of rows that come in while they play. Root motion is taken out of a clip's
-//! pose and kept beside it ([`RootMotion`]).
+//! A [`Clip`] is built from a [`ClipSource`](populace_model::ClipSource) and the skeleton that it
+//! was made for. Its rows are spaced evenly or by need, with 16 bits per component. No point near a
+//! joint deviates from the source by more than [`ClipStats::tolerance_m`]. Live clips are rings of
+//! rows that arrive during playback. Root motion is taken out of a clip's pose and kept beside it
+//! ([`RootMotion`]).
 
 mod animation_set;
 mod clip;

@@ -1,9 +1,9 @@
-//! What devices evaluate, and what they promise: struct layouts shared with kernels ([`layout`]),
-//! [`Tables`] of members, slots, layers and controls, the trait that every device implements
-//! ([`Backend`]), and the hand-over of palettes to OpenGL ([`PaletteSource`], [`SharedPage`]).
+//! The data that devices evaluate and the contracts they keep: struct layouts shared with kernels
+//! ([`layout`]), [`Tables`] of members, slots, layers and controls, the trait of every device
+//! ([`Backend`]), and buffer interop of palettes with OpenGL ([`PaletteSource`], [`SharedPage`]).
 //!
-//! Slots are closed forms: what a member plays at any tick of the clock follows from its
-//! [`Slot`](layout::Slot)s alone, on the host as on every device.
+//! Slots are closed-form: what a member plays at any tick of the clock follows from its
+//! [`Slot`](layout::Slot)s alone, on the host and on every device.
 
 pub mod backend;
 mod backend_error;

@@ -1,6 +1,5 @@
-//! Data model of an animated crowd: [`Skeleton`], [`Clip`], [`AnimationSet`], [`Character`], slots,
-//! layers and masks, the struct layouts shared by host and devices ([`layout`]), the tables that a
-//! device evaluates ([`Tables`]) and the trait that every device implements ([`Backend`]).
+//! Animated bodies as plain data: [`Skeleton`], [`Track`], [`Mask`] and humanoid [`Role`]s, and the
+//! arithmetic of transforms.
 //!
 //! Spaces and units follow glTF 2.0: right-handed, Y up, +Z front, metres, seconds, radians,
 //! quaternions as `x y z w`. A transform is named `to_from`, so that inner names cancel:

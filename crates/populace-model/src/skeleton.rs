@@ -97,9 +97,9 @@ impl Skeleton {
     }
 
     /// Sets the points of each joint, in level order, that may touch the ground
-    /// ([`sole_points`](crate::sole_points)): positions at rest in model space, in metres. They
+    /// (`sole_points` of populace-character): positions at rest in model space, in metres. They
     /// keep the feet of retargeted clips above the ground
-    /// ([`Binding::retarget`](crate::Binding::retarget)). Points that are not finite are ignored.
+    /// (`Binding::retarget` of populace-retarget). Points that are not finite are ignored.
     #[must_use]
     pub fn with_soles(mut self, soles: &[Vec<[f32; 3]>]) -> Self {
         for (own, given) in Arc::make_mut(&mut self.parts).soles.iter_mut().zip(soles) {

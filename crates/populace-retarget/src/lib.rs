@@ -1,9 +1,9 @@
-//! Bindings: clips brought to skeletons that they were not made for.
+//! Bindings of clips to skeletons that they were not made for.
 //!
-//! A [`Binding`] says which column of a clip each joint of a skeleton follows, by name or by
-//! humanoid roles. By roles, both bodies are brought to a common pose, and each joint turns away
-//! from it as its partner turns away from rest; feet are kept out of the ground.
-//! [`BindingReport`] tells how well a clip fits.
+//! A [`Binding`] maps each joint of a skeleton to a column of a clip, by name or by humanoid role.
+//! By role, both bodies are brought to a common pose, each joint rotates from it as its counterpart
+//! rotates from rest, and the feet are kept out of the ground. [`BindingReport`] tells how well a
+//! clip fits.
 
 mod binding;
 mod common;

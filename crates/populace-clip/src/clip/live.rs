@@ -70,8 +70,8 @@ impl Clip {
     ///
     /// # Errors
     ///
-    /// [`Error::BadLive`] for settings out of range, [`Error::UnknownJoints`] with the nearest
-    /// names.
+    /// [`Error::BadLive`] for settings out of range,
+    /// [`UnknownJoints`](populace_model::Error::UnknownJoints) with the nearest names.
     pub fn live(name: &str, skeleton: &Skeleton, settings: &LiveSettings) -> Result<Self, Error> {
         let ring = ring(name, settings)?;
         let mut moves = vec![[false, true, false]; skeleton.joint_count()];

@@ -220,8 +220,8 @@ impl Clip {
     /// # Errors
     ///
     /// [`Error::NoMotion`] if the chosen source does not move the body or has a moving ancestor,
-    /// and for a clip that is live or has its root motion already; [`Error::UnknownJoints`] with
-    /// the nearest names.
+    /// and for a clip that is live or has its root motion already;
+    /// [`UnknownJoints`](populace_model::Error::UnknownJoints) with the nearest names.
     pub fn with_root_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         if self.ring.is_some() || self.motion.is_some() {
             return self.no_motion("is live, or its root motion has been taken out already");

@@ -16,7 +16,8 @@ pub struct LiveNewest {
     pub row: u32,
     /// Number of rows in the ring received so far, including this one.
     pub row_count: u32,
-    /// Ticks since the previous row, 1 to [`LiveRing::row_ticks`](crate::LiveRing::row_ticks).
+    /// Ticks since the previous row, 1 to
+    /// [`LiveRing::row_ticks`](populace_clip::LiveRing::row_ticks).
     pub ticks: u32,
 }
 
