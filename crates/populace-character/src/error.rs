@@ -1,21 +1,21 @@
-//! What can be wrong with a character.
+//! Errors in characters.
 
-/// Pieces that do not make a character. Messages say what is wrong, where, and the rule.
+/// Data of no valid character. Messages say what is wrong, where, and how to mend it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A skeleton, a track or a name that is at fault.
+    /// An invalid skeleton, track or name.
     #[error(transparent)]
     Model(#[from] populace_model::Error),
-    /// A clip that is at fault.
+    /// An invalid clip.
     #[error(transparent)]
     Clip(#[from] populace_clip::Error),
-    /// A part of a character that does not fit the rest of it.
+    /// A part of a character that does not fit the rest.
     #[error("{place}: {what}")]
     BadCharacter {
-        /// Which part.
+        /// The location of the part.
         place: String,
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
 }

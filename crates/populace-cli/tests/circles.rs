@@ -154,7 +154,7 @@ fn without_comments_and_tests(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Whether a text declares an item of a name.
+/// Returns whether a text declares an item of a name.
 fn declares(text: &str, name: &str) -> bool {
     let kinds =
         ["struct", "enum", "trait", "type", "fn", "const", "static", "macro_rules!", "union"];
@@ -166,7 +166,7 @@ fn declares(text: &str, name: &str) -> bool {
     })
 }
 
-/// What `use` brings in: the name here, and the path.
+/// Returns what `use` imports: the local name and the path.
 fn imports(text: &str) -> Vec<(String, Vec<String>)> {
     let mut found = Vec::new();
     for statement in text.split(';') {

@@ -16,8 +16,8 @@ use crate::storage::Range;
 pub use live::{LiveRing, LiveSettings, Streamed};
 pub use motion::{MotionOrigin, MotionSettings, MotionSource, RootMotion};
 
-/// Rests of joints of one name that turn no further from each other than this, in radians, and are
-/// no further apart than this part of the bodies' size, are the same.
+/// Tolerances within which the rests of two joints of the same name count as equal: rotation in
+/// radians, and distance as a fraction of the bodies' size.
 const SAME_TURN_RAD: f64 = 0.01;
 const SAME_PLACE: f64 = 0.002;
 
@@ -183,8 +183,8 @@ impl Clip {
         column.map_or(0.0, |column| self.rows.storage.worst[column.index()][property as usize])
     }
 
-    /// Whether a skeleton has the names of what the clip drives, most of them at least, and the
-    /// same rest there: as a file has that shares a skeleton with the clip's own.
+    /// Returns whether the skeleton can be that of the clip: it has at least half of the joint
+    /// names that the clip drives, with the same rests.
     #[must_use]
     pub fn is_made_for(&self, skeleton: &Skeleton) -> bool {
         let (size, own_size) = (f64::from(skeleton.size_m()), f64::from(self.skeleton.size_m()));
@@ -205,25 +205,25 @@ impl Clip {
         found > 0 && 2 * found >= driven
     }
 
-    /// Whether any track drives a joint of the clip's own skeleton.
+    /// Returns whether any track drives a joint of the clip's own skeleton.
     #[must_use]
     pub fn drives(&self, joint: JointIndex) -> bool {
         self.rows.driven[joint.index()].iter().any(|driven| *driven)
     }
 
-    /// Whether a track drives a property of a joint of the clip's own skeleton.
+    /// Returns whether a track drives a property of a joint of the clip's own skeleton.
     #[must_use]
     pub fn drives_property(&self, joint: JointIndex, property: Property) -> bool {
         self.rows.driven[joint.index()][property as usize]
     }
 
-    /// For each joint of the clip's own skeleton and [`Property`] what its stored components mean.
+    /// The range of stored components for each joint of the clip's own skeleton and [`Property`].
     #[must_use]
     pub fn ranges(&self) -> &[[Range; 3]] {
         &self.rows.storage.ranges
     }
 
-    /// One row of so many, as local transforms of all joints.
+    /// Iterates over the poses of every `every`th row, as local transforms of all joints.
     pub fn row_poses(&self, every: usize) -> impl Iterator<Item = Vec<DAffine3>> + '_ {
         let pose = move |row| {
             let local = |joint| self.rows.local(joint, row, 0.0).affine();
@@ -244,7 +244,7 @@ impl Clip {
         self.rows.storage.stride
     }
 
-    /// How many rows there are; at least one.
+    /// The number of rows; at least one.
     #[must_use]
     pub fn row_count(&self) -> usize {
         self.rows.times.len()
@@ -256,7 +256,7 @@ impl Clip {
         self.rows.rows_per_sec
     }
 
-    /// Times of the rows on the clip's own axis; empty where rows are evenly spaced.
+    /// Times of the rows on the clip's own axis; empty if rows are evenly spaced.
     #[must_use]
     pub fn row_times(&self) -> &[f32] {
         if self.rows.buckets.is_empty() { &[] } else { &self.rows.times }
@@ -276,7 +276,7 @@ impl Clip {
     }
 }
 
-/// What a joint takes of a stored row at most: all its components as floats.
+/// Maximum size of a joint in a stored row: all its components as floats.
 const ROW_POSE_BYTES: usize = 4 * (4 + 3 + 3);
 
 #[cfg(test)]

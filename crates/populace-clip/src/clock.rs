@@ -1,15 +1,15 @@
-//! The clock by which clips are played: whole ticks.
+//! The clock of playback, in whole ticks.
 
-/// Ticks of the crowd's clock in a second: a multiple of the usual frame rates (24, 25, 30, 50, 60,
-/// 120, 144), so that whole frames are whole numbers of ticks.
+/// Ticks per second: a multiple of the usual frame rates (24, 25, 30, 50, 60, 120, 144), so that
+/// whole frames are whole numbers of ticks.
 pub const TICKS_PER_SEC: u64 = 705_600;
-/// Where the clock of a crowd begins. Most of a year after 0: a clip that goes on at another speed
-/// is one that began at another time, maybe long before the crowd did.
+/// The tick at which a crowd's clock starts, most of a year after 0. A change of speed is stored as
+/// an earlier start, which may lie long before the crowd was built.
 pub const FIRST_TICK: u64 = 1 << 44;
 /// One tick in seconds, rounded to single precision.
 pub const TICK_SECS: f32 = 1.0 / 705_600.0;
 
-/// Ticks in a time, rounded to the nearest.
+/// Converts seconds to ticks, rounded to the nearest.
 ///
 /// Negative and non-finite times give 0.
 #[must_use]

@@ -1,37 +1,37 @@
-//! What can be wrong with a clip.
+//! Errors in clips.
 
 use populace_model::Property;
 
-/// A motion that cannot be a clip, or a clip that cannot be used so. Messages say what is wrong,
-/// where, and the rule.
+/// Data of no valid clip, or an invalid use of a clip. Messages say what is wrong, where, and how
+/// to mend it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// A skeleton, a track or a name that is at fault.
+    /// An invalid skeleton, track or name.
     #[error(transparent)]
     Model(#[from] populace_model::Error),
     /// Two tracks for one joint and property.
-    #[error("two {property:?} tracks drive joint \"{joint}\"; there may be one")]
+    #[error("two {property:?} tracks drive joint \"{joint}\"; only one is allowed")]
     DuplicateTrack {
         /// Name of the joint.
         joint: String,
         /// The property both drive.
         property: Property,
     },
-    /// A live clip that cannot be, or cannot be used so.
+    /// A live clip that is invalid, or used in an invalid way.
     #[error("the clip \"{clip}\" {what}")]
     BadLive {
         /// The clip's name.
         clip: String,
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
-    /// A clip that has no root motion to take out.
+    /// A clip without root motion.
     #[error("the clip \"{clip}\" {what}")]
     NoMotion {
         /// The clip's name.
         clip: String,
-        /// What is in the way.
+        /// The reason.
         what: String,
     },
 }

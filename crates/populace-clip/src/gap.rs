@@ -11,14 +11,14 @@ use crate::row::{PROPERTIES, Row};
 /// Number of intervals of a gap at whose ends the error is measured.
 const MEASURED: u32 = 8;
 
-/// What is needed to judge and fill the gap between two rows.
+/// Context for measuring and filling the gap between two rows.
 pub(crate) struct Gap<'a> {
     pub(crate) curves: &'a Curves<'a>,
     pub(crate) skeleton: &'a Skeleton,
     pub(crate) probes: &'a [f64],
     pub(crate) reach: &'a [f64],
     pub(crate) allowed: f64,
-    /// The most rows that the clip may have.
+    /// Maximum number of rows of the clip.
     pub(crate) most: usize,
 }
 

@@ -1,20 +1,21 @@
-//! Probes: points near joints, by which the error of rows is measured.
+//! Probes: points near joints at which the error of rows is measured.
 
 use glam::DAffine3;
 use populace_model::{Skeleton, f64math};
 
-/// What storage is judged by.
+/// Error metric and bound of storage.
 pub(crate) struct Judge<'a> {
     pub(crate) skeleton: &'a Skeleton,
     /// Distances of the probes in each joint's own units.
     pub(crate) probes: &'a [f64],
-    /// For each joint how far the farthest probe that it moves can be, in metres.
+    /// The distance of the farthest probe that each joint moves, in metres.
     pub(crate) reach: &'a [f64],
-    /// How far storage may move a probe, in metres.
+    /// The largest distance that storage may move a probe, in metres.
     pub(crate) allowed: f64,
 }
 
-/// For each joint how far from it, at rest, a probe of the joint or of one that hangs on it can be.
+/// Returns for each joint the largest distance at rest to a probe of the joint or of its
+/// descendants.
 pub(crate) fn reaches(skeleton: &Skeleton, probes: &[f64]) -> Vec<f64> {
     let parents = skeleton.parents();
     let locals = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
@@ -29,7 +30,7 @@ pub(crate) fn reaches(skeleton: &Skeleton, probes: &[f64]) -> Vec<f64> {
     reach
 }
 
-/// Distances in model space at rest as each joint's own units count them.
+/// Converts distances in model space at rest to each joint's own units.
 pub(crate) fn in_joint_units(skeleton: &Skeleton, distances: &[f64]) -> Vec<f64> {
     let locals = skeleton.joints().map(|j| f64math::affine(skeleton.rest(j)));
     let models = f64math::model_from_joints(skeleton.parents(), locals);
@@ -39,9 +40,9 @@ pub(crate) fn in_joint_units(skeleton: &Skeleton, distances: &[f64]) -> Vec<f64>
     models.iter().zip(distances).map(|(model, distance)| distance / unit(model).max(1e-6)).collect()
 }
 
-/// At most how far apart two transforms take any point at the probe's distance, in the joint's own
-/// units: of three axes at right angles one shows at least sqrt(2/3) of the worst that a turn can
-/// do.
+/// Returns an upper bound of the distance between the images of a point at the probe's distance
+/// under two transforms, in the joint's own units. Of three perpendicular axes at least one shows
+/// sqrt(2/3) of the largest distance that a rotation can cause.
 pub(crate) fn distance_at_probes(a: &DAffine3, b: &DAffine3, probe: f64) -> f64 {
     let (m, n) = (&a.matrix3, &b.matrix3);
     let turn = m

@@ -1,14 +1,14 @@
-//! One row of a clip while it is made.
+//! A row of a clip before storage.
 
 use populace_model::{Property, Skeleton};
 
 use crate::curves::{Curves, Local, Side};
 
-/// All properties, indexed by themselves.
+/// All properties; each one's index is its value as `usize`.
 pub(crate) const PROPERTIES: [Property; 3] =
     [Property::Translation, Property::Rotation, Property::Scale];
 
-/// A row: all joints at one time, on one side of it.
+/// A row before storage: the pose of all joints at one time, on one side of a STEP.
 pub(crate) struct Row {
     pub(crate) secs: f32,
     pub(crate) side: Side,

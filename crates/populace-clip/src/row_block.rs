@@ -1,4 +1,4 @@
-//! Blocks of 16 columns: where in a row their planes stand.
+//! Blocks of 16 columns and their locations within a row.
 
 /// Columns in a block. Devices read rows in blocks of this size.
 pub const COLUMNS_PER_BLOCK: u32 = 16;
@@ -9,9 +9,9 @@ pub const NO_PLANES: u32 = u32::MAX;
 /// Flag in a [`RowBlock`]'s lanes: the planes hold floats, one for each component.
 pub const ROW_FLOATS: u32 = 1 << 31;
 
-/// Where in a row a block of 16 columns stands: for each property the first word, or [`NO_PLANES`]
-/// where nothing moves, and the lanes: columns in each plane, with [`ROW_FLOATS`] where planes hold
-/// floats instead of 16-bit steps.
+/// Location of a block of 16 columns within a row: for each property the first word, or
+/// [`NO_PLANES`] if nothing moves, and the lanes: columns per plane, with [`ROW_FLOATS`] if planes
+/// hold floats instead of 16-bit steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowBlock {
     /// First word of the rotations.

@@ -37,7 +37,7 @@ pub(crate) struct Rows {
     pub(crate) buckets: Vec<u32>,
     pub(crate) buckets_per_sec: f32,
     pub(crate) rows_per_sec: f32,
-    /// Per column and [`Property`](populace_model::Property): whether a track drives it.
+    /// For each column and [`Property`](populace_model::Property): whether a track drives it.
     pub(crate) driven: Vec<[bool; 3]>,
     pub(crate) error_bound_m: f32,
     pub(crate) tolerance_m: f32,
@@ -134,8 +134,8 @@ impl Rows {
     }
 }
 
-/// The union of the key times, each with whether a STEP track jumps there. A clip without keys has
-/// one time, 0.
+/// Returns all key times, each with a flag that tells whether a STEP track jumps there. A clip
+/// without keys has the single time 0.
 fn key_times(curves: &Curves) -> Vec<(f32, bool)> {
     let mut times = Vec::new();
     for track in curves.all_tracks() {

@@ -26,9 +26,9 @@ const STILL: f64 = 0.01;
 /// Range of a column's stored numbers `n`: a component is `offset + step * n`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// The value of a component that stands still.
+    /// The smallest value of each component, or the constant value.
     pub offset: [f32; 4],
-    /// 0 where the column stands still.
+    /// 0 if the column is constant.
     pub step: f32,
 }
 
@@ -55,14 +55,14 @@ pub struct Storage {
     pub words: Vec<u32>,
     /// Words from one row to the next.
     pub stride: usize,
-    /// Where in a row each block of 16 columns stands.
+    /// Location of each block of 16 columns within a row.
     pub blocks: Vec<RowBlock>,
-    /// Per column and [`Property`].
+    /// The range of each column and [`Property`].
     pub ranges: Vec<[Range; 3]>,
-    /// How far a stored component is from the exact one at most, per column and [`Property`]:
-    /// metres, quaternion components, factors.
+    /// Largest error of a stored component, for each column and [`Property`]: in metres, quaternion
+    /// components or factors.
     pub(crate) worst: Vec<[f32; 3]>,
-    /// How far that moves any probe, in metres.
+    /// Largest distance that storage moves a probe, in metres.
     pub(crate) error_m: f64,
 }
 
@@ -156,7 +156,7 @@ impl Storage {
         Self { worst, ..Self::encode(&[pose], ranges, &floats) }
     }
 
-    /// Rows of nothing but small rotations, a column each, all of which count as moving.
+    /// Stores rows of small rotations, one per column; all columns count as moving.
     #[must_use]
     pub fn of_rotations(rows: &[Vec<DQuat>]) -> Self {
         let pose = |row: &Vec<DQuat>| -> Vec<Trs> {

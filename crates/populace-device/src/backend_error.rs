@@ -1,21 +1,21 @@
-//! What can go wrong on a device.
+//! Errors of devices.
 
-/// What went wrong on a device. The crowd's state lives on the host and survives all of these.
+/// A failure of a device. The crowd's state is on the host and survives all of these.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BackendError {
-    /// No driver that gives a device.
-    #[error("OpenCL cannot be used: {cause}; or choose the native device")]
+    /// No driver offers a device.
+    #[error("OpenCL cannot be used: {cause}; alternatively choose the native device")]
     NoRuntime {
-        /// What each driver lacks, or that there is none.
+        /// The fault of each driver, or that no driver is installed.
         cause: String,
     },
     /// A device whose driver lacks something on this machine.
-    #[error("{device} cannot be used: {cause}; or choose the native device")]
+    #[error("{device} cannot be used: {cause}; alternatively choose the native device")]
     Unusable {
         /// The device's name.
         device: String,
-        /// What it lacks, and how to mend it.
+        /// The fault and how to mend it.
         cause: String,
     },
     /// A device that does not exist.
@@ -23,30 +23,30 @@ pub enum BackendError {
     NoDevice {
         /// The index asked for.
         index: usize,
-        /// How many there are.
+        /// The number of devices.
         count: usize,
     },
-    /// A device that is not to be had in so many equal parts.
+    /// A device that cannot be divided into the requested number of equal parts.
     #[error("{device} cannot be cut into {parts} equal parts: {cause}; name the whole device")]
     NoPart {
         /// The device's name.
         device: String,
-        /// How many parts were asked for.
+        /// The requested number of parts.
         parts: usize,
-        /// Why not.
+        /// The reason.
         cause: String,
     },
-    /// Memory that could not be had.
-    #[error("{device} has no room for {bytes} bytes of {what}")]
+    /// Memory that could not be allocated.
+    #[error("{device} cannot allocate {bytes} bytes of memory for {what}")]
     OutOfMemory {
         /// The device's name.
         device: String,
-        /// What the memory was for.
+        /// The purpose of the memory.
         what: String,
-        /// How much was asked for.
+        /// The requested size.
         bytes: usize,
     },
-    /// A body whose joints do not fit what the work-items of a group share.
+    /// A body with more joints than the local memory of a work-group holds.
     #[error(
         "{device} has {available} bytes of local memory, and a body of {joints} joints takes \
          {bytes} bytes of it when fused; use --schedule staged, which takes bodies of any size"
@@ -56,44 +56,44 @@ pub enum BackendError {
         device: String,
         /// The body's joints.
         joints: usize,
-        /// How much it takes.
+        /// The bytes that the body needs.
         bytes: u64,
-        /// How much there is.
+        /// The bytes of local memory.
         available: u64,
     },
-    /// A user's stage without the form that a device runs.
-    #[error("{device} cannot run the stage \"{stage}\": it needs {form}, and was given none")]
+    /// A user stage without the form that a device runs.
+    #[error("{device} cannot run the stage \"{stage}\": it needs {form}, and none was given")]
     NoForm {
         /// The device's name.
         device: String,
         /// The stage's name.
         stage: String,
-        /// What is missing.
+        /// The missing form.
         form: &'static str,
     },
-    /// A user's stages that do not compile.
+    /// User stages that do not compile.
     #[error(
-        "{device} cannot compile the user stages; each line is that of the stage's own \
+        "{device} cannot compile the user stages; line numbers are those of each stage's own \
          text:\n{log}"
     )]
     BadStages {
         /// The device's name.
         device: String,
-        /// The compiler's own words.
+        /// The compiler's messages.
         log: String,
     },
-    /// A read of what no frame has evaluated: before the first update, after a move to another
-    /// device, after an update that failed, or of a member that came since.
+    /// A read before any frame was evaluated: before the first update, after a move to another
+    /// device, after a failed update, or of a member spawned since.
     #[error("nothing has been evaluated yet that could be read; update the crowd first")]
     NotEvaluated,
-    /// A call that the device or its driver failed.
+    /// A call that failed on the device or in its driver.
     #[error("{device} failed to {operation}: {cause}")]
     Failed {
         /// The device's name.
         device: String,
-        /// What was being done.
+        /// The operation.
         operation: String,
-        /// The driver's own words or code.
+        /// The driver's message or error code.
         cause: String,
     },
 }

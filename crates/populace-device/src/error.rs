@@ -1,34 +1,34 @@
-//! What can be wrong with what a device is to evaluate.
+//! Errors in tables, constraint programs and user stages.
 
-/// Tables, controls or stages that no device could evaluate. Messages say what is wrong, where, and
-/// the rule.
+/// Tables, constraint programs or stages that no device could evaluate. Messages say what is wrong,
+/// where, and how to mend it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// A constraint or override that no device could solve.
     #[error("{what}")]
     BadConstraint {
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
-    /// A user's stage that cannot be one.
+    /// A user stage that is invalid.
     #[error("the stage \"{stage}\": {what}")]
     BadStage {
         /// The stage's name.
         stage: String,
-        /// What is wrong and what the rule is.
+        /// The defect and the rule.
         what: String,
     },
-    /// An index that points at nothing a device could follow.
+    /// An index of something that does not exist for the member.
     #[error("there is no {what} {value} for this member")]
     BadPlayback {
-        /// What was named.
+        /// The kind of index.
         what: &'static str,
         /// The index.
         value: u32,
     },
-    /// A range that reaches past the end of its table: a fault of the library, found before a
-    /// device follows it.
+    /// A range past the end of its table: a bug in the library, found before a device follows the
+    /// range.
     #[error(
         "control {control} names {count} of {table} from {first} on, and there are {length}; this \
          is a fault of the library: please report it"
@@ -45,7 +45,7 @@ pub enum Error {
         /// Elements of the table.
         length: usize,
     },
-    /// A schedule's name that means nothing.
+    /// A name of no schedule.
     #[error(
         "there is no schedule \"{name}\"; schedules are staged, fused, fused-wide and \
          fused-grouped"
@@ -54,12 +54,12 @@ pub enum Error {
         /// The name given.
         name: String,
     },
-    /// More data than 32-bit offsets reach.
+    /// More data than 32-bit offsets can address.
     #[error("{what} would need {count} elements; devices address at most {limit}")]
     TooLarge {
-        /// Which table.
+        /// The table.
         what: &'static str,
-        /// Elements asked for.
+        /// The number of elements that are needed.
         count: usize,
         /// Elements that can be addressed.
         limit: usize,

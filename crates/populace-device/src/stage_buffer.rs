@@ -1,16 +1,16 @@
 //! The stages of a frame, and what each leaves for the next.
 
-/// A step of a frame. Pose, Transform and Write-Back are the three kernels of Lister & Day 2012,
-/// section 3, fig. 1; Evaluate is Populace's own, since slots are closed-form.
+/// A stage of a frame. Pose, Transform and Write-Back are the three kernels of Lister & Day 2012,
+/// section 3, fig. 1. Evaluate is added because slots are closed-form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
-    /// Finds each slot's rows and weight from the clock.
+    /// Finds the rows and the weight of each slot from the clock.
     Evaluate,
     /// Mixes each member's slots, layer by layer, into local transforms.
     Pose,
-    /// Runs local transforms down the hierarchy.
+    /// Multiplies local transforms down the hierarchy.
     Transform,
-    /// Multiplies by `joint_from_bind`, giving the matrix palettes.
+    /// Multiplies by `joint_from_bind`, which gives the matrix palettes.
     WriteBack,
 }
 
@@ -30,7 +30,7 @@ impl Stage {
     }
 }
 
-/// What stages write and the next ones read; each element is 16 bytes.
+/// Buffers that stages write for later stages. Each element is 16 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StageBuffer {
     /// [`SlotSample`](crate::layout::SlotSample)s, `members x slots`, slots fastest.
@@ -41,8 +41,9 @@ pub enum StageBuffer {
     Rotations,
     /// The joint buffer's local scales, `x y z 0`.
     Scales,
-    /// First rows of `model_from_joint`. Rows stand in arrays of their own: a rotated child under
-    /// non-uniform scale shears, and no translation, rotation and scale can hold that.
+    /// First rows of `model_from_joint`. Rows are kept in separate arrays. Matrices are needed
+    /// because a rotated child under non-uniform scale shears, which translation, rotation and
+    /// scale cannot express.
     ModelRow0,
     /// Second rows.
     ModelRow1,
@@ -50,14 +51,14 @@ pub enum StageBuffer {
     ModelRow2,
     /// The matrix palettes: three elements for each palette entry.
     Palette,
-    /// What is kept of members with controls from frame to frame,
-    /// [`STATES_PER_CONTROL`](crate::layout::STATES_PER_CONTROL) for each control.
+    /// History of members with constraint programs, kept from frame to frame:
+    /// [`STATES_PER_CONTROL`](crate::layout::STATES_PER_CONTROL) elements per control.
     States,
-    /// What others look at: three rows of `world_from_joint` for each; of what others are attached
-    /// to, of `model_from_joint`.
+    /// Watched joints: three rows of `world_from_joint` each, or of `model_from_joint` for joints
+    /// that members are attached to.
     Watched,
-    /// Where state machines are: a [`Running`](crate::layout::Running) in three elements for each
-    /// machine instance.
+    /// State of state machines: a [`Running`](crate::layout::Running) in three elements per machine
+    /// instance.
     Running,
 }
 

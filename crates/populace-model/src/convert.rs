@@ -10,8 +10,8 @@ pub fn single(number: f64) -> f32 {
     number as f32
 }
 
-/// An index as devices store it. Callers keep indices within 32 bits; a debug build panics on
-/// others.
+/// Converts an index to the type that devices store. Callers keep indices within 32 bits; a debug
+/// build panics on others.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, reason = "checked in debug builds")]
 pub fn u32_from(index: usize) -> u32 {
@@ -19,7 +19,7 @@ pub fn u32_from(index: usize) -> u32 {
     index as u32
 }
 
-/// The first value that is not finite.
+/// Returns the first value that is not finite.
 #[must_use]
 pub fn not_finite(values: &[f32]) -> Option<f32> {
     values.iter().copied().find(|value| !value.is_finite())

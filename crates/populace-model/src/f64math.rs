@@ -4,19 +4,19 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use crate::{JointIndex, Trs};
 
-/// Three components in double precision.
+/// Converts three components to double precision.
 #[must_use]
 pub fn vec3(v: [f32; 3]) -> DVec3 {
     DVec3::from_array(v.map(f64::from))
 }
 
-/// A quaternion `x y z w` in double precision, as long as it is.
+/// Converts a quaternion `x y z w` to double precision without normalising.
 #[must_use]
 pub fn quat(q: [f32; 4]) -> DQuat {
     DQuat::from_array(q.map(f64::from))
 }
 
-/// Each number rounded to the nearest `f32`.
+/// Rounds each number to the nearest `f32`.
 #[must_use]
 #[expect(
     clippy::cast_possible_truncation,
@@ -32,7 +32,7 @@ pub fn normalized(q: [f32; 4]) -> [f32; 4] {
     to_f32(quat(q).normalize().to_array())
 }
 
-/// The matrix of a local transform.
+/// Returns the matrix of a local transform.
 #[must_use]
 pub fn affine(trs: &Trs) -> DAffine3 {
     DAffine3::from_scale_rotation_translation(
@@ -54,8 +54,8 @@ pub fn model_from_joints(
     models
 }
 
-/// Rotations in model space of each joint, parents first, from local ones; scales above do not
-/// count.
+/// Returns the rotation of each joint in model space from local rotations, parents first; scales of
+/// ancestors do not count.
 pub fn model_rotations(
     parents: &[Option<JointIndex>],
     locals: impl Iterator<Item = DQuat>,
@@ -79,7 +79,7 @@ pub(crate) fn rest_extent(parents: &[Option<JointIndex>], rest: &[Trs]) -> f32 {
     if size > 1e-6 && size.is_finite() { to_f32([size])[0] } else { 1.0 }
 }
 
-/// A matrix in double precision.
+/// Converts a matrix to double precision.
 #[must_use]
 pub fn affine_from(m: &crate::Affine) -> DAffine3 {
     let [a, b, c] = m.rows.map(|row| row.map(f64::from));

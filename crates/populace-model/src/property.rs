@@ -2,7 +2,7 @@
 
 use crate::Trs;
 
-/// What a track drives.
+/// The property that a track drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Property {
     /// Local translation in metres, 3 values a key.
@@ -23,7 +23,7 @@ impl Property {
         }
     }
 
-    /// The property of a local transform; the fourth component of vectors is 0.
+    /// Returns the property of a local transform; the fourth component of vectors is 0.
     #[must_use]
     pub const fn of(self, trs: &Trs) -> [f32; 4] {
         let ([tx, ty, tz], [sx, sy, sz]) = (trs.translation, trs.scale);

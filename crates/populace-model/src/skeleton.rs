@@ -172,7 +172,7 @@ impl Skeleton {
         &self.parts.parents
     }
 
-    /// Whether a joint hangs on another, over however many between.
+    /// Returns whether a joint is a descendant of another.
     #[must_use]
     pub fn is_below(&self, joint: JointIndex, above: JointIndex) -> bool {
         self.ancestors(joint).any(|ancestor| ancestor == above)

@@ -18,7 +18,7 @@ pub const MAP_SCALE: u32 = 1 << 29;
 /// The bits of a joint map that name the clip's column.
 pub const MAP_COLUMN: u32 = (1 << 29) - 1;
 
-/// Poses by which hips are lifted, and the pace of feet is found: some hundred.
+/// Number of poses, at most, from which the lift of the hips and the pace of the feet are found.
 const GROUND_POSES: usize = 128;
 
 /// A clip bound to a skeleton: the column that each joint follows, and the range of its stored
@@ -44,13 +44,13 @@ pub struct Binding {
 pub struct Turn {
     /// The clip's column and `MAP_` flags of what its rows drive.
     pub map: u32,
-    /// The rotation of the clip that it goes through.
+    /// The range of the clip's rotation that the correction applies.
     pub rotation: Range,
     /// The step of the rotation's w.
     pub step_w: f32,
-    /// Added to the translation, turned by the rotation so far.
+    /// The range of the arm, which is added to the translation after rotation.
     pub arm: Range,
-    /// A rotation that comes after.
+    /// The rotation applied last.
     pub after: [f32; 4],
 }
 
@@ -75,13 +75,13 @@ impl Turn {
 /// its own rows, one for each row of the clip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Footing {
-    /// One for each joint.
+    /// One correction per joint.
     pub corrections: Vec<Turn>,
-    /// All rows, one after the other; none where it stands still.
+    /// All rows, one after the other; empty if the correction is constant.
     pub rows: Vec<u32>,
     /// Words from one row to the next.
     pub stride: usize,
-    /// Where in a row each block of 16 columns stands.
+    /// Location of each block of 16 columns within a row.
     pub blocks: Vec<RowBlock>,
 }
 
@@ -328,8 +328,8 @@ impl Binding {
         &self.ranges
     }
 
-    /// What poses go through one after the other, of all joints each; empty where the clip is bound
-    /// by name.
+    /// The corrections that poses go through one after the other, each with one element per joint;
+    /// empty if the clip is bound by name.
     #[must_use]
     pub fn corrections(&self) -> &[Vec<Turn>] {
         &self.corrections
@@ -360,7 +360,7 @@ impl Binding {
     }
 }
 
-/// What a clip does to a column.
+/// Returns what the clip does to a column: constant values or motion.
 fn motion(clip: &Clip, column: JointIndex) -> ColumnMotion {
     let [translation, rotation, _] = clip.ranges()[column.index()];
     let [x, y, z, _] = translation.offset;
@@ -375,7 +375,7 @@ fn motion(clip: &Clip, column: JointIndex) -> ColumnMotion {
     }
 }
 
-/// The joint map and ranges of a joint at rest `rest` that follows `column`.
+/// Returns the joint map and the ranges of a joint with rest `rest` that follows `column`.
 fn bind(clip: &Clip, column: Option<JointIndex>, rest: &Trs) -> (u32, [Range; 3]) {
     let mut map = column.map_or(0, |column| column.0);
     let ranges = [Property::Translation, Property::Rotation, Property::Scale].map(|property| {

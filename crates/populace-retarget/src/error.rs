@@ -1,6 +1,6 @@
-//! What can be wrong with a binding.
+//! Errors of bindings.
 
-/// A clip and a skeleton that do not fit. Messages say what is wrong, where, and the rule.
+/// A clip and a skeleton that do not fit. Messages say what is wrong, where, and how to mend it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -9,7 +9,7 @@ pub enum Error {
     CannotBind {
         /// The clip's name.
         clip: String,
-        /// What was looked for.
+        /// The reason.
         what: String,
     },
 }

@@ -76,7 +76,7 @@ pub mod model {
     }
 }
 
-/// Clips and the clock that they are played by.
+/// Clips and the clock of playback.
 pub mod clip {
     pub use populace_clip::{
         Clip, ClipStats, Error, Footstep, LiveSettings, MotionOrigin, MotionSettings, MotionSource,
@@ -93,12 +93,12 @@ pub mod character {
     };
 }
 
-/// Clips on skeletons that they were not made for.
+/// Bindings of clips to skeletons that they were not made for.
 pub mod retarget {
     pub use populace_retarget::{Binding, BindingMethod, BindingReport, Error};
 }
 
-/// What a renderer takes palettes by.
+/// Buffer interop of palettes with renderers.
 pub mod hand_over {
     pub use populace_device::layout::{Float4, PAGE_ENTRIES};
     pub use populace_device::{

@@ -192,7 +192,7 @@ impl RootMotion {
         })
     }
 
-    /// How many rows there are; at least two.
+    /// The number of rows; at least two.
     #[must_use]
     pub fn row_count(&self) -> usize {
         self.rows.len()

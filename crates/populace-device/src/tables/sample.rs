@@ -1,15 +1,15 @@
-//! How the clip of a slot stands at an instant.
+//! The sampled state of a slot's clip at a tick.
 
 use super::Tables;
 use crate::layout::{ClipRows, SLOT_ONCE, Slot};
 use crate::playback::{SampledState, far_row, row_before};
 
-/// Rows nearer to each other than this are a step of the clip, over which it has no speed.
+/// Rows closer than this, in seconds, are a STEP of the clip and have no speed.
 const STEP_SECS: f32 = 1e-3;
 
 impl Tables {
-    /// How a slot that loops, plays once or is held stands at a time of the clock that is not
-    /// before its start.
+    /// Returns the sampled state of a looping, once-playing or held slot at a tick not before its
+    /// start.
     ///
     /// # Panics
     ///
@@ -30,7 +30,7 @@ impl Tables {
         }
     }
 
-    /// How many times the way to the far row a clip goes in a second of its own time.
+    /// Returns the rate of a clip, in units of (far row - row) per second of its own time.
     fn far_rate(&self, clip: &ClipRows, at: f32) -> f32 {
         let last = clip.row_count - 1;
         let far = far_row(at, last);

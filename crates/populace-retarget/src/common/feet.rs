@@ -1,4 +1,4 @@
-//! Where a foot stands.
+//! Feet and toes of the target.
 
 use glam::{DQuat, DVec3};
 use populace_model::JointIndex;
@@ -6,12 +6,12 @@ use populace_model::humanoid::Side;
 
 pub(super) const SIDES: [Side; 2] = [Side::Left, Side::Right];
 
-/// What of the target touches the ground: a foot, or its toes.
+/// A foot or toes of the target that touch the ground.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stands {
     pub(super) joint: JointIndex,
-    /// In model space.
+    /// Position in model space.
     pub(super) position: DVec3,
-    /// From rest, in model space.
+    /// Rotation from rest, in model space.
     pub(super) rotation: DQuat,
 }

@@ -8,14 +8,15 @@ use populace_model::{JointIndex, f64math};
 use super::feet::{SIDES, Stands};
 use super::{Common, Soles};
 
-/// Feet may sink by this part of the body's size before the whole body is lifted, and it is lifted
-/// by no more than that: who lies or swims is meant to.
+/// Depth, as a fraction of the body's size, to which feet may sink before the whole body is lifted,
+/// and the maximum lift. Bodies that lie or swim are below the ground on purpose.
 const SINK_TOLERANCE: f64 = 0.004;
 const MAX_LIFT: f64 = 0.02;
-/// A pace that is further from what the length of legs says is none.
+/// Plausible ratios of the measured pace to that expected from leg lengths; others are ignored.
 const PLAUSIBLE_RATIO: std::ops::Range<f64> = 0.4..2.5;
 
-/// How far the ground passes under feet: each moment has the place of one or none for each side.
+/// Returns the distance that the ground moves under the feet. Each moment has the position of one
+/// foot per side, or none.
 fn ground_distance(moments: &[[Option<DVec3>; 2]]) -> f64 {
     let passes = moments.windows(2).map(|pair| {
         let both = pair[0].iter().zip(pair[1]).filter_map(|(before, now)| Some(((*before)?, now?)));
