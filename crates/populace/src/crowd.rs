@@ -2,27 +2,27 @@
 
 mod attach;
 mod bindings;
+mod blend_spaces;
 mod builder;
 mod characters;
-mod controls;
+mod constraints;
 mod devices;
 mod events;
 mod hand_over;
+mod humanoid;
 mod inertialization;
 mod live;
 mod machines;
 mod member;
 mod members;
 mod motion;
-mod people;
 mod playback;
 mod prepare;
 mod readback;
 mod roles;
-mod room;
-mod spaces;
+mod scheduled;
+mod slots;
 mod stages;
-mod waiting;
 mod watches;
 
 use std::collections::{BTreeMap, HashMap};
@@ -40,21 +40,21 @@ use crate::ids::{CharacterId, ClipId, MaskId, MemberId, PlaybackId};
 use crate::split::Kept;
 use crate::{Devices, Error, Placement};
 use attach::Attached;
+use blend_spaces::{ActiveSpace, Space};
 use live::Stream;
 use machines::Machines;
 use motion::Moving;
-use room::Started;
-use spaces::{Space, Steered};
+use scheduled::ScheduledStarts;
+use slots::Started;
 use stages::UserStages;
-use waiting::Waiting;
 
+pub use blend_spaces::BlendSpaceId;
 pub use builder::CrowdBuilder;
-use controls::{MemberControls, Watches};
+use constraints::{MemberControls, Watches};
 pub use events::{Event, EventKind};
 pub use machines::MachineId;
 pub use member::{MemberMut, MemberRef, MemberView};
 pub use members::Instance;
-pub use spaces::BlendSpaceId;
 pub use stages::StageId;
 pub use watches::{JointReadback, Watch};
 
@@ -146,10 +146,10 @@ pub struct Crowd {
     motions: u32,
     /// Members with root motion, by member index.
     moving: HashMap<u32, Moving>,
-    waiting: Waiting,
+    scheduled: ScheduledStarts,
     spaces: Vec<Space>,
     /// The blend space that a member plays, by member index.
-    steered: HashMap<u32, Steered>,
+    active_space: HashMap<u32, ActiveSpace>,
     machines: Machines,
 }
 
@@ -181,7 +181,7 @@ impl Crowd {
         let whole = ticks.round().max(0.0) as u64;
         let clock =
             Clock { tick: self.clock.tick.wrapping_add(whole), left_over: ticks - whole as f64 };
-        self.begin_what_is_due(clock.tick)?;
+        self.begin_due(clock.tick)?;
         self.tables.check_ranges()?;
         self.is_readable = false;
         if let Some(kept) = &mut self.kept {

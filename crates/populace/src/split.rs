@@ -158,7 +158,7 @@ impl SplitBackend {
     /// Does nothing if there is nothing to exchange.
     fn share_kept(&mut self, tables: &Tables) -> Result<(), BackendError> {
         let mut all = Kept::default();
-        if !all.make_room(tables) {
+        if !all.free_slots(tables) {
             return Ok(());
         }
         for at in 0..self.parts.len() {

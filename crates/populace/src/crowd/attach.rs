@@ -9,13 +9,13 @@ use crate::Error;
 /// The parent and the children of a member.
 #[derive(Debug, Default)]
 pub(crate) struct Attached {
-    bearer: Option<Bearer>,
-    props: Vec<MemberId>,
+    parent: Option<Parent>,
+    children: Vec<MemberId>,
 }
 
 /// The joint that an attached member follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Bearer {
+struct Parent {
     member: MemberId,
     joint: JointIndex,
     /// Its index among the watched joints.
@@ -29,65 +29,65 @@ fn refused<T>(reason: impl Into<String>) -> Result<T, Error> {
 impl Crowd {
     pub(super) fn attach(
         &mut self,
-        prop: MemberId,
+        child: MemberId,
         to: MemberId,
         joint: JointIndex,
         offset: Trs,
     ) -> Result<(), Error> {
-        self.check(prop)?;
-        self.check_bearer(prop, to)?;
-        let old = self.bearer(prop);
-        let bearer = match old {
+        self.check(child)?;
+        self.check_parent(child, to)?;
+        let old = self.parent(child);
+        let parent = match old {
             Some(old) if (old.member, old.joint) == (to, joint) => old,
-            _ => self.carry(to, joint)?,
+            _ => self.follow_joint(to, joint)?,
         };
-        let changed = self.change_controls(prop, |controls| {
-            controls.attached = Some((bearer.watched, offset));
+        let changed = self.change_controls(child, |controls| {
+            controls.attached = Some((parent.watched, offset));
             Ok(())
         });
-        if old == Some(bearer) {
+        if old == Some(parent) {
             return changed;
         }
         if let Err(error) = changed {
-            self.put_down(bearer)?;
+            self.unfollow_joint(parent)?;
             return Err(error);
         }
-        self.let_go_of(prop)?;
-        self.attachments.entry(prop.index).or_default().bearer = Some(bearer);
-        self.attachments.entry(to.index).or_default().props.push(prop);
-        self.bring_props(to)
+        self.unlink(child)?;
+        self.attachments.entry(child.index).or_default().parent = Some(parent);
+        self.attachments.entry(to.index).or_default().children.push(child);
+        self.place_children(to)
     }
 
-    pub(super) fn detach(&mut self, prop: MemberId) -> Result<(), Error> {
-        self.check(prop)?;
-        if self.bearer(prop).is_none() {
+    pub(super) fn detach(&mut self, child: MemberId) -> Result<(), Error> {
+        self.check(child)?;
+        if self.parent(child).is_none() {
             return Ok(());
         }
-        self.change_controls(prop, |controls| {
+        self.change_controls(child, |controls| {
             controls.attached = None;
             Ok(())
         })?;
-        self.let_go_of(prop)?;
-        self.tables.set_phase(prop.index, 0)?;
-        self.bring_props(prop)
+        self.unlink(child)?;
+        self.tables.set_phase(child.index, 0)?;
+        self.place_children(child)
     }
 
-    pub(super) fn attached_to(&self, prop: MemberId) -> Option<(MemberId, JointIndex)> {
-        self.bearer(prop).map(|bearer| (bearer.member, bearer.joint))
+    pub(super) fn attached_to(&self, child: MemberId) -> Option<(MemberId, JointIndex)> {
+        self.parent(child).map(|parent| (parent.member, parent.joint))
     }
 
     /// Detaches a member that is despawned, and all its children.
     pub(super) fn detach_all(&mut self, member: MemberId) -> Result<(), Error> {
         self.detach(member)?;
-        while let Some(prop) = self.prop(member, 0) {
-            self.detach(prop)?;
+        while let Some(child) = self.child(member, 0) {
+            self.detach(child)?;
         }
         Ok(())
     }
 
     /// Refuses to place a member that is attached.
     pub(super) fn check_placeable(&self, member: MemberId) -> Result<(), Error> {
-        match self.bearer(member) {
+        match self.parent(member) {
             None => Ok(()),
             Some(_) => refused(
                 "an attached member has the placement of its parent; place the parent, or detach \
@@ -97,30 +97,30 @@ impl Crowd {
     }
 
     /// Gives all attachments of a member its placement and evaluates them after it.
-    pub(super) fn bring_props(&mut self, bearer: MemberId) -> Result<(), Error> {
-        let placement = self.members[bearer.index as usize].placement;
+    pub(super) fn place_children(&mut self, parent: MemberId) -> Result<(), Error> {
+        let placement = self.members[parent.index as usize].placement;
         let mut nth = 0;
-        while let Some(prop) = self.prop(bearer, nth) {
-            self.members[prop.index as usize].placement = placement;
-            self.tables.set_phase(prop.index, self.phase(bearer) + 1)?;
-            self.stand(prop)?;
-            self.bring_props(prop)?;
+        while let Some(child) = self.child(parent, nth) {
+            self.members[child.index as usize].placement = placement;
+            self.tables.set_phase(child.index, self.phase(parent) + 1)?;
+            self.upload_placement(child)?;
+            self.place_children(child)?;
             nth += 1;
         }
         Ok(())
     }
 
-    fn bearer(&self, prop: MemberId) -> Option<Bearer> {
-        self.attachments.get(&prop.index)?.bearer
+    fn parent(&self, child: MemberId) -> Option<Parent> {
+        self.attachments.get(&child.index)?.parent
     }
 
     /// Returns the index of the parent of the member at an index.
-    pub(super) fn bearer_place(&self, place: u32) -> Option<u32> {
-        Some(self.attachments.get(&place)?.bearer?.member.index)
+    pub(super) fn parent_index(&self, place: u32) -> Option<u32> {
+        Some(self.attachments.get(&place)?.parent?.member.index)
     }
 
-    fn prop(&self, bearer: MemberId, nth: usize) -> Option<MemberId> {
-        self.attachments.get(&bearer.index)?.props.get(nth).copied()
+    fn child(&self, parent: MemberId, nth: usize) -> Option<MemberId> {
+        self.attachments.get(&parent.index)?.children.get(nth).copied()
     }
 
     fn phase(&self, member: MemberId) -> u32 {
@@ -129,12 +129,12 @@ impl Crowd {
 
     /// Returns the number of levels of attachments on a member.
     fn levels(&self, member: MemberId) -> u32 {
-        let props =
-            self.attachments.get(&member.index).into_iter().flat_map(|attached| &attached.props);
-        props.map(|prop| 1 + self.levels(*prop)).max().unwrap_or(0)
+        let children =
+            self.attachments.get(&member.index).into_iter().flat_map(|attached| &attached.children);
+        children.map(|child| 1 + self.levels(*child)).max().unwrap_or(0)
     }
 
-    fn check_bearer(&self, prop: MemberId, to: MemberId) -> Result<(), Error> {
+    fn check_parent(&self, child: MemberId, to: MemberId) -> Result<(), Error> {
         let character = self.character_state(self.check(to)?)?;
         // Fused schedules go by pages of palettes.
         if character.character.palette.is_empty() {
@@ -146,15 +146,15 @@ impl Crowd {
         }
         let mut above = Some(to);
         while let Some(member) = above {
-            if member == prop {
+            if member == child {
                 return refused(
                     "a member cannot be attached to itself or to its own attachments; detach those \
                      first",
                 );
             }
-            above = self.bearer(member).map(|bearer| bearer.member);
+            above = self.parent(member).map(|parent| parent.member);
         }
-        let (levels, most) = (self.phase(to) + 1 + self.levels(prop), PHASES_MOST - 1);
+        let (levels, most) = (self.phase(to) + 1 + self.levels(child), PHASES_MOST - 1);
         if levels > most {
             return refused(format!(
                 "attachments would be {levels} levels deep; at most {most} are possible, so attach \
@@ -165,7 +165,7 @@ impl Crowd {
     }
 
     /// Makes devices write a joint that attachments can follow.
-    fn carry(&mut self, member: MemberId, joint: JointIndex) -> Result<Bearer, Error> {
+    fn follow_joint(&mut self, member: MemberId, joint: JointIndex) -> Result<Parent, Error> {
         let watched = self.tables.add_watched();
         let changed = self.change_controls(member, |controls| {
             controls.carries.push((joint, watched));
@@ -175,32 +175,32 @@ impl Crowd {
             self.tables.remove_watched(watched);
             return Err(error);
         }
-        Ok(Bearer { member, joint, watched })
+        Ok(Parent { member, joint, watched })
     }
 
     /// Ends the writing of a followed joint.
-    fn put_down(&mut self, bearer: Bearer) -> Result<(), Error> {
-        self.change_controls(bearer.member, |controls| {
-            controls.carries.retain(|(_, watched)| *watched != bearer.watched);
+    fn unfollow_joint(&mut self, parent: Parent) -> Result<(), Error> {
+        self.change_controls(parent.member, |controls| {
+            controls.carries.retain(|(_, watched)| *watched != parent.watched);
             Ok(())
         })?;
-        self.tables.remove_watched(bearer.watched);
+        self.tables.remove_watched(parent.watched);
         Ok(())
     }
 
     /// Removes the link between a member and its parent.
-    fn let_go_of(&mut self, prop: MemberId) -> Result<(), Error> {
-        let Some(bearer) = self.bearer(prop) else { return Ok(()) };
-        self.put_down(bearer)?;
-        if let Some(attached) = self.attachments.get_mut(&prop.index) {
-            attached.bearer = None;
+    fn unlink(&mut self, child: MemberId) -> Result<(), Error> {
+        let Some(parent) = self.parent(child) else { return Ok(()) };
+        self.unfollow_joint(parent)?;
+        if let Some(attached) = self.attachments.get_mut(&child.index) {
+            attached.parent = None;
         }
-        if let Some(attached) = self.attachments.get_mut(&bearer.member.index) {
-            attached.props.retain(|other| *other != prop);
+        if let Some(attached) = self.attachments.get_mut(&parent.member.index) {
+            attached.children.retain(|other| *other != child);
         }
-        for place in [prop.index, bearer.member.index] {
+        for place in [child.index, parent.member.index] {
             let is_done =
-                |attached: &Attached| attached.bearer.is_none() && attached.props.is_empty();
+                |attached: &Attached| attached.parent.is_none() && attached.children.is_empty();
             if self.attachments.get(&place).is_some_and(is_done) {
                 self.attachments.remove(&place);
             }

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use populace_clip::AnimationSet;
 use populace_device::{GlContext, MAX_SLOTS, Schedule, Tables};
 
-use super::controls::Watches;
+use super::constraints::Watches;
 use super::machines::Machines;
+use super::scheduled::ScheduledStarts;
 use super::stages::UserStages;
-use super::waiting::Waiting;
 use super::{Clock, Crowd};
 use crate::device::Opened;
 use crate::{Device, Devices, Error, Split};
@@ -147,9 +147,9 @@ impl CrowdBuilder {
             last_serial: 0,
             motions: 0,
             moving: HashMap::new(),
-            waiting: Waiting::default(),
+            scheduled: ScheduledStarts::default(),
             spaces: Vec::new(),
-            steered: HashMap::new(),
+            active_space: HashMap::new(),
             machines: Machines::default(),
         })
     }

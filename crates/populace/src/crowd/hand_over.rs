@@ -27,7 +27,7 @@ impl PaletteSource for Crowd {
 
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
         let handed = self.opened.backend_mut().hand_over()?;
-        self.look_where_moved()?;
+        self.update_moved()?;
         Ok(handed)
     }
 
@@ -38,6 +38,6 @@ impl PaletteSource for Crowd {
     ) -> Result<(), BackendError> {
         self.check_readable()?;
         self.opened.backend_mut().with_page(page, reader)?;
-        self.look_where_moved()
+        self.update_moved()
     }
 }

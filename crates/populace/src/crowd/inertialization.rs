@@ -4,7 +4,7 @@ use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;
 
 use super::Crowd;
-use super::room::{Started, faded_out};
+use super::slots::{Started, faded_out};
 use crate::Error;
 
 impl Crowd {
@@ -25,12 +25,12 @@ impl Crowd {
 
     /// Returns the slots of a layer whose inertialization began at this tick: their target has not
     /// been evaluated yet.
-    pub(super) fn unseen(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
-        let unseen = |slot: &Slot| {
+    pub(super) fn unevaluated(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
+        let unevaluated = |slot: &Slot| {
             slot.is_inertialization() && slot.layer() == layer && slot.start_tick == tick
         };
         let slots = self.slots(place);
-        (0..slots.len()).filter(|index| unseen(&slots[*index])).collect()
+        (0..slots.len()).filter(|index| unevaluated(&slots[*index])).collect()
     }
 
     /// Starts the inertialization of every playing slot of the layer into `starting`, drops the
@@ -44,8 +44,8 @@ impl Crowd {
     ) -> Result<f32, Error> {
         let (layer, ticks) = (starting.layer(), ticks_from_secs(f64::from(secs)).max(1));
         let taking = self.tables.stand(starting, tick);
-        let unseen = self.unseen(place, layer, tick);
-        for &index in &unseen {
+        let unevaluated = self.unevaluated(place, layer, tick);
+        for &index in &unevaluated {
             let mut slot = self.slots(place)[index];
             slot.inertialize_into(taking, ticks);
             self.tables.set_slot(place, index, slot)?;
@@ -57,7 +57,7 @@ impl Crowd {
         for index in weighing {
             let slot = self.slots(place)[index];
             let [weight, rate] = weight_and_rate(&slot, tick);
-            if !unseen.is_empty() || weight <= 0.0 {
+            if !unevaluated.is_empty() || weight <= 0.0 {
                 self.empty_slot(place, index)?;
                 continue;
             }

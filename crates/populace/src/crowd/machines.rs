@@ -6,8 +6,8 @@ use std::sync::Arc;
 use populace_device::layout::{Float4, MACHINE_PARAMETERS, RUNNING_ELEMENTS, Running, Slot};
 use populace_device::{BodyIndex, StageBuffer};
 
-use super::room::{Plan, Started, faded_out};
-use super::waiting::{Action, Start};
+use super::scheduled::{Action, Start};
+use super::slots::{Plan, Started, faded_out};
 use super::{CharacterId, Crowd, MemberId, PlaybackId, u32_from};
 use crate::error::bounded;
 use crate::machine::{Compiled, bad, find};
@@ -81,7 +81,7 @@ impl Crowd {
         let mut parameters = [0.0; MACHINE_PARAMETERS as usize];
         let initial = self.machines.all[machine.index as usize].parameters.iter();
         parameters.iter_mut().zip(initial).for_each(|(own, (_, value))| *own = *value);
-        self.waiting.retain(member.index, |waiting| waiting.play.layer != play.layer);
+        self.scheduled.retain(member.index, |start| start.play.layer != play.layer);
         let action = Action::Machine { state, parameters };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
         self.begin_after(member, start, play.after_secs)
@@ -111,8 +111,8 @@ impl Crowd {
                 is_found = true;
             }
         }
-        let Self { waiting, machines, .. } = self;
-        waiting.change(place, |_, start| {
+        let Self { scheduled, machines, .. } = self;
+        scheduled.change(place, |_, start| {
             if let Action::Machine { state, parameters } = &mut start.action
                 && let Some(parameter) = machines.of_state(*state).and_then(|m| m.parameter(name))
             {
@@ -129,7 +129,7 @@ impl Crowd {
         let states = machine_instances.filter_map(|machine_instance| {
             Some(self.tables.machine_instance(machine_instance).ok()?.state)
         });
-        let all = states.chain(self.waiting.of(place).filter_map(|(_, start)| start.machine()));
+        let all = states.chain(self.scheduled.of(place).filter_map(|(_, start)| start.machine()));
         let machines: Vec<_> = all.filter_map(|state| self.machines.of_state(state)).collect();
         let names =
             machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
@@ -153,7 +153,7 @@ impl Crowd {
         let none =
             || bad(&format!("of layer {layer} has no state: the layer runs no state machine"));
         let waits = |start: &Start| start.play.layer == layer && start.machine().is_some();
-        if newest.is_none() && self.waiting.of(place).any(|(_, start)| waits(start)) {
+        if newest.is_none() && self.scheduled.of(place).any(|(_, start)| waits(start)) {
             return Err(bad(&format!(
                 "of layer {layer} has not started yet; ask for its state after the update in \
                  which it starts"
@@ -223,8 +223,8 @@ impl Crowd {
         let plan = |slot: &Slot, _| {
             if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
-        if let Some(due) = self.make_room(place, 2, secs, tick, plan)? {
-            self.waiting.push(place, due, start.at_its_time());
+        if let Some(due) = self.free_slots(place, 2, secs, tick, plan)? {
+            self.scheduled.push(place, due, start.at_its_time());
             return Ok(());
         }
         let secs = if self.is_first(place, layer, tick) { 0.0 } else { secs };

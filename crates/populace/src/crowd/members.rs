@@ -2,7 +2,7 @@
 
 use populace_model::Affine;
 
-use super::room::Started;
+use super::slots::Started;
 use super::{CharacterId, Crowd, MemberId, MemberState};
 use crate::{Error, Placement};
 
@@ -67,8 +67,8 @@ impl Crowd {
         self.forget_motion(member);
         self.forget_controls(member);
         self.tables.remove_member(member.index);
-        self.waiting.retain(member.index, |_| false);
-        self.steered.remove(&member.index);
+        self.scheduled.retain(member.index, |_| false);
+        self.active_space.remove(&member.index);
         let state = &mut self.members[member.index as usize];
         state.character = None;
         state.generation = state.generation.wrapping_add(1);
@@ -86,10 +86,10 @@ impl Crowd {
         self.check(member)?;
         placement.check()?;
         self.check_placeable(member)?;
-        self.begin_motion_anew(member)?;
+        self.restart_motion(member)?;
         self.members[member.index as usize].placement = placement;
-        self.stand(member)?;
-        self.bring_props(member)
+        self.upload_placement(member)?;
+        self.place_children(member)
     }
 
     /// Iterates over the instances to draw, in order of the members' indices.

@@ -56,7 +56,7 @@ impl Crowd {
     }
 
     /// Updates the cached root-motion offsets from the newest readback.
-    pub(super) fn look_where_moved(&mut self) -> Result<(), BackendError> {
+    pub(super) fn update_moved(&mut self) -> Result<(), BackendError> {
         if self.moving.is_empty() {
             return Ok(());
         }
@@ -83,8 +83,8 @@ impl Crowd {
             if let Some(moving) = self.moving.get(&place) {
                 return moving.moved;
             }
-            match self.bearer_place(place) {
-                Some(bearer) => place = bearer,
+            match self.parent_index(place) {
+                Some(parent) => place = parent,
                 None => return [0.0; 3],
             }
         }
@@ -131,7 +131,7 @@ impl Crowd {
     }
 
     /// Restarts root motion from a new placement, if the member has root motion.
-    pub(super) fn begin_motion_anew(&mut self, member: MemberId) -> Result<(), Error> {
+    pub(super) fn restart_motion(&mut self, member: MemberId) -> Result<(), Error> {
         match self.motion_of(member) {
             Some(_) => self.begin_or_end_motion(member, true),
             None => Ok(()),

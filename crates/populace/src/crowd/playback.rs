@@ -5,8 +5,8 @@ use populace_device::LayerSettings;
 use populace_device::layout::{Layer, NONE, SLOT_LIVE, SLOT_ONCE, Slot};
 use populace_model::Mask;
 
-use super::room::{Plan, Started, faded_out};
-use super::waiting::{Action, Start};
+use super::scheduled::{Action, Start};
+use super::slots::{Plan, Started, faded_out};
 use super::{CharacterId, ClipId, Crowd, MaskId, MemberId, PlaybackId, u32_from};
 use crate::Error;
 use crate::error::bounded;
@@ -20,7 +20,7 @@ impl Crowd {
         play: Playback,
     ) -> Result<PlaybackId, Error> {
         let start = self.start_of(member, clip, play, true)?;
-        self.waiting.retain(member.index, |waiting| waiting.play.layer != play.layer);
+        self.scheduled.retain(member.index, |start| start.play.layer != play.layer);
         self.begin_after(member, start, play.after_secs)
     }
 
@@ -57,7 +57,7 @@ impl Crowd {
         self.check(member)?;
         check_layer(layer)?;
         check_secs("the time to fade out", fade_out_secs)?;
-        self.waiting.retain(member.index, |waiting| waiting.play.layer != layer);
+        self.scheduled.retain(member.index, |start| start.play.layer != layer);
         self.forget_space(member.index, layer);
         let slots = self.slots(member.index).iter().filter(|slot| slot.layer() as usize == layer);
         let mut playing = slots.filter(|slot| !faded_out(slot, self.clock.tick));
@@ -76,7 +76,7 @@ impl Crowd {
         check_weight("the weight of a clip", weight)?;
         check_secs("the time to change a weight", over_secs)?;
         let Some(first) = self.find_slot(id)? else {
-            self.change_waiting(id, |play| play.weight = weight);
+            self.change_scheduled(id, |play| play.weight = weight);
             return Ok(());
         };
         let (place, tick) = (id.member.index, self.clock.tick);
@@ -99,7 +99,7 @@ impl Crowd {
         bounded("the speed of a clip", &[speed])?;
         let place = id.member.index;
         let Some(index) = self.find_slot(id)? else {
-            self.change_waiting(id, |play| play.speed = speed);
+            self.change_scheduled(id, |play| play.speed = speed);
             self.time_the_queue(place);
             return Ok(());
         };
@@ -217,15 +217,15 @@ impl Crowd {
         start: Start,
     ) -> Result<(), Error> {
         if due > self.clock.tick {
-            self.waiting.push(place, due, start);
+            self.scheduled.push(place, due, start);
             return Ok(());
         }
         self.begin(place, start, self.clock.tick)
     }
 
     /// Executes all starts that are due at or before `tick`, each as of its own tick.
-    pub(super) fn begin_what_is_due(&mut self, tick: u64) -> Result<(), Error> {
-        while let Some((due, place, start)) = self.waiting.take_due(tick) {
+    pub(super) fn begin_due(&mut self, tick: u64) -> Result<(), Error> {
+        while let Some((due, place, start)) = self.scheduled.take_due(tick) {
             self.begin(place, start, due)?;
         }
         Ok(())
@@ -238,9 +238,7 @@ impl Crowd {
             Action::Machine { state, parameters } => {
                 self.begin_machine(place, &start, (state, parameters), tick)
             }
-            Action::Steer { at, over_secs } => {
-                self.begin_steer(place, &start, (at, over_secs), tick)
-            }
+            Action::Move { at, over_secs } => self.begin_move(place, &start, (at, over_secs), tick),
         }
     }
 
@@ -265,9 +263,9 @@ impl Crowd {
             if alone && slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
         let needed =
-            usize::from(!inertializes || self.unseen(place, slot.layer(), tick).is_empty());
-        if let Some(due) = self.make_room(place, needed, secs, tick, role)? {
-            self.waiting.push(place, due, start.at_its_time());
+            usize::from(!inertializes || self.unevaluated(place, slot.layer(), tick).is_empty());
+        if let Some(due) = self.free_slots(place, needed, secs, tick, role)? {
+            self.scheduled.push(place, due, start.at_its_time());
             return Ok(());
         }
         let mut weight = 0.0;
@@ -312,12 +310,12 @@ impl Crowd {
         if let Some(index) = (0..self.slots(place).len()).find(|index| self.is_of(id, *index)) {
             return Ok(Some(index));
         }
-        let waits = self.waiting.of(place).any(|(_, start)| start.serial == id.serial);
+        let waits = self.scheduled.of(place).any(|(_, start)| start.serial == id.serial);
         if waits { Ok(None) } else { Err(Error::StalePlayback) }
     }
 
-    fn change_waiting(&mut self, id: PlaybackId, change: impl Fn(&mut Playback)) {
-        self.waiting.change(id.member.index, |_, start| {
+    fn change_scheduled(&mut self, id: PlaybackId, change: impl Fn(&mut Playback)) {
+        self.scheduled.change(id.member.index, |_, start| {
             if start.serial == id.serial {
                 change(&mut start.play);
             }
@@ -326,8 +324,9 @@ impl Crowd {
 
     /// Returns the tick at which the newest playback of a layer ends.
     fn end_of_layer(&self, place: u32, layer: usize) -> u64 {
-        let waiting = self.waiting.of(place).filter(|(_, start)| start.play.layer == layer).last();
-        match waiting {
+        let scheduled =
+            self.scheduled.of(place).filter(|(_, start)| start.play.layer == layer).last();
+        match scheduled {
             Some((due, start)) => self.end_of_start(due, start),
             None => self.end_of_slots(place, layer),
         }
@@ -359,15 +358,16 @@ impl Crowd {
     /// Reschedules the queued starts of a member after a change to a playback before them.
     fn time_the_queue(&mut self, place: u32) {
         let mut ends = [0, 1, 2, 3].map(|layer| self.end_of_slots(place, layer));
-        let waiting: Vec<_> = self.waiting.of(place).map(|(due, start)| (due, *start)).collect();
-        let mut dues = Vec::with_capacity(waiting.len());
-        for (due, start) in waiting {
+        let scheduled: Vec<_> =
+            self.scheduled.of(place).map(|(due, start)| (due, *start)).collect();
+        let mut dues = Vec::with_capacity(scheduled.len());
+        for (due, start) in scheduled {
             let due =
                 start.follows_after.map_or(due, |gap| ends[start.play.layer].saturating_add(gap));
             ends[start.play.layer] = self.end_of_start(due, &start);
             dues.push(due.max(self.clock.tick + 1));
         }
         let mut dues = dues.into_iter();
-        self.waiting.change(place, |due, _| *due = dues.next().unwrap_or(*due));
+        self.scheduled.change(place, |due, _| *due = dues.next().unwrap_or(*due));
     }
 }

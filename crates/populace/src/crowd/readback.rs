@@ -22,7 +22,7 @@ impl Crowd {
     ) -> Result<(), Error> {
         self.check_readable()?;
         self.opened.backend_mut().with_page(page, reader)?;
-        Ok(self.look_where_moved()?)
+        Ok(self.update_moved()?)
     }
 
     pub(super) fn palette(&mut self, member: MemberId) -> Result<Vec<Affine>, Error> {

@@ -20,7 +20,7 @@ pub(crate) struct Kept {
 impl Kept {
     /// Allocates for the history that devices do not compute for themselves. Returns `false` if
     /// there is none.
-    pub(super) fn make_room(&mut self, tables: &Tables) -> bool {
+    pub(super) fn free_slots(&mut self, tables: &Tables) -> bool {
         self.states.resize(tables.state_elements(), Float4::default());
         self.watched.resize(tables.watched_elements(), Float4::default());
         !self.states.is_empty() || !self.watched.is_empty()
@@ -63,7 +63,7 @@ impl Kept {
     /// frame.
     pub(crate) fn read(backend: &mut dyn Backend, tables: &Tables) -> Result<Self, BackendError> {
         let mut kept = Self::default();
-        if kept.make_room(tables) {
+        if kept.free_slots(tables) {
             backend.read(tables, StageBuffer::States, 0, &mut kept.states)?;
             backend.read(tables, StageBuffer::Watched, 0, &mut kept.watched)?;
         }

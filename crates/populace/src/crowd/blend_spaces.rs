@@ -4,8 +4,8 @@ use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
 use populace_device::layout::Slot;
 use populace_model::convert::single;
 
-use super::room::{Plan, Started, faded_out};
-use super::waiting::{Action, Start};
+use super::scheduled::{Action, Start};
+use super::slots::{Plan, Started, faded_out};
 use super::{Crowd, MemberId, u32_from};
 use crate::blend_space::{MOST, SpacePoint, Weights, bad};
 use crate::playback::{Playback, check_secs};
@@ -26,7 +26,7 @@ pub(super) struct Space {
 
 /// The blend space that a member plays, with its phase in closed form.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Steered {
+pub(super) struct ActiveSpace {
     serial: u32,
     space: u32,
     play: Playback,
@@ -40,7 +40,7 @@ pub(super) struct Steered {
     faded_in_tick: u64,
 }
 
-impl Steered {
+impl ActiveSpace {
     /// Returns the phase at a tick, in 2^-64 of a cycle.
     fn phase_at(&self, tick: u64) -> u64 {
         let rate = Slot::in_phase(0, 0, 0, self.cycles_per_sec).phase_rate;
@@ -100,7 +100,7 @@ impl Crowd {
         for clip in known.space.clips().to_vec() {
             self.bind(character, clip, play.partial)?;
         }
-        self.waiting.retain(member.index, |waiting| waiting.play.layer != play.layer);
+        self.scheduled.retain(member.index, |start| start.play.layer != play.layer);
         let action = Action::Space { index: space.index, at };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
         let due = self.clock.tick.saturating_add(ticks_from_secs(f64::from(play.after_secs)));
@@ -117,31 +117,34 @@ impl Crowd {
         let at = at.check()?;
         check_secs("the time to move in a blend space", over_secs)?;
         let mut waits = false;
-        self.waiting.change(member.index, |_, start| {
+        self.scheduled.change(member.index, |_, start| {
             if let Action::Space { at: point, .. } = &mut start.action {
                 *point = at;
                 waits = true;
             }
         });
-        let Some(steered) = self.steered.get(&member.index) else {
+        let Some(active_space) = self.active_space.get(&member.index) else {
             return if waits {
                 Ok(())
             } else {
                 Err(bad("parameter cannot be set: the member plays no blend space"))
             };
         };
-        let (play, serial) = (steered.play, steered.serial);
-        self.waiting
-            .retain(member.index, |waiting| !matches!(waiting.action, Action::Steer { .. }));
-        let action = Action::Steer { at, over_secs };
+        let (play, serial) = (active_space.play, active_space.serial);
+        self.scheduled.retain(member.index, |start| !matches!(start.action, Action::Move { .. }));
+        let action = Action::Move { at, over_secs };
         let start = Start { serial, action, play, follows_after: None };
-        self.begin_steer(member.index, &start, (at, over_secs), self.clock.tick)
+        self.begin_move(member.index, &start, (at, over_secs), self.clock.tick)
     }
 
     /// Forgets the blend space of a layer that something else takes over.
     pub(super) fn forget_space(&mut self, place: u32, layer: usize) {
-        if self.steered.get(&place).is_some_and(|steered| steered.play.layer == layer) {
-            self.steered.remove(&place);
+        if self
+            .active_space
+            .get(&place)
+            .is_some_and(|active_space| active_space.play.layer == layer)
+        {
+            self.active_space.remove(&place);
         }
     }
 
@@ -160,16 +163,16 @@ impl Crowd {
             if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
         let all = self.spaces[index as usize].space.weights_at(at);
-        let weights = strongest(all, |_| false, self.room_for(place, tick, plan));
+        let weights = strongest(all, |_| false, self.free_slot_count(place, tick, plan));
         let needed = weights.iter().filter(|(_, weight)| *weight > 0.0).count();
-        if let Some(due) = self.make_room(place, needed, secs, tick, plan)? {
-            self.waiting.push(place, due, start.at_its_time());
+        if let Some(due) = self.free_slots(place, needed, secs, tick, plan)? {
+            self.scheduled.push(place, due, start.at_its_time());
             return Ok(());
         }
         let secs = if self.is_first(place, layer, tick) { 0.0 } else { secs };
         self.fade_out(place, layer, secs, tick)?;
         let phase = f64::from(start.play.phase.rem_euclid(1.0));
-        let steered = Steered {
+        let active_space = ActiveSpace {
             serial: start.serial,
             space: index,
             play: start.play,
@@ -179,46 +182,54 @@ impl Crowd {
             cycles_per_sec: self.cycles_per_sec(index, &weights, start.play.speed),
             faded_in_tick: tick.saturating_add(ticks_from_secs(f64::from(secs))),
         };
-        self.steered.insert(place, steered);
+        self.active_space.insert(place, active_space);
         for (sample, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
-            self.add_sample(place, &steered, (sample, weight), secs, tick)?;
+            self.add_sample(place, &active_space, (sample, weight), secs, tick)?;
         }
         if weights != all {
-            self.steer_on(place, start, (at, secs), tick);
+            self.schedule_move(place, start, (at, secs), tick);
         }
         Ok(())
     }
 
     /// Schedules another move to the same position, because some clips have no slot yet.
-    fn steer_on(&mut self, place: u32, start: &Start, (at, secs): (SpacePoint, f32), tick: u64) {
+    fn schedule_move(
+        &mut self,
+        place: u32,
+        start: &Start,
+        (at, secs): (SpacePoint, f32),
+        tick: u64,
+    ) {
         let due = tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1);
-        let action = Action::Steer { at, over_secs: secs };
-        self.waiting.push(place, due, Start { action, ..start.at_its_time() });
-        if let Some(steered) = self.steered.get_mut(&place) {
-            steered.at = None;
+        let action = Action::Move { at, over_secs: secs };
+        self.scheduled.push(place, due, Start { action, ..start.at_its_time() });
+        if let Some(active_space) = self.active_space.get_mut(&place) {
+            active_space.at = None;
         }
     }
 
-    pub(super) fn begin_steer(
+    pub(super) fn begin_move(
         &mut self,
         place: u32,
         start: &Start,
         (at, over_secs): (SpacePoint, f32),
         tick: u64,
     ) -> Result<(), Error> {
-        let Some(steered) = self.steered.get(&place).copied().filter(|s| s.serial == start.serial)
+        let Some(active_space) =
+            self.active_space.get(&place).copied().filter(|s| s.serial == start.serial)
         else {
             return Ok(()); // Something else has started since.
         };
-        if steered.at == Some(at) {
+        if active_space.at == Some(at) {
             return Ok(());
         }
-        let all = self.spaces[steered.space as usize].space.weights_at(at);
-        let fading_in = steered.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
+        let all = self.spaces[active_space.space as usize].space.weights_at(at);
+        let fading_in =
+            active_space.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
         let secs = over_secs.max(single(fading_in));
-        let layer = steered.play.layer;
+        let layer = active_space.play.layer;
         let plan = |slot: &Slot, started: Started| {
-            let own = started.serial == steered.serial && slot.layer() as usize == layer;
+            let own = started.serial == active_space.serial && slot.layer() as usize == layer;
             match started.sample.filter(|_| own) {
                 Some(sample) if weight_of(&all, sample) > 0.0 => Plan::Stays,
                 Some(_) => Plan::Leaves,
@@ -226,55 +237,58 @@ impl Crowd {
                 None => Plan::Apart,
             }
         };
-        let is_there = |sample| self.sample_slot(place, steered.serial, sample, tick).is_some();
+        let is_there =
+            |sample| self.sample_slot(place, active_space.serial, sample, tick).is_some();
         let weights = if secs > 0.0 {
-            strongest(all, is_there, self.room_for(place, tick, plan))
+            strongest(all, is_there, self.free_slot_count(place, tick, plan))
         } else {
             all
         };
         let missing = weights.iter().filter(|(sample, weight)| *weight > 0.0 && !is_there(*sample));
         let needed = missing.count();
         if secs <= 0.0 {
-            self.steer_slots(place, &steered, &weights, 0.0, tick)?;
+            self.move_slots(place, &active_space, &weights, 0.0, tick)?;
         }
-        if let Some(due) = self.make_room(place, needed, secs, tick, plan)? {
-            self.waiting.push(place, due, *start);
-            self.steered.insert(place, Steered { at: None, ..steered });
+        if let Some(due) = self.free_slots(place, needed, secs, tick, plan)? {
+            self.scheduled.push(place, due, *start);
+            self.active_space.insert(place, ActiveSpace { at: None, ..active_space });
             return Ok(());
         }
-        let cycles_per_sec = self.cycles_per_sec(steered.space, &weights, steered.play.speed);
-        let phase = steered.phase_at(tick);
-        let steered = Steered { at: Some(at), start_tick: tick, phase, cycles_per_sec, ..steered };
-        self.steered.insert(place, steered);
-        self.steer_slots(place, &steered, &weights, secs, tick)?;
+        let cycles_per_sec =
+            self.cycles_per_sec(active_space.space, &weights, active_space.play.speed);
+        let phase = active_space.phase_at(tick);
+        let active_space =
+            ActiveSpace { at: Some(at), start_tick: tick, phase, cycles_per_sec, ..active_space };
+        self.active_space.insert(place, active_space);
+        self.move_slots(place, &active_space, &weights, secs, tick)?;
         for (sample, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
-            if self.sample_slot(place, steered.serial, sample, tick).is_none() {
-                self.add_sample(place, &steered, (sample, weight), secs, tick)?;
+            if self.sample_slot(place, active_space.serial, sample, tick).is_none() {
+                self.add_sample(place, &active_space, (sample, weight), secs, tick)?;
             }
         }
         if weights != all {
-            self.steer_on(place, start, (at, over_secs), tick);
+            self.schedule_move(place, start, (at, over_secs), tick);
         }
         Ok(())
     }
 
     /// Fades the slots of a blend space to new weights and speed, and those that it replaces out.
-    fn steer_slots(
+    fn move_slots(
         &mut self,
         place: u32,
-        steered: &Steered,
+        active_space: &ActiveSpace,
         weights: &Weights,
         secs: f32,
         tick: u64,
     ) -> Result<(), Error> {
         for index in 0..self.slots(place).len() {
             let (mut slot, started) = (self.slots(place)[index], self.started(place, index));
-            if slot.layer() as usize != steered.play.layer || faded_out(&slot, tick) {
+            if slot.layer() as usize != active_space.play.layer || faded_out(&slot, tick) {
                 continue;
             }
-            let own = started.sample.filter(|_| started.serial == steered.serial);
+            let own = started.sample.filter(|_| started.serial == active_space.serial);
             if let Some(sample) = own {
-                let paced = self.in_phase(place, steered, usize::from(sample), tick);
+                let paced = self.in_phase(place, active_space, usize::from(sample), tick);
                 self.note_left(place, &slot, tick);
                 slot = Slot {
                     start_tick: tick,
@@ -285,7 +299,8 @@ impl Crowd {
             } else if slot.end_weight > 0.0 {
                 continue;
             }
-            let weight = own.map_or(0.0, |sample| weight_of(weights, sample)) * steered.play.weight;
+            let weight =
+                own.map_or(0.0, |sample| weight_of(weights, sample)) * active_space.play.weight;
             slot.ramp_weight(tick, self.slots(place)[index].weight_at(tick), weight, secs);
             self.tables.set_slot(place, index, slot)?;
         }
@@ -295,20 +310,26 @@ impl Crowd {
     fn add_sample(
         &mut self,
         place: u32,
-        steered: &Steered,
+        active_space: &ActiveSpace,
         (sample, weight): (usize, f32),
         secs: f32,
         tick: u64,
     ) -> Result<(), Error> {
-        let mut slot =
-            self.in_phase(place, steered, sample, tick).on_layer(u32_from(steered.play.layer));
-        slot.ramp_weight(tick, 0.0, weight * steered.play.weight, secs);
+        let mut slot = self
+            .in_phase(place, active_space, sample, tick)
+            .on_layer(u32_from(active_space.play.layer));
+        slot.ramp_weight(tick, 0.0, weight * active_space.play.weight, secs);
         let sample = u16::try_from(sample).ok();
-        self.fill_slot(place, slot, Started { serial: steered.serial, sample, once: false }, tick)
+        self.fill_slot(
+            place,
+            slot,
+            Started { serial: active_space.serial, sample, once: false },
+            tick,
+        )
     }
 
-    fn in_phase(&self, place: u32, steered: &Steered, sample: usize, tick: u64) -> Slot {
-        let space = &self.spaces[steered.space as usize].space;
+    fn in_phase(&self, place: u32, active_space: &ActiveSpace, sample: usize, tick: u64) -> Slot {
+        let space = &self.spaces[active_space.space as usize].space;
         let body = self.tables.members().as_slice()[place as usize].body;
         let key = (populace_device::BodyIndex(body), space.clips()[sample].index);
         let bound =
@@ -317,8 +338,8 @@ impl Crowd {
         Slot::in_phase(
             bound,
             tick,
-            steered.phase_at(tick).wrapping_add(offset),
-            steered.cycles_per_sec,
+            active_space.phase_at(tick).wrapping_add(offset),
+            active_space.cycles_per_sec,
         )
     }
 

@@ -18,7 +18,7 @@ pub(crate) enum Action {
     /// Plays a blend space, in place of what the layer plays.
     Space { index: u32, at: SpacePoint },
     /// Moves the active blend space to another position within `over_secs`.
-    Steer { at: SpacePoint, over_secs: f32 },
+    Move { at: SpacePoint, over_secs: f32 },
     /// Runs a state machine with initial parameters, in place of what the layer plays.
     Machine { state: u32, parameters: [f32; MACHINE_PARAMETERS as usize] },
 }
@@ -50,24 +50,24 @@ type Entry = (u64, u64, Start);
 
 /// All scheduled starts, by member and by time.
 #[derive(Default)]
-pub(crate) struct Waiting {
-    by_place: HashMap<u32, Vec<Entry>>,
+pub(crate) struct ScheduledStarts {
+    by_member: HashMap<u32, Vec<Entry>>,
     by_time: BTreeMap<(u64, u64), u32>,
     pushed: u64,
 }
 
-impl Waiting {
+impl ScheduledStarts {
     pub(crate) fn push(&mut self, place: u32, due: u64, start: Start) {
         self.pushed += 1;
         self.by_time.insert((due, self.pushed), place);
-        let starts = self.by_place.entry(place).or_default();
+        let starts = self.by_member.entry(place).or_default();
         starts.push((due, self.pushed, start));
         starts.sort_by_key(|(due, order, _)| (*due, *order));
     }
 
     /// Iterates over the starts of a member in order of time, with the ticks at which they are due.
     pub(crate) fn of(&self, place: u32) -> impl Iterator<Item = (u64, &Start)> {
-        self.by_place.get(&place).into_iter().flatten().map(|(due, _, start)| (*due, start))
+        self.by_member.get(&place).into_iter().flatten().map(|(due, _, start)| (*due, start))
     }
 
     /// Takes the first start that is due at or before `tick`.
@@ -77,18 +77,18 @@ impl Waiting {
             return None;
         }
         self.by_time.remove(&(due, order));
-        let starts = self.by_place.get_mut(&place)?;
+        let starts = self.by_member.get_mut(&place)?;
         let at = starts.iter().position(|entry| entry.1 == order)?;
         let (_, _, start) = starts.remove(at);
         if starts.is_empty() {
-            self.by_place.remove(&place);
+            self.by_member.remove(&place);
         }
         Some((due, place, start))
     }
 
     /// Drops the starts of a member for which `keep` returns false.
     pub(crate) fn retain(&mut self, place: u32, keep: impl Fn(&Start) -> bool) {
-        let Some(starts) = self.by_place.get_mut(&place) else { return };
+        let Some(starts) = self.by_member.get_mut(&place) else { return };
         starts.retain(|(due, order, start)| {
             let kept = keep(start);
             if !kept {
@@ -97,13 +97,13 @@ impl Waiting {
             kept
         });
         if starts.is_empty() {
-            self.by_place.remove(&place);
+            self.by_member.remove(&place);
         }
     }
 
     /// Changes the starts of a member and the ticks at which they are due.
     pub(crate) fn change(&mut self, place: u32, mut change: impl FnMut(&mut u64, &mut Start)) {
-        for (due, order, start) in self.by_place.get_mut(&place).into_iter().flatten() {
+        for (due, order, start) in self.by_member.get_mut(&place).into_iter().flatten() {
             self.by_time.remove(&(*due, *order));
             change(due, start);
             self.by_time.insert((*due, *order), place);
@@ -127,27 +127,27 @@ mod tests {
 
     #[test]
     fn starts_are_taken_by_time_and_then_by_call_order() {
-        let mut waiting = Waiting::default();
+        let mut scheduled = ScheduledStarts::default();
         for (place, due, serial) in [(1, 30, 0), (2, 10, 1), (1, 10, 2), (3, 50, 3), (2, 10, 4)] {
-            waiting.push(place, due, start(serial, 0));
+            scheduled.push(place, due, start(serial, 0));
         }
-        waiting.change(1, |due, start| *due = if start.serial == 0 { 5 } else { *due });
-        let taken: Vec<_> = std::iter::from_fn(|| waiting.take_due(30)).collect();
+        scheduled.change(1, |due, start| *due = if start.serial == 0 { 5 } else { *due });
+        let taken: Vec<_> = std::iter::from_fn(|| scheduled.take_due(30)).collect();
         let order: Vec<_> =
             taken.iter().map(|(due, place, start)| (*due, *place, start.serial)).collect();
         assert_eq!(order, [(5, 1, 0), (10, 2, 1), (10, 1, 2), (10, 2, 4)]);
-        assert_eq!(waiting.of(3).count(), 1);
-        assert!(waiting.take_due(49).is_none() && waiting.take_due(50).is_some());
-        assert!(waiting.by_place.is_empty() && waiting.by_time.is_empty());
+        assert_eq!(scheduled.of(3).count(), 1);
+        assert!(scheduled.take_due(49).is_none() && scheduled.take_due(50).is_some());
+        assert!(scheduled.by_member.is_empty() && scheduled.by_time.is_empty());
     }
 
     #[test]
     fn retain_drops_starts_of_one_layer_only() {
-        let mut waiting = Waiting::default();
-        (0..4).for_each(|n| waiting.push(n % 2, 10, start(n, n as usize / 2)));
-        waiting.retain(1, |start| start.play.layer != 1);
+        let mut scheduled = ScheduledStarts::default();
+        (0..4).for_each(|n| scheduled.push(n % 2, 10, start(n, n as usize / 2)));
+        scheduled.retain(1, |start| start.play.layer != 1);
         let left: Vec<_> =
-            std::iter::from_fn(|| waiting.take_due(10)).map(|(_, _, s)| s.serial).collect();
+            std::iter::from_fn(|| scheduled.take_due(10)).map(|(_, _, s)| s.serial).collect();
         assert_eq!(left, [0, 1, 2]);
     }
 }

@@ -93,7 +93,7 @@ impl Crowd {
     /// Frees `needed` slots. If too few are free, fades out the weakest and returns the tick at
     /// which they become free. Meanwhile the other weights of the layer hold, except for the
     /// strongest slot, which takes up the weight of those that fade.
-    pub(super) fn make_room(
+    pub(super) fn free_slots(
         &mut self,
         place: u32,
         needed: usize,
@@ -108,24 +108,24 @@ impl Crowd {
             return Ok(None);
         }
         let plans = self.plans(place, plan);
-        let (mut victims, others) = self.by_strength(place, &shares, &plans);
-        let smoothly = victims.len() >= missing;
-        victims.extend(others);
-        let splits = victims.get(missing - 1).and_then(|last| self.mate(place, *last))
-            == victims.get(missing).copied();
-        victims.truncate(missing + usize::from(splits));
+        let (mut evicted, others) = self.by_strength(place, &shares, &plans);
+        let smoothly = evicted.len() >= missing;
+        evicted.extend(others);
+        let splits = evicted.get(missing - 1).and_then(|last| self.partner(place, *last))
+            == evicted.get(missing).copied();
+        evicted.truncate(missing + usize::from(splits));
         if secs <= 0.0 || !smoothly {
-            for index in victims {
+            for index in evicted {
                 self.cut(place, index, tick)?;
             }
             return Ok(None);
         }
-        let share: f32 = victims.iter().filter_map(|i| shares[*i]).sum();
-        self.hasten(place, &victims, &plans, share * secs, tick).map(Some)
+        let share: f32 = evicted.iter().filter_map(|i| shares[*i]).sum();
+        self.fade_out_for(place, &evicted, &plans, share * secs, tick).map(Some)
     }
 
     /// The number of slots that are free or can be freed without a jump of the pose.
-    pub(super) fn room_for(
+    pub(super) fn free_slot_count(
         &self,
         place: u32,
         tick: u64,
@@ -143,7 +143,7 @@ impl Crowd {
 
     /// Returns the other slot of a state machine. Only the device knows their weights, so both stay
     /// or leave together.
-    fn mate(&self, place: u32, index: usize) -> Option<usize> {
+    fn partner(&self, place: u32, index: usize) -> Option<usize> {
         let slots = self.slots(place);
         slots[index].machine_instance()?;
         let is_mate = |slot: &Slot| {
@@ -167,11 +167,11 @@ impl Crowd {
             false if plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0 => (0, 0),
             false => (2, 0),
         };
-        let is_second = |i: usize| self.mate(place, i).is_some_and(|mate| mate < i);
+        let is_second = |i: usize| self.partner(place, i).is_some_and(|partner| partner < i);
         let gives_way =
             |i: &usize| shares[*i].is_some() && plans[*i] != Plan::Stays && !is_second(*i);
         let mut order: Vec<_> = (0..slots.len()).filter(gives_way).collect();
-        let both = |i: usize| [Some(i), self.mate(place, i)].into_iter().flatten();
+        let both = |i: usize| [Some(i), self.partner(place, i)].into_iter().flatten();
         let share = |i: usize| both(i).filter_map(|i| shares[i]).sum::<f32>();
         order.sort_by(|&a, &b| rank(a).cmp(&rank(b)).then(share(a).total_cmp(&share(b))));
         let mut base = 0.0;
@@ -184,20 +184,20 @@ impl Crowd {
         (fading.into_iter().flat_map(both).collect(), others.into_iter().flat_map(both).collect())
     }
 
-    /// Fades out `victims` within `secs` and returns the tick at which they are free. Other slots
+    /// Fades out `evicted` within `secs` and returns the tick at which they are free. Other slots
     /// that the start affects hold their weights until then, so that the pose moves no faster than
     /// by one crossfade.
-    fn hasten(
+    fn fade_out_for(
         &mut self,
         place: u32,
-        victims: &[usize],
+        evicted: &[usize],
         plans: &[Plan],
         secs: f32,
         tick: u64,
     ) -> Result<u64, Error> {
         let mut due = tick + 1;
         let mut left_behind = [0.0_f32; MAX_LAYERS];
-        for &index in victims {
+        for &index in evicted {
             let mut slot = self.slots(place)[index];
             if slot.is_inertialization() {
                 due = due.max(slot.inertialization_tick());
@@ -219,7 +219,7 @@ impl Crowd {
         for (layer, left) in (0..).zip(left_behind) {
             let of_layer = |i: &usize| {
                 plans[*i] != Plan::Apart
-                    && !victims.contains(i)
+                    && !evicted.contains(i)
                     && self.slots(place)[*i].layer() == layer
             };
             let mut still: Vec<_> = (0..plans.len()).filter(of_layer).collect();
@@ -228,7 +228,7 @@ impl Crowd {
             let heirs: Vec<_> = still
                 .first()
                 .iter()
-                .flat_map(|i| [Some(**i), self.mate(place, **i)])
+                .flat_map(|i| [Some(**i), self.partner(place, **i)])
                 .flatten()
                 .collect();
             for index in still {
@@ -305,7 +305,7 @@ impl Crowd {
         Ok(self.tables.set_slot(place, index, empty)?)
     }
 
-    /// Writes a slot to a free index; the caller has called [`make_room`](Self::make_room).
+    /// Writes a slot to a free index; the caller has called [`free_slots`](Self::free_slots).
     pub(super) fn fill_slot(
         &mut self,
         place: u32,

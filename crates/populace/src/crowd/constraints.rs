@@ -9,7 +9,7 @@ use populace_device::{
 };
 use populace_model::{JointIndex, LARGEST_SCALE, Skeleton};
 
-use super::people::limb_above;
+use super::humanoid::limb_above;
 use super::{Crowd, MemberId};
 use crate::{Error, Gaze, Reach, Target, Weight};
 
@@ -319,13 +319,13 @@ impl Crowd {
         forget_faded(&mut controls, self.clock.tick);
         self.tables.set_controls(member.index, skeleton, &controls)?;
         state.controls = controls;
-        self.stand(member)?;
-        self.unwatch_what_no_target_names(member);
+        self.upload_placement(member)?;
+        self.unwatch_unused(member);
         Ok(())
     }
 
     /// Ends the watches of joints that no target of the member names any longer.
-    fn unwatch_what_no_target_names(&mut self, member: MemberId) {
+    fn unwatch_unused(&mut self, member: MemberId) {
         let Some(state) =
             self.controls.get_mut(&member.index).filter(|state| !state.watching.is_empty())
         else {
@@ -346,7 +346,7 @@ impl Crowd {
     }
 
     /// Uploads the placement of a member that has a constraint program.
-    pub(super) fn stand(&mut self, member: MemberId) -> Result<(), Error> {
+    pub(super) fn upload_placement(&mut self, member: MemberId) -> Result<(), Error> {
         let placement = self.members[member.index as usize].placement;
         let [cos_row, _, _] = crate::Placement { scale: 1.0, ..placement }.world_from_model().rows;
         let place = Place {
