@@ -37,7 +37,7 @@ pub enum BackendError {
         cause: String,
     },
     /// Memory that could not be allocated.
-    #[error("{device} cannot allocate {bytes} bytes of memory for {what}")]
+    #[error("{device} cannot allocate {bytes} bytes of {what}")]
     OutOfMemory {
         /// The device's name.
         device: String,
