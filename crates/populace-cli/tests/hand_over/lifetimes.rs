@@ -114,8 +114,7 @@ fn connected_crowd_moves_to_another_device() {
     }
 }
 
-/// Creates a square on a joint that a clip lifts. It has so many palette entries that a page holds
-/// two members.
+/// Creates a square on a joint that a clip lifts. A page holds the palettes of two such members.
 fn large() -> Character {
     let joint = JointSource { name: "base".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint]).unwrap();
